@@ -1,1 +1,1 @@
-"""The half-space in elements: axisymmetric elasticity, multipliers, Boussinesq's far field."""
+"""The half-space in finite elements: axisymmetric elasticity, Lagrange multipliers, far field."""

@@ -1,10 +1,9 @@
-"""Eliminate the inside of the half-space.
+"""Eliminate the unknowns inside the half-space by one sparse Cholesky factorisation.
 
-A sparse Cholesky factorisation whose trailing block is what is wanted.
-
-With the kept unknowns ordered last, the trailing block `L` of the factor satisfies ``L L^T = ``
-Schur complement of the inside: one factorisation, no solve per kept unknown. CHOLMOD (from
-`kvxopt`, an optional extra) is used where it is installed, SuperLU (from scipy) everywhere else.
+The retained unknowns are ordered last. The trailing block `L` of the Cholesky factor then satisfies
+``L L^T = `` Schur complement of the unknowns inside. This takes one factorisation and no solve per
+retained unknown. CHOLMOD (from `kvxopt`, an optional extra) is used if it is installed, otherwise
+SuperLU (from scipy).
 """
 
 import importlib.util
@@ -24,7 +23,7 @@ SYMMETRIC: dict[str, object] = {"diag_pivot_thresh": 0.0, "options": {"Symmetric
 
 
 def solver() -> str:
-    """Name of the sparse factorisation in use."""
+    """Name the sparse factorisation in use, `cholmod` or `superlu`."""
     return "cholmod" if importlib.util.find_spec("kvxopt") else "superlu"
 
 
@@ -33,12 +32,11 @@ def fill_reducing_order(groups: Indices) -> Indices:
 
     Parameters
     ----------
-    groups : (p, m) the p vertices of each of m groups, numbered from 0 to n - 1; those of one group
-        are neighbours
-    name : `cholmod` or `superlu`; default the best one installed
+    groups : (p, m) the p vertices of each of m groups, numbered from 0 to n - 1; the vertices of a
+        group are neighbours of each other
     """
-    pairs = groups[np.array(np.tril_indices(len(groups)))]
-    places = pairs.max(axis=0).ravel(), pairs.min(axis=0).ravel()
+    neighbour_pairs = groups[np.array(np.tril_indices(len(groups)))]
+    places = neighbour_pairs.max(axis=0).ravel(), neighbour_pairs.min(axis=0).ravel()
     lower = coo_matrix((np.ones(len(places[0])), places), shape=(groups.max() + 1,) * 2)
     if solver() == "cholmod":
         from kvxopt import amd
@@ -50,31 +48,31 @@ def fill_reducing_order(groups: Indices) -> Indices:
 
 
 def symmetric(lower: coo_matrix) -> csc_matrix:
-    """Return the symmetric matrix of a lower triangle, entries at one place summed."""
+    """Return the symmetric matrix with a given lower triangle; duplicate entries are summed."""
     summed = lower.tocsc()
     return (summed + tril(summed, -1).T).tocsc()
 
 
 def cholmod_matrix(lower: coo_matrix) -> "spmatrix":
-    """Return a lower triangle as CHOLMOD's kind of matrix, entries at one place summed."""
+    """Return a lower triangle in CHOLMOD's matrix format; duplicate entries are summed."""
     import kvxopt
 
-    # converted one by one: fewer copies at a time
+    # convert the arrays one after the other, so that fewer copies exist at a time
     rows, columns = (kvxopt.matrix(indices.astype(np.int64)) for indices in (lower.row, lower.col))
     return kvxopt.spmatrix(kvxopt.matrix(lower.data), rows, columns, lower.shape)
 
 
-def trailing_factor(lower: coo_matrix, inside: int) -> Array:
-    """Return the Cholesky factor of the Schur complement that eliminating unknowns leaves.
+def trailing_factor(lower: coo_matrix, eliminated: int) -> Array:
+    """Return the Cholesky factor of the Schur complement that remains after an elimination.
 
-    The factor is lower triangular (k, k), with k the number of unknowns that remain when the first
-    `inside` are eliminated.
+    The factor is lower triangular (k, k), where k is the number of unknowns that remain when the
+    first `eliminated` unknowns are eliminated.
 
     Parameters
     ----------
-    lower : lower triangle of a symmetric positive definite matrix; unknowns to eliminate first, in
-        the order of elimination; entries at one place are summed
-    inside : how many to eliminate
+    lower : lower triangle of a symmetric positive definite matrix, whose duplicate entries are
+        summed; the unknowns to eliminate come first, in the order of elimination
+    eliminated : number of unknowns to eliminate
 
     Raises
     ------
@@ -82,43 +80,43 @@ def trailing_factor(lower: coo_matrix, inside: int) -> Array:
         if the matrix is not positive definite
     """
     try:
-        return (_cholmod if solver() == "cholmod" else _superlu)(lower, inside)
+        return (_cholmod if solver() == "cholmod" else _superlu)(lower, eliminated)
     except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         raise SolverError(
             f"the stiffness of the half-space could not be factorised: {error}"
         ) from error
 
 
-def _cholmod(lower: coo_matrix, inside: int) -> Array:
+def _cholmod(lower: coo_matrix, eliminated: int) -> Array:
     import kvxopt
     from kvxopt import cholmod
 
     matrix = cholmod_matrix(lower)
-    before = dict(cholmod.options)
-    # the order is ours, down to the last unknown: CHOLMOD must not improve on it
+    saved_options = dict(cholmod.options)
+    # the unknowns are already in the order of elimination, which CHOLMOD must not change
     cholmod.options.update({"supernodal": 2, "postorder": False, "nmethods": 1})
     try:
         factor = cholmod.symbolic(matrix, p=kvxopt.matrix(np.arange(lower.shape[0])))
         cholmod.numeric(matrix, factor)
-        # a factorisation that met a pivot that is not positive stops without a word
+        # CHOLMOD stops without an error at a pivot that is not positive
         if not (np.array(cholmod.diag(factor)) > 0).all():
             raise ArithmeticError("it is not positive definite")
-        # all of the factor is many times as large as what is wanted of it: one copy, and room for
-        # it
+        # the factor is many times larger than its trailing block: free the matrix to make room for
+        # one copy
         del matrix
-        trailing = cholmod.getfactor(factor)[inside:, inside:]
+        trailing = cholmod.getfactor(factor)[eliminated:, eliminated:]
     finally:
         cholmod.options.clear()
-        cholmod.options.update(before)
+        cholmod.options.update(saved_options)
     return np.array(kvxopt.matrix(trailing))
 
 
-def _superlu(lower: coo_matrix, inside: int) -> Array:
+def _superlu(lower: coo_matrix, eliminated: int) -> Array:
     factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
     pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(lower.shape[0]))
     pivots = factor.U.diagonal()
     if pivoted or not (pivots > 0).all():
         raise ArithmeticError("it is not positive definite")
-    # of a symmetric matrix U = D L^T: Cholesky's factor is L with its columns scaled, without any
-    # product of the two
-    return factor.L[inside:, inside:].toarray() * np.sqrt(pivots[inside:])
+    # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its columns scaled by
+    # sqrt(D). No matrix product is needed.
+    return factor.L[eliminated:, eliminated:].toarray() * np.sqrt(pivots[eliminated:])

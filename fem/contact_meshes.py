@@ -1,26 +1,27 @@
-"""Finite-element half-spaces for contact on part of the face."""
+"""Finite-element half-spaces for contact on a part of the punch face."""
 
 from dataclasses import replace
 
 import numpy as np
 from skfem import Mesh
 
-from ..meshes import bisection, cell_triangles
+from ..meshes import bisection
+from ..meshes.by_gmsh import cell_triangles
+from ..meshes.by_gmsh.outline import Outline, truncation_beside
+from ..meshes.by_gmsh.quads import graded
 from ..meshes.contact_cells import ContactCells
 from ..meshes.ground.ground import Ground
 from ..meshes.half_space import halved
-from ..meshes.outline import Outline, truncation_beside
 from ..meshes.pressure_space import PressureSpace
-from ..meshes.quads import graded
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import SizeField
 from .elasticity import AxisymmetricElasticity
 from .far_field import enough_poles
 from .half_space import HalfSpace, contact_breakpoints, pressure_space
 
-# growth of triangles with the depth, and that of a coarser half-space, whose difference shows what
-# they err by
+# increase of the triangle size per depth
 TRIANGLE_GROWTH = 0.6
+# the same on the coarser half-space of the error estimate
 COARSER_GROWTH = 0.9
 # truncation radius, over the radius of the contact or of the punch, of elements of high degree and
 # of layers, and that of triangles on a homogeneous half-space
@@ -39,28 +40,33 @@ def fitted_half_space(
     poisson_ratio: float,
     ground: Ground | None = None,
 ) -> HalfSpace:
-    """Return quadrilaterals of high degree in geometric layers round every edge of a contact.
+    """Return a half-space of quadrilaterals with geometric layers round every edge of a contact.
 
     Parameters
     ----------
-    edges : from 0 to 1; the pressure space is broken at each
-    infinite : at which of them the pressure is infinite
-    degree : of the displacement, two above that of the pressure
-    poisson_ratio : of the half-space
+    edges : edges of the contact, from 0 to 1; the pressure space is broken at each
+    infinite : whether the pressure is infinite at each edge
+    degree : degree of the displacement, two above that of the pressure
+    poisson_ratio : Poisson's ratio of the half-space
     ground : layers, with lengths over the radius of the contact; homogeneous if not given
     """
     marks = np.array(edges)
 
-    def as_root(distance: Array, *_: Array | Indices) -> Array:
-        # what stands behind high degrees: pressures rise or fall at edges as a root
+    def root_amplitude(distance: Array, *_: Array | Indices) -> Array:
+        # amplitude of high degrees: near an edge the pressure varies as sqrt(distance) or its
+        # inverse
         return np.sqrt(distance)
 
-    # infinite as a root, or falling to zero as one: smaller still, stiffnesses would lose digits
+    # Size at an edge where the pressure is infinite, and at one where it falls to zero. On smaller
+    # elements the stiffness would lose digits.
     sizes = np.where(infinite, 1e-10, 2.5e-7)[1:]
-    # layers beside the axis, where a cone's pressure is infinite as a logarithm
-    beside_axis = 1e-2
-    if edges[1] > 4 * beside_axis:
-        marks, sizes = np.insert(marks, 1, beside_axis), np.insert(sizes, 0, beside_axis)
+    # layers near the axis, where the pressure under a cone has a logarithmic singularity
+    axis_layer_radius = 1e-2
+    if edges[1] > 4 * axis_layer_radius:
+        marks, sizes = (
+            np.insert(marks, 1, axis_layer_radius),
+            np.insert(sizes, 0, axis_layer_radius),
+        )
     interfaces = () if ground is None else tuple(ground.depths.tolist())
     mesh = graded(
         marks,
@@ -69,12 +75,12 @@ def fitted_half_space(
         factor=0.25,
         growth=0.8,
         outer=truncation_beside(interfaces, NEAR_TRUNCATION),
-        edge_amplitude=as_root,
+        edge_amplitude=root_amplitude,
         interfaces=interfaces,
         rigid=ground is not None and ground.rigid,
     ).mesh
     solid = AxisymmetricElasticity.on_ground(mesh, degree, poisson_ratio, ground)
-    # moments of the face are taken between rounded radii: pressures have to be, too
+    # moments of the face are integrated between rounded radii, and so must the pressures be
     space = replace(pressure_space(solid, marks), low_parts=None)
     poles = enough_poles(NEAR_TRUNCATION, NEGLIGIBLE_ENERGY)
     return HalfSpace(solid, space, poles).without_dependent_poles()
@@ -90,18 +96,19 @@ def even_half_space(
 ) -> HalfSpace:
     """Return a half-space of triangles of one degree with piecewise linear contact pressures.
 
-    The pressure is linear on each facet of a mesh whose facets are no larger than the cells, and
-    may break at ring edges. The displacement has that mesh, or one halved from it: beneath linear
-    displacements, pressures are stable if they have larger facets.
+    The contact facets are no larger than the cells. The pressure is linear on each facet and may
+    jump at ring edges. The displacement is defined on the same mesh, or on one obtained from it by
+    halving: with linear displacements, the pressures are stable only if their facets are larger
+    than those of the displacements.
 
     Parameters
     ----------
-    cells : of the contact
-    poisson_ratio : of the half-space
-    growth : of triangles with the depth
-    degree : of the displacement
-    halvings : times that every triangle is halved for the displacement, at least 1 for degree 1;
-        none on layers
+    cells : sizes of the contact facets
+    poisson_ratio : Poisson's ratio of the half-space
+    growth : increase of the triangle size per depth
+    degree : degree of the displacement
+    halvings : number of times that every triangle is halved for the displacement, at least 1 for
+        degree 1; none on layers
     ground : layers, whose interfaces gmsh makes lines of the mesh; homogeneous if not given
     """
     edges = cells.ring_edges
@@ -112,9 +119,9 @@ def even_half_space(
         outer = truncation_beside(interfaces, NEAR_TRUNCATION)
         outline = Outline.of_layers(outer, interfaces, ground.rigid)
         mesh = cell_triangles.mesh(cells, growth, outline)
-    breakpoints, below = contact_breakpoints(mesh, np.array(edges))
+    breakpoints, low_parts = contact_breakpoints(mesh, np.array(edges))
     linear = np.where((breakpoints[1:] <= edges[1]) & cells.hollow, 0, 1)
-    space = PressureSpace(breakpoints, linear, np.array(edges), below)
+    space = PressureSpace(breakpoints, linear, np.array(edges), low_parts)
     if halvings:
         mesh = halved(mesh, np.array(edges), halvings)
     solid = AxisymmetricElasticity.on_ground(mesh, degree, poisson_ratio, ground)

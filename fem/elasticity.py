@@ -1,7 +1,7 @@
 """The axisymmetric elastic solid on any scikit-fem mesh of the half-space.
 
-The degrees of freedom are numbered by scikit-fem. Functions inside elements are condensed, all
-elements of one degree at once, before anything is assembled.
+The degrees of freedom are numbered by scikit-fem. Before the assembly, the functions inside
+elements are condensed for all elements of one degree at once.
 """
 
 from collections.abc import Callable
@@ -15,9 +15,15 @@ from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
 from ..meshes.ground.ground import Ground
-from ..meshes.half_space import DEEP, LOWER, facet_ends, radial_ranks, segments
+from ..meshes.half_space import (
+    DEEP_SUBDOMAIN,
+    LOWERED_DEGREE_PREFIX,
+    facet_ends,
+    radial_ranks,
+    segments,
+)
 from ..meshes.radial import Array, Indices
-from ..meshes.sizes import LOWEST
+from ..meshes.sizes import LOWEST_DISPLACEMENT_DEGREE
 from .elements import check_element
 from .weak_form import element_of_degree, moduli, stiffness
 
@@ -28,17 +34,18 @@ HIGHEST_RATIO_IN_LAYERS = 0.5 - 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """All elements of one degree.
+    """All elements of one polynomial degree.
 
     Parameters
     ----------
-    solid : that they belong to
+    solid : the elastic solid that contains the elements
     degree : polynomial degree
-    elements : (m,) their numbers in the mesh
-    functions : (b + i,) those of the element of highest degree that they use, those inside last
-    unknowns : (m, 2 b) radial, then axial unknowns of those that are not inside; one past the last
-        if fixed at zero
-    inside : (m, i) numbers of those inside
+    elements : (m,) numbers of the elements in the mesh
+    functions : (b + i,) the functions used, as numbers of the local functions of the element of
+        highest degree; functions inside the element come last
+    unknowns : (m, 2 b) radial, then axial unknowns of the functions on the element boundary;
+        unknowns that are fixed at zero have a number one past the last
+    inside : (m, i) numbers of the functions inside the element
     """
 
     solid: "AxisymmetricElasticity"
@@ -50,19 +57,19 @@ class Batch:
 
     @cached_property
     def condensed(self) -> tuple[Array, Array]:
-        """Condensed stiffness of the element boundaries, and what recovers the functions inside.
+        """Condensed stiffness of element boundaries, and a map that recovers the functions inside.
 
-        The first array (m, 2b, 2b) is the stiffness of the functions on the boundary of each
-        element. The second array (m, 2i, 2b) maps their coefficients to the coefficients of the
-        functions inside.
+        The first array (m, 2b, 2b) is the condensed stiffness of the functions on the boundary of
+        each element. The second array (m, 2i, 2b) maps their coefficients to the coefficients of
+        the functions inside.
         """
         solid, b, i = self.solid, self.unknowns.shape[1], 2 * self.inside.shape[1]
-        # so many at once that their matrices hold a million numbers
-        parts = 1 + len(self.elements) * 9 * len(self.functions) ** 2 // 2**20
+        # elements are processed in groups whose matrices hold a million numbers
+        group_count = 1 + len(self.elements) * 9 * len(self.functions) ** 2 // 2**20
         boundary, from_boundary = [], []
         lame, shear = solid.materials
-        for elements in np.array_split(self.elements, parts):
-            whole = stiffness(
+        for elements in np.array_split(self.elements, group_count):
+            element_stiffness = stiffness(
                 solid.mesh,
                 solid.element,
                 self.functions,
@@ -70,13 +77,17 @@ class Batch:
                 self.degree,
                 (lame[elements], shear[elements]),
             )
-            outer, inner = slice(b // 2), slice(b // 2, None)
-            across = whole[:, :, inner, :, outer].reshape(len(elements), i, b)
-            inside = whole[:, :, inner, :, inner].reshape(len(elements), i, i)
-            from_boundary.append(-np.linalg.solve(inside, across))
+            on_boundary, in_interior = slice(b // 2), slice(b // 2, None)
+            coupling = element_stiffness[:, :, in_interior, :, on_boundary].reshape(
+                len(elements), i, b
+            )
+            inner_stiffness = element_stiffness[:, :, in_interior, :, in_interior].reshape(
+                len(elements), i, i
+            )
+            from_boundary.append(-np.linalg.solve(inner_stiffness, coupling))
             boundary.append(
-                whole[:, :, outer, :, outer].reshape(len(elements), b, b)
-                + across.transpose(0, 2, 1) @ from_boundary[-1]
+                element_stiffness[:, :, on_boundary, :, on_boundary].reshape(len(elements), b, b)
+                + coupling.transpose(0, 2, 1) @ from_boundary[-1]
             )
         return np.concatenate(boundary), np.concatenate(from_boundary)
 
@@ -85,21 +96,23 @@ class Batch:
 class AxisymmetricElasticity:
     """The elastic solid on a mesh.
 
-    Unknowns are all radial, then all axial coefficients, numbered by scikit-fem's `Dofs`.
+    The unknowns are all radial coefficients, then all axial coefficients, numbered by scikit-fem's
+    `Dofs`.
 
-    In subdomains of the mesh that allow it (`meshes.half_space.LOWER`) the degree is lower. A side
-    has the lower degree of its two elements: the functions that exceed it are fixed at zero.
+    In mesh subdomains whose name is `meshes.half_space.LOWERED_DEGREE_PREFIX` followed by a number,
+    the degree is lower by that number. A side has the lower of the degrees of its two elements:
+    functions of a higher degree are fixed at zero.
 
     Parameters
     ----------
-    mesh : triangles or turned quadrilaterals, with boundaries named (`meshes.half_space`)
+    mesh : triangles or reoriented quadrilaterals, with named boundaries (`meshes.half_space`)
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
     nominal_poisson_ratio : Poisson's ratio, up to and including 1/2
-    own_element : an H1 element of scikit-fem's, or of one's own, of that degree along a side
+    own_element : an H1 element of scikit-fem or of the user, of that degree along a side
         (`fem.elements`); default `element_of_degree`
-    highest_ratio : Poisson's ratio that stands for any from there to 1/2
-    ground : layers, whose interfaces are lines of the mesh; homogeneous if there are none
-    lowered_degrees : how much lower the degree is in the subdomain `meshes.half_space.DEEP`
+    highest_ratio : Poisson's ratio that replaces all values between it and 1/2
+    lowered_degrees : by how much the degree is lower in `meshes.half_space.DEEP_SUBDOMAIN`
+    ground : layers, whose interfaces are lines of the mesh; homogeneous if not given
     """
 
     mesh: Mesh
@@ -111,12 +124,12 @@ class AxisymmetricElasticity:
     ground: Ground | None = None
 
     def __post_init__(self) -> None:
-        """Check that an element of one's own goes with the mesh and the degree.
+        """Check that the user's element fits the mesh and the degree.
 
         Raises
         ------
         SceneError
-            if it does not, in one line that names what to use
+            if it does not; the message names usable elements
         """
         if self.own_element is not None:
             check_element(self.own_element, self.mesh, self.degree)
@@ -130,33 +143,30 @@ class AxisymmetricElasticity:
         ground: Ground | None,
         lowered_degrees: int = 0,
     ) -> "AxisymmetricElasticity":
-        """Return the solid of a homogeneous half-space, or of layers if there are any.
-
-        In layers, Poisson's ratios may come closer to 1/2.
-        """
+        """Return the solid on layers if there are any, where Poisson's ratios may be nearer 1/2."""
         solid = cls(mesh, degree, poisson_ratio, lowered_degrees=lowered_degrees, ground=ground)
         return solid if ground is None else replace(solid, highest_ratio=HIGHEST_RATIO_IN_LAYERS)
 
     @property
     def poisson_ratio(self) -> float:
-        """Poisson's ratio that is modelled: a little less than 1/2 for an incompressible solid.
+        """Poisson's ratio of the model: slightly less than 1/2 for an incompressible solid.
 
-        With the plane strain modulus given, pressures and displacements on the contact do not
-        depend on it, and closer to 1/2 roundoff costs more than it gains. What is inside depends on
-        it, in proportion to 1 - 2 nu.
+        For a given plane strain modulus, pressures and displacements on the contact do not depend
+        on Poisson's ratio, and closer to 1/2 the roundoff is larger than the gain. The fields
+        inside depend on it, in proportion to 1 - 2 nu.
         """
         return min(self.nominal_poisson_ratio, self.highest_ratio)
 
     @cached_property
     def modelled_ground(self) -> Ground | None:
-        """The layers that are modelled, of Poisson's ratios a little less than 1/2."""
+        """The layers of the model, with Poisson's ratios of at most `highest_ratio`."""
         if self.ground is None:
             return None
         return self.ground.with_poisson_ratios_below(self.highest_ratio)
 
     @cached_property
     def layers(self) -> Indices:
-        """(m,) number of the layer that each element lies in; all 0 without layers."""
+        """(m,) number of the layer that contains each element; 0 without layers."""
         if self.ground is None:
             return np.zeros(self.mesh.nelements, dtype=np.int64)
         return self.ground.layer_at(self.mesh.p[1, self.mesh.t].mean(axis=0))
@@ -173,12 +183,12 @@ class AxisymmetricElasticity:
 
     @property
     def element(self) -> Element:
-        """scikit-fem's element of the highest degree, whose `Dofs` number the functions of all."""
+        """scikit-fem's element of the highest degree, whose `Dofs` number all functions."""
         return self.own_element or element_of_degree(self.mesh, self.degree)
 
     @cached_property
     def dofs(self) -> Dofs:
-        """scikit-fem's numbering of all functions, as if every element had the highest degree."""
+        """scikit-fem's numbering of the functions, as if all elements had the highest degree."""
         return Dofs(self.mesh, self.element)
 
     @cached_property
@@ -186,28 +196,34 @@ class AxisymmetricElasticity:
         """(m,) degree in each element."""
         out = np.full(self.mesh.nelements, self.degree)
         for name, elements in (self.mesh.subdomains or {}).items():
-            if name == DEEP or name.startswith(LOWER):
-                lower = self.lowered_degrees if name == DEEP else int(name.removeprefix(LOWER))
-                out[elements] = max(min(self.degree, LOWEST), self.degree - lower)
+            if name == DEEP_SUBDOMAIN or name.startswith(LOWERED_DEGREE_PREFIX):
+                lower = (
+                    self.lowered_degrees
+                    if name == DEEP_SUBDOMAIN
+                    else int(name.removeprefix(LOWERED_DEGREE_PREFIX))
+                )
+                out[elements] = max(
+                    min(self.degree, LOWEST_DISPLACEMENT_DEGREE), self.degree - lower
+                )
         return out
 
     @cached_property
     def facet_degrees(self) -> Indices:
-        """(facets,) degree along each facet: the lower of its elements'."""
+        """(facets,) degree along each facet: the lower of the degrees of its elements."""
         neighbours = self.mesh.f2t
         return np.where(neighbours < 0, self.degree, self.degrees[neighbours]).min(axis=0)
 
     @property
     def nodes(self) -> int:
-        """Number of functions of vertices and facets, numbered first.
+        """Number of functions at vertices and on facets, which are numbered before those inside.
 
-        There are twice as many unknowns.
+        The number of unknowns at these nodes is twice as large.
         """
         return int(self.dofs.N) - int(self.element.interior_dofs) * self.mesh.nelements
 
     @cached_property
     def fixed(self) -> Indices:
-        """(nodes,) whether a function is zero: beside its facet an element has a lower degree."""
+        """(nodes,) whether a function is fixed at zero, as is the case next to a lower degree."""
         out = np.zeros(self.nodes, dtype=bool)
         if self.degrees.min() < self.degree:
             orders = np.arange(2, self.degree + 1)[:, None]
@@ -216,14 +232,14 @@ class AxisymmetricElasticity:
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement unknowns, those inside elements among them."""
+        """Number of displacement unknowns, including those inside elements."""
         return 2 * (
             self.nodes - int(self.fixed.sum()) + sum(batch.inside.size for batch in self.batches)
         )
 
     @property
     def parts(self) -> tuple[Indices, Indices]:
-        """Vertices and facets of each element, and the vertex or facet that each node belongs to.
+        """Vertices and facets of each element, and the vertex or facet of each node.
 
         The first array (p, m) lists the p vertices and facets of each of the m elements in one
         numbering, all vertices first. The second array (nodes,) gives the vertex or facet of each
@@ -237,48 +253,53 @@ class AxisymmetricElasticity:
 
     @cached_property
     def batches(self) -> tuple[Batch, ...]:
-        """The elements by degree."""
+        """The elements, grouped by degree."""
         return tuple(self._batch(int(degree)) for degree in np.unique(self.degrees))
 
     def _batch(self, degree: int) -> Batch:
         corners, sides, count = len(self.mesh.t), len(self.mesh.t2f), int(self.element.facet_dofs)
         elements = np.flatnonzero(self.degrees == degree)
-        # the functions of a side come by degree
-        neighbours = np.append(np.ones(corners), np.tile(np.arange(count) + 2, sides)) <= degree
-        within = np.ones(int(self.element.interior_dofs), dtype=bool)
+        # the functions of a side are ordered by degree
+        on_boundary = np.append(np.ones(corners), np.tile(np.arange(count) + 2, sides)) <= degree
+        is_used_inside = np.ones(int(self.element.interior_dofs), dtype=bool)
         if isinstance(self.element, ElementQuadP):
-            # products of bubbles. If their two degrees sum to more than 2 above the degree they
-            # cost more than they give, but near incompressibility, where stresses need them
+            # Functions inside are products of bubbles. Those whose two degrees sum to more than
+            # degree + 2 cost more than they gain in accuracy. They are kept near incompressibility,
+            # where stresses need them.
             first, second = np.indices((count, count)).reshape(2, -1) + 2
-            within = np.maximum(first, second) <= degree
-            within &= (first + second <= degree + 2) | (self.nominal_poisson_ratio > 0.45)
+            is_used_inside = np.maximum(first, second) <= degree
+            is_used_inside &= (first + second <= degree + 2) | (self.nominal_poisson_ratio > 0.45)
         numbers = self.dofs.element_dofs[:, elements].T
-        outer, inside = np.flatnonzero(neighbours), len(neighbours) + np.flatnonzero(within)
+        outer, inside = (
+            np.flatnonzero(on_boundary),
+            len(on_boundary) + np.flatnonzero(is_used_inside),
+        )
         unknowns = np.concatenate([numbers[:, outer], numbers[:, outer] + self.nodes], axis=1)
         unknowns[np.tile(self.fixed[numbers[:, outer]], 2)] = 2 * self.nodes
         functions = np.concatenate([outer, inside])
         return Batch(self, degree, elements, functions, unknowns, numbers[:, inside])
 
     def with_insides(self, displacement: Array) -> Array:
-        """Return the coefficients of all functions from the unknowns that are not inside elements.
+        """Return the coefficients of all functions, computed from those at the nodes.
 
-        `displacement` (2 nodes, states) holds those unknowns. The result (states, dofs, 2) holds
-        the radial and axial coefficients of all functions.
+        `displacement` (2 nodes, states) holds the unknowns of vertices and facets. The result
+        (states, dofs, 2) holds the radial and axial coefficients of all functions, including those
+        inside elements.
         """
         states, values = displacement.shape[1], np.pad(displacement, ((0, 1), (0, 0)))
         out = np.zeros((states, int(self.dofs.N), 2))
         out[:, : self.nodes] = displacement.reshape(2, -1, states).T
         for batch in self.batches:
             _, from_boundary = batch.condensed
-            inside = from_boundary @ values[batch.unknowns]
-            shape = len(inside), 2, -1, states
-            out[:, batch.inside] = inside.reshape(shape).transpose(3, 0, 2, 1)
+            inner_coefficients = from_boundary @ values[batch.unknowns]
+            shape = len(inner_coefficients), 2, -1, states
+            out[:, batch.inside] = inner_coefficients.reshape(shape).transpose(3, 0, 2, 1)
         return out
 
     def lower_triangle(self, position: Indices) -> coo_matrix:
-        """Lower triangle of the stiffness without the insides of elements.
+        """Assemble the lower triangle of the stiffness after condensation of the functions inside.
 
-        Entries at one place are to be summed.
+        Duplicate entries are to be summed.
 
         Parameters
         ----------
@@ -295,11 +316,11 @@ class AxisymmetricElasticity:
             free = column >= 0
             values = local.reshape(-1, width**2).take(lower, axis=1)[free]
             entries.append((values, np.maximum(first, second)[free], column[free]))
-        values, *places = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+        values, *places = (np.concatenate(arrays) for arrays in zip(*entries, strict=True))
         return coo_matrix((values, places), shape=(position.max() + 1,) * 2)
 
     def forces(self, displacement: Array) -> Array:
-        """Return the forces (2 nodes, k) on the functions that make (2 nodes, k) displacements."""
+        """Return the forces (2 nodes, k) that cause the displacements (2 nodes, k)."""
         values = np.pad(displacement, ((0, 1), (0, 0)))
         out = np.zeros_like(values)
         for batch in self.batches:
@@ -308,22 +329,31 @@ class AxisymmetricElasticity:
         return out[:-1]
 
     def boundary(self, name: str) -> Indices:
-        """Return the functions on a named boundary that are not fixed, along the radius."""
-        mesh, (_, part) = self.mesh, self.parts
+        """Return the functions on a named boundary that are not fixed, ordered by radius."""
+        mesh, (_, vertex_or_facet) = self.mesh, self.parts
         numbers = self.dofs.get_facet_dofs(mesh.boundaries[name]).flatten()
         numbers = numbers[~self.fixed[numbers]]
         ranks = radial_ranks(mesh)
-        order = np.append(ranks, ranks[mesh.facets].mean(axis=0))[part[numbers]]
+        order = np.append(ranks, ranks[mesh.facets].mean(axis=0))[vertex_or_facet[numbers]]
         return np.asarray(numbers[np.argsort(order, kind="stable")], dtype=np.int64)
 
     def interpolate(self, name: str, fields: Callable[[Array], Array]) -> Array:
-        """Return the coefficients of fields on the functions of a named boundary.
+        """Return the coefficients that interpolate fields on a named boundary.
 
-        The coefficients (functions, ...) are in the order of `boundary`. `fields` returns the
-        values (n, ...) of the fields at points (n, 2).
+        Parameters
+        ----------
+        name : name of the boundary
+        fields : function that returns values (n, ...) at points (n, 2)
 
-        Least squares at as many points of each facet as it has functions, both ends among them: an
-        interpolation.
+        Returns
+        -------
+        (functions, ...) array
+            In the order of `boundary`.
+
+        Notes
+        -----
+        The coefficients follow from least squares at points on each facet, including both ends.
+        Each facet has as many points as functions, so that this is an interpolation.
         """
         facets = self.mesh.boundaries[name]
         local = (1 - np.cos(np.pi * np.arange(self.degree + 1) / self.degree)) / 2
@@ -336,13 +366,23 @@ class AxisymmetricElasticity:
         return np.asarray(coefficients.reshape(-1, *values.shape[1:]))
 
     def trace(self, facets: Indices, local: Array) -> csr_matrix:
-        """Return the values of all nodes' functions at local coordinates on facets of the boundary.
+        """Return the values of all nodes' functions at points on facets of the boundary.
 
-        The matrix has the shape (facets x points, nodes).
+        Parameters
+        ----------
+        facets : numbers of the facets
+        local : local coordinates of the points on each facet, from 0 at the end nearer to the axis
+            to 1
 
-        Evaluated on the sides of the reference element: `FacetBasis` inverts the mapping by
-        Newton's method, which does not end on elements smaller than its tolerance. Local
-        coordinates run from 0, at the end nearer to the axis, to 1.
+        Returns
+        -------
+        (facets x points, nodes) sparse matrix
+
+        Notes
+        -----
+        The functions are evaluated on the sides of the reference element. scikit-fem's `FacetBasis`
+        would invert the mapping by Newton's method, which does not terminate on elements smaller
+        than its tolerance.
         """
         mesh, reference = self.mesh, self.element.refdom
         element = mesh.f2t[0, facets]

@@ -1,8 +1,8 @@
-"""Which elements of scikit-fem the half-space takes, and why it refuses others.
+"""Check whether the half-space can use an element of scikit-fem.
 
-An element has to be scalar, continuous, and defined on a reference element. On a side, its
-functions of the two vertices and of the side are all polynomials of one degree. Functions inside
-may be anything that vanishes on the sides.
+An element must be scalar, continuous, and defined on a reference element. On each side, the
+functions of its two vertices and of the side itself must span the polynomials of one degree.
+Functions inside may be any functions that vanish on the sides.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ USABLE = {
     MeshQuad.elem.refdom: "ElementQuad1, ElementQuad2, ElementQuadS2 or ElementQuadP(degree) on "
     "quadrilaterals",
 }
-"""Elements of scikit-fem that can be used, by the reference element."""
+"""Usable elements of scikit-fem for each reference element."""
 
 
 def degree_along_side(element: Element) -> int:
@@ -27,7 +27,7 @@ def degree_along_side(element: Element) -> int:
     Raises
     ------
     SceneError
-        if the half-space cannot take the element, in one line that names elements it can take
+        if the half-space cannot use the element; the message is one line that names usable elements
     """
     if fault := _fault(element):
         name = type(element).__name__
@@ -37,40 +37,44 @@ def degree_along_side(element: Element) -> int:
 
 
 def check_element(element: Element, mesh: Mesh, degree: int) -> None:
-    """Raise if the half-space on a mesh cannot take an element, or if its degree is another.
+    """Raise an error if an element does not fit the half-space, its mesh or its degree.
 
     Raises
     ------
     SceneError
-        in one line that names what to use
+        if it does not fit; the message is one line that names what to use instead
     """
-    own, name = degree_along_side(element), type(element).__name__
+    element_degree, name = degree_along_side(element), type(element).__name__
     if element.refdom is not mesh.elem.refdom:
         raise SceneError(
-            f"{name} does not fit the mesh, whose elements are others: use "
-            f"{USABLE[mesh.elem.refdom]}"
+            f"{name} does not fit the elements of the mesh: use {USABLE[mesh.elem.refdom]}"
         )
-    if own != degree:
-        raise SceneError(f"{name} has degree {own} along a side, not {degree}: give degree = {own}")
+    if element_degree != degree:
+        raise SceneError(
+            f"{name} has degree {element_degree} along a side, not {degree}: give degree = "
+            f"{element_degree}"
+        )
 
 
 def is_on_quadrilaterals(element: Element) -> bool:
-    """Return whether an element is one of quadrilaterals, not of triangles."""
+    """Return whether the reference element is a quadrilateral, not a triangle."""
     return bool(element.refdom is MeshQuad.elem.refdom)
 
 
 def _fault(element: Element) -> str:
-    """Return why the half-space cannot take an element; empty if it can."""
+    """Return the reason why the half-space cannot use an element; empty if it can."""
     if isinstance(element, ElementVector):
-        return "it is a vector, but radial and axial displacement are two fields on a scalar one"
+        return "it is a vector element, but each displacement component needs a scalar element"
     if getattr(element, "refdom", None) not in USABLE:
         return "it is neither on triangles nor on quadrilaterals"
     if not isinstance(element, ElementH1):
-        return "it is not of scikit-fem's kind ElementH1, with functions on a reference element"
+        return (
+            "it is not derived from scikit-fem's ElementH1, with functions on a reference element"
+        )
     if element.nodal_dofs == 0:
         return "it is not continuous from one element to the next"
     if element.nodal_dofs > 1 or element.edge_dofs:
-        return "it has unknowns at vertices or edges other than the value at each vertex"
+        return "it has unknowns at vertices or edges besides the value at each vertex"
     if not all(_complete_on_side(element, side) for side in range(len(element.refdom.facets))):
         degree = element.facet_dofs + 1
         return f"its functions on a side are not the polynomials of degree {degree}"
@@ -78,7 +82,7 @@ def _fault(element: Element) -> str:
 
 
 def _complete_on_side(element: Element, side: int) -> bool:
-    """Return whether the functions of a side are its polynomials, and all others vanish on it."""
+    """Return whether the functions of a side span its polynomials, and all others vanish on it."""
     reference, degree = element.refdom, int(element.facet_dofs) + 1
     ends = reference.facets[side]
     local = np.linspace(0.0, 1.0, 2 * degree + 2)
@@ -87,15 +91,17 @@ def _complete_on_side(element: Element, side: int) -> bool:
         [element.lbasis(start + (end - start) * local, i)[0] for i in range(len(element.doflocs))]
     )
     first = reference.nnodes + side * element.facet_dofs
-    of_side = [*ends, *range(first, first + element.facet_dofs)]
+    side_functions = [*ends, *range(first, first + element.facet_dofs)]
     powers = np.vander(local, degree + 1)
     return bool(
-        np.abs(np.delete(values, of_side, axis=0)).max(initial=0.0) < 1e-9
-        and _spans(values[of_side], powers.T)
+        np.abs(np.delete(values, side_functions, axis=0)).max(initial=0.0) < 1e-9
+        and _spans(values[side_functions], powers.T)
     )
 
 
 def _spans(functions: Array, polynomials: Array) -> bool:
-    """Return whether functions (k, q) at points span as many polynomials (k, q)."""
-    missed = polynomials - np.linalg.lstsq(functions.T, polynomials.T, rcond=None)[0].T @ functions
-    return len(functions) == len(polynomials) and bool(np.abs(missed).max() < 1e-9)
+    """Return whether functions (k, q), given at points, span k polynomials (k, q)."""
+    residual = (
+        polynomials - np.linalg.lstsq(functions.T, polynomials.T, rcond=None)[0].T @ functions
+    )
+    return len(functions) == len(polynomials) and bool(np.abs(residual).max() < 1e-9)

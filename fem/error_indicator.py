@@ -1,22 +1,23 @@
-"""A residual error indicator for the half-space in triangles, and which triangles to refine by it.
+"""A residual error indicator for a half-space of triangles, and the choice of those to refine.
 
-A displacement u_h that is computed under a given contact pressure p leaves a residual ``div
-sigma(u_h)`` inside each triangle T, jumps of the traction ``sigma(u_h) n`` across its sides, and a
-difference between the traction and the pressure on the surface. With the degree k of the elements,
-the longest side h_T of the triangle and the length h_F of each of its sides F,
+A displacement u_h that is computed under a given contact pressure p leaves a residual
+``div sigma(u_h)`` inside each triangle T, jumps of the traction ``sigma(u_h) n`` across its sides,
+and a difference between the traction and the pressure on the surface. With the degree k of the
+elements, the longest side h_T of the triangle and the length h_F of each of its sides F,
 
     eta_T^2 = h_T^2 / (2 mu k^2) int_T |div sigma|^2 dV
               + sum_F h_F / (2 mu k) (1/2 int_F |jump of sigma n|^2 dA     F inside the half-space
                                       or int_F |sigma n - p e_z|^2 dA)     F on the surface
 
-(p is 0 beside the contact). Up to a factor that depends on the shapes of the triangles alone, the
-sum of eta_T^2 bounds the energy of the error u - u_h from both sides; the ratio of the two is the
-effectivity [1]. The scaling with k is that of hp elements [2]. What the far field errs by is not
-part of it: the truncation has an estimate of its own (`far_field.enough_poles`). Towards
-incompressibility lambda multiplies what the dilatation errs by, and the indicator overestimates.
+(p is 0 beside the contact). Up to a factor that depends only on the shapes of the triangles, the
+sum of eta_T^2 is an upper and a lower bound of the energy of the error u - u_h. The square root of
+the ratio of the sum to the energy is the effectivity [1]. The scaling with k is that of hp elements
+[2]. The indicator does not include the error of the far field, which has its own estimate
+(`far_field.enough_poles`). Near incompressibility lambda multiplies the error of the dilatation,
+and the indicator overestimates the error.
 
-Triangles that hold a fixed share of that sum are refined, as few as possible, and so the error
-falls at the best order that triangles of degree k have, whatever the singularities [3].
+The fewest triangles that together hold a fixed share of that sum are refined. The error then falls
+at the best order of triangles of degree k, for all singularities [3].
 
 [1] Verfürth: A Review of A Posteriori Error Estimation and Adaptive Mesh-Refinement Techniques,
 Wiley-Teubner, 1996, section 1.2.
@@ -50,76 +51,80 @@ def squared_indicators(
 
     Parameters
     ----------
-    solid : of triangles
-    displacements : (states, functions, 2) as `HalfSpace.displacements` returns them
+    solid : elastic solid on a mesh of triangles
+    displacements : (states, functions, 2) coefficients as returned by `HalfSpace.displacements`
     space : pressure space on the contact facets of the solid
     pressures : (states, size) coefficients on that space
 
     Raises
     ------
     MeshError
-        if the solid has quadrilaterals, whose second derivatives scikit-fem does not give
+        if the solid has quadrilaterals, for which scikit-fem has no second derivatives
     """
     mesh, degree = solid.mesh, solid.degree
     if not isinstance(mesh, MeshTri):
-        raise MeshError("the error indicator is one of triangles: give a mesh of triangles")
+        raise MeshError("the error indicator is for triangles only: give a mesh of triangles")
     twice_shear = 2 * moduli(solid.poisson_ratio)[1]
     ends = mesh.p[:, mesh.facets]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
     longest = lengths[mesh.t2f].max(axis=0)
-    inside = longest**2 / (twice_shear * degree**2) * _squared_residuals(solid, displacements)
-    on_facets = _squared_mismatches(solid, displacements, space, pressures)
-    on_facets *= lengths / (twice_shear * degree)
-    return np.asarray(inside + on_facets[:, mesh.t2f].sum(axis=1))
+    residual_terms = (
+        longest**2 / (twice_shear * degree**2) * _squared_residuals(solid, displacements)
+    )
+    facet_terms = _squared_mismatches(solid, displacements, space, pressures)
+    facet_terms *= lengths / (twice_shear * degree)
+    return np.asarray(residual_terms + facet_terms[:, mesh.t2f].sum(axis=1))
 
 
 def fewest_with_share(indicators: Array, share: float) -> Indices:
-    """Return the fewest elements that hold a share of the sum of their indicators (Dörfler).
+    """Return the fewest elements that together hold a share of the sum of all indicators (Dörfler).
 
     Parameters
     ----------
-    indicators : (m,) not negative, squares of what is summed
-    share : between 0 and 1
+    indicators : (m,) squared indicators, not negative
+    share : share of the sum, between 0 and 1
     """
     order = np.argsort(-indicators, kind="stable")
     sums = np.cumsum(indicators[order])
     return np.asarray(order[: np.searchsorted(sums, share * sums[-1]) + 1])
 
 
-class _Moved(NamedTuple):
+class _DisplacementFields(NamedTuple):
     """Displacements and their gradients at the points of a scikit-fem basis.
 
     Parameters
     ----------
-    radii : (m, q) of the q points of each of m elements or facets
+    radii : (m, q) radii of the q points on each of m elements or facets
     radial : (states, m, q) radial displacements
-    of_radial, of_axial : (2, states, m, q) gradients of the radial and axial displacement, by
-        radius and depth
+    radial_gradient : (2, states, m, q) derivatives of the radial displacement by radius and depth
+    axial_gradient : (2, states, m, q) derivatives of the axial displacement by radius and depth
     """
 
     radii: Array
     radial: Array
-    of_radial: Array
-    of_axial: Array
+    radial_gradient: Array
+    axial_gradient: Array
 
     @classmethod
-    def at_points(cls, basis: AbstractBasis, displacements: Array) -> "_Moved":
-        """Return them for displacements (states, functions, 2)."""
+    def at_points(cls, basis: AbstractBasis, displacements: Array) -> "_DisplacementFields":
+        """Return the fields of displacements (states, functions, 2) at the points of a basis."""
         radial, axial = np.moveaxis(displacements, -1, 0)
-        values, of_radial = _combine(basis, radial)
-        _, of_axial = _combine(basis, axial)
-        return cls(np.asarray(basis.global_coordinates())[0], values, of_radial, of_axial)
+        values, radial_gradient = _combine(basis, radial)
+        _, axial_gradient = _combine(basis, axial)
+        return cls(
+            np.asarray(basis.global_coordinates())[0], values, radial_gradient, axial_gradient
+        )
 
     def tractions(self, normals: Array, poisson_ratio: float) -> Array:
-        """Return radial and axial tractions (2, states, m, q) on facets of normals (2, m, q)."""
+        """Return radial and axial tractions (2, states, m, q) on facets with normals (2, m, q)."""
         lame, shear = moduli(poisson_ratio)
-        (rr, rz), (zr, zz) = self.of_radial, self.of_axial
-        pressure_part = lame * (rr + self.radial / self.radii + zz)
+        (rr, rz), (zr, zz) = self.radial_gradient, self.axial_gradient
+        dilatation_part = lame * (rr + self.radial / self.radii + zz)
         shear_stress = shear * (rz + zr)
         return np.stack(
             [
-                (pressure_part + 2 * shear * rr) * normals[0] + shear_stress * normals[1],
-                shear_stress * normals[0] + (pressure_part + 2 * shear * zz) * normals[1],
+                (dilatation_part + 2 * shear * rr) * normals[0] + shear_stress * normals[1],
+                shear_stress * normals[0] + (dilatation_part + 2 * shear * zz) * normals[1],
             ]
         )
 
@@ -127,8 +132,8 @@ class _Moved(NamedTuple):
 def _combine(basis: AbstractBasis, coefficients: Array) -> tuple[Array, Array]:
     """Return values (states, m, q) and gradients (2, states, m, q) of fields at a basis' points.
 
-    `coefficients` is (states, functions). The same as scikit-fem's `interpolate`, which takes one
-    state at a time and looks for the parts of composite elements each time.
+    `coefficients` is (states, functions). scikit-fem's `interpolate` gives the same numbers, but
+    processes one state at a time and determines the parts of composite elements each time.
     """
     local = coefficients[:, basis.element_dofs].transpose(2, 0, 1)
     fields = [function[0] for function in basis.basis]
@@ -140,9 +145,9 @@ def _combine(basis: AbstractBasis, coefficients: Array) -> tuple[Array, Array]:
 def _squared_residuals(solid: AxisymmetricElasticity, displacements: Array) -> Array:
     """Return ``int |div sigma|^2 dV`` (states, m) over each triangle.
 
-    The gradient of a polynomial of degree k is one of degree k - 1, which scikit-fem's
-    discontinuous element of that degree holds exactly: its values at the nodes are the
-    coefficients, and its gradient has the second derivatives.
+    The gradient of a polynomial of degree k has degree k - 1. scikit-fem's discontinuous element of
+    that degree represents it exactly: the values of the gradient at the nodes are the coefficients,
+    and the gradient of the element's functions gives the second derivatives.
     """
     lame, shear = moduli(solid.poisson_ratio)
     lower = ElementDG(element_of_degree(solid.mesh, solid.degree - 1))
@@ -151,23 +156,23 @@ def _squared_residuals(solid: AxisymmetricElasticity, displacements: Array) -> A
         solid.mesh, solid.element, quadrature=(nodes, np.ones(nodes.shape[1])), dofs=solid.dofs
     )
     cells = CellBasis(solid.mesh, solid.element, intorder=2 * solid.degree, dofs=solid.dofs)
-    of_gradients = CellBasis(solid.mesh, lower, quadrature=cells.quadrature)
+    gradient_basis = CellBasis(solid.mesh, lower, quadrature=cells.quadrature)
 
     def differentiate(gradients: Array) -> tuple[Array, Array, Array]:
-        """Return derivatives rr, rz and zz (states, m, q) by gradients (2, states, m, nodes)."""
+        """Return derivatives rr, rz and zz (states, m, q) of gradients (2, states, m, nodes)."""
         second = []
         for component in gradients:
-            coefficients = np.empty((len(component), of_gradients.N))
-            coefficients[:, of_gradients.element_dofs] = component.swapaxes(1, 2)
-            second.append(_combine(of_gradients, coefficients)[1])
+            coefficients = np.empty((len(component), gradient_basis.N))
+            coefficients[:, gradient_basis.element_dofs] = component.swapaxes(1, 2)
+            second.append(_combine(gradient_basis, coefficients)[1])
         (rr, rz), (_, zz) = second
         return rr, rz, zz
 
-    nodal = _Moved.at_points(at_nodes, displacements)
-    r_rr, r_rz, r_zz = differentiate(nodal.of_radial)
-    z_rr, z_rz, z_zz = differentiate(nodal.of_axial)
-    r, radial, (rr, rz), (zr, _) = _Moved.at_points(cells, displacements)
-    # the derivative of u_r / r by the radius
+    nodal = _DisplacementFields.at_points(at_nodes, displacements)
+    r_rr, r_rz, r_zz = differentiate(nodal.radial_gradient)
+    z_rr, z_rz, z_zz = differentiate(nodal.axial_gradient)
+    r, radial, (rr, rz), (zr, _) = _DisplacementFields.at_points(cells, displacements)
+    # derivative of u_r / r by the radius
     hoop_r = (rr - radial / r) / r
     along_r = (lame + 2 * shear) * (r_rr + hoop_r) + lame * z_rz + shear * (r_zz + z_rz)
     along_z = lame * (r_rz + rz / r + z_zz) + 2 * shear * z_zz
@@ -181,50 +186,51 @@ def _squared_mismatches(
 ) -> Array:
     """Return the squared mismatch of tractions (states, facets), integrated over each facet.
 
-    It is half of the squared jump inside, for each of both triangles, and the whole squared
-    difference from the pressure on the surface. There is none on the axis, which has no area, nor
-    on the outer boundary.
+    Inside the half-space it is half of the squared jump, for each of the two triangles. On the
+    surface it is the squared difference from the pressure. It is zero on the axis, which has no
+    area, and on the outer boundary.
     """
     mesh, ratio = solid.mesh, solid.poisson_ratio
     settings = {"intorder": 2 * solid.degree, "dofs": solid.dofs}
     first, second = (
         InteriorFacetBasis(mesh, solid.element, side=side, **settings) for side in (0, 1)
     )
-    of_free_surface = FacetBasis(mesh, solid.element, facets=mesh.boundaries["free"], **settings)
+    on_free_surface = FacetBasis(mesh, solid.element, facets=mesh.boundaries["free"], **settings)
     on_contact = FacetBasis(mesh, solid.element, facets=contact_facets(mesh), **settings)
 
     def tractions(basis: FacetBasis, normals: Array) -> Array:
-        return _Moved.at_points(basis, displacements).tractions(normals, ratio)
+        return _DisplacementFields.at_points(basis, displacements).tractions(normals, ratio)
 
-    # the normals of both sides are those of the first
+    # both sides use the normals of the first side
     jumps = tractions(first, np.asarray(first.normals)) - tractions(
         second, np.asarray(first.normals)
     )
-    of_contact = tractions(on_contact, np.asarray(on_contact.normals))
-    of_contact[1] -= _given_pressures(on_contact, space, pressures)
+    contact_tractions = tractions(on_contact, np.asarray(on_contact.normals))
+    contact_tractions[1] -= _given_pressures(on_contact, space, pressures)
     out = np.zeros((len(displacements), mesh.nfacets))
     out[:, first.find] = _integrals(first, jumps) / 2
-    out[:, of_free_surface.find] = _integrals(
-        of_free_surface, tractions(of_free_surface, np.asarray(of_free_surface.normals))
+    out[:, on_free_surface.find] = _integrals(
+        on_free_surface, tractions(on_free_surface, np.asarray(on_free_surface.normals))
     )
-    out[:, on_contact.find] = _integrals(on_contact, of_contact)
+    out[:, on_contact.find] = _integrals(on_contact, contact_tractions)
     return out
 
 
 def _given_pressures(on_contact: FacetBasis, space: PressureSpace, pressures: Array) -> Array:
-    """Return pressures (states, facets, q) at the points of the contact facets."""
+    """Return the given pressures (states, facets, q) at the points of the contact facets."""
     mesh, facets = on_contact.mesh, on_contact.find
     local = 2 * on_contact.X[0] - 1
-    outwards, inwards = (
-        (space.on_elements(along) @ pressures.T).T.reshape(len(pressures), len(facets), -1)
-        for along in (local, -local)
+    from_axis, towards_axis = (
+        (space.on_elements(coordinates) @ pressures.T).T.reshape(len(pressures), len(facets), -1)
+        for coordinates in (local, -local)
     )
-    # the coordinate on a facet begins at its first vertex, which may be the farther one
+    # the local coordinate of a facet starts at its first vertex, which may be the one farther from
+    # the axis
     begins_outside = mesh.facets[0, facets] != facet_ends(mesh, facets)[0]
-    return np.where(begins_outside[:, None], inwards, outwards)
+    return np.where(begins_outside[:, None], towards_axis, from_axis)
 
 
 def _integrals(basis: FacetBasis, tractions: Array) -> Array:
-    """Return ``int |t|^2 dA`` (states, facets) of tractions (2, states, facets, q)."""
+    """Return ``int |t|^2 dA`` (states, facets) for tractions (2, states, facets, q)."""
     areas = 2 * np.pi * np.asarray(basis.global_coordinates())[0] * basis.dx
     return np.asarray(np.sum((tractions**2).sum(axis=0) * areas, axis=-1))

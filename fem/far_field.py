@@ -1,9 +1,9 @@
 """Boussinesq multipoles: the exact exterior of a half-space loaded near the origin.
 
-An axisymmetric load on ``r < 1`` is seen from afar as a point force, its horizontal Laplacian, and
-so on; the pole of order ``n`` (0, 2, 4, ...) decays as ``1/rho^(n+1)``. In the Hankel form of
-Boussinesq's solution a horizontal Laplacian multiplies by ``-s^2``, so each pole is a pair of
-Legendre functions and needs no derivation of its own:
+Far away, an axisymmetric load on ``r < 1`` acts as a point force, its horizontal Laplacian, and so
+on. The pole of order ``n`` (0, 2, 4, ...) decays as ``1/rho^(n+1)``. In the Hankel form of
+Boussinesq's solution a horizontal Laplacian is a multiplication by ``-s^2``. Each pole is therefore
+a pair of Legendre functions, and no separate derivation is needed:
 
     2G u_z =  2(1-nu) L_n + z L_(n+1)
     2G u_r = -(1-2nu) M_n + z M_(n+1)
@@ -11,7 +11,7 @@ Legendre functions and needs no derivation of its own:
     M_n = int s^n exp(-sz) J_1(sr) ds = (n-1)! sin t P_n'(cos t) / rho^(n+1)
 
 with z the depth, ``rho`` and ``t`` the spherical radius and the angle from the axis. The surface is
-free of traction but for the origin. The fields and their stresses are finite for every Poisson's
+free of traction except at the origin. The fields and their stresses are finite for every Poisson's
 ratio up to and including 1/2.
 """
 
@@ -23,17 +23,21 @@ from numpy.polynomial.legendre import legvander
 
 from ..meshes.radial import Array, unit_gauss
 
-# displacements (k, n, 2) and stresses (k, n, 4) of k solutions at points (n, 2)
+# function that returns displacements (k, n, 2) and stresses (k, n, 4) of k solutions at n points
 Fields = Callable[[Array], tuple[Array, Array]]
 
 
 def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
     """Return the orders of the poles that make the error of the truncation negligible.
 
-    `truncation` is the radius R of the outer boundary in units of the punch radius `a`;
-    `negligible` is the share of the energy that may be lost.
+    Parameters
+    ----------
+    truncation : radius R of the outer boundary, in units of the punch radius `a`
+    negligible : acceptable relative error of the energy
 
-    With n poles tied, the first one neglected has the share ``(a/R)^(4n+1)`` of the energy
+    Notes
+    -----
+    With n poles, the first one neglected contributes the fraction ``(a/R)^(4n+1)`` of the energy
     (`ringwear study truncation`).
     """
     count = max(1, math.ceil((math.log(1 / negligible) / math.log(truncation) - 1) / 4))
@@ -41,15 +45,17 @@ def enough_poles(truncation: float, negligible: float) -> tuple[int, ...]:
 
 
 def _moments(points: Array, highest: int) -> tuple[Array, Array]:
-    """Return (highest + 1, n) L_n / n! and M_n / (r n!), finite on the axis, at the points."""
+    """Return L_n / n! and M_n / (r n!) (highest + 1, n) at the points, both finite on the axis."""
     r, z = points.T
     rho = np.hypot(r, z)
     order = np.arange(highest + 1)[:, None]
     scale = rho ** -(order + 1.0)
     values = legvander(z / rho, highest).T
     # P_n' is the sum of (2k + 1) P_k over k = n - 1, n - 3, ...
-    lower = np.where((order > order.T) & ((order - order.T) % 2 == 1), 2 * order.T + 1.0, 0.0)
-    slopes = (lower @ values) * scale / rho / np.maximum(order, 1)
+    coefficients = np.where(
+        (order > order.T) & ((order - order.T) % 2 == 1), 2 * order.T + 1.0, 0.0
+    )
+    slopes = (coefficients @ values) * scale / rho / np.maximum(order, 1)
     slopes[0] = scale[0] / (rho + z)
     return values * scale, slopes
 
@@ -59,15 +65,17 @@ def poles(
 ) -> tuple[Array, Array]:
     """Return the displacements and stresses of poles of even orders.
 
-    Each pole is normalised to size one at unit distance from the origin.
+    Each pole is normalised to size 1 at unit distance from the origin.
 
     Parameters
     ----------
-    points : (n, 2) radius and depth, off the origin
+    points : (n, 2) radius and depth, away from the origin
+    orders : even orders of the poles
+    poisson_ratio, shear_modulus : elastic constants of the half-space
 
     Returns
     -------
-    displacement : (k, n, 2) radial and into the half-space
+    displacement : (k, n, 2) radial, and axial (positive into the half-space)
     stress : (k, n, 4) rr, zz, rz, hoop
     """
     r, z = points.T
@@ -81,10 +89,11 @@ def poles(
     radial, axial = r * hoop, 2 * (1 - nu) * l0 + z * l1
     strain_rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
     strain_zz = -(1 - 2 * nu) * l1 - z * l2
-    pressure_part = -2 * nu * l1  # lambda div u: finite at nu = 1/2
+    dilatation_part = -2 * nu * l1  # lambda div u: finite at nu = 1/2
     shear = -z * r * m2_r  # (d u_r/dz + d u_z/dr) / 2
     stress = np.stack(
-        [pressure_part + strain_rr, pressure_part + strain_zz, shear, pressure_part + hoop], axis=-1
+        [dilatation_part + strain_rr, dilatation_part + strain_zz, shear, dilatation_part + hoop],
+        axis=-1,
     )
     return np.stack([radial, axial], axis=-1) / (2 * shear_modulus), stress
 
@@ -96,14 +105,17 @@ def fields_beyond(
 
     The displacement has the shape (states, n, 2), the stress (states, n, 4).
 
-    By Taylor's series of the Hankel transform of the pressure, the pole of order 2k has the size
-    ``(2k)! (-1)^k / (4^k k!^2) int p r^2k dA / (2 pi)``. What is left out of K poles falls as ``1 /
-    rho^(2K)``.
-
     Parameters
     ----------
-    points : (n, 2) radius and depth, beyond the distance 1 from the origin
+    points : (n, 2) radius and depth, at a distance of more than 1 from the origin
     moments : (states, K) ``int p r^2k dA``
+    poisson_ratio, shear_modulus : elastic constants of the half-space
+
+    Notes
+    -----
+    From the Taylor series of the Hankel transform of the pressure, the pole of order 2k has the
+    amplitude ``(2k)! (-1)^k / (4^k k!^2) int p r^2k dA / (2 pi)``. With K poles, the neglected part
+    decreases as ``1 / rho^(2K)``.
     """
     count = moments.shape[1]
     orders = tuple(range(0, 2 * count, 2))
@@ -119,21 +131,21 @@ def fields_beyond(
 
 
 def exterior_stiffness(segments: Array, fields: Fields) -> Array:
-    """Return the energy matrix (k, k) of k solutions outside a polygon.
+    """Return the energy matrix (k, k) of k solutions in the region outside a polygon.
 
     Its entries are the integrals ``-int t_i . u_j dA`` over the sides of the polygon, with the
-    traction t and the displacement u of the solutions, such as poles.
+    traction t and the displacement u of the solutions, for example poles.
 
     Parameters
     ----------
     segments : (m, 2, 2) end points of the sides, (radius, depth)
-    fields : gives displacements and stresses at points
+    fields : function that returns displacements and stresses at points
     """
     node, weight = unit_gauss(12)
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    points = (start[:, None] + node[:, None] * along[:, None]).reshape(-1, 2)
+    start, side_vectors = segments[:, 0], segments[:, 1] - segments[:, 0]
+    points = (start[:, None] + node[:, None] * side_vectors[:, None]).reshape(-1, 2)
     # normal times length; it points out of the meshed polygon, away from the origin
-    normal = np.stack([along[:, 1], -along[:, 0]], axis=1)
+    normal = np.stack([side_vectors[:, 1], -side_vectors[:, 0]], axis=1)
     normal *= np.sign(np.sum(normal * start, axis=1))[:, None]
     n_r, n_z = np.repeat(normal, len(node), axis=0).T
     weights = 2 * np.pi * points[:, 0] * np.tile(weight, len(segments))

@@ -1,15 +1,14 @@
-"""Frictionless contact on the finite-element half-space.
+"""Frictionless contact on the finite-element half-space, condensed to a compliance.
 
-Lagrange multipliers, condensed to a compliance.
-
-Unknowns: displacements `u`, the pressure `p` on the contact (the multipliers, on the radial
-pressure space), and the indentation `d`. With the coupling ``N_ij = int v_i phi_j dA`` of contact
-displacements and pressures,
+The contact pressures are Lagrange multipliers. The unknowns are the displacements `u`, the pressure
+`p` on the contact, which lies in the radial pressure space, and the indentation `d`. With the
+coupling ``N_ij = int v_i phi_j dA`` of contact displacements and pressures and the worn profile
+`f`,
 
     K u = N p,      N^T u = d b - int f phi dA,      b . p = F.
 
-`compliance` eliminates `u` once, ``A = N^T K^-1 N``, which is all that contact, wear and steady
-states ever need.
+`compliance` eliminates `u` once. The result ``A = N^T K^-1 N`` is all that contact, wear and steady
+states need.
 """
 
 from dataclasses import dataclass, replace
@@ -43,41 +42,45 @@ from .weak_form import moduli
 def pressure_space(
     solid: AxisymmetricElasticity, ring_edges: Array, hollow: bool = False
 ) -> PressureSpace:
-    """Return the pressure space on the contact facets of a solid that goes with its displacements.
+    """Return a pressure space on the contact facets that is stable with the displacements.
 
-    Pressures are of a lower degree than displacements. Beneath linear displacements they are
-    linear, too; the two facets beside a ring edge then have one linear pressure together, so that
-    no pressure breaks at the edge that displacements cannot see. Mortar methods for linear elements
-    do the same at the ends of an interface (Bernardi, Maday, Patera, 1994).
+    Pressures have a lower degree than displacements. With linear displacements they are linear,
+    too; the two facets next to a ring edge, on either side, then share one linear pressure, so that
+    no pressure jumps at the edge in a way that the displacements cannot represent. Mortar methods
+    for linear elements do the same at the ends of an interface (Bernardi, Maday, Patera, 1994).
 
-    Of a hollow punch the first ring is the hole, where the surface is free.
+    Parameters
+    ----------
+    solid : elastic solid
+    ring_edges : (N+1,) ring edges, 0 to 1
+    hollow : whether the first ring is a hole, where the surface is free
     """
-    breakpoints, below = contact_breakpoints(solid.mesh, ring_edges)
+    breakpoints, low = contact_breakpoints(solid.mesh, ring_edges)
     if isinstance(solid.mesh, MeshQuad):
-        # one degree below the displacement, near incompressibility, some pressures would have but 2
-        # per cent of their energy
+        # With a pressure one degree below the displacement, some pressures would keep only 2 per
+        # cent of their energy near incompressibility. Hence two degrees below.
         degrees = np.maximum(solid.facet_degrees[contact_facets(solid.mesh)] - 2, 1)
     else:
-        # the highest that is stable, reached within a few facets of a ring edge or the rim, where a
-        # low one is as accurate
+        # The highest stable degree, except on a few facets next to a ring edge or the rim, where a
+        # lower degree is as accurate.
         highest, lowest = max(solid.degree - 1, 1), max(solid.degree - 2, 1)
         degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
     if hollow:
         degrees = np.where(breakpoints[1:] <= ring_edges[1], 0, degrees)
-    space = PressureSpace(breakpoints, degrees, ring_edges, below)
+    space = PressureSpace(breakpoints, degrees, ring_edges, low)
     return space.joined_beside_ring_edges() if solid.degree == 1 else space
 
 
 def contact_breakpoints(mesh: Mesh, ring_edges: Array) -> tuple[Array, Array]:
-    """Return the ends (n+1,) of the n facets of the contact, and what rounding has taken from each.
+    """Return the ends (n+1,) of the n facets of the contact, and their low parts.
 
-    Ring edges are exactly as they are given.
+    Ring edges have exactly the given radii.
     """
     vertices = contact_vertices(mesh)
-    breakpoints, below = mesh.p[0, vertices], low_parts(mesh)[vertices]
-    at_edges = np.abs((breakpoints[:, None] - ring_edges) + below[:, None]).argmin(axis=0)
-    breakpoints[at_edges], below[at_edges] = ring_edges, 0.0
-    return breakpoints, below
+    breakpoints, low = mesh.p[0, vertices], low_parts(mesh)[vertices]
+    at_edges = np.abs((breakpoints[:, None] - ring_edges) + low[:, None]).argmin(axis=0)
+    breakpoints[at_edges], low[at_edges] = ring_edges, 0.0
+    return breakpoints, low
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +89,8 @@ class HalfSpace:
 
     A `HalfSpace` combines an elastic solid, the contact pressures on its surface, and the solution
     outside its outer boundary. `compliance` condenses it to the contact, and `displacements`
-    recovers the inside. The pressure one on the whole disc has ``int u p dA = 16/3``.
+    recovers the displacement inside. The uniform pressure 1 on the whole disc has
+    ``int u p dA = 16/3``.
 
     >>> from ringwear.meshes import bisection, sizes
     >>> field = sizes.SizeField((0, 1), rim_size=1e-3, ring_size=1, growth=0.6, truncation=5)
@@ -100,8 +104,8 @@ class HalfSpace:
     ----------
     solid : the elastic solid
     space : pressure space on its contact facets, or on elements of several facets each
-    poles : orders of the Boussinesq poles tied to the outer boundary; none clamps it (`fixed`). On
-        layers there are as many loads in their place
+    poles : orders of the Boussinesq poles tied to the outer boundary; the boundary is clamped if
+        there are none. On layers, the same number of loads replaces the poles
     """
 
     solid: AxisymmetricElasticity
@@ -110,7 +114,7 @@ class HalfSpace:
 
     @property
     def unknowns(self) -> int:
-        """Number of displacement unknowns and amplitudes of poles."""
+        """Number of displacement unknowns and pole amplitudes."""
         return self.solid.unknowns + len(self.poles)
 
     @property
@@ -121,7 +125,7 @@ class HalfSpace:
     def far_fields_at(self, points: Array) -> tuple[Array, Array]:
         """Return displacements (k, n, 2) and stresses (k, n, 4) of the poles at points (n, 2).
 
-        On layers there are loads on the contact in place of poles (`layered_far_field.py`).
+        On layers, loads on the contact replace the poles (`layered_far_field.py`).
         """
         if (ground := self.solid.modelled_ground) is None:
             return poles(points, self.poles, *self._elasticity)
@@ -130,47 +134,50 @@ class HalfSpace:
         return loaded_fields(points, len(self.poles), ground, truncation(self.solid.mesh))
 
     def without_dependent_poles(self) -> "HalfSpace":
-        """Return the same half-space without poles that a rigid base leaves next to nothing of."""
+        """Return the half-space without the poles whose fields a rigid base makes negligible.
+
+        Loads whose fields at the boundary can no longer be distinguished are left out, too.
+        """
         if self.solid.ground is None or not self.solid.ground.rigid:
             return self
         from .layered_far_field import independent_count  # homogeneous ones do not need it
 
-        kept = independent_count(self._energies_beyond, float(self.solid.materials[1].min()))
-        return replace(self, poles=self.poles[:kept])
+        pole_count = independent_count(self._energies_beyond, float(self.solid.materials[1].min()))
+        return replace(self, poles=self.poles[:pole_count])
 
     @property
     def _energies_beyond(self) -> Array:
-        """(k, k) energies of the poles beyond the outer boundary."""
-        far = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
-        return exterior_stiffness(far, self.far_fields_at)
+        """(k, k) energies of the poles in the region beyond the outer boundary."""
+        far_sides = segments(self.solid.mesh, self.solid.mesh.boundaries["far"])
+        return exterior_stiffness(far_sides, self.far_fields_at)
 
     @cached_property
     def _order(self) -> Indices:
         """Unknowns inside the half-space and on the contact, in the order of `system`.
 
         The unknowns inside come first, in the order of elimination; the axial unknowns on the
-        contact follow by radius.
+        contact follow, ordered by radius.
         """
         solid, n = self.solid, self.solid.nodes
         free = np.tile(~solid.fixed, (2, 1))
-        far, contact = solid.boundary("far"), solid.boundary("contact")
+        far_functions, contact = solid.boundary("far"), solid.boundary("contact")
         free[0, solid.boundary("axis")] = False
-        free[:, far] = False
+        free[:, far_functions] = False
         free[1, contact] = False
         if "base" in solid.mesh.boundaries:
             free[:, solid.boundary("base")] = False
-        # nodes of one corner or side have the same neighbours: theirs is a far smaller graph than
-        # that of unknowns
-        neighbours, part = solid.parts
+        # nodes of one corner or side have the same neighbours, so the graph of corners and sides
+        # suffices; it is far smaller than the graph of unknowns
+        neighbours, vertex_or_facet = solid.parts
         rank = np.argsort(fill_reducing_order(neighbours))
-        order = np.argsort(rank[part], kind="stable")
+        order = np.argsort(rank[vertex_or_facet], kind="stable")
         unknowns = np.stack([order, order + n], axis=1)
         return np.concatenate([unknowns[free.T[order]], contact + n])
 
     @cached_property
     def _far_fields(self) -> Array:
-        """(2n, k) nodal values of the poles on the outer boundary, zero elsewhere."""
-        solid, far = self.solid, self.solid.boundary("far")
+        """(2 nodes, k) coefficients of the poles on the outer boundary, zero elsewhere."""
+        solid, far_functions = self.solid, self.solid.boundary("far")
         if not self.poles:
             return np.zeros((2 * solid.nodes, 0))
         nodal = solid.interpolate(
@@ -178,14 +185,14 @@ class HalfSpace:
             lambda points: np.moveaxis(self.far_fields_at(points)[0], 0, -1),
         )
         out = np.zeros((2 * solid.nodes, len(self.poles)))
-        out[far], out[far + solid.nodes] = nodal.swapaxes(0, 1)
+        out[far_functions], out[far_functions + solid.nodes] = nodal.swapaxes(0, 1)
         return out
 
     @cached_property
     def lower_triangle(self) -> coo_matrix:
-        """Lower triangle of `system`, its entries at one place not summed yet.
+        """Lower triangle of `system`, with duplicate entries not summed yet.
 
-        All that condensing takes.
+        It contains everything that the condensation needs.
         """
         position = np.full(2 * self.solid.nodes, -1)
         position[self._order] = np.arange(len(self._order))
@@ -199,14 +206,15 @@ class HalfSpace:
 
     @cached_property
     def system(self) -> csc_matrix:
-        """Stiffness of (inside, contact, amplitudes of the poles): symmetric positive definite."""
+        """Stiffness of (inside, contact, pole amplitudes), symmetric positive definite."""
         return symmetric(self.lower_triangle)
 
     @cached_property
     def _on_contact(self) -> tuple[csr_matrix, csr_matrix, Array]:
-        """Displacements (q, m) and pressures (q, n) at Gauss points of the contact, and areas (q,).
+        """Displacement and pressure functions at Gauss points of the contact, and the areas.
 
-        The points are enough for products of two displacements.
+        The displacements are (q, m), the pressures (q, n) and the areas, which are the weights,
+        (q,). The Gauss points integrate products of two displacements exactly.
         """
         solid, facets = self.solid, self._facet_space
         node, weight = gauss(solid.degree + max(facets.top, 1))
@@ -221,15 +229,15 @@ class HalfSpace:
 
     @property
     def _facet_space(self) -> PressureSpace:
-        """The pressure space, on the facets of the contact, each with the degree it lies in."""
-        breakpoints, below = contact_breakpoints(self.solid.mesh, self.space.ring_edges)
+        """The pressure space on the facets of the contact, each with the degree of its element."""
+        breakpoints, low = contact_breakpoints(self.solid.mesh, self.space.ring_edges)
         if len(breakpoints) == len(self.space.breakpoints):
             return self.space
-        return self.space.divided(breakpoints, below)
+        return self.space.divided(breakpoints, low)
 
     @cached_property
     def coupling(self) -> Array:
-        """(contact nodes + k, size) ``int v_i phi_j dA``; the poles do not touch the contact."""
+        """(contact nodes + k, size) ``int v_i phi_j dA``; the rows of the k poles are zero."""
         displacements, pressures, areas = self._on_contact
         on_contact = displacements.T @ diags(areas) @ pressures
         return np.pad(on_contact.toarray(), ((0, len(self.poles)), (0, 0)))
@@ -245,24 +253,24 @@ class HalfSpace:
         SolverError
             if the stiffness of the half-space is singular
         """
-        loads, inside = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
-        right = np.pad(loads, ((inside, 0), (0, 0)))
+        loads, inside_count = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
+        right = np.pad(loads, ((inside_count, 0), (0, 0)))
         solution = splu(self.system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
         if not np.isfinite(solution).all():
             raise SolverError(
                 "the stiffness of the half-space is singular: no displacement can be recovered"
             )
         free = len(self._order)
-        moved = self._far_fields @ solution[free:]
-        moved[self._order] = solution[:free]
-        return self.solid.with_insides(moved)
+        displacement = self._far_fields @ solution[free:]
+        displacement[self._order] = solution[:free]
+        return self.solid.with_insides(displacement)
 
     def stability(self, basis: csr_matrix | None = None) -> float:
-        """Return how well the displacements see the least visible pressure (`stability`).
+        """Return the least stability ratio of a pressure with the displacements (`stability`).
 
         Parameters
         ----------
-        basis : (size, n) coefficients of the pressures in question; default all of the space
+        basis : (size, n) coefficients of the pressures to examine; by default all of the space
         """
         displacements, pressures, areas = self._on_contact
         return least_ratio(displacements, pressures if basis is None else pressures @ basis, areas)
@@ -270,8 +278,8 @@ class HalfSpace:
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.
 
-        The rows of the factor belong to contact nodes, then to poles: without its last row it is
-        the compliance of the same half-space with one pole less.
+        The rows of the factor belong to contact nodes, then to poles. Without its last row it is
+        the factor of the same half-space with one pole less.
 
         Raises
         ------
@@ -284,17 +292,17 @@ class HalfSpace:
         return Compliance(self.space, self.condensed(), series)
 
     def condensed(self) -> Array:
-        """Return the factor (contact nodes + k, size) of the compliance, singular or not.
+        """Return the factor (contact nodes + k, size) of the compliance, even if it is singular.
 
-        Pressure spaces within this one, which may be stable where all of it is not, have the factor
-        times their bases.
+        The factor on a subspace of the pressures is this factor times the basis of the subspace. A
+        subspace may be stable although the full space is not.
         """
         stiffness = trailing_factor(
             self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling)
         )
         factor = np.zeros_like(self.coupling)
-        # both run along the radius: a pressure has nothing to do with contact nodes closer to the
-        # axis
+        # Rows and columns are ordered along the radius. The coupling of a pressure with contact
+        # nodes closer to the axis is zero, and so are these rows of the solution.
         for start in range(0, self.space.size, 256):
             columns = slice(start, start + 256)
             rows = slice(np.flatnonzero(self.coupling[:, columns].any(axis=1))[0], None)

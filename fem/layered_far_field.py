@@ -1,12 +1,12 @@
 """The far field on layers: the fields of loads on ``r < 1``, exact in every layer.
 
-An axisymmetric load is seen from afar as the sum of a few simple ones. On a homogeneous half-space
-those are poles at the origin (`far_field.py`), whose Hankel transforms grow with the wave number s.
-Here they are the pressures whose line densities (`meshes.ground.line_energy`) are Legendre's
-``P_2j(x)``, whose transforms do not grow. A line density q(x) has the transform ``int_0^1 q(x)
-cos(s x) dx``; so the field of a homogeneous half-space is an integral over point loads at imaginary
-depths ``i x``, in closed form, and what layers add is an integral over s that decays as ``exp(-s
-h)`` with the thickness h of the first layer.
+Far away, an axisymmetric load acts as a sum of a few simple loads. On a homogeneous half-space
+these are poles at the origin (`far_field.py`), whose Hankel transforms grow with the wave number s.
+On layers they are pressures whose line densities (`meshes.ground.line_energy`) are Legendre
+polynomials ``P_2j(x)``, because their transforms do not grow. A line density q(x) has the transform
+``int_0^1 q(x) cos(s x) dx``. The field of a homogeneous half-space is therefore an integral over
+point loads at imaginary depths ``i x``, in closed form. The part that layers add is an integral
+over s that decays as ``exp(-s h)`` with the thickness h of the first layer.
 """
 
 from collections.abc import Sequence
@@ -18,82 +18,94 @@ from ..meshes.ground.ground import Ground, interfaces, loaded_waves, travel, wav
 from ..meshes.ground.line_energy import even_legendre
 from ..meshes.radial import Array, unit_gauss
 
-# a depth, over the wave length, at which nothing is left of a wave
-FAR = 700.0
-# least eigenvalue of the energies of loads, each scaled to 1, of which no two are alike
-INDEPENDENT = 1e-8
-# energy beyond the boundary of a load that matters, over the least modulus
+# decay exponent (depth times wave number) at which a wave is zero in double precision
+ZERO_EXPONENT = 700.0
+# Smallest eigenvalue of the energy matrix, with each load scaled to energy 1, at which the loads
+# count as linearly independent.
+LEAST_INDEPENDENT_EIGENVALUE = 1e-8
+# smallest energy beyond the boundary of a load that is used, relative to the smallest shear modulus
 LEAST_ENERGY = 1e-12
 
 
 def loaded_fields(points: Array, count: int, ground: Ground, outer: float) -> tuple[Array, Array]:
-    """Return displacements (count, n, 2) and stresses (count, n, 4: rr, zz, rz, hoop).
+    """Return displacements (count, n, 2) and stresses (count, n, 4: rr, zz, rz, hoop) of loads.
 
     Parameters
     ----------
-    points : (n, 2) radius and depth, on or about the outer boundary
-    count : number of loads; that of number j is scaled by ``outer^2j``
-    ground : layers; at an interface a point belongs to what is below it, but not to a rigid base
+    points : (n, 2) radius and depth, on or near the outer boundary
+    count : number of loads; load number j is scaled by ``outer^2j``
+    ground : layers; a point on an interface belongs to the layer below it, unless that is a rigid
+        base
     outer : radius of the outer boundary
     """
-    at, weight = unit_gauss(2 * count + 2)
+    imaginary_depths, weight = unit_gauss(2 * count + 2)
     scales = outer ** np.arange(0.0, 2 * count, 2)
-    sources = even_legendre(at, count) * weight[:, None] * scales
+    sources = even_legendre(imaginary_depths, count) * weight[:, None] * scales
     layer = ground.layer_at(points[:, 1])
     if ground.rigid:
         layer = np.minimum(layer, len(ground.thicknesses) - 1)
-    fields = _homogeneous(points, at, ground.poisson_ratios[0], ground.shear_moduli[0])
+    fields = _homogeneous(
+        points, imaginary_depths, ground.poisson_ratios[0], ground.shear_moduli[0]
+    )
     in_first = (layer == 0)[:, None, None]
     displacement, stress = (np.einsum("nxc,xk->knc", field * in_first, sources) for field in fields)
-    s, lengths = wave_numbers(ground, outer + 1, travelled=ground.first)
-    spectrum = lengths[:, None] * (np.cos(np.outer(s, at)) @ sources)
+    s, lengths = wave_numbers(ground, outer + 1, travelled=ground.first_thickness)
+    spectrum = lengths[:, None] * (np.cos(np.outer(s, imaginary_depths)) @ sources)
     for number, amplitudes in enumerate(_added_waves(ground, s)):
-        here = np.flatnonzero(layer == number)
-        moved, stressed = _waves_at(points[here], ground, number, s, amplitudes, spectrum)
-        displacement[:, here] += moved
-        stress[:, here] += stressed
+        in_layer = np.flatnonzero(layer == number)
+        layer_displacement, layer_stress = _waves_at(
+            points[in_layer], ground, number, s, amplitudes, spectrum
+        )
+        displacement[:, in_layer] += layer_displacement
+        stress[:, in_layer] += layer_stress
     return displacement, stress
 
 
 def independent_count(energies: Array, least_modulus: float) -> int:
-    """Return how many of the first loads are neither next to nothing nor all alike.
+    """Return how many of the first loads have fields that are neither negligible nor dependent.
 
-    On a rigid base fields decay exponentially with the distance, and what is left of them is the
-    same for all loads; on an elastic substrate they never are.
+    On a rigid base fields decay exponentially with the distance, and what remains of them has the
+    same shape for all loads. On an elastic substrate the loads always remain independent.
 
     Parameters
     ----------
-    energies : (k, k) of the loads beyond the outer boundary
-    least_modulus : least shear modulus of the ground
+    energies : (k, k) energies of the loads beyond the outer boundary
+    least_modulus : smallest shear modulus of the ground
     """
-    own, count = np.diag(energies), 0
-    while count < len(own) and own[count] > LEAST_ENERGY * least_modulus:
-        few = slice(count + 1)
-        sizes = np.sqrt(np.abs(own[few]))
-        if np.linalg.eigvalsh(energies[few, few] / np.outer(sizes, sizes))[0] < INDEPENDENT:
+    diagonal, count = np.diag(energies), 0
+    while count < len(diagonal) and diagonal[count] > LEAST_ENERGY * least_modulus:
+        leading = slice(count + 1)
+        sizes = np.sqrt(np.abs(diagonal[leading]))
+        if (
+            np.linalg.eigvalsh(energies[leading, leading] / np.outer(sizes, sizes))[0]
+            < LEAST_INDEPENDENT_EIGENVALUE
+        ):
             break
         count += 1
     return count
 
 
 def _added_waves(ground: Ground, s: Array) -> Sequence[tuple[Array, Array]]:
-    """Return the waves in each layer and in the substrate under the load 1, by wave numbers (k,).
+    """Return the waves in each layer and in the substrate under the unit load.
 
-    They are (k, 2) waves that go down, at the top, and (k, 2) that go up, at the bottom. Those of a
-    homogeneous half-space are taken away in the first layer.
+    For each layer these are the downward waves (k, 2) at its top and the upward waves (k, 2) at its
+    bottom, at the k wave numbers s. In the first layer, the waves of a homogeneous half-space are
+    subtracted.
     """
-    parts, reflection = interfaces(ground, s)
+    all_interfaces, reflection = interfaces(ground, s)
     down, _ = loaded_waves(ground, s, reflection)
     nu, shear = ground.poisson_ratios[0], ground.shear_moduli[0]
     homogeneous = np.array([-(1 - 2 * nu), 1.0]) / (2 * shear)
     out = []
-    for number, (part, thickness) in enumerate(zip(parts, ground.thicknesses, strict=True)):
+    for number, (interface, thickness) in enumerate(
+        zip(all_interfaces, ground.thicknesses, strict=True)
+    ):
         at_bottom = travel(s * thickness) @ down[..., None]
-        up = (part.reflected @ at_bottom)[..., 0]
+        up = (interface.reflected @ at_bottom)[..., 0]
         out.append((down - homogeneous if number == 0 else down, up))
-        if part.transmitted is None:
+        if interface.transmitted is None:
             return out
-        down = (part.transmitted @ at_bottom)[..., 0]
+        down = (interface.transmitted @ at_bottom)[..., 0]
     return [*out, (down, np.zeros_like(down))]
 
 
@@ -105,63 +117,68 @@ def _waves_at(
     amplitudes: tuple[Array, Array],
     spectrum: Array,
 ) -> tuple[Array, Array]:
-    """Return displacements (k, n, 2) and stresses (k, n, 4) of the waves in a layer."""
+    """Return displacements (k, n, 2) and stresses (k, n, 4) of the waves in layer `number`."""
     (r, z), (down, up) = points.T, amplitudes
     tops = np.append(0.0, ground.depths)
     from_top = s * np.maximum(z - tops[number], 0.0)[:, None]
-    from_bottom = np.full_like(from_top, FAR)
+    from_bottom = np.full_like(from_top, ZERO_EXPONENT)
     if number < len(ground.thicknesses):
         from_bottom = s * np.maximum(tops[number + 1] - z, 0.0)[:, None]
-    near, far = np.exp(-from_top), np.exp(-from_bottom)
-    each = (
-        near * (down[:, 0] + from_top * down[:, 1]),
-        near * down[:, 1],
-        far * (up[:, 0] + from_bottom * up[:, 1]),
-        far * up[:, 1],
+    downward_decay, upward_decay = np.exp(-from_top), np.exp(-from_bottom)
+    wave_values = (
+        downward_decay * (down[:, 0] + from_top * down[:, 1]),
+        downward_decay * down[:, 1],
+        upward_decay * (up[:, 0] + from_bottom * up[:, 1]),
+        upward_decay * up[:, 1],
     )
     nu, shear = ground.poisson_ratios[number], ground.shear_moduli[number]
     states = np.hstack(waves(nu, shear))
     u_r, u_z, t_rz, s_zz = (
-        sum(factor * wave for factor, wave in zip(row, each, strict=True)) for row in states
+        sum(factor * wave for factor, wave in zip(row, wave_values, strict=True)) for row in states
     )
     bessel0, bessel1 = j0(s * r[:, None]), j1(s * r[:, None])
     radial, axial = (u_r * bessel1) @ spectrum, (u_z * bessel0) @ spectrum
     zz, rz = (s * s_zz * bessel0) @ spectrum, (s * t_rz * bessel1) @ spectrum
-    # 2 G (du_r/dr + u_r/r), and by Hooke's law the part of all stresses that comes with s_zz
+    # `spread` is 2 G (du_r/dr + u_r/r). By Hooke's law, `dilatation_part`, which is lambda times
+    # the dilatation, follows from it and s_zz.
     spread = 2 * shear * (s * u_r * bessel0) @ spectrum
-    shared = nu / (1 - nu) * (zz + spread)
+    dilatation_part = nu / (1 - nu) * (zz + spread)
     on_axis = r[:, None] == 0
     hoop = np.where(on_axis, spread / 2, 2 * shear * radial / np.where(on_axis, 1.0, r[:, None]))
-    moved = np.stack([radial.T, axial.T], axis=-1)
-    stressed = [(shared + spread - hoop).T, zz.T, rz.T, (shared + hoop).T]
-    return moved, np.stack(stressed, axis=-1)
+    displacement = np.stack([radial.T, axial.T], axis=-1)
+    stress = [(dilatation_part + spread - hoop).T, zz.T, rz.T, (dilatation_part + hoop).T]
+    return displacement, np.stack(stress, axis=-1)
 
 
 def _homogeneous(
-    points: Array, at: Array, poisson_ratio: float, shear_modulus: float
+    points: Array, imaginary_depths: Array, poisson_ratio: float, shear_modulus: float
 ) -> tuple[Array, Array]:
     """Return displacements (n, x, 2) and stresses (n, x, 4) of point loads at imaginary depths.
 
-    They are the real parts of those of `far_field.poles` of order 0 at the depth ``z + i x``, whose
-    factor ``exp(-s z)`` becomes ``exp(-s z) cos(s x)``; the factor z of a wave stays as it is.
+    They are the real parts of the fields of `far_field.poles` of order 0 at the depth ``z + i x``,
+    where the factor ``exp(-s z)`` becomes ``exp(-s z) cos(s x)``. A factor z that multiplies a wave
+    is not changed.
 
     Parameters
     ----------
     points : (n, 2) radius and depth
-    at : (x,) imaginary depths
+    imaginary_depths : (x,) imaginary depths of the loads
+    poisson_ratio, shear_modulus : elastic constants of the half-space
     """
     nu, (r, z) = poisson_ratio, points.T[..., None]
-    deep = z + 1j * at
+    deep = z + 1j * imaginary_depths
     rho = np.sqrt(r * r + deep * deep)
     cosine = deep / rho
-    l0, l1, l2 = (part.real for part in (1 / rho, cosine / rho**2, (3 * cosine**2 - 1) / rho**3))
+    l0, l1, l2 = (
+        function.real for function in (1 / rho, cosine / rho**2, (3 * cosine**2 - 1) / rho**3)
+    )
     m0_r, m1_r, m2_r = (
-        part.real for part in (1 / (rho * (rho + deep)), 1 / rho**3, 3 * cosine / rho**4)
+        function.real for function in (1 / (rho * (rho + deep)), 1 / rho**3, 3 * cosine / rho**4)
     )
     hoop = z * m1_r - (1 - 2 * nu) * m0_r
     displacement = np.stack([r * hoop, 2 * (1 - nu) * l0 + z * l1], axis=-1)
-    shared = -2 * nu * l1
+    dilatation_part = -2 * nu * l1
     rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
     zz = -(1 - 2 * nu) * l1 - z * l2
-    stress = [shared + rr, shared + zz, -z * r * m2_r, shared + hoop]
+    stress = [dilatation_part + rr, dilatation_part + zz, -z * r * m2_r, dilatation_part + hoop]
     return displacement / (2 * shear_modulus), np.stack(stress, axis=-1)

@@ -1,15 +1,15 @@
-"""Whether the displacements on the contact see every pressure: the stability of a pair of spaces.
+"""Stability of a pair of spaces: whether contact displacements can detect every pressure.
 
-A pressure p is seen by the displacements v on the contact as ``sup_v (int v p dA)^2 / int v^2 dA``.
-Its least ratio to ``int p^2 dA`` over all pressures is the square of an inf-sup constant on the
-contact alone. It is of order one for stable pairs, falls as the square of the element size for
-pairs with checkerboards, and is zero if a pressure displaces nothing at all. The compliance is then
-singular, and what is computed with it is wrong without any sign of it.
+The displacements v on the contact respond to a pressure p by ``sup_v (int v p dA)^2 / int v^2 dA``.
+The smallest ratio of this number to ``int p^2 dA`` over all pressures is the square of an inf-sup
+constant on the contact alone. It is of order 1 for stable pairs, falls as the square of the element
+size for pairs with checkerboard pressures, and is zero if a pressure displaces nothing at all. The
+compliance is then singular, and results computed with it are wrong without any warning.
 
-The ratio takes no solution of the half-space: functions on the contact overlap with their
-neighbours alone, so that it takes some milliseconds, a twentieth to a hundredth of what condensing
-takes (tests/physics/test_operators.py). How far the energy of a pressure is from the exact one is
-another question, which `ringwear study elements` answers.
+The ratio needs no solution of the half-space. Functions on the contact overlap only with their
+neighbours, so that it takes some milliseconds, a twentieth to a hundredth of the time of the
+condensation (tests/physics/test_operators.py). It does not show how far the energy of a pressure is
+from the exact one; `ringwear study elements` does.
 """
 
 import numpy as np
@@ -20,16 +20,20 @@ from ..meshes.errors import SolverError
 from ..meshes.radial import Array
 
 SINGULAR = 1e-10
-"""Ratio below which a pressure counts as unseen.
+"""Ratio below which a pressure counts as displacing nothing.
 
-Roundoff leaves less than 1e-13 of zero; checkerboards of 1e5 facets keep more than 1e-10.
+A ratio that should be zero is below 1e-13 because of roundoff; that of checkerboard pressures on
+1e5 facets is above 1e-10.
 """
 ITERATIONS = 8
-"""Of the inverse iteration; stable ratios are found to 30 per cent, small ones to all digits."""
+"""Number of inverse iterations.
+
+It gives the ratios of stable pairs to 30 per cent, and small ratios to all digits.
+"""
 
 
 def least_ratio(displacements: csr_matrix, pressures: csr_matrix, areas: Array) -> float:
-    """Return how well the least visible pressure is seen by the displacements on the contact.
+    """Return the smallest stability ratio of a pressure with the displacements on the contact.
 
     Parameters
     ----------
@@ -39,34 +43,38 @@ def least_ratio(displacements: csr_matrix, pressures: csr_matrix, areas: Array) 
 
     Returns
     -------
-    ratio : between 0 and 1, by inverse iteration and therefore no less than the exact one; 0 if the
-        factorisation breaks down, or if there are more pressures than displacements
+    ratio : between 0 and 1. It is computed by inverse iteration and therefore not smaller than the
+        exact one. It is 0 if the factorisation breaks down, or if there are more pressures than
+        displacements
     """
     if pressures.shape[1] > displacements.shape[1]:
         return 0.0
-    # functions of norm one: beside ring edges elements are smaller by ten orders of magnitude
-    moved, pressed = (_normalised(each, areas) for each in (displacements, pressures))
-    coupling, mass = moved.T @ pressed, pressed.T @ pressed
+    # functions are scaled to norm 1, because elements beside ring edges are smaller by ten orders
+    # of magnitude
+    displacement_basis, pressure_basis = (
+        _normalised(functions, areas) for functions in (displacements, pressures)
+    )
+    coupling, mass = displacement_basis.T @ pressure_basis, pressure_basis.T @ pressure_basis
     count, size = coupling.shape
-    blocks = [[moved.T @ moved, coupling], [coupling.T, None]]
+    blocks = [[displacement_basis.T @ displacement_basis, coupling], [coupling.T, None]]
     try:
         saddle_point = splu(bmat(blocks, format="csc"))
-    except RuntimeError:  # SuperLU says that it is exactly singular
+    except RuntimeError:  # SuperLU reports an exactly singular matrix
         return 0.0
     pressure, ratio = np.random.default_rng(0).normal(size=size), 0.0
     for _ in range(ITERATIONS):
         load = mass @ pressure
-        unseen = -saddle_point.solve(np.pad(load, (count, 0)))[count:]
-        seen = float(load @ unseen)
-        if not (np.isfinite(seen) and seen > 0):
+        response = -saddle_point.solve(np.pad(load, (count, 0)))[count:]
+        response_energy = float(load @ response)
+        if not (np.isfinite(response_energy) and response_energy > 0):
             return 0.0
-        ratio = float(pressure @ load) / seen
-        pressure = unseen / np.sqrt(unseen @ (mass @ unseen))
+        ratio = float(pressure @ load) / response_energy
+        pressure = response / np.sqrt(response @ (mass @ response))
     return ratio
 
 
 def _normalised(functions: csr_matrix, areas: Array) -> csr_matrix:
-    """Return functions (q, n) times the roots of the areas, the sum of squares of each one."""
+    """Return functions (q, n) times the square roots of the areas, scaled to norm 1."""
     columns = functions.indices
     values = functions.data * np.sqrt(np.repeat(areas, np.diff(functions.indptr)))
     norms = np.sqrt(np.bincount(columns, values**2, minlength=functions.shape[1]))
@@ -74,22 +82,23 @@ def _normalised(functions: csr_matrix, areas: Array) -> csr_matrix:
 
 
 def refuse_singular(ratio: float, pressures: int, displacements: int) -> None:
-    """Raise if a pressure displaces nothing.
+    """Raise an error if a pressure displaces nothing.
 
     Parameters
     ----------
-    ratio : of `least_ratio`
-    pressures, displacements : how many functions there are on the contact
+    ratio : result of `least_ratio`
+    pressures, displacements : number of pressure and displacement functions on the contact
 
     Raises
     ------
     SolverError
-        which names the remedy
+        if the ratio is below `SINGULAR`; the message names the remedy
     """
     if ratio < SINGULAR:
         raise SolverError(
             f"the pair of spaces is singular: some of the {pressures} contact pressures displace "
-            f"nothing, because no one of the {displacements} displacements of the contact sees "
-            "them; give pressures of a degree below that of the displacements, or continuous ones, "
-            "or at least two facets to each ring (ringwear study elements compares pairs)"
+            f"nothing, because they do no work on any of the {displacements} displacements of the "
+            "contact; use pressures of a degree below that of the displacements, or continuous "
+            "pressures, or at least two facets on each ring (ringwear study elements compares "
+            "pairs)"
         )

@@ -1,11 +1,11 @@
 """The weak form of axisymmetric linear elasticity, and the stiffness of many elements at once.
 
-Energy ``int 2 mu eps(u) : eps(v) + lambda tr eps(u) tr eps(v) dV`` with ``dV = 2 pi r dr dz``:
-stiffness, forces and areas all carry the full 2 pi. Strains are ``eps_rr = du_r/dr``,
-``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz + du_z/dr``; z is the depth. Radial
-and axial displacement are two scalar fields on the same scalar element. scikit-fem's `BilinearForm`
-goes through the pairs of functions one after the other, which is slow in high degrees; `stiffness`
-gives the same numbers in one product.
+The energy is ``int 2 mu eps(u) : eps(v) + lambda tr eps(u) tr eps(v) dV`` with
+``dV = 2 pi r dr dz``: stiffness, forces and areas all include the full 2 pi. The strains are
+``eps_rr = du_r/dr``, ``eps_zz = du_z/dz``, ``eps_hoop = u_r/r``, ``2 eps_rz = du_r/dz + du_z/dr``;
+z is the depth. Radial and axial displacement are two scalar fields on the same scalar element.
+scikit-fem's `BilinearForm` processes the pairs of functions one after the other, which is slow for
+high degrees; `stiffness` computes the same numbers in one product.
 """
 
 from functools import lru_cache
@@ -16,15 +16,15 @@ from skfem import Element, ElementLinePp, ElementQuadP, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ..meshes.errors import SceneError
-from ..meshes.half_space import derivatives
+from ..meshes.half_space import derivative_mapping
 from ..meshes.radial import Array, Indices
 
 HIGHEST_ON_TRIANGLES = 4
-"""Degree of the last of scikit-fem's elements on triangles."""
+"""Highest degree of scikit-fem's continuous elements on triangles."""
 
 
 def moduli(poisson_ratio: float) -> tuple[float, float]:
-    """Return Lame's lambda and shear modulus for plane strain modulus 1."""
+    """Return Lame's lambda and shear modulus for the plane strain modulus 1."""
     shear = (1 - poisson_ratio) / 2
     return 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio), shear
 
@@ -62,23 +62,31 @@ def stiffness(
     degree: int,
     materials: tuple[Array, Array],
 ) -> Array:
-    """Return the stiffness (m, 2, n, 2, n) of some functions on some elements, radial first.
+    """Return the stiffness (m, 2, n, 2, n) of functions on elements, radial before axial.
 
-    `materials` are Lame's lambda (m,) and the shear modulus (m,) of these elements.
+    Parameters
+    ----------
+    mesh, element : scikit-fem's mesh and scalar element
+    functions : (n,) local numbers of the functions
+    elements : (m,) numbers of the elements
+    degree : highest polynomial degree p of the functions
+    materials : Lame's lambda (m,) and the shear modulus (m,) of these elements
 
-    The rule of quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles,
-    which may touch the axis with a corner, need more for the hoop strain u/r: 2p + 4.
+    Notes
+    -----
+    The quadrature is exact for polynomials of degree 2p + 1 on quadrilaterals. Triangles may touch
+    the axis with a corner; because of the hoop strain u/r they need degree 2p + 4.
     """
     order = 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4)
     points, weights, *at_points = _at_rule(element, order)
     value, gradient = (table[functions] for table in at_points)
     mapping = mesh.mapping()
-    exact = derivatives(mesh)
+    exact = derivative_mapping(mesh)
     r, inverse = mapping.F(points, elements)[0], exact.invDF(points, elements)
     root = np.sqrt(2 * np.pi * r * np.abs(exact.detDF(points, elements)) * weights)
     m, n, q = len(elements), len(value), len(weights)
-    # du_r/dr, u_r/r and du_r/dz (or du_z/dz) of every function at every point, and the products of
-    # every two
+    # slopes: du_r/dr, u_r/r and du_r/dz (or du_z/dz) of every function at every point; products:
+    # those of every two slopes
     slopes = np.empty((m, 3, n, q))
     slopes[:, 1] = (root / r)[:, None] * value
     for field, axis in ((0, 0), (2, 1)):
@@ -99,17 +107,14 @@ def stiffness(
 
 @lru_cache(maxsize=64)
 def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
-    """Return the points and weights of a quadrature of an order, and the element's `tables` there.
-
-    The quadrature is scikit-fem's.
-    """
+    """Return points and weights of scikit-fem's quadrature of an order, and the `tables` there."""
     points, weights = get_quadrature(element, order)
     return points, weights, *tables(element, points)
 
 
 def tables(element: Element, points: Array) -> tuple[Array, Array]:
     """Return the values (n, q) and reference gradients (n, 2, q) of an element's functions."""
-    # one of a user's that derives from it may have other functions
+    # a user's element that derives from ElementQuadP may have other functions
     if type(element) is ElementQuadP:
         return _products(element.p, points)
     pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
@@ -117,17 +122,17 @@ def tables(element: Element, points: Array) -> tuple[Array, Array]:
 
 
 def _products(degree: int, points: Array) -> tuple[Array, Array]:
-    """Return what `tables` returns of scikit-fem's `ElementQuadP`, to the last digit.
+    """Return the `tables` of scikit-fem's `ElementQuadP`, equal to the last digit.
 
-    Its functions are products of those of `ElementLinePp`, which are evaluated once, at the few
-    distinct coordinates of a rule.
+    Its functions are products of those of `ElementLinePp`, which are evaluated only once at the few
+    distinct coordinates of a quadrature.
     """
     line = ElementLinePp(degree)
     coordinates, number = np.unique(points, return_inverse=True)
     pairs = [line.lbasis(coordinates[None], i) for i in range(degree + 1)]
     values = np.array([value for value, _ in pairs])
     slopes = np.array([slope[0] for _, slope in pairs])
-    # the corners, the sides from the first on, the inside
+    # order of the functions: corners, sides from the first on, inside
     higher = np.arange(2, degree + 1)
     low, high = np.zeros_like(higher), np.ones_like(higher)
     inside = np.indices((degree - 1, degree - 1)).reshape(2, -1) + 2

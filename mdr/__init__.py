@@ -1,1 +1,1 @@
-"""The half-space in theory: dimensionality reduction, direct integration, the paper's algorithm."""
+"""The half-space without a mesh: dimensionality reduction, ring kernel, and closed forms."""

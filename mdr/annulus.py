@@ -1,14 +1,14 @@
-"""The flat annulus to roundoff: a reference for hollow punches, by the kernel of rings alone.
+"""The flat annulus accurate to roundoff: a reference for hollow punches, by the ring kernel alone.
 
 A frictionless flat annulus ``b <= r <= 1`` has no closed form. Its integral equation
 
     int_b^1 4 / (pi (r + s)) K(m) p(s) s ds = d,    m = 4 r s / (r + s)^2
 
-with the complete elliptic integral K is solved by Nystroem's method. The angle in ``cos(angle) =
-ln(b / r^2) / ln b``, 0 at the hole and pi at the rim, makes ``p r dr = g d(angle)`` smooth although
-the pressure is infinite at both edges. The logarithm of the kernel is integrated exactly, so that
-the error falls geometrically with the number of points. The outer radius and the plane strain
-modulus are 1.
+with the complete elliptic integral K is solved by Nystroem's method. The angle in
+``cos(angle) = ln(b / r^2) / ln b``, 0 at the hole and pi at the rim, makes ``p r dr = g d(angle)``
+smooth although the pressure is infinite at both edges. The logarithm of the kernel is integrated
+exactly, so that the error decreases geometrically with the number of points. The outer radius and
+the plane strain modulus are 1.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,8 @@ from numpy.polynomial.legendre import legvander
 
 from ..meshes.radial import Array
 
-# angles; the stiffness has 15 digits with 36 of them from b = 1e-4 to .9999
+# number of quadrature angles; 36 of them already give 15 digits of the stiffness for b from 1e-4 to
+# .9999
 POINTS = 64
 
 
@@ -30,8 +31,8 @@ class FlatAnnulus:
 
     Parameters
     ----------
-    inner_radius : b, between 0 and 1
-    indentation : d
+    inner_radius : inner radius b, between 0 and 1
+    indentation : indentation d
     coefficients : (J,) of ``p r dr = sum_j c_j cos(j angle) d(angle)``
     """
 
@@ -40,7 +41,7 @@ class FlatAnnulus:
     coefficients: Array
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressure at radii (R,) on the annulus; infinite at both edges."""
+        """Return the pressure at radii (R,) on the annulus, which is infinite at both edges."""
         cosines, rate = cosine_pressures(
             self.inner_radius, radii - self.inner_radius, 1 - radii, len(self.coefficients)
         )
@@ -58,20 +59,20 @@ class FlatAnnulus:
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
         """Return the least and the greatest pressure (N,) on each ring between edges (N+1,).
 
-        The pressure falls from the hole on to one least value, and rises from there to the rim.
+        From the hole to the rim, the pressure falls to a single minimum and then rises.
         """
         from scipy.optimize import minimize_scalar
 
         at_edges, least = self.pressure_at(ring_edges), np.empty(len(ring_edges) - 1)
         for number, bounds in enumerate(pairwise(ring_edges.tolist())):
             options = {"xatol": 1e-9 * (bounds[1] - bounds[0])}
-            found = minimize_scalar(
+            minimum = minimize_scalar(
                 lambda radius: float(self.pressure_at(np.array([radius]))[0]),
                 bounds=bounds,
                 method="bounded",
                 options=options,
             )
-            least[number] = min(found.fun, *at_edges[number : number + 2])
+            least[number] = min(minimum.fun, *at_edges[number : number + 2])
         return least, np.maximum(at_edges[:-1], at_edges[1:])
 
 
@@ -81,58 +82,63 @@ def flat_annulus(inner_radius: float, points: int = POINTS) -> FlatAnnulus:
 
     Parameters
     ----------
-    inner_radius : b over the outer radius, between 0 and 1
-    points : angles of the quadrature
+    inner_radius : ratio of the inner to the outer radius, between 0 and 1
+    points : number of quadrature angles
     """
     from scipy.special import ellipk, ellipkm1  # full punches do not need it
 
     angle, radius = _angles_and_radii(inner_radius, points)
-    whole = -np.log(inner_radius)
+    log_ratio = -np.log(inner_radius)
     order = np.arange(1, points)
     waves = np.cos(angle[:, None] * order)
     # weights of ln(4 (cos t - cos t')^2) in t'
     logarithm = -(np.pi / points) * (4 * waves / order) @ waves.T
-    total = radius[:, None] + radius
-    # the difference of cosines without cancellation: ln r is linear in the cosine
-    apart = -2 * np.sin((angle[:, None] + angle) / 2) * np.sin((angle[:, None] - angle) / 2)
-    complement = np.tanh(apart * whole / 4) ** 2
-    np.fill_diagonal(apart, 1.0)
+    radius_sum = radius[:, None] + radius
+    # difference of cosines without cancellation; ln r is linear in the cosine
+    cosine_difference = (
+        -2 * np.sin((angle[:, None] + angle) / 2) * np.sin((angle[:, None] - angle) / 2)
+    )
+    complement = np.tanh(cosine_difference * log_ratio / 4) ** 2
+    np.fill_diagonal(cosine_difference, 1.0)
     np.fill_diagonal(complement, 0.5)
-    # K(1 - complement) = smooth part + factor * ln(4 apart^2)
+    # K(1 - complement) = smooth + factor * ln(4 cosine_difference^2)
     factor = -ellipk(complement) / np.pi
-    smooth = ellipkm1(complement) - factor * np.log(4 * apart**2)
+    smooth = ellipkm1(complement) - factor * np.log(4 * cosine_difference**2)
     np.fill_diagonal(factor, -0.5)
-    np.fill_diagonal(smooth, np.log(32 / whole))
-    kernel = 4 / np.pi / total * (logarithm * factor + np.pi / points * smooth)
+    np.fill_diagonal(smooth, np.log(32 / log_ratio))
+    kernel = 4 / np.pi / radius_sum * (logarithm * factor + np.pi / points * smooth)
     density = np.linalg.solve(kernel, np.ones(points))
     stiffness = float(2 * np.pi**2 * density.mean())
     return FlatAnnulus(inner_radius, 1 / stiffness, _cosines(angle, density / stiffness))
 
 
-def suited_series(inner_radius: float, count: int) -> Array:
+def flat_annulus_series(inner_radius: float, count: int) -> Array:
     """Return cosine coefficients of the flat annulus's pressure times Legendre polynomials.
 
-    The polynomials are in ``r^2``; the coefficients (J, count) have one column for each of them.
-
-    A method's own flat annulus is sought among these, as that of a full punch is among ``P_2j(t) /
-    t``.
+    The polynomials are in ``r^2``; the coefficients (J, count) have one column for each polynomial.
+    A method represents the pressure of a flat hollow punch by these functions, as it represents
+    that of a full punch by ``P_2j(t) / t``.
     """
     annulus = flat_annulus(inner_radius)
     angle, radius = _angles_and_radii(inner_radius, POINTS)
     order = np.arange(len(annulus.coefficients))
     density = np.cos(angle[:, None] * order) @ annulus.coefficients
-    hole, along = inner_radius**2, (1 - inner_radius) * (1 + inner_radius)
-    polynomials = legvander((2 * radius**2 - 1 - hole) / along, count - 1)
+    squared_inner_radius, squared_width = inner_radius**2, (1 - inner_radius) * (1 + inner_radius)
+    polynomials = legvander((2 * radius**2 - 1 - squared_inner_radius) / squared_width, count - 1)
     return _cosines(angle, density[:, None] * polynomials)
 
 
 def cosine_pressures(
     inner_radius: float, from_hole: Array, to_rim: Array, count: int
 ) -> tuple[Array, Array]:
-    """Return cosines (..., count), and the factor (...) that makes pressures of them.
+    """Return cosines (..., count), and the factor (...) that turns them into pressures.
 
-    Both distances of a radius from the edges are given, because next to an edge the radius alone
-    has too few digits.
+    Parameters
+    ----------
+    inner_radius : inner radius b
+    from_hole, to_rim : (...) distances of the radii from both edges; next to an edge the radius
+        alone would have too few digits
+    count : number of cosines
     """
     sine, angle = _sine_and_angle(inner_radius, from_hole, to_rim)
     radius = np.where(from_hole < to_rim, inner_radius + from_hole, 1 - to_rim)
@@ -142,21 +148,24 @@ def cosine_pressures(
 
 
 def _angles_and_radii(inner_radius: float, points: int) -> tuple[Array, Array]:
-    """Return the angles of the quadrature, and their radii."""
+    """Return the angles of the quadrature and the radii that belong to them."""
     angle = (np.arange(points) + 0.5) * np.pi / points
     return angle, inner_radius ** ((1 + np.cos(angle)) / 2)
 
 
 def _sine_and_angle(inner_radius: float, from_hole: Array, to_rim: Array) -> tuple[Array, Array]:
-    """Return sine and angle at radii by their distances from the edges, without cancellation."""
+    """Return the sine and the angle at radii, without cancellation.
+
+    The radii are given by their distances from the two edges.
+    """
     inside, outside = np.log1p(from_hole / inner_radius), -np.log1p(-to_rim)
-    whole = -np.log(inner_radius)
-    sine = 2 * np.sqrt(np.maximum(inside * outside, 0.0)) / whole
-    return sine, np.arctan2(sine, (outside - inside) / whole)
+    log_ratio = -np.log(inner_radius)
+    sine = 2 * np.sqrt(np.maximum(inside * outside, 0.0)) / log_ratio
+    return sine, np.arctan2(sine, (outside - inside) / log_ratio)
 
 
 def _cosines(angle: Array, density: Array) -> Array:
-    """Return cosine coefficients (P, ...) of densities (P, ...) at the angles of the quadrature."""
+    """Return the cosine coefficients (P, ...) of densities (P, ...) at the quadrature angles."""
     count = len(angle)
     coefficients = 2 / count * np.cos(np.arange(count)[:, None] * angle) @ density
     coefficients[0] /= 2

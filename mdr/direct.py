@@ -1,19 +1,20 @@
-"""Direct integration in closed form.
+"""Closed forms by direct integration for pressures that are constant on each ring.
 
-Displacement, limiting profile and slope of ring-wise constant pressures.
+They give the displacement, the limiting profile and the slope.
 
-A ring is a difference of two discs, and a uniformly loaded disc of radius c has (moduli, not
-parameters)
+A ring is a difference of two discs, and a uniformly loaded disc of radius c has (the arguments of E
+and K are moduli, not parameters)
 
     u = (4 p c / (pi E*)) E(r/c)                                    inside
     u = (4 p r / (pi E*)) [E(c/r) - (1 - c^2/r^2) K(c/r)]           outside
     du/dr = (4 p / (pi E*)) (E - K)(r/c) c/r inside, (E - K)(c/r) outside,
 
-so Eq. 21 needs no quadrature in the steady state (Eq. 24). Slopes have logarithmic poles at ring
-edges; their squares are integrated by a substitution that removes them (Eq. 18). Non-dimensional:
-punch radius 1, modulus 1.
+so Eq. 21 needs no quadrature in the steady state (Eq. 24). Slopes have logarithmic singularities at
+ring edges; their squares are integrated by a substitution that removes them (Eq. 18).
+Non-dimensional: punch radius 1, modulus 1.
 
-Eq. 25 of the paper integrates over the angle twice, beside its factor 2 pi; Eq. 26 is right.
+Eq. 25 of the paper integrates over the angle twice, in addition to its factor 2 pi; Eq. 26 is
+correct.
 """
 
 from typing import Any
@@ -25,13 +26,13 @@ from ..meshes.ground.ground import Ground
 from ..meshes.radial import Array, cut_evenly, graded_breakpoints, ring_areas, unit_gauss
 from .layers import added_displacement, added_slope
 
-# pairs of a radius and a disc evaluated together, few enough to stay in the cache
-AT_ONCE = 2**16
-# Gauss points of slopes in each element
+# number of (radius, disc) pairs that are evaluated together, small enough for the cache
+PAIRS_PER_BLOCK = 2**16
+# number of Gauss points in each element, for slopes
 POINTS = 24
-# times that the radii about the greatest displacement on layers are taken closer together, each
-# time four times
-NARROWINGS = 20
+# number of steps in the search for the greatest displacement on layers; each step reduces the
+# distance between the radii by a factor of four
+SEARCH_STEPS = 20
 
 
 def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
@@ -44,27 +45,36 @@ def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
 
 
 def disc_displacement(disc: Array, radius: Array) -> Array:
-    """Return the displacement at `radius` by unit pressure on a disc; the arguments broadcast."""
+    """Return the displacement at `radius` under unit pressure on a disc; arguments broadcast."""
     ratio = np.minimum(radius, disc) / np.maximum(radius, disc)
-    e = ellipe(ratio**2)
+    elliptic_e = ellipe(ratio**2)
     # (1 - m) K(m) tends to zero at the edge, where K itself is infinite
     complement = (1 - ratio) * (1 + ratio)
-    outside = e - complement * ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    return 4 / np.pi * np.where(radius <= disc, disc * e, radius * outside)
+    outside_factor = elliptic_e - complement * ellipkm1(
+        np.maximum(complement, np.finfo(float).tiny)
+    )
+    return 4 / np.pi * np.where(radius <= disc, disc * elliptic_e, radius * outside_factor)
 
 
 def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
-    """Return the slope ``du/dr`` at `radius` by unit pressure on a disc; the arguments broadcast.
+    """Return the slope ``du/dr`` at `radius` under unit pressure on a disc; arguments broadcast.
 
-    `gap` is ``|radius - disc|``, for where the difference of the two has too few digits.
+    Parameters
+    ----------
+    disc : radii of the discs
+    radius : radii at which the slope is evaluated
+    gap : ``|radius - disc|``, to be given if the difference of the two has too few digits
+
+    Notes
+    -----
     ``K - E = m/3 R_D(0, 1 - m, 1)`` with the parameter m: Carlson's integral has no cancellation at
-    small m. On the edge of the disc, where the slope is infinite, a large number stands for it.
+    small m. On the edge of the disc, where the slope is infinite, a large number is returned.
     """
     larger = np.maximum(radius, disc)
     ratio = np.minimum(radius, disc) / larger
     gap = np.abs(radius - disc) if gap is None else gap
     complement = np.maximum(gap / larger * (1 + ratio), 1e-32)
-    # inside, K - E is divided by the ratio
+    # inside the disc, K - E is divided by the ratio
     scale = np.where(radius <= disc, ratio, ratio**2)
     return np.asarray(-4 / (3 * np.pi) * scale * elliprd(0.0, complement, 1.0))
 
@@ -72,41 +82,41 @@ def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
 def displacement(
     ring_edges: Array, pressures: Array, radii: Array, ground: Ground | None = None
 ) -> Array:
-    """Return the displacement by a constant pressure on each ring: Eq. 21.
+    """Return the displacement under a constant pressure on each ring: Eq. 21.
 
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, 0 to 1
     pressures : (N,) or (N, M)
     radii : (R,)
-    ground : layers, whose part is a Hankel integral; none if not given
+    ground : layers, which add a Hankel integral; homogeneous half-space if not given
 
     Returns
     -------
     (R,) or (R, M)
     """
     steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)
-    parts = np.array_split(radii[:, None], 1 + radii.size * len(steps) // AT_ONCE)
-    values = np.concatenate([disc_displacement(ring_edges[1:], part) @ steps for part in parts])
+    blocks = np.array_split(radii[:, None], 1 + radii.size * len(steps) // PAIRS_PER_BLOCK)
+    values = np.concatenate([disc_displacement(ring_edges[1:], block) @ steps for block in blocks])
     if ground is not None:
         values += added_displacement(ring_edges, steps, radii, ground)
     return values
 
 
 def pressure_steps(pressures: Array) -> Array:
-    """Return the pressures on discs whose sum is constant on each ring.
+    """Return the pressures on discs that add up to a constant pressure on each ring.
 
-    There is one disc for each ring edge but the centre. Ring pressures (N, ...) give disc pressures
-    (N, ...).
+    There is one disc for each ring edge except the centre. Ring pressures (N, ...) give disc
+    pressures (N, ...).
     """
-    outside = np.zeros_like(pressures[:1])
-    return -np.diff(np.concatenate([pressures, outside]), axis=0)
+    outside_pressure = np.zeros_like(pressures[:1])
+    return -np.diff(np.concatenate([pressures, outside_pressure]), axis=0)
 
 
 def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground | None = None) -> Any:
     """Return the greatest displacement under the punch, ``u_max`` of Eq. 27.
 
-    The ring pressures are (N,), or (N, M) for M states; the result is then a number, or (M,).
+    For ring pressures (N,) it is a number; for pressures (N, M) of M states it is (M,).
     """
     if ground is not None:
         return _greatest_on_layers(ring_edges, pressures, ground)
@@ -114,7 +124,7 @@ def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground | 
     values = displacement(ring_edges, pressures, radii)
     steps, best = pressure_steps(pressures).T, values.argmax(axis=0)
     low, high = radii[np.maximum(best - 1, 0)], radii[np.minimum(best + 1, len(radii) - 1)]
-    # between the neighbours of the greatest value the slope changes its sign
+    # the slope changes its sign between the neighbours of the greatest value: bisect
     for _ in range(30):
         middle = (low + high) / 2
         rises = np.sum(disc_slope(ring_edges[1:], middle[..., None]) * steps, axis=-1) > 0
@@ -126,28 +136,32 @@ def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground | 
 def _greatest_on_layers(ring_edges: Array, pressures: Array, ground: Ground) -> Any:
     """Return the greatest displacement under the punch on layers.
 
-    In each step radii are taken closer together about the greatest, where the displacement is
-    smooth or rises to a ring edge from both sides.
+    Each step refines the radii around the greatest value. There the displacement is smooth or has
+    its peak at a ring edge.
     """
-    cells = cut_evenly(ring_edges, ground.first)
+    cells = cut_evenly(ring_edges, ground.first_thickness)
     radii = np.unique(np.linspace(cells[:-1], cells[1:], 33))
     values = displacement(ring_edges, pressures, radii, ground)
-    of_states = values.reshape(len(radii), -1).T
-    greatest = np.empty(len(of_states))
+    state_values = values.reshape(len(radii), -1).T
+    greatest = np.empty(len(state_values))
     for number, state in enumerate(pressures.reshape(len(pressures), -1).T):
-        near, found = radii, of_states[number]
-        for _ in range(NARROWINGS):
-            best = int(found.argmax())
-            near = np.linspace(near[max(best - 1, 0)], near[min(best + 1, len(near) - 1)], 9)
-            found = displacement(ring_edges, state, near, ground)
-        greatest[number] = max(of_states[number].max(), found.max())
+        search_radii, search_values = radii, state_values[number]
+        for _ in range(SEARCH_STEPS):
+            best = int(search_values.argmax())
+            search_radii = np.linspace(
+                search_radii[max(best - 1, 0)],
+                search_radii[min(best + 1, len(search_radii) - 1)],
+                9,
+            )
+            search_values = displacement(ring_edges, state, search_radii, ground)
+        greatest[number] = max(state_values[number].max(), search_values.max())
     return greatest.reshape(pressures.shape[1:])[()]
 
 
 def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array:
     """Return the limiting profile of Eq. 27, ``f_stat = u_max - u``.
 
-    It is zero where the punch has worn least.
+    It is zero at the point that has worn least.
     """
     return greatest_displacement(ring_edges, pressures) - displacement(ring_edges, pressures, radii)
 
@@ -157,13 +171,15 @@ def slopes_everywhere(
 ) -> tuple[Array, Array, Array]:
     """Return a quadrature on (0, 1), and the slopes of the displacement at its points.
 
-    The radii and weights of the quadrature are (R,) each. The slopes, caused by a constant pressure
-    on each ring, are (R,) for pressures (N,), or (R, M) for pressures (N, M).
+    The radii and weights of the quadrature are (R,) each. The slopes under a constant pressure on
+    each ring are (R,) for pressures (N,), or (R, M) for pressures (N, M).
 
-    Each ring is cut in the middle, and each half graded down to its neighbours' widths: a narrow,
-    highly loaded ring is felt beside it over many times its width. The seventh power of Gauss
-    points flattens the logarithms at ring edges: RMS gradients err by 4e-14 for width ratios from
-    0.1 to 10.
+    Notes
+    -----
+    Each ring is divided in the middle, and each half is graded down to the width of its neighbour,
+    because a narrow, highly loaded ring affects the slope over many times its width. The seventh
+    power of the Gauss points smooths the logarithms at ring edges. The relative error of RMS
+    gradients is 4e-14 for width ratios from 0.1 to 10.
     """
     widths, factor = np.diff(ring_edges), 0.15
     sizes = np.minimum(widths, np.append(widths[1:], np.inf)) * factor**0.5
@@ -171,19 +187,22 @@ def slopes_everywhere(
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
     if ground is not None:
-        breakpoints = cut_evenly(breakpoints, 2 * ground.first)
+        breakpoints = cut_evenly(breakpoints, 2 * ground.first_thickness)
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
     from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)
     at_edge = (from_left | np.isin(right, ring_edges))[:, None]
-    start, away = np.where(from_left, left, right), width * np.where(at_edge, node**7, node)
-    away[~from_left] *= -1
-    radii = start[:, None] + away
+    start, offsets = np.where(from_left, left, right), width * np.where(at_edge, node**7, node)
+    offsets[~from_left] *= -1
+    radii = start[:, None] + offsets
     weights = width * np.where(at_edge, 7 * node**6, 1.0) * weight
     steps, slopes = pressure_steps(pressures), []
-    for part in np.array_split(np.arange(len(start)), 1 + radii.size * len(steps) // AT_ONCE):
-        # so close to an edge radii have lost the distance from it: no difference of these
-        apart = np.abs((start[part, None] - ring_edges[1:])[:, None] + away[part, :, None])
-        slopes.append(disc_slope(ring_edges[1:], radii[part, :, None], apart) @ steps)
+    for block in np.array_split(
+        np.arange(len(start)), 1 + radii.size * len(steps) // PAIRS_PER_BLOCK
+    ):
+        # near an edge the radii have too few digits, so that distances are not computed as their
+        # differences
+        gaps = np.abs((start[block, None] - ring_edges[1:])[:, None] + offsets[block, :, None])
+        slopes.append(disc_slope(ring_edges[1:], radii[block, :, None], gaps) @ steps)
     values = np.concatenate(slopes).reshape(-1, *steps.shape[1:])
     if ground is not None:
         values = values + added_slope(ring_edges, steps, radii.ravel(), ground)
@@ -199,11 +218,17 @@ def rms_slope(
 ) -> Any:
     """Return the RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
-    The `average` is `line` (over the radius) or `area`, from an inner radius on, which is one of
-    the ring edges.
+    Parameters
+    ----------
+    ring_edges : (N+1,) ring edges, 0 to 1
+    pressures : (N,) or (N, M) pressure on each ring
+    average : `line` (over the radius) or `area`
+    inner_radius : start of the average; one of the ring edges
+    ground : layers; homogeneous half-space if not given
     """
     radii, weights, slopes = slopes_everywhere(ring_edges, pressures, ground)
-    # points beside an edge may round to it, on either side: of a face or a hole are whole elements
+    # Points beside an edge may be rounded to either side of it, so that whole elements are assigned
+    # to the face or the hole.
     on_face = np.mean(radii.reshape(-1, POINTS), axis=1) > inner_radius
     weights = np.where(np.repeat(on_face, POINTS), weights, 0.0) / (1 - inner_radius)
     if average == "area":

@@ -1,8 +1,8 @@
 """The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix.
 
-On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>`` (`meshes.ground`). K is
-nothing beyond some Legendre polynomials, so that the root of I + K changes the factor on these
-alone, and no matrix of the size of the pressures is factorised.
+On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>`` (`meshes.ground`). K is zero
+except on some Legendre polynomials. The square root of I + K therefore changes the factor on these
+polynomials only, and no matrix of the size of the pressure space is factorised.
 """
 
 import numpy as np
@@ -14,23 +14,24 @@ from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
 from .transforms import line_density, panel_quadrature
 
-# greatest width of a panel of quadrature over the first layer (tests/physics/test_layers.py)
+# greatest width of a quadrature panel, relative to the thickness of the first layer
+# (tests/physics/test_layers.py)
 WIDEST_PANEL = 2.0
 
 
 def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance:
-    """Return the compliance on a space; the factor is the weighted line density itself.
+    """Return the compliance on a pressure space, with the weighted line density as its factor.
 
     Parameters
     ----------
-    space : of the pressures
-    ground : layers; a homogeneous half-space if there are none
+    space : pressure space
+    ground : layers; homogeneous half-space if not given
     """
     if ground is None:
         positions, weights, low_parts = panel_quadrature(space)
         density = line_density(space, positions, low_parts)
         return Compliance(space, np.sqrt(2 * weights)[:, None] * density)
-    panels = space.no_wider(WIDEST_PANEL * ground.first)
+    panels = space.no_wider(WIDEST_PANEL * ground.first_thickness)
     positions, weights, low_parts = panel_quadrature(panels)
     factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
     factor = _on_layers(factor, positions, weights, ground)
@@ -38,7 +39,7 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
 
 
 def _on_layers(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
-    """Return ``sqrt(I + K)`` times a factor on a homogeneous half-space."""
+    """Return ``sqrt(I + K)`` times the factor of a homogeneous half-space."""
     values, vectors = line_energy_modes(ground)
     scale = np.sqrt(4 * np.arange(len(values)) + 1)
     polynomials = even_legendre(positions, len(values)) @ (scale[:, None] * vectors)

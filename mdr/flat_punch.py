@@ -1,4 +1,4 @@
-"""The flat punch of the force 1: full (Eqs. 10 and 11) or hollow in closed form, or on layers."""
+"""The flat punch under the force 1: full (Eqs. 10 and 11), hollow, or full on layers."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,10 +23,10 @@ from .annulus import flat_annulus
 
 # Eqs. 10 and 11, non-dimensional: d0 = F / (2 a E*) and p0 = F / (2 pi a^2)
 D0, P0 = 0.5, 1 / (2 * np.pi)
-# imaginary part of a root that is real but for roundoff
-REAL = 1e-7
-# a negative pressure, over the mean, that is roundoff
-ROUNDOFF_OF_PRESSURE = 1e-8
+# imaginary part below which a root counts as real
+REAL_ROOT_TOLERANCE = 1e-7
+# size of a negative pressure that counts as roundoff, relative to `P0`
+PRESSURE_ROUNDOFF = 1e-8
 
 
 class FlatPunch(Protocol):
@@ -34,7 +34,7 @@ class FlatPunch(Protocol):
 
     @property
     def indentation(self) -> float:
-        """The indentation."""
+        """Indentation under the force 1."""
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressure at radii (R,) of the face."""
@@ -52,7 +52,7 @@ class FlatDisc:
     indentation = D0
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressure at radii (R,) of the face; infinite at the rim."""
+        """Return the pressure at radii (R,) of the face, which is infinite at the rim."""
         with np.errstate(divide="ignore"):
             return np.asarray(P0 / _root(radii))
 
@@ -68,19 +68,19 @@ class FlatDisc:
 
 @dataclass(frozen=True, eq=False)
 class DiscSeries:
-    """A full flat punch by its series, ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1 - r^2)``.
+    """A full flat punch as a series, ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1 - r^2)``.
 
     Parameters
     ----------
-    indentation : that of the punch
-    coefficients : (J,) of the series; the first alone carries force
+    indentation : indentation of the punch under the force 1
+    coefficients : (J,) coefficients of the series; only the first term carries force
     """
 
     indentation: float
     coefficients: Array
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressure at radii (R,) of the face; infinite at the rim."""
+        """Return the pressure at radii (R,) of the face, which is infinite at the rim."""
         functions, factor = disc_functions(1 - radii, len(self.coefficients))
         return np.asarray(functions @ self.coefficients * factor)
 
@@ -104,6 +104,7 @@ class DiscSeries:
 
     @property
     def _in_all_degrees(self) -> Array:
+        """(2 J,) Legendre coefficients of the series, with zeros at odd degrees."""
         series = np.zeros(2 * len(self.coefficients))
         series[::2] = self.coefficients
         return series
@@ -113,36 +114,38 @@ class DiscSeries:
         """Radii inside the punch at which the pressure S(t) / t is stationary: t S' = S."""
         series = self._in_all_degrees
         roots = legroots(legtrim(legsub(legmulx(legder(series)), series)))
-        t = roots.real[(np.abs(roots.imag) < REAL) & (roots.real > 0) & (roots.real < 1)]
+        t = roots.real[
+            (np.abs(roots.imag) < REAL_ROOT_TOLERANCE) & (roots.real > 0) & (roots.real < 1)
+        ]
         return np.asarray(np.sqrt((1 - t) * (1 + t)))
 
 
 def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:
-    """Return ``P_2j(t)`` (..., count) and ``1 / t`` (...) by distances of radii from the rim."""
+    """Return ``P_2j(t)`` (..., count) and ``1 / t`` (...) at given distances from the rim."""
     root = np.sqrt(to_rim * (2 - to_rim))
     with np.errstate(divide="ignore"):
         return np.asarray(legvander(root, 2 * count - 2)[..., ::2]), 1 / root
 
 
 def layered_disc(ground: Ground) -> DiscSeries:
-    """Return the full flat punch on layers, by the energy of its line density."""
+    """Return the full flat punch on layers, computed from the energy of its line density."""
     return DiscSeries(D0 / relative_stiffness(ground), P0 * np.array(flat_series(ground)))
 
 
 @lru_cache(maxsize=8)
 def presses_everywhere(ground: Ground) -> bool:
-    """Return whether a flat punch presses on all of its face, and is pulled nowhere, on layers.
+    """Return whether the pressure of a flat punch on layers is positive on the whole face.
 
     A stiff layer on soft ground bends like a plate: only the rim of a flat punch touches it.
     """
     least, _ = layered_disc(ground).extremes_on(np.array([0.0, 1.0]))
-    return bool(least[0] > -ROUNDOFF_OF_PRESSURE * P0)
+    return bool(least[0] > -PRESSURE_ROUNDOFF * P0)
 
 
 def flat_punch(inner_radius: float, ground: Ground | None = None) -> FlatPunch:
-    """Return the flat punch with a hole of an inner radius, or without one where that is 0.
+    """Return the flat punch with a given inner radius, which is 0 for a full punch.
 
-    Full punches may stand on layers.
+    Only full punches may be on layers.
     """
     if ground is not None and not inner_radius:
         return layered_disc(ground)

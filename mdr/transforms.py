@@ -1,10 +1,10 @@
-"""The MDR transforms between pressures and line densities, profiles in two dimensions and in one.
+"""The MDR transforms: pressures to line densities, and profiles to one-dimensional profiles.
 
 `line_density` is the inverse of Eq. 7, ``q(x) = 2 int_x^a r p / sqrt(r^2 - x^2) dr``, on the
-pressure space; the grid matrices are Eqs. 3 and 7 themselves for piecewise linear functions. The
-integral of Eq. 7 runs to infinity and includes the jump of `q` at ``x = a``, which the print does
-not show: it yields the edge term ``q(a) / (pi sqrt(a^2 - r^2))``, the whole pressure of a flat
-punch.
+pressure space. The grid matrices are Eqs. 3 and 7 themselves for piecewise linear functions. The
+integral of Eq. 7 extends to infinity and includes the jump of `q` at ``x = a``, which the paper
+does not show: it gives the edge term ``q(a) / (pi sqrt(a^2 - r^2))``, which is the whole pressure
+of a flat punch.
 """
 
 import numpy as np
@@ -18,15 +18,16 @@ def line_density(space: PressureSpace, positions: Array, low_parts: Array | None
 
     Parameters
     ----------
-    space : of the pressures
+    space : pressure space
     positions : (P,) array
     low_parts : (P,) array, optional
-        What rounding has taken from the positions, which may lie closer to a ring edge than the
+        Low parts (rounding errors) of the positions, which may be closer to a ring edge than the
         roundoff of its radius.
     """
     out = np.empty((len(positions), space.size))
     low_parts = np.zeros(len(positions)) if low_parts is None else low_parts
-    # the pairs of positions and elements outgrow fast memory long before the result does
+    # positions are processed in blocks, because the arrays over pairs of positions and elements
+    # would be far larger than the result
     for start in range(0, len(positions), 512):
         rows = slice(start, start + 512)
         out[rows] = _rows(space, positions[rows], low_parts[rows])
@@ -34,20 +35,23 @@ def line_density(space: PressureSpace, positions: Array, low_parts: Array | None
 
 
 def _rows(space: PressureSpace, positions: Array, low_parts: Array) -> Array:
+    """Return the line densities (P, size) at a block of positions."""
     ends = np.arange(1, len(space.breakpoints))
     point, element = np.nonzero(
         space.distance_from(positions[:, None], low_parts[:, None], ends[None]) > 0
     )
-    x, below = positions[point], low_parts[point]
-    # distances from the position to both ends of the element, the first of either sign
-    to_left, to_right = (space.distance_from(x, below, element + end) for end in (0, 1))
-    far = to_left >= space.widths[element] / 2
+    x, low = positions[point], low_parts[point]
+    # distances from the position to both ends of the element; the first may be negative
+    to_left, to_right = (space.distance_from(x, low, element + end) for end in (0, 1))
+    is_far = to_left >= space.widths[element] / 2
     values = np.empty((len(point), space.top + 1))
-    values[far] = _from_afar(space, x[far], to_left[far], element[far])
-    values[~far] = _from_near(space, x[~far], to_left[~far], to_right[~far], element[~far])
+    values[is_far] = _from_afar(space, x[is_far], to_left[is_far], element[is_far])
+    values[~is_far] = _from_near(
+        space, x[~is_far], to_left[~is_far], to_right[~is_far], element[~is_far]
+    )
     out = np.zeros((len(positions), space.size + 1))
-    # each position meets each element once, and neighbours share hats: add the hats one after the
-    # other
+    # In each pass, a row and column occurs at most once. Neighbours share hats, so that the hats
+    # are added one after the other.
     for j in range(space.top + 1):
         out[point, space.dofs[element, j]] += values[:, j]
     return out[:, :-1]
@@ -56,22 +60,22 @@ def _rows(space: PressureSpace, positions: Array, low_parts: Array) -> Array:
 def _from_afar(space: PressureSpace, x: Array, to_left: Array, element: Indices) -> Array:
     """Return integrals over elements at least half their width away, where the root is smooth.
 
-    Plain Gauss in the radius.
-
-    The further away the element, the wider the ellipse round it in which the root is analytic, and
-    the fewer points reach roundoff.
+    Gauss quadrature in the radius is used. The larger the distance of the element, the larger is
+    the ellipse around it in which the root is analytic, and the fewer points are needed to reach
+    roundoff.
     """
     left, half = space.breakpoints[element], space.widths[element] / 2
-    outside = 1 + to_left / half
-    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(outside)) / 2
+    distance_ratio = 1 + to_left / half
+    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(distance_ratio)) / 2
     point_counts = np.ceil(count).astype(np.int64)
     values = np.empty((len(x), space.top + 1))
     for points in np.unique(point_counts):
         group = np.flatnonzero(point_counts == points)
         node, weight = gauss(int(points))
-        # the gap r - x as a sum, not a difference: elements may be as small as roundoff allows
-        within = half[group, None] * (1 + node)
-        r, gap = left[group, None] + within, to_left[group, None] + within
+        # the gap r - x is computed as a sum, not as a difference, because elements may be as small
+        # as roundoff allows
+        offset = half[group, None] * (1 + node)
+        r, gap = left[group, None] + offset, to_left[group, None] + offset
         kernel = 2 * half[group, None] * r / np.sqrt(gap * (r + x[group, None]))
         values[group] = kernel @ (weight[:, None] * shapes(node, space.top))
     return values
@@ -80,15 +84,15 @@ def _from_afar(space: PressureSpace, x: Array, to_left: Array, element: Indices)
 def _from_near(
     space: PressureSpace, x: Array, to_left: Array, to_right: Array, element: Indices
 ) -> Array:
-    """Return integrals over elements at or around x.
+    """Return integrals over elements that are close to x or contain it.
 
     With ``r = x cosh(theta)`` the integrand is entire. No difference of close numbers is formed, so
-    elements may be as small as roundoff allows.
+    that elements may be as small as roundoff allows.
     """
-    # Gauss points that integrate a polynomial in exp(theta) to roundoff, by (degree x length of the
-    # interval) from these on
+    # Numbers of Gauss points that integrate a polynomial in exp(theta) to roundoff, and the
+    # thresholds of (degree x length of the interval) at which the number increases.
     reaches, gauss_points = (0.25, 1, 4, 12, 40, 100), np.array([10, 14, 20, 32, 56, 100, 200])
-    # the part that is integrated begins at x if x is inside the element; all distances are from x
+    # if x is inside the element, the integral begins at x; all distances are from x
     to_lower, width = np.maximum(to_left, 0.0), space.widths[element]
     lower, right = x + to_lower, x + to_right
     lower_root, upper_root = np.sqrt(to_lower * (lower + x)), np.sqrt(to_right * (right + x))
@@ -102,9 +106,9 @@ def _from_near(
         node, weight = gauss(max(int(points), space.top + 4))
         sinh = np.sinh(span[group, None] * (1 + node) / 4)
         root, low = lower_root[group, None], lower[group, None]
-        above = 2 * sinh * (root * np.sqrt(1 + sinh**2) + low * sinh)
-        radius = low + above
-        local = 2 * ((to_lower - to_left)[group, None] + above) / width[group, None] - 1
+        distance = 2 * sinh * (root * np.sqrt(1 + sinh**2) + low * sinh)
+        radius = low + distance
+        local = 2 * ((to_lower - to_left)[group, None] + distance) / width[group, None] - 1
         weighted = (radius * weight * span[group, None])[:, None, :]
         values[group] = (weighted @ shapes(local, space.top))[:, 0]
     return values
@@ -113,14 +117,16 @@ def _from_near(
 def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
     """Return a quadrature on (0, 1) that integrates products of line densities of the space.
 
-    It consists of the positions, the weights, and the low parts of the positions, (P,) each.
+    The arrays (P,) are the positions, the weights, and the low parts of the positions.
 
-    A line density has a square-root singularity on the left of every breakpoint and ``x^2 log x``
-    at the axis; squares substituted at those ends make the integrand smooth.
+    Notes
+    -----
+    A line density has a square-root singularity on the left of every breakpoint, and ``x^2 log x``
+    at the axis. Substituting squares at these ends makes the integrand smooth.
     """
-    # in a hole line densities are smooth, but no polynomials
+    # line densities in a hole are smooth, but not polynomials
     degrees = np.where(space.degrees > 0, space.degrees, space.top)
-    # the innermost panel is singular at both ends, and takes a substitution of twice the degree
+    # the innermost panel is singular at both ends, so that the substitution needs twice the degree
     node, weight = unit_gauss(4 * int(degrees[0]) + 16)
     first, folded = space.breakpoints[1], node * (2 - node)
     positions = [first * (1 - folded) * (1 + folded)]
@@ -131,23 +137,23 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
         panels = 1 + np.flatnonzero(degrees[1:] == degree)
         right, width = space.breakpoints[panels + 1], space.widths[panels]
         position, low = exact_sum(right[:, None], -width[:, None] * node**2)
-        # the right end has a low part of its own
+        # the right end has its own low part
         position, low = exact_sum(position, low + space.sort_keys.imag[panels + 1][:, None])
         positions.append(position.ravel())
         low_parts.append(low.ravel())
         weights.append((width[:, None] * 2 * node * weight).ravel())
-    # along the radius, as pressures are numbered
+    # in the order of the radius, like the pressures
     position, weight, low = map(np.concatenate, (positions, weights, low_parts))
     order = np.argsort(position + 1j * low)
     return position[order], weight[order], low[order]
 
 
 def profile_transform(radii: Array, positions: Array) -> Array:
-    """Return the matrix of Eq. 3, ``g = T f``, for a profile linear between `radii`.
+    """Return the matrix of Eq. 3, ``g = T f``, for a profile that is linear between `radii`.
 
-    Inside the first of them it is flat; beyond the last it goes on with its last slope. Positions
-    must be positive. Eq. 3 as printed holds for ``f(0) = 0``; a centre that has worn adds ``f(0)``
-    to `g` everywhere.
+    The profile is flat inside the first radius, and continues with its last slope beyond the last.
+    Positions must be positive. Eq. 3 as printed holds for ``f(0) = 0``; a centre that has worn adds
+    ``f(0)`` to `g` everywhere.
     """
     cells = np.append(radii[:-1], np.inf)
     x = positions[:, None]

@@ -1,10 +1,9 @@
-"""The paper's own algorithm.
+"""The algorithm of the paper, as a baseline: MDR on a uniform grid, with explicit time steps.
 
-MDR on a uniform grid, explicit in time (Eqs. 3, 7 and 14 to 17). The baseline.
-
-Springs and points of the profile coincide at ``i/n`` (Fig. 2). The pressure at the rim is infinite
-at the start; it is taken half a cell inside. First order in the grid and in the step, and stable
-only for small steps. Non-dimensional, force 1.
+It implements Eqs. 3, 7 and 14 to 17. Springs and profile points coincide at ``i/n`` (Fig. 2). The
+pressure at the rim is infinite at the start, so it is evaluated half a cell inside the rim. The
+method is of first order in the grid and in the step, and stable only for small steps.
+Non-dimensional, force 1.
 """
 
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from .transforms import pressure_transform, profile_transform
 
 @dataclass(frozen=True, eq=False)
 class UniformGrid:
-    """The uniform grid of `count` springs for rings of given edges and wear coefficients."""
+    """The uniform grid of `count` springs for rings with given edges and wear coefficients."""
 
     ring_edges: Array
     wear_coefficients: Array
@@ -48,7 +47,7 @@ class UniformGrid:
         return profile, rule, np.concatenate([pressure[:1], pressure])
 
     def contact(self, profile: Array) -> tuple[Array, float]:
-        """Return pressure (count+1,) and indentation for a worn profile: Eqs. 3, 17, 6 and 7."""
+        """Return pressure (count+1,) and indentation of a worn profile: Eqs. 3, 17, 6 and 7."""
         to_springs, rule, to_pressure = self._transforms
         springs = to_springs @ profile
         indentation = 0.5 + float(rule @ springs)
@@ -57,14 +56,15 @@ class UniformGrid:
     def stability_limit(self) -> float:
         """Return the greatest stable step.
 
-        A pattern of wavelength 2/n relaxes in ``2 / (pi n k)``, and Euler takes twice that.
+        A pattern of wavelength 2/n has the relaxation time ``2 / (pi n k)``, and Euler's method is
+        stable up to twice that.
         """
         return 4 / (np.pi * self.count * float(self.coefficients.max()))
 
     def rate_matrix(self) -> Array:
-        """Return the matrix (count+1, count+1) `M` in ``df/dt = M f + const``.
+        """Return the matrix `M` (count+1, count+1) in ``df/dt = M f + const``.
 
-        Its eigenvalues are the grid's relaxation rates.
+        Its eigenvalues are the relaxation rates of the grid.
         """
         to_springs, rule, to_pressure = self._transforms
         return self.coefficients[:, None] * (
@@ -72,7 +72,7 @@ class UniformGrid:
         )
 
     def march(self, times: Array, step: float) -> tuple[Array, Array, Array]:
-        """Return the pressures, profiles and indentations at `times`, marched by explicit steps.
+        """March by explicit steps, and return pressures, profiles and indentations at `times`.
 
         The pressures and profiles are (T, count+1), the indentations (T,). No step is longer than
         `step`.
@@ -80,24 +80,24 @@ class UniformGrid:
         Raises
         ------
         SceneError
-            if the march blows up: the step was above the stability limit
+            if the solution diverges because the step exceeds the stability limit
         """
-        profile, now = np.zeros(self.count + 1), 0.0
+        profile, current_time = np.zeros(self.count + 1), 0.0
         pressure, indentation = self.contact(profile)
         states = []
         for time in times:
-            count = int(np.ceil((time - now) / step * (1 - 1e-12)))
+            count = int(np.ceil((time - current_time) / step * (1 - 1e-12)))
             with np.errstate(over="ignore", invalid="ignore"):
                 for _ in range(count):
-                    profile = profile + (time - now) / count * self.coefficients * pressure
+                    profile = profile + (time - current_time) / count * self.coefficients * pressure
                     pressure, indentation = self.contact(profile)
             if not np.abs(pressure).max() < 1e6:
                 raise SceneError(
-                    "the march on the uniform grid blew up: its step is "
+                    "the solution on the uniform grid diverged: its step is "
                     f"{step / self.stability_limit():.3g} times the "
                     "stability limit; give a smaller wear.step, or leave it out for half the limit"
                 )
-            now = time
+            current_time = time
             states.append((pressure, profile, indentation))
         pressures, profiles, indentations = map(np.array, zip(*states, strict=True))
         return pressures, profiles, indentations

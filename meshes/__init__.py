@@ -1,1 +1,1 @@
-"""What is discretised: ring edges, the radial pressure space, the truncated half-space."""
+"""Discretisation: ring edges, the radial pressure space, and meshes of the truncated half-space."""

@@ -1,8 +1,9 @@
-"""The graded quarter disc by scikit-fem's own local refinement: no gmsh, no system library.
+"""The graded quarter disc by scikit-fem's local refinement, without gmsh or system libraries.
 
-A coarse polar quarter disc is refined (red-green-blue) to the size field. Its contact line then
-holds dyadic radii only, so the field is followed on a dyadic image of the punch and every point is
-moved radially at the end, by the piecewise linear map that carries dyadic radii to ring edges.
+A coarse quarter disc in polar form is refined (red-green-blue) until its triangles have the target
+sizes. The vertices of its contact line have dyadic radii only. Therefore the mesh is made for a
+punch whose ring edges are moved to nearby dyadic radii, and at the end every point is moved
+radially by the piecewise linear map from the dyadic radii to the ring edges.
 """
 
 import itertools
@@ -16,19 +17,21 @@ from .half_space import as_half_space, truncation
 from .radial import Array, Indices
 from .sizes import SizeField
 
-# greatest length of a side over the size that is wanted there
-LONGEST = 1.25
-# rounds of refinement over the halvings from the whole to the smallest size: usually so many are
-# enough, and beyond the second number there is no hope
-ROUNDS, MOST_ROUNDS = 2, 10
-# Where sizes are even, a triangle that is refined may make its neighbour too long, that one the
-# next, and so on along the contact, one in a round. After the usual rounds this length over the
-# size is refined, so that all of them are at once.
-LONGEST_OF_CHAINS = 1.2
+# largest side of a triangle, relative to the target size there
+MAX_SIDE = 1.25
+# Rounds of refinement, relative to the number of halvings from the truncation radius to the
+# smallest size. The first number of rounds is usually enough. After the second one, the target
+# sizes count as out of reach.
+USUAL_ROUNDS = 2
+MAX_ROUNDS = 10
+# Largest side relative to the target size, after the usual rounds. If the target size is uniform
+# along the contact, refining one triangle may make its neighbour exceed `MAX_SIDE`, that one the
+# next, and so on, one triangle in each round. This lower limit refines all of them at once.
+MAX_SIDE_AFTER_USUAL_ROUNDS = 1.2
 
 
 def mesh(field: SizeField) -> MeshTri:
-    """Mesh the quarter disc to the size field.
+    """Mesh the quarter disc with the sizes of the size field.
 
     Raises
     ------
@@ -37,32 +40,36 @@ def mesh(field: SizeField) -> MeshTri:
     """
     ring_edges = np.array(field.ring_edges)
     dyadic, spacing = _dyadic_image(ring_edges)
-    current = _polar_quarter_disc(field.truncation)
-    for count in itertools.count():
-        corners = _moved(current.p, dyadic, ring_edges)[:, current.t]
-        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
-        wanted = field(corners.mean(axis=1).T)
-        halvings = np.log2(field.truncation / wanted.min())
-        if count > MOST_ROUNDS * halvings:
+    current_mesh = _polar_quarter_disc(field.truncation)
+    for round_number in itertools.count():
+        corners = _with_moved_edges(current_mesh.p, dyadic, ring_edges)[:, current_mesh.t]
+        longest_sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
+        target_sizes = field(corners.mean(axis=1).T)
+        halvings = np.log2(field.truncation / target_sizes.min())
+        if round_number > MAX_ROUNDS * halvings:
             raise MeshError(
-                "local refinement did not reach the sizes: ask for larger ones, or gmsh"
+                "local refinement did not reach the target sizes: use larger sizes, or gmsh"
             )
-        allowed = LONGEST if count <= ROUNDS * halvings else LONGEST_OF_CHAINS
-        too_long = np.flatnonzero(longest > allowed * wanted)
-        marked = np.union1d(too_long, _spans_an_edge(current, dyadic, spacing))
+        max_side = (
+            MAX_SIDE if round_number <= USUAL_ROUNDS * halvings else MAX_SIDE_AFTER_USUAL_ROUNDS
+        )
+        too_long = np.flatnonzero(longest_sides > max_side * target_sizes)
+        marked = np.union1d(too_long, _spans_an_edge(current_mesh, dyadic, spacing))
         if not len(marked):
             break
-        current = _bisected(current, marked)
-    points = _moved(current.p, dyadic, ring_edges)
-    return as_half_space(replace(current, doflocs=points), ring_edges)
+        current_mesh = _bisected(current_mesh, marked)
+    points = _with_moved_edges(current_mesh.p, dyadic, ring_edges)
+    return as_half_space(replace(current_mesh, doflocs=points), ring_edges)
 
 
 def refined(mesh: MeshTri, marked: Indices, ring_edges: Array) -> MeshTri:
-    """Return the quarter disc with marked triangles divided into four, and neighbours as needed.
+    """Return the quarter disc with each marked triangle divided into four.
+
+    Neighbours are divided where that is needed for a conforming mesh.
 
     Parameters
     ----------
-    mesh : with its boundaries named
+    mesh : quarter disc with named boundaries
     marked : numbers of the triangles to refine
     ring_edges : (N+1,) ring edges, vertices of the mesh
 
@@ -75,35 +82,35 @@ def refined(mesh: MeshTri, marked: Indices, ring_edges: Array) -> MeshTri:
 
 
 def _bisected(mesh: MeshTri, marked: Indices) -> MeshTri:
-    """Refine marked triangles, and put what is new on the outer boundary on the arc."""
+    """Refine the marked triangles, and move new points of the outer boundary onto the arc."""
     outer = truncation(mesh)
     finer = replace(mesh, _boundaries=None).refined(marked)
     points, boundary = finer.p.copy(), finer.boundary_nodes()
-    # boundary points off the axis and the surface belong on the arc
+    # boundary points that are neither on the axis nor on the surface belong to the arc
     arc = boundary[(points[:, boundary] > 0).all(axis=0)]
     points[:, arc] *= outer / np.hypot(*points[:, arc])
     return replace(finer, doflocs=points)
 
 
 def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
-    """Return a dyadic radius close to each edge, in order, and the spacing of that dyadic grid."""
+    """Return a dyadic radius close to each edge, in the same order, and the dyadic spacing."""
     level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
     return np.round(ring_edges * 2.0**level) / 2.0**level, 0.5**level
 
 
-def _moved(points: Array, dyadic: Array, ring_edges: Array) -> Array:
+def _with_moved_edges(points: Array, dyadic: Array, ring_edges: Array) -> Array:
+    """Return points moved radially, so that the dyadic radii become the ring edges."""
     radius = np.hypot(*points)
-    inside = (radius > 0) & (radius < 1)
+    in_punch = (radius > 0) & (radius < 1)
     scale = np.ones_like(radius)
-    scale[inside] = np.interp(radius[inside], dyadic, ring_edges) / radius[inside]
+    scale[in_punch] = np.interp(radius[in_punch], dyadic, ring_edges) / radius[in_punch]
     return points * scale
 
 
 def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
-    """Return the triangles that must be refined because a ring edge lies inside their facet.
+    """Return the triangles to refine because a ring edge lies inside their contact facet.
 
-    Only facets on the contact count. A facet that cannot have the ring edge as its end is refined
-    until it can.
+    Refinement ends when the ring edge is an end of a facet.
     """
     facets = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, facets]]

@@ -1,8 +1,8 @@
-"""The one object that every method hands up: a compliance on the pressure space.
+"""The compliance on a pressure space: the common result of all discretisations of the half-space.
 
-Non-dimensional: punch radius 1, plane strain modulus 1. The compliance knows nothing of wear: it
-depends on where the ring edges are, not on what the rings are made of, so that one condensation
-serves every set of wear coefficients.
+Non-dimensional: punch radius 1, plane strain modulus 1. The compliance does not depend on wear. It
+depends on the radii of the ring edges, but not on the materials of the rings, so that one
+condensation of the half-space can be used for every set of wear coefficients.
 """
 
 from dataclasses import dataclass, field
@@ -17,11 +17,11 @@ from .radial import Array
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """Turn pressures into displacements: all that contact and wear need of a half-space.
+    """Turn pressures into displacements: all that contact and wear need from a half-space.
 
     It is the matrix ``A_ij = int u[phi_i] phi_j dA``, where u[phi_i] is the displacement under the
     basis function phi_i of a `PressureSpace`. `matrix` returns A, and ``p @ A @ p`` is twice the
-    elastic energy under the pressure p: 16/3 for the pressure one on the whole disc.
+    elastic energy under the pressure p: 16/3 for the uniform pressure 1 on the whole disc.
 
     >>> from ringwear.mdr import energy
     >>> edges = np.array([0.0, 1.0])
@@ -30,16 +30,17 @@ class Compliance:
     >>> round(float(one @ compliance.matrix @ one), 9)
     5.333333333
 
-    A is symmetric and positive definite. Its factor H, ``A = H^T H``, is kept in its place: the
-    singular values of H have half the dynamic range of the eigenvalues of A.
+    A is symmetric and positive definite. The object stores its factor H, with ``A = H^T H``,
+    instead of A, because the singular values of H have half the dynamic range (in decades) of the
+    eigenvalues of A.
 
     Parameters
     ----------
     space : pressure space, `size` functions
-    factor : (m, size) the factor `H`, m >= size; `u` in units of (pressure x radius / plane strain
-        modulus)
-    flat_series : coefficients of ``P_2j(t) / t``, ``t = sqrt(1 - r^2)``, in the pressure of a full
-        flat punch, the first of them 1: there are more of them on layered ground
+    factor : (m, size) the factor `H`, m >= size; the displacement u is in units of (pressure x
+        radius / plane strain modulus)
+    flat_series : coefficients of ``P_2j(t) / t``, with ``t = sqrt(1 - r^2)``, in the pressure of a
+        full flat punch; the first is 1, and only layered ground has more than one
     """
 
     space: PressureSpace
@@ -52,47 +53,48 @@ class Compliance:
         Raises
         ------
         SolverError
-            if it is not, because the half-space system was singular
+            if the factor has an infinite or undefined entry, because the half-space system was
+            singular
         """
         if not np.isfinite(self.factor).all():
             raise SolverError(
-                "the compliance holds values that are not finite: the half-space system was "
-                "singular"
+                "the compliance has entries that are not finite: the half-space system was singular"
             )
 
     @cached_property
     def matrix(self) -> Array:
-        """(size, size) the compliance `A` itself."""
+        """The compliance `A` (size, size) itself."""
         out = np.zeros((self.space.size,) * 2)
-        # rows and columns both run along the radius, and every method's factor is zero on one side:
-        # a third of the work
+        # Rows and columns are both ordered along the radius, and for every method the factor is
+        # zero on one side of the diagonal. Using only the nonzero columns of each block of rows
+        # takes a third of the work.
         for rows in np.split(self.factor, range(512, len(self.factor), 512)):
-            used = np.flatnonzero(rows.any(axis=0))
-            if len(used):
-                span = slice(used[0], used[-1] + 1)
+            nonzero = np.flatnonzero(rows.any(axis=0))
+            if len(nonzero):
+                span = slice(nonzero[0], nonzero[-1] + 1)
                 out[span, span] += rows[:, span].T @ rows[:, span]
         return out
 
     def restricted(self, space: PressureSpace) -> "Compliance":
-        """Return the compliance of the same half-space on a space within its own."""
+        """Return the compliance of the same half-space on a subspace of its pressure space."""
         factor = (self.space.embedding(space).T @ self.factor.T).T
-        return RestrictedCompliance(space, factor, self.flat_series, whole=self)
+        return RestrictedCompliance(space, factor, self.flat_series, full=self)
 
 
 @dataclass(frozen=True, eq=False)
 class RestrictedCompliance(Compliance):
-    """A compliance on a space within that of another, whose matrix it takes.
+    """A compliance on a subspace, which computes its matrix from that of the full space.
 
     Parameters
     ----------
-    space, factor, flat_series : as of any compliance
-    whole : the other
+    space, factor, flat_series : as in `Compliance`
+    full : the compliance on the full space
     """
 
-    whole: Compliance = field(kw_only=True)
+    full: Compliance = field(kw_only=True)
 
     @cached_property
     def matrix(self) -> Array:
-        """(size, size) the compliance `A` itself, without a product of factors."""
-        embedding = self.whole.space.embedding(self.space)
-        return np.asarray(embedding.T @ (embedding.T @ self.whole.matrix).T)
+        """The compliance `A` (size, size), computed without a product of factors."""
+        embedding = self.full.space.embedding(self.space)
+        return np.asarray(embedding.T @ (embedding.T @ self.full.matrix).T)

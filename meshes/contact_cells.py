@@ -1,8 +1,8 @@
-"""Cells for a contact that opens, closes and spreads, and the space fitted to one that is known.
+"""Cells for a contact that opens, closes and spreads, and the pressure space of a known contact.
 
-Cells are small at ring edges, at the rim and where contact begins. Sizes vary by no more than a
-given growth with the distance, so that the contact line of a mesh of the half-space can follow the
-same field as a radial mesh. Lengths in punch radii.
+Cells are small at ring edges, at the rim and where contact begins. Their size changes with the
+distance by no more than a given growth, so that the contact line of a half-space mesh can have the
+same sizes as a radial mesh. Lengths are in punch radii.
 """
 
 import itertools
@@ -14,21 +14,22 @@ import numpy as np
 from .pressure_space import PressureSpace
 from .radial import Array, graded_breakpoints, layer_degrees
 
-# points of the grid on which 1 / size is integrated, towards an end of a ring or a free edge
+# number of points of the grid on which 1 / size is integrated, for each end of a ring and each side
+# of a free edge
 GRID_POINTS = 400
 
 
 class FreeEdge(NamedTuple):
-    """Cells beside an edge of the first contact that lies within the face.
+    """Cell sizes beside an edge of the first contact that lies inside a ring.
 
-    Pressures may be nearly infinite there.
+    The pressure may be nearly infinite at such an edge.
 
     Parameters
     ----------
-    radius : of the edge
-    size : of the cells at the edge
-    growth_below, growth_above : growth of the size with the distance, on the side of the axis and
-        on that of the rim
+    radius : radius of the edge
+    size : size of the cells at the edge
+    growth_below : increase of the size per distance on the side of the axis
+    growth_above : increase of the size per distance on the side of the rim
     """
 
     radius: float
@@ -37,7 +38,7 @@ class FreeEdge(NamedTuple):
     growth_above: float
 
     def sizes(self, radii: Array) -> Array:
-        """Return the greatest size at radii that this edge allows."""
+        """Return the largest cell sizes that this edge allows at the given radii."""
         distance = radii - self.radius
         growth = np.where(distance < 0, self.growth_below, self.growth_above)
         return np.asarray(self.size + growth * np.abs(distance))
@@ -54,18 +55,19 @@ class FreeEdge(NamedTuple):
 
 @dataclass(frozen=True)
 class ContactCells:
-    """The wanted size of cells at each radius.
+    """The target size of cells at each radius.
 
     Parameters
     ----------
-    ring_edges : ring edges, 0 first and 1 (the rim) last
-    largest : greatest size
+    ring_edges : ring edges, from 0 to 1 (the rim)
+    largest : largest size
     edge_size : size at ring edges and rim
-    growth : growth of the size with the distance from them
-    spread : growth of the size with the distance from where contact begins
-    spots : where it does, and the size there: (inner radius, outer radius, size)
+    growth : increase of the size per distance from ring edges and rim
+    spread : increase of the size per distance from the intervals where contact begins
+    refinements : intervals where contact begins, with the size there: (inner radius, outer radius,
+        size)
     free_edges : edges of the first contact that need smaller cells
-    hollow : whether the first ring is a hole, on which nothing presses
+    hollow : whether the first ring is a hole, where the pressure is zero
     """
 
     ring_edges: tuple[float, ...]
@@ -73,48 +75,52 @@ class ContactCells:
     edge_size: float
     growth: float = 0.4
     spread: float = 0.2
-    spots: tuple[tuple[float, float, float], ...] = ()
+    refinements: tuple[tuple[float, float, float], ...] = ()
     free_edges: tuple[FreeEdge, ...] = ()
     hollow: bool = False
 
     def __call__(self, radii: Array) -> Array:
-        """Sizes at radii, of any shape."""
+        """Return the target sizes at radii, an array of any shape."""
         size = np.full(np.shape(radii), self.largest)
         for ring_edge in self.ring_edges[1:]:
             size = np.minimum(size, self.edge_size + self.growth * np.abs(radii - ring_edge))
-        for inner, outer, smallest in self.spots:
-            away = np.maximum(np.maximum(inner - radii, radii - outer), 0.0)
-            size = np.minimum(size, smallest + self.spread * away)
+        for inner, outer, smallest in self.refinements:
+            distance = np.maximum(np.maximum(inner - radii, radii - outer), 0.0)
+            size = np.minimum(size, smallest + self.spread * distance)
         for edge in self.free_edges:
             size = np.minimum(size, edge.sizes(radii))
         return size
 
     def breakpoints(self) -> Array:
-        """Return the cells of a radial mesh: in each ring the integral of 1 / size, made even."""
+        """Return the boundaries of the cells of a radial mesh.
+
+        In each ring, the integral of 1 / size over a cell is the same for all cells.
+        """
         pieces = [np.zeros(1)]
         for inner, outer in itertools.pairwise(self.ring_edges):
             width = outer - inner
-            # fine enough to integrate 1 / size: crowded at both ends, where sizes are small
+            # the grid is finer at both ends, where sizes are small, so that 1 / size is integrated
+            # accurately
             depth = np.geomspace(1e-3 * min(self.edge_size, width), width / 2, GRID_POINTS)
-            spots = [r for spot in self.spots for r in spot[:2]]
+            extra_radii = [r for spot in self.refinements for r in spot[:2]]
             for edge in self.free_edges:
                 near = np.geomspace(0.1 * edge.size, 1.0, GRID_POINTS)
-                spots += [edge.radius, *(edge.radius - near), *(edge.radius + near)]
-            marks = np.concatenate(
-                [inner + depth, outer - depth, np.linspace(inner, outer, 401), spots]
+                extra_radii += [edge.radius, *(edge.radius - near), *(edge.radius + near)]
+            grid = np.concatenate(
+                [inner + depth, outer - depth, np.linspace(inner, outer, 401), extra_radii]
             )
-            fine = np.unique(marks[(marks >= inner) & (marks <= outer)])
-            density = 1 / self(fine)
+            grid_radii = np.unique(grid[(grid >= inner) & (grid <= outer)])
+            density = 1 / self(grid_radii)
             # by the trapezoidal rule
-            parts = np.diff(fine) * (density[1:] + density[:-1]) / 2
-            along = np.append(0.0, np.cumsum(parts))
-            count = max(4, 2 * int(np.ceil(along[-1] / 2)))
-            inside = np.interp(np.arange(1, count) * along[-1] / count, along, fine)
-            pieces.append(np.append(inside, outer))
+            integrals = np.diff(grid_radii) * (density[1:] + density[:-1]) / 2
+            integral = np.append(0.0, np.cumsum(integrals))
+            count = max(4, 2 * int(np.ceil(integral[-1] / 2)))
+            cell_edges = np.interp(np.arange(1, count) * integral[-1] / count, integral, grid_radii)
+            pieces.append(np.append(cell_edges, outer))
         return np.concatenate(pieces)
 
     def space(self) -> PressureSpace:
-        """Return continuous piecewise linear pressures, broken at ring edges."""
+        """Return the space of piecewise linear pressures that are continuous inside each ring."""
         breakpoints = self.breakpoints()
         inner_radius = self.ring_edges[1] if self.hollow else 0.0
         degrees = np.where(breakpoints[1:] <= inner_radius, 0, 1)
@@ -124,16 +130,17 @@ class ContactCells:
 def fitted_space(
     edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, smallest: float = 1e-7
 ) -> PressureSpace:
-    """Return pressures of high degree, graded to the axis and to every edge.
+    """Return pressures of high degree on elements that are graded to the axis and to every edge.
 
     Parameters
     ----------
-    edges : from 0 to 1; the space is broken at each
-    infinite : at which of them the pressure is infinite
-    degree : highest; at edges it is 2
-    smallest : size at edges where the pressure is finite
+    edges : edges of the contact, from 0 to 1; pressures may jump at each
+    infinite : whether the pressure is infinite at each edge
+    degree : highest degree; the lowest, at the edges, is 2
+    smallest : element size at edges where the pressure is finite
     """
-    # infinite as a root, or falling to zero as one; at the axis a cone's is infinite as a logarithm
+    # At an edge the pressure is infinite as 1/sqrt(distance) or falls to zero as sqrt(distance); at
+    # the axis that of a cone is infinite as a logarithm.
     sizes = smallest * np.where(infinite, 1e-3, 1.0)[1:]
     breakpoints = graded_breakpoints(edges, sizes[:-1], float(sizes[-1]), 0.2, axis_size=1e-5)
     degrees = layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2)

@@ -1,4 +1,4 @@
-"""The errors of ringwear: raised at the door, with a message that names the remedy."""
+"""The errors that ringwear raises, each with a message that names the remedy."""
 
 
 class RingwearError(Exception):
@@ -6,12 +6,12 @@ class RingwearError(Exception):
 
 
 class SceneError(RingwearError):
-    """The scene cannot be understood or modelled: names the key, the value and the remedy."""
+    """The scene cannot be understood or modelled; the message names key, value and remedy."""
 
 
 class MeshError(RingwearError):
-    """A mesh is missing, broken, or not what was asked for."""
+    """A mesh is missing, broken, or does not meet the requirements."""
 
 
 class SolverError(RingwearError):
-    """A system could not be solved to a meaningful answer."""
+    """A system of equations has no meaningful numerical solution."""

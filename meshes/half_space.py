@@ -1,10 +1,10 @@
-"""The truncated half-space: a scikit-fem mesh of a quarter disc, its boundaries named.
+"""The truncated half-space: a scikit-fem mesh of a quarter disc with named boundaries.
 
-Non-dimensional: the punch has radius 1. Depth is positive into the half-space; the surface is depth
-zero. Boundaries are `contact` (surface under the punch), `free` (surface beside it), `axis`, `far`
-(the arc) and, of layers on a rigid base, `base`. Triangles (`MeshTri`) and quadrilaterals
-(`MeshQuad`) are welcome alike; the latter are turned so that elements of any degree conform on
-them.
+Non-dimensional: the punch has radius 1. Depth is positive into the half-space, and the surface has
+depth zero. The boundaries are `contact` (the surface under the punch), `free` (the surface beside
+it), `axis`, `far` (the arc) and, for layers on a rigid base, `base`. Meshes of triangles
+(`MeshTri`) and of quadrilaterals (`MeshQuad`) are accepted. Quadrilaterals are reoriented so that
+elements of any degree are continuous across their sides.
 """
 
 from dataclasses import dataclass, replace
@@ -19,11 +19,11 @@ from skfem.mapping import Mapping
 from .errors import MeshError
 from .radial import Array, Indices
 
-# subdomains `degree -1`, `degree -2`, ... of a mesh: where the degree of the displacement may be so
-# much lower
-LOWER = "degree -"
-# where fields are smoothest: away from every edge, and below the surface
-DEEP = "deep"
+# The subdomains `degree -1`, `degree -2`, ... of a mesh contain the elements on which the degree of
+# the displacement may be lower by 1, 2, ...
+LOWERED_DEGREE_PREFIX = "degree -"
+# subdomain in which fields are smoothest: away from every ring edge and below the surface
+DEEP_SUBDOMAIN = "deep"
 
 
 @dataclass(repr=False)
@@ -31,22 +31,22 @@ class ExactQuads(MeshQuad):  # type: ignore[misc]
     """A scikit-fem mesh of quadrilaterals with exact radii.
 
     Layers round a ring edge may be far thinner than the roundoff of its radius: at r = 0.5
-    neighbouring doubles are 1e-16 apart. So each vertex has its rounded radius, which scikit-fem
-    sees, and what rounding has taken from it. Depths need no such thing, because the surface is
-    depth 0.
+    neighbouring double-precision numbers are 1e-16 apart. Each radius is therefore stored as a sum
+    of two numbers: the rounded radius, which scikit-fem uses, and its rounding error, called the
+    low part. Depths need no low part because the surface has depth 0.
 
     Parameters
     ----------
-    low_parts : (n,) what rounding has taken from the radius of each vertex
+    low_parts : (n,) low part of the radius of each vertex; zero if not given
     """
 
     low_parts: Array | None = None
 
     @cached_property
-    def in_own_coordinates(self) -> Mapping:
-        """The mapping of the same elements, each with its first corner at the origin.
+    def local_mapping(self) -> Mapping:
+        """The mapping of the same elements, each moved so that its first corner is the origin.
 
-        Its derivatives have all digits.
+        Its derivatives are accurate to all digits.
         """
         offsets = corner_offsets(self)
         corners = offsets.transpose(0, 2, 1).reshape(2, -1)
@@ -55,48 +55,52 @@ class ExactQuads(MeshQuad):  # type: ignore[misc]
 
 
 def low_parts(mesh: Mesh) -> Array:
-    """Return what rounding has taken from the radius of each vertex (n,)."""
+    """Return the low part (n,) of the radius of each vertex, which is its rounding error."""
     exact = mesh.low_parts if isinstance(mesh, ExactQuads) else None
     return np.zeros(mesh.p.shape[1]) if exact is None else np.asarray(exact)
 
 
-def rounded(mesh: Mesh) -> Mesh:
-    """Return a mesh as scikit-fem's files hold it, without what rounding has taken."""
+def without_low_parts(mesh: Mesh) -> Mesh:
+    """Return a mesh in the form that scikit-fem writes to files, without low parts of radii."""
     if not isinstance(mesh, ExactQuads):
         return mesh
-    named = {"_boundaries": mesh.boundaries, "_subdomains": mesh.subdomains}
-    return MeshQuad(mesh.p, mesh.t, **named)
+    names = {"_boundaries": mesh.boundaries, "_subdomains": mesh.subdomains}
+    return MeshQuad(mesh.p, mesh.t, **names)
 
 
-def derivatives(mesh: Mesh) -> Mapping:
-    """Return the scikit-fem mapping whose derivatives have all digits; its places may be others."""
-    return mesh.in_own_coordinates if isinstance(mesh, ExactQuads) else mesh.mapping()
+def derivative_mapping(mesh: Mesh) -> Mapping:
+    """Return the scikit-fem mapping whose derivatives are accurate to all digits.
+
+    Use it for derivatives only, because it may place elements elsewhere than the mesh does.
+    """
+    return mesh.local_mapping if isinstance(mesh, ExactQuads) else mesh.mapping()
 
 
 def corner_offsets(mesh: Mesh) -> Array:
-    """Return the coordinates (2, corners, m) of the corners of elements, from the first of each."""
-    corners, below = mesh.p[:, mesh.t], low_parts(mesh)[mesh.t]
+    """Return the coordinates (2, corners, m) of element corners, relative to the first corner."""
+    corners, low = mesh.p[:, mesh.t], low_parts(mesh)[mesh.t]
     offsets = corners - corners[:, :1]
-    offsets[0] += below - below[:1]
+    offsets[0] += low - low[:1]
     return np.asarray(offsets)
 
 
 def radial_ranks(mesh: Mesh) -> Indices:
-    """Return the place of each vertex (n,) in the order of the exact radii."""
+    """Return the rank (n,) of each vertex in the order of the exact radii."""
     ranks = np.empty(mesh.p.shape[1], dtype=np.int64)
-    # equal rounded radii are told apart by what rounding has taken
+    # low parts decide the order of vertices with equal rounded radii
     ranks[np.lexsort((low_parts(mesh), mesh.p[0]))] = np.arange(len(ranks))
     return ranks
 
 
 def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
-    """Name the boundaries of a quarter disc, drop its orphan points, and check it.
+    """Name the boundaries of a quarter disc, remove points without elements, and check the mesh.
 
     Parameters
     ----------
-    mesh : triangles or quadrilaterals, the first coordinate the radius, the second the depth
+    mesh : triangles or quadrilaterals; the first coordinate is the radius, the second the depth
     ring_edges : (N+1,) ring edges, 0 to 1; each must be a vertex
-    base : depth of a rigid base, at which the quarter disc ends: its boundary `base`
+    base : depth of a rigid base at which the quarter disc ends, on the boundary `base`; infinite
+        without one
 
     Raises
     ------
@@ -105,26 +109,27 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
     """
     used, t = np.unique(mesh.t, return_inverse=True)
     points = np.ascontiguousarray(mesh.p[:, used])
-    kept = {"doflocs": points, "t": t.reshape(mesh.t.shape), "_boundaries": None}
+    fields = {"doflocs": points, "t": t.reshape(mesh.t.shape), "_boundaries": None}
     if isinstance(mesh, ExactQuads):
-        kept["low_parts"] = low_parts(mesh)[used]
+        fields["low_parts"] = low_parts(mesh)[used]
     else:
-        # what meshers leave of zero
+        # meshers return coordinates that should be zero with roundoff
         points[points < 1e-14] = 0.0
-    mesh = replace(mesh, **kept)
+    mesh = replace(mesh, **fields)
     if isinstance(mesh, MeshQuad):
-        mesh = turned(mesh)
+        mesh = oriented(mesh)
     if np.bincount(mesh.t2f.ravel()).max() > 2:
-        raise MeshError("the mesh is not a surface: a facet has more than two elements")
+        raise MeshError("the mesh is not a surface: a facet belongs to more than two elements")
     outer = mesh.boundary_facets()
     r, z = mesh.p[:, mesh.facets[:, outer]]
     surface, axis = (z == 0).all(axis=0), (r == 0).all(axis=0)
-    # however small the facets beside the rim, one of their ends is nearer to the axis
-    below = low_parts(mesh)[mesh.facets[:, outer]]
-    inside = ((r < 1) | ((r == 1) & (below < 0))).any(axis=0)
+    # A facet belongs to the contact if one of its ends is inside the rim. Next to the rim only the
+    # low parts show this, because both ends may be rounded to r = 1.
+    low = low_parts(mesh)[mesh.facets[:, outer]]
+    inside_rim = ((r < 1) | ((r == 1) & (low < 0))).any(axis=0)
     names = {
-        "contact": surface & inside,
-        "free": surface & ~inside,
+        "contact": surface & inside_rim,
+        "free": surface & ~inside_rim,
         "axis": axis,
         "far": ~surface & ~axis & ~(z == base).all(axis=0),
     }
@@ -136,8 +141,11 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
 
 
 def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
-    """Return a half-space with every element halved so many times, new points put on the arc."""
-    mesh, outer = rounded(mesh).refined(count), truncation(mesh)
+    """Return a half-space with every element halved `count` times.
+
+    New boundary points are moved onto the arc.
+    """
+    mesh, outer = without_low_parts(mesh).refined(count), truncation(mesh)
     points = np.where(np.abs(mesh.p) < 1e-14, 0.0, mesh.p)
     boundary = mesh.boundary_nodes()
     on_arc = boundary[(points[:, boundary] > 0).all(axis=0)]
@@ -145,49 +153,59 @@ def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
     return as_half_space(type(mesh)(points, mesh.t), ring_edges)
 
 
-def turned(mesh: MeshQuad) -> MeshQuad:
+def oriented(mesh: MeshQuad) -> MeshQuad:
     """Reorder the corners of quadrilaterals so that neighbours agree on the direction of sides.
 
-    In `ElementQuadP` the functions of a side have the direction of that side, from its first corner
-    to its second, and opposite sides are parallel. Neighbours agree on them if every side runs the
-    same way in both its elements, which in the plane can always be had (Agelek, Anderson, Bangerth,
-    Barth, ACM Trans. Math. Softw. 44, 2017). Opposite sides are linked into strips; a strip has two
-    directions, of which one is chosen.
+    In `ElementQuadP` the functions of a side depend on its direction, which runs from its first
+    corner to its second; opposite sides run in parallel. The functions of two neighbours are
+    continuous if both elements give their common side the same direction. Such directions exist for
+    every mesh in the plane (Agelek, Anderson, Bangerth, Barth, ACM Trans. Math. Softw. 44, 2017).
+    Opposite sides are linked into strips, and one of the two possible directions is chosen for each
+    strip.
     """
-    # does a side, as the reference element runs it (0-1, 1-2, 3-2, 0-3), start at its lower vertex?
-    along = np.stack(
+    # `runs_as_reference` states whether a side, in the direction of the reference element (0-1,
+    # 1-2, 3-2, 0-3), starts at the vertex of lower number
+    runs_as_reference = np.stack(
         [mesh.facets[0, mesh.t2f[i]] == mesh.t[start] for i, start in enumerate((0, 1, 3, 0))]
     )
     first, opposite = mesh.t2f[:2].ravel(), mesh.t2f[2:].ravel()
-    swapped = (along[:2] != along[2:]).ravel()
+    swapped = (runs_as_reference[:2] != runs_as_reference[2:]).ravel()
     count = mesh.nfacets
-    # node f: side f from its lower to its higher vertex; node f + count: the other way
+    # Node f of the graph is side f from its lower to its higher vertex; node f + count is the same
+    # side in the other direction.
     starts = np.concatenate([first, first + count])
     ends = np.concatenate([opposite + count * swapped, opposite + count * ~swapped])
     graph = coo_matrix((np.ones(len(starts)), (starts, ends)), shape=(2 * count,) * 2)
     _, strip = connected_components(graph, directed=False)
     upwards = strip[:count] < strip[count:]
-    # whether the first and the second pair of opposite sides run as numbered now; the corner where
-    # both start comes first
-    forward, upward = (along[i] == upwards[mesh.t2f[i]] for i in (0, 1))
+    # `forward` and `upward` state whether the first and the second pair of opposite sides keep
+    # their direction. The corner at which both pairs start becomes the first corner.
+    forward, upward = (runs_as_reference[i] == upwards[mesh.t2f[i]] for i in (0, 1))
     shift = np.where(upward, np.where(forward, 0, 1), np.where(forward, 3, 2))
     corners = (np.arange(4)[:, None] + shift) % 4
     return replace(mesh, t=np.take_along_axis(mesh.t, corners, axis=0))
 
 
 def _check(mesh: Mesh, ring_edges: Array) -> None:
+    """Check that the mesh has no gap, fold, missing ring edge or degenerate element.
+
+    Raises
+    ------
+    MeshError
+        if the mesh has one of these faults
+    """
     ends = segments(mesh, mesh.boundaries["far"])
     if np.abs(np.linalg.norm(ends, axis=2) / truncation(mesh) - 1).max(initial=0.0) > 1e-9:
         raise MeshError(
             "the mesh has a hole or a gap, or is no quarter disc: boundary points lie neither on "
-            "the surface, nor on the axis, nor on the arc; merge vertices that are there twice (in "
-            "gmsh: Coherence Mesh)"
+            "the surface, nor on the axis, nor on the arc; merge duplicate vertices (in gmsh: "
+            "Coherence Mesh)"
         )
     enclosed = np.abs(np.linalg.det(ends)).sum() / 2
     if "base" in mesh.boundaries:
         enclosed += np.abs(np.linalg.det(segments(mesh, mesh.boundaries["base"]))).sum() / 2
     if abs(areas(mesh).sum() / enclosed - 1) > 1e-9:
-        raise MeshError("elements overlap: the mesh is folded over itself")
+        raise MeshError("elements overlap: the mesh is folded")
     missing = [edge for edge in ring_edges if np.abs(contact_radii(mesh) - edge).min() > 1e-12]
     if missing:
         raise MeshError(
@@ -199,12 +217,12 @@ def _check(mesh: Mesh, ring_edges: Array) -> None:
         r, z = mesh.p[:, mesh.t[:, shape.argmin()]].mean(axis=1)
         raise MeshError(
             f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality "
-            f"{shape.min():.1e}): ask for less extreme sizes"
+            f"{shape.min():.1e}): use less extreme sizes"
         )
 
 
 def truncation(mesh: Mesh) -> float:
-    """Return the radius of the half-space."""
+    """Return the truncation radius, which is the outer radius of the half-space."""
     return float(mesh.p[0].max())
 
 
@@ -248,12 +266,13 @@ def areas(mesh: Mesh) -> Array:
 def quality(mesh: Mesh) -> Array:
     """Return the least sine (m,) of the corners of each element.
 
-    .87 for an equilateral triangle, 1 for a rectangle, 0 if flat.
+    It is .87 for an equilateral triangle, 1 for a rectangle, 0 for a flat element, and negative for
+    an element that is not convex.
     """
     corners = corner_offsets(mesh)
     sides = np.roll(corners, -1, axis=1) - corners
     sides = sides / np.linalg.norm(sides, axis=0)
-    before = np.roll(sides, 1, axis=1)
-    sines = before[0] * sides[1] - before[1] * sides[0]
-    # negative at a corner that bends the other way
+    previous_sides = np.roll(sides, 1, axis=1)
+    sines = previous_sides[0] * sides[1] - previous_sides[1] * sides[0]
+    # the sine is negative at a reflex corner
     return np.asarray((sines * np.sign(sines.sum(axis=0))).min(axis=0))

@@ -1,14 +1,18 @@
 """The pressure space on a radial mesh (radius of the punch = 1).
 
 The pressure is a polynomial on each element, continuous inside a ring and broken at ring edges.
-That one space holds every case of interest: the flat start (pressure continuous), wear for t > 0
+This space contains the pressures of all cases: the flat start (pressure continuous), wear for t > 0
 (wear rate ``k p`` continuous) and every steady state (pressure constant on each ring, Eq. 24). The
-basis is hierarchical (hats and integrated Legendre bubbles), and numbered along the radius, so that
-what couples neighbours only (masses, slopes) is a narrow band.
+basis is hierarchical (hats and integrated Legendre bubbles) and numbered along the radius, so that
+matrices that couple only neighbours (mass, slope) have a narrow band.
 
-A hollow punch has no pressure on its first ring, the hole: elements of degree 0 have no functions.
+On the first ring of a hollow punch, the hole, the pressure is zero: elements of degree 0 have no
+functions.
 
-All areas are those of the punch face: ``dA = 2 pi r dr``.
+All areas are areas of the punch face: ``dA = 2 pi r dr``.
+
+Breakpoints are stored as a rounded radius and a low part, which is its rounding error. Differences
+of breakpoints computed from both are accurate to all digits.
 """
 
 from dataclasses import dataclass
@@ -21,7 +25,7 @@ from scipy.sparse import csr_matrix
 
 from .radial import Array, Indices, gauss, ring_of, values_on_rings
 
-# values of functions, or numbers of rings
+# values of functions (float) or numbers of rings (int)
 Values = TypeVar("Values", Array, Indices)
 
 
@@ -30,7 +34,8 @@ class PressureSpace:
     """Represent contact pressures by polynomials along the radius, broken at ring edges.
 
     A `PressureSpace` turns coefficients (size,) of a pressure into values (`matrix`), forces
-    (`weights`, `ring_forces`) and integrals (`mass`). Every method gives its `Compliance` on one.
+    (`weights`, `ring_forces`) and integrals (`mass`). The `Compliance` of each method is defined on
+    such a space.
 
     >>> edges = np.array([0.0, 0.5, 1.0])
     >>> space = PressureSpace(edges, degrees=np.array([2, 2]), ring_edges=edges)
@@ -41,11 +46,11 @@ class PressureSpace:
     Parameters
     ----------
     breakpoints : (n+1,) element boundaries, 0 to 1
-    degrees : (n,) polynomial degree of each element, at least 1; 0 on the first ring if that is a
+    degrees : (n,) polynomial degree of each element, at least 1; 0 on the first ring if it is a
         hole
     ring_edges : (N+1,) ring edges, each one a breakpoint
-    low_parts : (n+1,) what rounding has taken from each breakpoint, so that elements beside an edge
-        may be far narrower than the roundoff of its radius; nothing if not given
+    low_parts : (n+1,) low part of each breakpoint, by default zero; with it, elements beside an
+        edge may be far narrower than the roundoff of its radius
     """
 
     breakpoints: Array
@@ -59,27 +64,30 @@ class PressureSpace:
 
     @cached_property
     def widths(self) -> Array:
-        """(n,) widths of the elements, to all digits."""
+        """(n,) widths of the elements, accurate to all digits."""
         return np.diff(self.breakpoints) + np.diff(self._low)
 
     @cached_property
     def sort_keys(self) -> NDArray[np.complex128]:
         """(n+1,) complex numbers in the order of the breakpoints.
 
-        numpy orders complex numbers by their real parts, the rounded breakpoints, and equal ones by
-        their imaginary parts, which are what rounding has taken.
+        numpy orders complex numbers by their real parts, here the rounded breakpoints, and equal
+        ones by their imaginary parts, here the low parts.
         """
         return self.breakpoints + 1j * self._low
 
     def distance(self, first: Indices, second: Indices) -> Array:
-        """Return the distances from some breakpoints to others, given by number, to all digits."""
+        """Return the distances from breakpoints `first` to breakpoints `second`, to all digits.
+
+        Breakpoints are given by number.
+        """
         rounded = self.breakpoints[second] - self.breakpoints[first]
         return np.asarray(rounded + (self._low[second] - self._low[first]))
 
     def distance_from(self, radii: Array, low_parts: Array, number: Indices) -> Array:
         """Return the distances from radii to breakpoints, given by number, to all digits.
 
-        `low_parts` are what rounding has taken from the radii.
+        `low_parts` are the low parts of the radii.
         """
         return np.asarray((self.breakpoints[number] - radii) + (self._low[number] - low_parts))
 
@@ -90,12 +98,12 @@ class PressureSpace:
 
     @property
     def hollow(self) -> bool:
-        """Whether the first ring is a hole, on which there is no pressure."""
+        """Whether the first ring is a hole, where the pressure is zero."""
         return bool(self.degrees[0] == 0)
 
     @property
     def inner_radius(self) -> float:
-        """The radius of the hole; 0 if there is none."""
+        """Radius of the hole; 0 without a hole."""
         return float(self.ring_edges[1]) if self.hollow else 0.0
 
     @property
@@ -105,17 +113,18 @@ class PressureSpace:
 
     @cached_property
     def ring(self) -> Indices:
-        """Ring that each element belongs to."""
+        """(n,) number of the ring that each element belongs to."""
         return np.searchsorted(self.ring_edges + 0j, self.sort_keys[:-1], side="right") - 1
 
     @cached_property
     def dofs(self) -> Indices:
         """(n, top+1) global number of each local shape function.
 
-        The number is `size` where the element does not have the function.
+        The number is `size` if the element does not have the function.
         """
         left = self.ring - self.hollow + np.cumsum(self.degrees) - self.degrees
-        # left vertex, bubbles, right vertex along the radius; in the table both vertices come first
+        # global numbers follow the radius: left vertex, bubbles, right vertex; the columns of the
+        # table start with both vertices
         order = np.arange(self.top + 1)
         table = np.where(order <= self.degrees[:, None], left[:, None] + order - 1, self.size)
         table[:, 0], table[:, 1] = left, left + self.degrees
@@ -134,28 +143,28 @@ class PressureSpace:
 
     @cached_property
     def uniform(self) -> Array:
-        """(size,) coefficients of the pressure one: 1 of hats, 0 of bubbles."""
+        """(size,) coefficients of the uniform pressure 1: 1 for hats, 0 for bubbles."""
         return np.asarray(self._of_functions(np.where(np.arange(self.top + 1) < 2, 1.0, 0.0)))
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
-        """Return values, or slopes, of the basis (len(radii), size).
+        """Return the values, or slopes, (radii, size) of all basis functions at radii.
 
-        An edge radius belongs to the ring outside it.
+        A radius on a ring edge belongs to the ring outside it.
         """
         radii = np.asarray(radii, dtype=float)
         element = np.clip(
             np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.degrees) - 1
         )
         left, right = self.breakpoints[element], self.breakpoints[element + 1]
-        below, above = self._low[element], self._low[element + 1]
-        local = ((radii - left) - below) - ((right - radii) + above)
+        left_low, right_low = self._low[element], self._low[element + 1]
+        local = ((radii - left) - left_low) - ((right - radii) + right_low)
         return self._values(element, np.clip(local / self.widths[element], -1.0, 1.0), derivative)
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
-        """Return values, or slopes, of the basis at local coordinates of every element.
+        """Return the values, or slopes, of the basis at local coordinates of every element.
 
-        The local coordinates are in [-1, 1]; the matrix has the shape (elements x points, size). By
-        radii, as in `matrix`, coordinates would lose digits on elements much smaller than the
+        The local coordinates are in [-1, 1]; the matrix has the shape (elements x points, size).
+        `matrix`, which takes radii, would lose digits on elements that are much smaller than the
         punch.
         """
         count = len(self.degrees)
@@ -176,17 +185,17 @@ class PressureSpace:
     ) -> csr_matrix:
         """Return the matrix (height, size) that sums values in rows and columns.
 
-        Values, rows and columns are broadcast. Functions that an element does not have, whose
-        column is `size`, are left out.
+        Values, rows and columns are broadcast. Entries in the column `size`, which are functions
+        that an element does not have, are left out.
         """
-        entries, *places = (part.ravel() for part in np.broadcast_arrays(values, rows, columns))
+        entries, *places = (array.ravel() for array in np.broadcast_arrays(values, rows, columns))
         return csr_matrix((entries, places), (height, self.size + 1))[:, :-1]
 
     @cached_property
     def quadrature(self) -> tuple[Array, Array, Array]:
-        """Gauss points.
+        """Gauss points on all elements, exact for products of two basis functions.
 
-        Radii (n, q), weights of dr (n, q), local coordinate (q,); exact for products of the basis.
+        The arrays are the radii (n, q), the weights of dr (n, q) and the local coordinates (q,).
         """
         local, weight = gauss(self.top + 2)
         left, half = self.breakpoints[:-1, None], self.widths[:, None] / 2
@@ -201,7 +210,7 @@ class PressureSpace:
         """
         radii, lengths, local = self.quadrature
         factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
-        # a hole wears infinitely fast, but presses nowhere
+        # the wear coefficient of a hole is infinite, but there are no functions on it
         factors = np.where(self.degrees[:, None] > 0, factors, 0.0)
         areas = 2 * np.pi * radii * lengths * factors
         values = shapes(local, self.top)
@@ -237,7 +246,7 @@ class PressureSpace:
         if np.isin(ring_edges, self.breakpoints).all():
             radii, lengths, _ = self.quadrature
             ring = np.searchsorted(ring_edges + 0j, self.sort_keys[:-1], side="right")[:, None] - 1
-            # what lies in a hole has no functions
+            # elements in a hole, which have no functions, may lie inside the first edge
             ring = np.maximum(ring, 0)
             values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(node, self.top))
             return np.asarray(
@@ -247,7 +256,8 @@ class PressureSpace:
         half = np.diff(cuts)[:, None] / 2
         element = np.searchsorted(self.breakpoints, cuts[:-1], side="right") - 1
         left, width = self.breakpoints[element, None], np.diff(self.breakpoints)[element, None]
-        # by coordinates within the elements: by radii, those of small ones would lose digits
+        # local coordinates are computed from distances within the element, because radii would lose
+        # digits on small elements
         local = 2 * (cuts[:-1, None] - left + half * (1 + node)) / width - 1
         area = 2 * np.pi * (cuts[:-1, None] + half * (1 + node)) * half * weight
         values = np.einsum("eq,eqi->ei", area, shapes(local, self.top))
@@ -257,7 +267,7 @@ class PressureSpace:
         )
 
     def ring_indicator(self) -> Array:
-        """Return the coefficients of the pressures that are one on a ring and zero on the others.
+        """Return the coefficients of the pressures that are 1 on one ring and 0 on all others.
 
         The coefficients (size, N) have one column for each ring. A hole has none.
         """
@@ -273,29 +283,31 @@ class PressureSpace:
         it is the space of continuous pressures.
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
-        # the last function of a ring and the first of the next are joined in one column
+        # the last function of a ring and the first of the next share one column
         values, column = 1 / self.at_vertices(ring_coefficients), function - (ring - ring[0])
         return csr_matrix((values, (function, column)), (self.size, int(column[-1]) + 1))
 
     def coarser(self) -> "PressureSpace":
-        """Return a coarser space within this one.
+        """Return a coarser subspace.
 
-        It has a degree less in every element, but no less than 1, and a layer less on each side of
-        every ring edge but the axis. Elements as wide as half of the narrower ring beside their
-        edge are no layers: where the pressure is smooth at an edge there may be none, and two
-        elements as one would err by far more than they do. If this space has degree 1 only,
-        neighbouring elements are joined in pairs instead, but not across ring edges.
+        The degree is lower by 1 in every element, but not below 1, and there is one layer less on
+        each side of every ring edge except the axis. An element counts as a layer only if it is
+        narrower than half of the narrower ring at the edge. If the pressure is smooth at an edge
+        there may be no layers, and the error of two merged elements of that width would be far
+        larger than theirs. If this space has degree 1 only, neighbouring elements are merged in
+        pairs instead, but not across ring edges.
         """
         count, edges = len(self.breakpoints), np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         dropped = np.arange(1, count, 2)
         if self.top > 1:
             widths, rings = np.diff(self.breakpoints), np.diff(self.ring_edges)
-            # a little less than half, which is met by halves but for roundoff
-            most = 0.499 * np.minimum(rings, np.append(rings[1:], rings[-1]))
-            before, after = edges[1:] - 1, edges[1:-1]
-            before = before[widths[before] < most]
-            after = after[widths[after] < most[:-1]]
-            dropped = np.concatenate([before, after + 1])
+            # slightly less than half, so that roundoff does not decide about elements of exactly
+            # half
+            largest_layer = 0.499 * np.minimum(rings, np.append(rings[1:], rings[-1]))
+            inner_elements, outer_elements = edges[1:] - 1, edges[1:-1]
+            inner_elements = inner_elements[widths[inner_elements] < largest_layer]
+            outer_elements = outer_elements[widths[outer_elements] < largest_layer[:-1]]
+            dropped = np.concatenate([inner_elements, outer_elements + 1])
         remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
         lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
         return PressureSpace(
@@ -306,64 +318,64 @@ class PressureSpace:
         )
 
     def joined_beside_ring_edges(self) -> "PressureSpace":
-        """Return the space in which the two elements beside a ring edge, on either side, are one.
+        """Return the space with the two elements next to a ring edge merged, on either side of it.
 
-        A ring of one element stays as it is, and so do the elements beside the rim, the axis and
-        the edge of a hole, where no pressure breaks.
+        A ring that is a single element stays as it is. Elements beside the rim, the axis and the
+        edge of a hole are not merged, because the pressure does not jump there.
         """
         edges = np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         inner = edges[1 + self.hollow : -1]
         dropped = np.setdiff1d(np.concatenate([inner - 1, inner + 1]), edges)
-        kept = np.setdiff1d(np.arange(len(self.breakpoints)), dropped)
+        remaining = np.setdiff1d(np.arange(len(self.breakpoints)), dropped)
         return PressureSpace(
-            self.breakpoints[kept],
-            np.minimum.reduceat(self.degrees, kept[:-1]),
+            self.breakpoints[remaining],
+            np.minimum.reduceat(self.degrees, remaining[:-1]),
             self.ring_edges,
-            None if self.low_parts is None else self.low_parts[kept],
+            None if self.low_parts is None else self.low_parts[remaining],
         )
 
     def divided(self, breakpoints: Array, low_parts: Array) -> "PressureSpace":
-        """Return the space on more breakpoints, those of this one among them.
+        """Return the space on more breakpoints, which include those of this space.
 
-        Each element has the degree of the one that it lies in.
+        Each element has the degree of the element of this space that contains it.
         """
         parent = np.searchsorted(self.sort_keys, (breakpoints + 1j * low_parts)[1:]) - 1
         return PressureSpace(breakpoints, self.degrees[parent], self.ring_edges, low_parts)
 
     def no_wider(self, widest: float) -> "PressureSpace":
-        """Return the space whose elements are no wider than that: wider ones are cut evenly."""
-        parts = np.ceil(self.widths / widest).astype(np.int64)
-        if (parts == 1).all():
+        """Return the space with elements no wider than `widest`: wider ones are cut evenly."""
+        counts = np.ceil(self.widths / widest).astype(np.int64)
+        if (counts == 1).all():
             return self
-        number = np.repeat(np.arange(len(parts)), parts)
-        within = np.arange(len(number)) - np.repeat(np.cumsum(parts) - parts, parts)
-        cut = self.widths[number] * within / parts[number]
+        number = np.repeat(np.arange(len(counts)), counts)
+        part_index = np.arange(len(number)) - np.repeat(np.cumsum(counts) - counts, counts)
+        cut = self.widths[number] * part_index / counts[number]
         breakpoints = np.append(self.breakpoints[number] + cut, self.breakpoints[-1])
-        low_parts = np.append(np.where(within > 0, 0.0, self._low[number]), self._low[-1])
+        low_parts = np.append(np.where(part_index > 0, 0.0, self._low[number]), self._low[-1])
         return self.divided(breakpoints, low_parts)
 
     def embedding(self, coarse: "PressureSpace") -> csr_matrix:
-        """Return the matrix (size, coarse size) that embeds a coarser space in this one.
+        """Return the matrix (size, coarse size) that embeds a subspace in this space.
 
-        Each column holds the coefficients, on this space, of one basis function of `coarse`, which
-        must be a space within this one.
+        Each column holds the coefficients, on this space, of one basis function of the subspace
+        `coarse`.
         """
         parent = np.searchsorted(coarse.sort_keys, self.sort_keys[1:]) - 1
         left, width = coarse.breakpoints[parent, None], coarse.widths[parent, None]
         node = gauss(self.top + 1)[0]
-        within = self.breakpoints[:-1, None] - left
-        within = within + (self._low[:-1] - coarse._low[parent])[:, None]
-        within = within + self.widths[:, None] * (1 + node) / 2
-        values = shapes(2 * within / width - 1, coarse.top)
+        distances = self.breakpoints[:-1, None] - left
+        distances = distances + (self._low[:-1] - coarse._low[parent])[:, None]
+        distances = distances + self.widths[:, None] * (1 + node) / 2
+        values = shapes(2 * distances / width - 1, coarse.top)
         coefficients = np.linalg.inv(shapes(node, self.top)) @ values
-        # a vertex between two elements counts once
+        # the coefficient of a vertex between two elements of a ring is entered only once
         coefficients[1:, 0][np.diff(self.ring) == 0] = 0.0
         rows, columns = self.dofs[:, :, None], coarse.dofs[parent][:, None, :]
         return coarse._assembled(coefficients, rows, columns, self.size + 1)[:-1]
 
 
 def shapes(local: Array, top: int) -> Array:
-    """Return hats (..., top+1) and integrated Legendre bubbles at local coordinates in [-1, 1]."""
+    """Return hats and integrated Legendre bubbles (..., top+1) at local coordinates in [-1, 1]."""
     legendre = np.polynomial.legendre.legvander(local, top)
     bubbles = [
         (legendre[..., j] - legendre[..., j - 2]) / np.sqrt(4 * j - 2) for j in range(2, top + 1)

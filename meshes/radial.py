@@ -16,7 +16,7 @@ Indices = NDArray[np.int64]
 def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
     """Return the edges of `count` rings on [0, 1] whose widths alternate as h1, h2, h1, ...
 
-    With ``h2/h1 = width_ratio``.
+    The ratio is ``h2/h1 = width_ratio``.
     """
     widths = np.where(np.arange(count) % 2 == 0, 1.0, width_ratio)
     ring_edges = np.concatenate([[0.0], np.cumsum(widths)])
@@ -24,7 +24,7 @@ def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
 
 
 def ring_areas(ring_edges: ArrayLike) -> Array:
-    """Return the area of each ring, ``pi (r_o^2 - r_i^2)``, to all digits of narrow rings."""
+    """Return the area of each ring, ``pi (r_o^2 - r_i^2)``, to all digits for narrow rings."""
     ring_edges = np.asarray(ring_edges, dtype=float)
     return np.pi * np.diff(ring_edges) * (ring_edges[1:] + ring_edges[:-1])
 
@@ -40,15 +40,21 @@ def ring_of(ring_edges: Array, radii: ArrayLike) -> Indices:
 def values_on_rings(
     ring_edges: Array, ring_values: ArrayLike, radii: Array, ring: Indices
 ) -> Array:
-    """Return the values at radii of given rings.
+    """Return the values of a function given on rings, at radii of known rings.
 
-    Of (N,) constants of rings, one for all, or (2, N) values at the inner and outer edge of each,
-    linear between; infinite ones are constant.
+    Parameters
+    ----------
+    ring_edges : (N+1,) ring edges
+    ring_values : constant of each ring (N,), one constant for all, or values (2, N) at the inner
+        and outer edge of each ring, with linear interpolation between them; equal infinite values
+        are allowed
+    radii : radii at which the function is evaluated
+    ring : number of the ring of each radius
     """
     inner, outer = np.broadcast_to(ring_values, (2, len(ring_edges) - 1))[:, ring]
-    along = (radii - ring_edges[ring]) / (ring_edges[ring + 1] - ring_edges[ring])
+    fraction = (radii - ring_edges[ring]) / (ring_edges[ring + 1] - ring_edges[ring])
     rise = np.subtract(outer, inner, out=np.zeros(inner.shape), where=outer != inner)
-    return inner + rise * along
+    return inner + rise * fraction
 
 
 def graded_breakpoints(
@@ -58,17 +64,18 @@ def graded_breakpoints(
     factor: float,
     axis_size: float | None = None,
 ) -> Array:
-    """Return element boundaries that shrink by `factor` per element towards ring edges and rim.
+    """Return element boundaries whose distances shrink by `factor` towards ring edges and rim.
 
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, 0 first and the rim last
-    edge_size : about the smallest elements at ring edges, one size for all, or one for each between
-        the centre and the rim
-    rim_size : the same at the rim
-    factor : below 1
-    axis_size : the same at the axis; by default the innermost ring is refined towards its outer
-        edge only, because every field that is smooth in ``r^2`` needs nothing there
+    edge_size : approximate size of the smallest elements at ring edges, one size for all, or one
+        for each edge between the centre and the rim
+    rim_size : approximate size of the smallest elements at the rim
+    factor : ratio of the sizes of neighbouring elements, below 1
+    axis_size : approximate size of the smallest elements at the axis; by default the innermost ring
+        is refined towards its outer edge only, because fields that are smooth in ``r^2`` need no
+        refinement at the axis
     """
     return exact_graded_breakpoints(ring_edges, edge_size, rim_size, factor, axis_size)[0]
 
@@ -80,15 +87,16 @@ def exact_graded_breakpoints(
     factor: float,
     axis_size: float | None = None,
 ) -> tuple[Array, Array]:
-    """Return the boundaries of `graded_breakpoints`, and what rounding has taken from each.
+    """Return the boundaries of `graded_breakpoints` and the low part of each.
 
-    With both, elements beside an edge can be far narrower than the roundoff of its radius.
+    The low part is the rounding error of the boundary. With it, elements beside an edge can be far
+    narrower than the roundoff of its radius.
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
     sizes = np.append(np.broadcast_to(edge_size, len(ring_edges) - 2), rim_size)
     rounded, low_parts, at_inner = [], [], axis_size
     for (inner, outer), at_outer in zip(itertools.pairwise(ring_edges), sizes, strict=True):
-        # both families of layers end in the middle of the ring
+        # the layers of both edges end in the middle of the ring
         span = (outer - inner) / (1 if at_inner is None else 2)
         from_inner = np.zeros(1)
         from_outer = layers(span, at_outer, factor)
@@ -106,19 +114,19 @@ def exact_graded_breakpoints(
 
 
 def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
-    """Return the sum of two arrays as rounded, and what rounding has taken from it (Knuth)."""
+    """Return the rounded sum of two arrays, and its rounding error (Knuth)."""
     first, second = np.broadcast_arrays(np.asarray(first, float), np.asarray(second, float))
     rounded = first + second
-    part = rounded - first
-    return rounded, (first - (rounded - part)) + (second - part)
+    second_as_added = rounded - first
+    return rounded, (first - (rounded - second_as_added)) + (second - second_as_added)
 
 
 def cut_evenly(breakpoints: Array, widest: float) -> Array:
-    """Return the boundaries of elements no wider than that: wider ones are cut evenly."""
-    parts = np.ceil(np.diff(breakpoints) / widest).astype(int)
+    """Return element boundaries at distances up to `widest`: wider elements are cut evenly."""
+    counts = np.ceil(np.diff(breakpoints) / widest).astype(int)
     cuts = [
         np.linspace(left, right, count + 1)[1:]
-        for left, right, count in zip(breakpoints[:-1], breakpoints[1:], parts, strict=True)
+        for left, right, count in zip(breakpoints[:-1], breakpoints[1:], counts, strict=True)
     ]
     return np.concatenate([breakpoints[:1], *cuts])
 
@@ -137,21 +145,23 @@ def layer_degrees(
 ) -> Indices:
     """Return the degree of each element.
 
-    `lowest` at ring edges and rim, rising by `rise` per element to `degree`.
+    The degree is `lowest` at ring edges and rim, and increases by `rise` per element up to
+    `degree`.
     """
     index = np.arange(len(breakpoints) - 1)
-    # the first stands for the axis, which is no mark: far from every element
+    # the first mark, for the axis, is far from every element, because degrees do not fall towards
+    # the axis
     marks = np.append(
         -len(index), np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:])
     )
-    after = np.searchsorted(marks, index, side="right")
-    layer = np.minimum(marks[after] - 1 - index, index - marks[after - 1])
+    next_mark = np.searchsorted(marks, index, side="right")
+    layer = np.minimum(marks[next_mark] - 1 - index, index - marks[next_mark - 1])
     return np.minimum(degree, lowest + np.floor(rise * layer).astype(np.int64))
 
 
 @cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Return Gauss points and weights on (-1, 1); not to be written to."""
+    """Return Gauss points and weights on (-1, 1), which are cached and must not be modified."""
     node, weight = np.polynomial.legendre.leggauss(count)
     return node, weight
 
@@ -159,7 +169,7 @@ def gauss(count: int) -> tuple[Array, Array]:
 def unit_gauss(count: int) -> tuple[Array, Array]:
     """Return Gauss points and weights on (0, 1).
 
-    They serve where a substitution removes the singularity at one end.
+    They are used after substitutions that remove a singularity at one end.
     """
     node, weight = gauss(count)
     return (1 + node) / 2, weight / 2

@@ -15,7 +15,7 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 from ringwear import Scene
-from ringwear.meshes.gmsh_session import unavailable
+from ringwear.meshes.by_gmsh.session import unavailable
 from ringwear.studies.methods.base import method as find_method
 from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages

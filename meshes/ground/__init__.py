@@ -1,1 +1,1 @@
-"""The elastic ground in theory: layers bonded on a substrate or on a rigid base."""
+"""The theory of the elastic ground: layers bonded to a substrate or to a rigid base."""

@@ -1,15 +1,15 @@
-"""Layers, bonded to each other and to what is below them, and how the surface gives under a load.
+"""Elastic layers bonded to each other and to a substrate, and their surface displacement.
 
 A normal load ``p(s) J_0(s r)`` on the surface displaces it by ``2 Phi(s) / (E1* s) p(s) J_0(s r)``,
 with ``Phi = 1`` for a half-space of the first layer's material. In each layer the solution is a sum
-of four waves, two that decay downwards from its top, ``exp(-s z) (1, s z)`` with z the depth below
-the top, and two that decay upwards from its bottom, ``exp(-s z) (1, s z)`` with z the height above
-the bottom. An interface sends a part of the waves that come down back up. From the lowest interface
-to the surface these parts are joined to one reflection matrix. No exponential grows, so that s may
-be large and layers may be thin.
+of four waves. Two decay downwards from its top, ``exp(-s z) (1, s z)`` with z the depth below the
+top. Two decay upwards from its bottom, ``exp(-s z) (1, s z)`` with z the height above the bottom.
+An interface reflects a part of the waves that arrive from above. The reflections of all interfaces,
+from the lowest one up, are combined in one reflection matrix at the surface. Only decaying
+exponentials occur, so that s may be large and layers may be thin.
 
-States are ``(u_r, u_z, t_rz / s, s_zz / s)``; u_r and t_rz go with J_1(s r), the others with
-J_0(s r). Nothing is singular at Poisson's ratio 1/2.
+The state vector is ``(u_r, u_z, t_rz / s, s_zz / s)``; u_r and t_rz are multiplied by J_1(s r), u_z
+and s_zz by J_0(s r). Nothing is singular at Poisson's ratio 1/2.
 """
 
 from dataclasses import dataclass, replace
@@ -22,12 +22,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# exponents beyond which exponentials are below roundoff
+# decay exponent at which exponentials count as zero: exp(-36) = 2e-16 is roundoff
 NEGLIGIBLE_EXPONENT = 36.0
-# part of the greatest depth over which nothing varies: panels of quadrature halve down to there
+# Smallest panel of the quadrature in s, times the greatest depth (or the punch radius if that is
+# larger). The integrand is practically constant below it.
 LEAST_WAVE_NUMBER = 1e-6
-# periods, over 2 pi, that a panel of quadrature holds at most, and its Gauss points
-PERIODS, POINTS = 20.0, 20
+# largest phase of the oscillating integrand on one panel of the quadrature, in radians
+MAX_PHASE = 20.0
+# number of Gauss points on each panel
+POINTS = 20
 
 
 @dataclass(frozen=True)
@@ -35,17 +38,18 @@ class Ground:
     """Describe elastic layers on an elastic substrate or on a rigid base.
 
     All layers are isotropic and bonded, and strains are small. Lengths are in punch radii, moduli
-    in plane strain moduli of the first layer.
+    in units of the plane strain modulus of the first layer.
 
-    >>> pad = Ground.of_moduli([0.5], youngs_moduli=[1.0, np.inf], poisson_ratios=[0.3, 0.0])
+    >>> pad = Ground.from_youngs_moduli([0.5], [1.0, np.inf], poisson_ratios=[0.3, 0.0])
     >>> pad.rigid, pad.shear_moduli[0]
     (True, 0.35)
 
     Parameters
     ----------
-    thicknesses : (n,) of the layers, from the surface down
-    shear_moduli : (n + 1,) of the layers and, last, of the substrate; infinite for a rigid base
-    poisson_ratios : (n + 1,) of the same
+    thicknesses : (n,) thicknesses of the layers, from the surface down
+    shear_moduli : (n + 1,) shear moduli of the layers and, last, of the substrate; infinite for a
+        rigid base
+    poisson_ratios : (n + 1,) Poisson's ratios in the same order
     """
 
     thicknesses: tuple[float, ...]
@@ -53,16 +57,17 @@ class Ground:
     poisson_ratios: tuple[float, ...]
 
     @classmethod
-    def of_moduli(
+    def from_youngs_moduli(
         cls, thicknesses: list[float], youngs_moduli: list[float], poisson_ratios: list[float]
     ) -> "Ground":
-        """Return the ground by Young's moduli in any unit, the substrate's last.
+        """Return the ground with given Young's moduli, which may be in any unit.
 
         Parameters
         ----------
-        thicknesses : (n,) in punch radii
-        youngs_moduli : (n + 1,); infinite for a rigid base
-        poisson_ratios : (n + 1,)
+        thicknesses : (n,) thicknesses of the layers in punch radii
+        youngs_moduli : (n + 1,) Young's moduli of the layers and, last, of the substrate; infinite
+            for a rigid base
+        poisson_ratios : (n + 1,) Poisson's ratios in the same order
         """
         ratios = np.array(poisson_ratios, dtype=float)
         unit = youngs_moduli[0] / (1 - ratios[0] ** 2)
@@ -75,7 +80,7 @@ class Ground:
         return bool(np.isinf(self.shear_moduli[-1]))
 
     @property
-    def first(self) -> float:
+    def first_thickness(self) -> float:
         """Thickness of the first layer."""
         return self.thicknesses[0]
 
@@ -86,31 +91,34 @@ class Ground:
 
     @property
     def greatest_poisson_ratio(self) -> float:
-        """The greatest Poisson's ratio of what is elastic."""
+        """Greatest Poisson's ratio of the layers and, unless it is rigid, the substrate."""
         return max(self.poisson_ratios[: len(self.thicknesses) + (not self.rigid)])
 
     def layer_at(self, depths: Array) -> Indices:
-        """Return the number of the layer at each depth; that of the substrate is n."""
+        """Return the number of the layer at each depth, counted from 0; the substrate is n."""
         return np.asarray(np.searchsorted(self.depths, depths, side="right"))
 
-    def on(self, radius: float) -> "Ground":
-        """Return the same ground in units of another radius, which is given in the present one."""
-        return replace(self, thicknesses=tuple(each / radius for each in self.thicknesses))
+    def in_units_of(self, radius: float) -> "Ground":
+        """Return the same ground in units of another radius, given in units of the present one."""
+        return replace(
+            self, thicknesses=tuple(thickness / radius for thickness in self.thicknesses)
+        )
 
     def with_poisson_ratios_below(self, highest: float) -> "Ground":
-        """Return the ground with no Poisson's ratio above a highest one, and the same moduli G."""
+        """Return the ground with Poisson's ratios of at most `highest` and equal shear moduli."""
         return replace(
             self, poisson_ratios=tuple(min(ratio, highest) for ratio in self.poisson_ratios)
         )
 
 
 class Interface(NamedTuple):
-    """What an interface does to waves that come down to it, by wave numbers.
+    """Reflection and transmission of waves that arrive at an interface from above.
 
     Parameters
     ----------
-    reflected : (k, 2, 2) waves that go up from it
-    transmitted : (k, 2, 2) waves that go down below it; None at a rigid base
+    reflected : (k, 2, 2) matrices that give the waves that go up from the interface, for each wave
+        number
+    transmitted : (k, 2, 2) matrices that give the waves that go down below it; None at a rigid base
     """
 
     reflected: Array
@@ -118,9 +126,9 @@ class Interface(NamedTuple):
 
 
 def waves(poisson_ratio: float, shear_modulus: float) -> tuple[Array, Array]:
-    """Return the states (4, 2) of the two waves that decay downwards, at their top.
+    """Return the states (4, 2) of the two waves that decay downwards, at the top of a layer.
 
-    The second array holds those of the waves that decay upwards, at their bottom.
+    The second array (4, 2) holds the states of the two waves that decay upwards, at its bottom.
     """
     nu = poisson_ratio
     down = np.array(
@@ -132,7 +140,7 @@ def waves(poisson_ratio: float, shear_modulus: float) -> tuple[Array, Array]:
 
 
 def travel(distances: Array) -> Array:
-    """Return what is left (k, 2, 2) of both waves after distances (k,), in units of 1/s."""
+    """Return matrices (k, 2, 2) that propagate both waves over distances (k,), in units of 1/s."""
     out = np.zeros((len(distances), 2, 2))
     out[:, 0, 0] = out[:, 1, 1] = np.exp(-distances)
     out[:, 0, 1] = distances * np.exp(-distances)
@@ -140,38 +148,40 @@ def travel(distances: Array) -> Array:
 
 
 def interfaces(ground: Ground, s: Array) -> tuple[list[Interface], Array]:
-    """Return what every interface does at wave numbers s (k,), from the surface down.
+    """Return every interface, from the surface down, at wave numbers s (k,).
 
-    The second value (k, 2, 2) is the reflection matrix of all of them, at the surface.
+    The second value (k, 2, 2) is the reflection matrix of all interfaces together, at the surface.
     """
     out: list[Interface] = []
-    # of what is below, at its top; a substrate sends nothing back
-    below = np.zeros((len(s), 2, 2))
+    # reflection matrix of everything below, at the top of the layer below; a substrate reflects
+    # nothing
+    reflection_below = np.zeros((len(s), 2, 2))
     for number in reversed(range(len(ground.thicknesses))):
         down, up = waves(ground.poisson_ratios[number], ground.shear_moduli[number])
         if np.isinf(ground.shear_moduli[number + 1]):
-            # nothing moves there
-            fixed = -np.linalg.solve(up[:2], down[:2])
-            out.append(Interface(np.broadcast_to(fixed, (len(s), 2, 2)), None))
+            # the displacement is zero at a rigid base
+            rigid_reflection = -np.linalg.solve(up[:2], down[:2])
+            out.append(Interface(np.broadcast_to(rigid_reflection, (len(s), 2, 2)), None))
         else:
             down_below, up_below = waves(
                 ground.poisson_ratios[number + 1], ground.shear_moduli[number + 1]
             )
             # displacements and tractions are continuous
-            unknown = np.concatenate(
-                [np.broadcast_to(up, (len(s), 4, 2)), -(down_below + up_below @ below)], axis=2
+            unknown_states = np.concatenate(
+                [np.broadcast_to(up, (len(s), 4, 2)), -(down_below + up_below @ reflection_below)],
+                axis=2,
             )
-            solved = np.linalg.solve(unknown, np.broadcast_to(-down, (len(s), 4, 2)))
-            out.append(Interface(solved[:, :2], solved[:, 2:]))
-        through = travel(s * ground.thicknesses[number])
-        below = through @ out[-1].reflected @ through
-    return out[::-1], below
+            outgoing = np.linalg.solve(unknown_states, np.broadcast_to(-down, (len(s), 4, 2)))
+            out.append(Interface(outgoing[:, :2], outgoing[:, 2:]))
+        propagation = travel(s * ground.thicknesses[number])
+        reflection_below = propagation @ out[-1].reflected @ propagation
+    return out[::-1], reflection_below
 
 
 def loaded_waves(ground: Ground, s: Array, reflection: Array) -> tuple[Array, Array]:
-    """Return the waves that go down from the surface under the load 1, by wave numbers s (k,).
+    """Return the downward waves (k, 2) at the surface under the unit load, at wave numbers s (k,).
 
-    They are (k, 2); the second value is the displacement ``u_z`` (k,) of the surface.
+    The second value is the displacement ``u_z`` (k,) of the surface.
     """
     down, up = waves(ground.poisson_ratios[0], ground.shear_moduli[0])
     state = down + up @ reflection
@@ -181,16 +191,16 @@ def loaded_waves(ground: Ground, s: Array, reflection: Array) -> tuple[Array, Ar
 
 
 def relative_compliance(ground: Ground, s: Array) -> Array:
-    """Return ``Phi(s)``, (k,): the surface compliance over that of the first layer's half-space.
+    """Return ``Phi(s)``, (k,): the surface compliance relative to a half-space of the first layer.
 
     Parameters
     ----------
-    s : (k,) positive wave numbers, over the punch radius
+    s : (k,) positive wave numbers, in units of 1 / punch radius
 
     Notes
     -----
-    It errs by the square of the ratio of neighbouring moduli in units of roundoff: by 1e-12 at 100
-    (tests/unit/meshes/test_layers_kernel.py).
+    The relative error is about the roundoff times the square of the ratio of neighbouring moduli:
+    1e-12 for a ratio of 100 (tests/unit/meshes/test_layers_kernel.py).
     """
     _, displacement = loaded_waves(ground, s, interfaces(ground, s)[1])
     half_space = (1 - ground.poisson_ratios[0]) / ground.shear_moduli[0]
@@ -200,18 +210,20 @@ def relative_compliance(ground: Ground, s: Array) -> Array:
 def wave_numbers(
     ground: Ground, reach: float, travelled: float | None = None
 ) -> tuple[Array, Array]:
-    """Return Gauss points and weights on (0, infinity), (k,) each, for what layers add.
+    """Return Gauss points and weights (k,) on (0, infinity) for the part that layers add.
 
     Parameters
     ----------
-    reach : the integrand oscillates as ``cos(reach s)`` at most
-    travelled : it decays as ``exp(-s travelled)``; by default as what the layers add to the surface
-        compliance, which has gone down to the first interface and up again
+    ground : the layers
+    reach : largest frequency of the integrand, which oscillates at most as ``cos(reach s)``
+    travelled : distance in the decay of the integrand, ``exp(-s travelled)``; the default is twice
+        the thickness of the first layer, because the waves that layers add to the surface
+        compliance have travelled down to the first interface and back
     """
-    end = NEGLIGIBLE_EXPONENT / (2 * ground.first if travelled is None else travelled)
-    widest = min(PERIODS / reach, end)
-    least = LEAST_WAVE_NUMBER / max(float(ground.depths[-1]), 1.0)
-    doubling = np.geomspace(least, widest, int(np.log2(widest / least)) + 2)
+    end = NEGLIGIBLE_EXPONENT / (2 * ground.first_thickness if travelled is None else travelled)
+    widest = min(MAX_PHASE / reach, end)
+    first_panel = LEAST_WAVE_NUMBER / max(float(ground.depths[-1]), 1.0)
+    doubling = np.geomspace(first_panel, widest, int(np.log2(widest / first_panel)) + 2)
     even = np.linspace(widest, end, int(np.ceil((end - widest) / widest)) + 1)[1:]
     panels = np.concatenate([[0.0], doubling, even])
     node, weight = _gauss(POINTS)

@@ -1,13 +1,15 @@
 """The energy of line densities on layered ground, and the flat punch that follows from it.
 
-With the line density q of the method of dimensionality reduction, ``int u p dA = (2/E1*) (|q|^2 +
-<q, K q>)`` on 0 < x < 1. The cosine transforms of ``b_j(x) = sqrt(4j + 1) P_2j(x)`` are spherical
-Bessel functions, ``(-1)^j sqrt(4j + 1) j_2j(s)``, so that
+With the line density q of the method of dimensionality reduction,
+``int u p dA = (2/E1*) (|q|^2 + <q, K q>)`` on 0 < x < 1. The cosine transforms of
+``b_j(x) = sqrt(4j + 1) P_2j(x)`` are spherical Bessel functions,
+``(-1)^j sqrt(4j + 1) j_2j(s)``, so that
 
     <b_i, K b_j> = (2/pi) int (Phi(s) - 1) B_i(s) B_j(s) ds,   B_j(s) = int_0^1 b_j(x) cos(s x) dx.
 
-Beyond the wave numbers at which Phi - 1 is roundoff, K is zero: I + K is a small symmetric positive
-definite matrix. A flat punch has ``(I + K) q = d0 E1*``, one equation for each b_j.
+Phi - 1 is roundoff at high wave numbers, and therefore K is zero on polynomials of high degree:
+I + K is a small symmetric positive definite matrix. A flat punch has ``(I + K) q = d0 E1*``, one
+equation for each b_j.
 """
 
 from functools import lru_cache
@@ -17,9 +19,9 @@ from numpy.polynomial.legendre import legvander
 
 from .ground import Array, Ground, relative_compliance, wave_numbers
 
-# what the series of the flat punch leaves out, over its largest coefficient: beyond, there is noise
-# of moduli that differ much
-NEGLIGIBLE = 1e-9
+# Size, relative to the largest coefficient, below which the last coefficients of the flat punch's
+# line density are left out. For moduli that differ much they are noise.
+NEGLIGIBLE_COEFFICIENT = 1e-9
 
 
 def even_legendre(x: Array, count: int) -> Array:
@@ -32,10 +34,11 @@ def spherical_bessel(s: Array, count: int) -> Array:
 
     Notes
     -----
-    Up to the order s by the recurrence ``j_(n+1) = (2n + 1)/s j_n - j_(n-1)``, which is stable
-    there; beyond, where functions decay, by their ratios, a continued fraction.
+    Orders up to s are computed by the recurrence ``j_(n+1) = (2n + 1)/s j_n - j_(n-1)``, which is
+    stable there. Higher orders, where the functions decay, are computed from their ratios by a
+    continued fraction.
     """
-    # from so high an order on, ratios do not depend on where the fraction begins
+    # the continued fraction starts at an order so high that the ratios do not depend on its start
     highest = int(max(count, s.max())) + 60
     ratios = np.zeros((count + 1, len(s)))
     ratio = np.zeros_like(s)
@@ -47,28 +50,31 @@ def spherical_bessel(s: Array, count: int) -> Array:
     out = np.empty((count, len(s)))
     out[0] = np.sin(s) / s
     for order in range(1, count):
-        before = np.cos(s) / s if order == 1 else out[order - 2]
-        recurred = (2 * order - 1) / s * out[order - 1] - before
+        previous = np.cos(s) / s if order == 1 else out[order - 2]
+        recurred = (2 * order - 1) / s * out[order - 1] - previous
         out[order] = np.where(order <= s, recurred, ratios[order] * out[order - 1])
     return out
 
 
 @lru_cache(maxsize=8)
 def line_energy(ground: Ground) -> Array:
-    """Return I + K (J, J) on ``sqrt(4j + 1) P_2j(x)``, j < J: beyond, it is the identity."""
+    """Return the matrix I + K (J, J) on ``sqrt(4j + 1) P_2j(x)``, j < J.
+
+    For higher j it is the identity.
+    """
     s, weights = wave_numbers(ground, reach=2.0)
-    # spherical Bessel functions of an order beyond the argument are next to nothing
+    # spherical Bessel functions are negligible if their order is well above the argument
     count = int(s[-1] / 2 + 4 * s[-1] ** (1 / 3)) + 12
     signs = np.resize([1.0, -1.0], count)[:, None]
     scale = np.sqrt(4 * np.arange(count) + 1)[:, None]
     transforms = signs * scale * spherical_bessel(s, 2 * count)[::2]
-    added = (2 / np.pi) * (relative_compliance(ground, s) - 1) * weights
-    return np.asarray(np.eye(count) + (transforms * added) @ transforms.T)
+    layer_weights = (2 / np.pi) * (relative_compliance(ground, s) - 1) * weights
+    return np.asarray(np.eye(count) + (transforms * layer_weights) @ transforms.T)
 
 
 @lru_cache(maxsize=8)
 def line_energy_modes(ground: Ground) -> tuple[Array, Array]:
-    """Return the eigenvalues (J,) of I + K and its eigenvectors (J, J) on the same functions."""
+    """Return the eigenvalues (J,) of I + K and its eigenvectors (J, J), in the same basis."""
     values, vectors = np.linalg.eigh(line_energy(ground))
     return values, vectors
 
@@ -77,7 +83,7 @@ def line_energy_modes(ground: Ground) -> tuple[Array, Array]:
 def flat_series(ground: Ground) -> tuple[float, ...]:
     """Return the coefficients (J,) of ``P_2j(t) / t`` in the pressure of a flat punch.
 
-    The first is 1, which alone carries force; ``t = sqrt(1 - r^2)``.
+    Here ``t = sqrt(1 - r^2)``. The first coefficient is 1; only its term carries force.
 
     Notes
     -----
@@ -87,7 +93,7 @@ def flat_series(ground: Ground) -> tuple[float, ...]:
     number = np.arange(len(energy))
     density = np.linalg.solve(energy, np.eye(len(energy))[0]) * np.sqrt(4 * number + 1)
     ratios = np.cumprod(np.append(1.0, (1 - 2 * number[1:]) / (2 * number[1:])))
-    count = np.flatnonzero(np.abs(density) > NEGLIGIBLE * np.abs(density).max())[-1] + 1
+    count = np.flatnonzero(np.abs(density) > NEGLIGIBLE_COEFFICIENT * np.abs(density).max())[-1] + 1
     return tuple((density / ratios / density[0])[:count].tolist())
 
 

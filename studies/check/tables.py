@@ -167,10 +167,10 @@ def _surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
     Arrays of the points are called by quantity and time: ``displacement t=0.5``, and ``pressure
     t=0.5`` or ``stress_zz t=0.5``. Of vectors the second component is taken.
     """
-    from ...meshes.files import content_of  # with it come scikit-fem and meshio
+    from ...meshes.files import read_with_meshio  # with it come scikit-fem and meshio
 
     try:
-        mesh = content_of(path)
+        mesh = read_with_meshio(path)
     except MeshError as error:
         raise SceneError(f"{path} cannot be read: {error}") from None
     radius, height = mesh.points.T[:2]

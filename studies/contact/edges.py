@@ -192,10 +192,10 @@ def _with_spots(
     below 0.3.
     """
     while cells.spread < 0.3:
-        spots = tuple(
+        refinements = tuple(
             (inner, outer, max(cells.spread * (outer - inner), 1e-9)) for inner, outer in narrow
         )
-        with_refinements = replace(cells, spots=spots)
+        with_refinements = replace(cells, refinements=refinements)
         if len(with_refinements.breakpoints()) <= most:
             return with_refinements
         cells = replace(cells, spread=2 * cells.spread)

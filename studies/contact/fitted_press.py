@@ -181,7 +181,7 @@ def _solve(
     compliance = compliance_on(
         tuple(edge / radius for edge in edges),
         tuple(infinite[edge] for edge in edges),
-        None if ground is None else ground.on(radius),
+        None if ground is None else ground.in_units_of(radius),
     )
     space = compliance.space
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2

@@ -28,9 +28,9 @@ import numpy as np
 
 from ...mdr import direct, energy
 from ...meshes import bisection
+from ...meshes.by_gmsh.quads import graded
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
 from ..methods.evaluation import FullContact

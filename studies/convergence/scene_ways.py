@@ -16,8 +16,8 @@ from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.half_space import HalfSpace, pressure_space
 from ...mdr import energy, ring_kernel
 from ...meshes import bisection
+from ...meshes.by_gmsh.quads import graded
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.quads import graded
 from ...meshes.radial import Array, graded_breakpoints
 from ...meshes.sizes import SizeField
 from ..methods.base import Discretised

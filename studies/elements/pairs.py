@@ -20,7 +20,8 @@ from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.elements import degree_along_side, is_on_quadrilaterals
 from ...fem.half_space import contact_breakpoints, pressure_space
 from ...fem.weak_form import element_of_degree
-from ...meshes import bisection, quads
+from ...meshes import bisection
+from ...meshes.by_gmsh import quads
 from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import as_half_space, halved
 from ...meshes.pressure_space import PressureSpace

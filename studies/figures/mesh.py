@@ -213,9 +213,9 @@ def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
     """
     from skfem.io.meshio import to_meshio
 
-    from ...meshes.half_space import quality, rounded
+    from ...meshes.half_space import quality, without_low_parts
 
-    scaled = rounded(mesh).scaled(scene.punch.radius)
+    scaled = without_low_parts(mesh).scaled(scene.punch.radius)
     content = to_meshio(scaled, cell_data={"quality": [quality(mesh)]})
     content.points = np.column_stack([content.points, np.zeros(len(content.points))])
     content.write(directory / "mesh.vtu", file_format="vtu")

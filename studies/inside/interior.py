@@ -193,10 +193,10 @@ def held_against(
     They are one and a half times the greatest difference to a coarser half-space on the same mesh,
     under pressures of its own, and what Poisson's ratio 1/2 adds to it.
     """
-    from ...fem.stresses import sampled, von_mises
+    from ...fem.stresses import sample_fields, von_mises
 
     fine, coarse = (
-        sampled(half_space, of_states, refinements)
+        sample_fields(half_space, of_states, refinements)
         for half_space, of_states in zip(spaces, pressures, strict=True)
     )
     (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...fem.condensation import solver
 from ...meshes.errors import MeshError, SceneError
-from ...meshes.sizes import NARROWEST
+from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
@@ -96,7 +96,7 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
 
 
 def _meshed(problem: Problem, mesher: str) -> ChosenMesh:
-    from ...meshes.quads import graded
+    from ...meshes.by_gmsh.quads import graded
 
     if problem.fem.degree and problem.fem.degree < (LAYERED if mesher == "quads" else 2):
         return _halved(problem, mesher)
@@ -108,7 +108,8 @@ def _meshed(problem: Problem, mesher: str) -> ChosenMesh:
 
 
 def _triangulation(mesher: str) -> "Callable[[SizeField], Mesh]":
-    from ...meshes import bisection, triangles
+    from ...meshes import bisection
+    from ...meshes.by_gmsh import triangles
 
     return triangles.mesh if mesher == "gmsh" else bisection.mesh
 
@@ -119,8 +120,8 @@ def _halved(problem: Problem, mesher: str) -> ChosenMesh:
     There is no lower degree to hold them against, and other sizes at ring edges and rim would show
     nothing of the large elements, which err most.
     """
+    from ...meshes.by_gmsh.quads import graded
     from ...meshes.half_space import halved
-    from ...meshes.quads import graded
 
     edges, count = problem.merged.ring_edges, LOW_DEGREE_HALVINGS
     if mesher == "quads":
@@ -169,15 +170,15 @@ class Fem(ComplianceMethod):
     def refusal(self, problem: Problem) -> str:
         """Return why the problem cannot be solved at all, with the remedy; empty if it can.
 
-        Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST` cannot be
-        meshed.
+        Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST_RING` cannot
+        be meshed.
         """
         if refused := _refused_degree(problem) or why_layers_are_not_meshed(problem):
             return refused
         narrowest = float(problem.merged.widths.min())
-        if narrowest < NARROWEST:
+        if narrowest < NARROWEST_RING:
             return (
-                f"rings narrower than {NARROWEST:g} a cannot be meshed: the narrowest is "
+                f"rings narrower than {NARROWEST_RING:g} a cannot be meshed: the narrowest is "
                 f"{narrowest:.2g} a; merge it with a neighbour, or leave fem out of methods"
             )
         return super().refusal(problem)

@@ -355,7 +355,7 @@ class Problem:
         cells = self.contact.cells_of_face
         if self.ground is not None:
             # fields vary over the thickness of the first layer
-            cells = max(cells, int(np.ceil(1 / self.ground.first)))
+            cells = max(cells, int(np.ceil(1 / self.ground.first_thickness)))
         if cells:
             even = np.linspace(0, 1, cells + 1)
             # slopes of an element as wide as roundoff would be roundoff over that

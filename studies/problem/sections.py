@@ -165,7 +165,7 @@ class HalfSpaceSection(Section):
                 "one"
             )
         ratios = [*(layer.poisson_ratio for layer in self.layers), self.poisson_ratio]
-        return Ground.of_moduli(thicknesses, self._youngs_moduli, ratios)
+        return Ground.from_youngs_moduli(thicknesses, self._youngs_moduli, ratios)
 
     @property
     def greatest_poisson_ratio(self) -> float:

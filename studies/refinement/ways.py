@@ -16,7 +16,7 @@ from skfem import MeshTri
 
 from ...fem.error_indicator import fewest_with_share
 from ...meshes import bisection
-from ...meshes.gmsh_session import unavailable
+from ...meshes.by_gmsh.session import unavailable
 from ...meshes.sizes import SizeField
 from ..methods.fem import half_space_mesh, half_space_on
 from ..problem.problem import Problem

@@ -12,8 +12,8 @@ from typing import Any, TypedDict
 
 import numpy as np
 
+from ...meshes.by_gmsh.outline import truncation_beside
 from ...meshes.contact_cells import ContactCells
-from ...meshes.outline import truncation_beside
 from ...meshes.radial import Array
 from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
@@ -123,7 +123,7 @@ CELL_GROWTH = 0.4
 
 
 class QuadSizes(TypedDict):
-    """Sizes of quadrilaterals, by the names of the arguments of `meshes.quads.graded`."""
+    """Sizes of quadrilaterals, by the names of the arguments of `meshes.by_gmsh.quads.graded`."""
 
     sizes: Array
     rim_size: float

@@ -16,7 +16,7 @@ NEARLY_HALF, FINEST_INCOMPRESSIBLE = 0.4999, 1e-5
 
 def narrow_enough(space: PressureSpace, ground: Ground | None) -> PressureSpace:
     """Return a space whose elements are narrow enough for the first of the layers, if there are."""
-    return space if ground is None else space.no_wider(WIDEST_ON_LAYERS * ground.first)
+    return space if ground is None else space.no_wider(WIDEST_ON_LAYERS * ground.first_thickness)
 
 
 def depths_of_interfaces(problem: Problem) -> tuple[float, ...]:

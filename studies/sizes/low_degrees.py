@@ -32,7 +32,7 @@ GREATEST_PART_OF_RING = 0.3
 
 
 class LowDegreeSizes(TypedDict):
-    """Sizes of quadrilaterals, by the names of the arguments of `meshes.quads.graded`."""
+    """Sizes of quadrilaterals, by the names of the arguments of `meshes.by_gmsh.quads.graded`."""
 
     sizes: Array
     rim_size: float

@@ -80,7 +80,7 @@ def edge_sizes(problem: Problem) -> Array:
     rtol, narrower, worn = problem.rtol, problem.merged.narrower, problem.edge_amplitude
     narrower = np.append(narrower, problem.merged.widths[-1])
     if problem.ground is not None:
-        narrower = np.minimum(narrower, problem.ground.first)
+        narrower = np.minimum(narrower, problem.ground.first_thickness)
     at_rim = np.arange(len(narrower)) == len(narrower) - 1
     amplitude = np.where(at_rim, 1.0, np.minimum(1.0, worn.worn_length_fast / narrower))
     slope_share = np.where(at_rim, SLOPE_SHARE_AT_RIM, SLOPE_SHARE)

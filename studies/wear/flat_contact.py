@@ -117,9 +117,9 @@ def _functions(
         series = np.eye(max(count, len(flat_series)))[:, :count]
         series[: len(flat_series), 0] = flat_series
         return series, 2 * np.pi * series[0]
-    from ...mdr.annulus import suited_series  # full punches do not need it
+    from ...mdr.annulus import flat_annulus_series  # full punches do not need it
 
-    series = suited_series(inner_radius, count)
+    series = flat_annulus_series(inner_radius, count)
     return series, 2 * np.pi**2 * series[0]
 
 

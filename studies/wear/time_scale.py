@@ -114,7 +114,7 @@ def _slowest_times(
     in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
     space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
     if ground is not None:
-        space = space.no_wider(ground.first)
+        space = space.no_wider(ground.first_thickness)
     to_pressure = space.joined(rings.wear_coefficients)
     mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
     factor = mass.forward(to_pressure.T @ half_space(space, ground).factor.T)

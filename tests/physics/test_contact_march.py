@@ -147,8 +147,8 @@ def test_the_law_of_the_worn_sphere():
     first, ratios = 0.08, np.array([5.0, 10.0])  # radius of the first contact; later ones over it
     force = PowerPunch(0.5, 2).force(first)
     times, depths = np.transpose([worn_sphere(1.0, 1.0, force, first * ratio) for ratio in ratios])
-    spots = ((0.0, first, first / 80),)
-    space = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / 80, spots=spots).space()
+    refinements = ((0.0, first, first / 80),)
+    space = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / 80, refinements=refinements).space()
     march = march_on(energy.compliance(space), face(ONE, 0, power(0.5, 2)), Load(force))
     history = march.adaptive(times, 1e-5).history
     assert history.profile @ space.weights == pytest.approx(force * times, rel=1e-12)

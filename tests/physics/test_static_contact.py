@@ -136,7 +136,7 @@ def test_contact_is_complementary(load, recess):
 def test_linear_pressures_converge():
     exact, errors = PowerPunch(1.0, 2), []
     for count in (50, 100, 200):
-        cells = ContactCells((0.0, 1.0), 1 / count, 1e-3, spots=((0.0, 0.6, 1 / count),))
+        cells = ContactCells((0.0, 1.0), 1 / count, 1e-3, refinements=((0.0, 0.6, 1 / count),))
         pressed = press_on(energy.compliance(cells.space()), SPHERE, exact.force(0.6))
         errors.append(abs(pressed.indentation / exact.indentation(0.6) - 1))
     assert errors[0] < 2e-4

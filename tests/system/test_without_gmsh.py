@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, plan, run
-from ringwear.meshes import triangles
+from ringwear.meshes.by_gmsh import triangles
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.sizes import SizeField
 from ringwear.studies.cli import main

@@ -14,7 +14,8 @@ from ringwear.fem.condensation import trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.mdr import direct, energy
-from ringwear.meshes import bisection, quads
+from ringwear.meshes import bisection
+from ringwear.meshes.by_gmsh import quads
 from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_facets
 from ringwear.meshes.sizes import SizeField

@@ -22,7 +22,7 @@ from ringwear.fem.condensation import symmetric
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import poles
 from ringwear.fem.weak_form import element_of_degree, moduli, stiffness
-from ringwear.meshes.half_space import LOWER, turned
+from ringwear.meshes.half_space import LOWERED_DEGREE_PREFIX, oriented
 
 # kind of mesh and degree of the displacement
 SOLIDS = [
@@ -43,12 +43,12 @@ def square(kind, r, z, count=4):
         # in an order of vertices that no neighbours agree on
         shift = np.arange(mesh.nelements) % 4
         corners = np.take_along_axis(mesh.t, (np.arange(4)[:, None] + shift) % 4, axis=0)
-        mesh = turned(MeshQuad(mesh.p, corners))
+        mesh = oriented(MeshQuad(mesh.p, corners))
     x, y = mesh.p
     skew = 0.5 * x * (1 - x) * y * (1 - y)
     mesh = replace(mesh.with_defaults(), doflocs=np.stack([r + x + skew, z + y - skew]))
     if kind == "layers":
-        layers = {f"{LOWER}{k}": np.arange(mesh.nelements)[k::4] for k in (1, 2)}
+        layers = {f"{LOWERED_DEGREE_PREFIX}{k}": np.arange(mesh.nelements)[k::4] for k in (1, 2)}
         mesh = mesh.with_subdomains(layers)
     return mesh
 

@@ -10,7 +10,8 @@ from ringwear.fem.elements import degree_along_side, is_on_quadrilaterals
 from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.fem.weak_form import tables
-from ringwear.meshes import bisection, quads
+from ringwear.meshes import bisection
+from ringwear.meshes.by_gmsh import quads
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import as_half_space
 from ringwear.meshes.sizes import SizeField

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from skfem import MeshQuad, MeshTri
 
-from ringwear.meshes import bisection, quads, triangles
+from ringwear.meshes import bisection
+from ringwear.meshes.by_gmsh import quads, triangles
 from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import (
-    LOWER,
+    LOWERED_DEGREE_PREFIX,
     as_half_space,
     contact_radii,
     quality,
@@ -152,9 +153,9 @@ def test_degrees_fall_inwards():
     whole = graded(LAYERS["five rings"])
     mesh = whole.mesh
     parts = {
-        int(name.removeprefix(LOWER)): elements
+        int(name.removeprefix(LOWERED_DEGREE_PREFIX)): elements
         for name, elements in mesh.subdomains.items()
-        if name.startswith(LOWER)
+        if name.startswith(LOWERED_DEGREE_PREFIX)
     }
     layers = np.arange(whole.layers[0] + 1)
     lowered_degrees = np.log(whole.factor**-0.5) / convergence(whole.factor) * layers
@@ -234,7 +235,7 @@ def test_gmsh_leaves_signals_to_python():
     """Its start takes SIGTERM and SIGPIPE away, and a study that was ended lost its rows."""
     code = """
 import signal
-from ringwear.meshes.gmsh_session import session
+from ringwear.meshes.by_gmsh.session import session
 
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, lambda late, _: print(late))

@@ -141,7 +141,7 @@ def test_printed_stiffnesses_of_hayes():
     """
     printed = {0.2: 1.207, 0.4: 1.472, 0.6: 1.784, 0.8: 2.124, 1.0: 2.480, 1.5: 3.400, 2.0: 4.336}
     for ratio, stiffness in printed.items():
-        ground = Ground.of_moduli([1 / ratio], [1.0, np.inf], [0.3, 0.0])
+        ground = Ground.from_youngs_moduli([1 / ratio], [1.0, np.inf], [0.3, 0.0])
         within = 1e-3 if ratio < 1 else 4e-3
         assert relative_stiffness(ground) == pytest.approx(stiffness, rel=within)
 
@@ -168,5 +168,5 @@ def test_layers_by_depth():
     ground = Ground((0.2, 0.3), (0.35, 1.0, np.inf), (0.3, 0.4, 0.0))
     assert ground.layer_at(np.array([0.1, 0.3, 0.7])).tolist() == [0, 1, 2]
     assert ground.greatest_poisson_ratio == 0.4
-    assert ground.on(0.5).thicknesses == (0.4, 0.6)
+    assert ground.in_units_of(0.5).thicknesses == (0.4, 0.6)
     assert ground.with_poisson_ratios_below(0.35).poisson_ratios == (0.3, 0.35, 0.0)

@@ -1,4 +1,4 @@
-"""The quarter disc in graded triangles, by gmsh."""
+"""The quarter disc in graded triangles, meshed by gmsh."""
 
 import itertools
 from contextlib import suppress
@@ -7,27 +7,29 @@ from dataclasses import replace
 import numpy as np
 from skfem import MeshTri
 
-from .errors import MeshError
-from .gmsh_session import TRIANGLE, elements, session, set_sizes
-from .half_space import as_half_space
-from .sizes import SizeField
+from ..errors import MeshError
+from ..half_space import as_half_space
+from ..sizes import SizeField
+from .session import TRIANGLE, elements, session, set_sizes
 
-# gmsh leaves a degenerate triangle now and then: by these factors of the growth it meshes anew
-GROWTHS = (1.0, 0.95, 0.9)
+# gmsh produces a degenerate triangle now and then; factors on the growth, tried in this order
+GROWTH_FACTORS = (1.0, 0.95, 0.9)
 
 
 def mesh(field: SizeField) -> MeshTri:
-    """Mesh the quarter disc to the size field, or to a slightly finer one if that fails.
+    """Mesh the quarter disc with the sizes of the size field.
+
+    If gmsh fails, the mesh is tried again with a slightly smaller growth.
 
     Raises
     ------
     MeshError
-        if gmsh cannot be loaded or fails
+        if gmsh cannot be loaded or fails with every growth
     """
-    for factor in GROWTHS[:-1]:
+    for factor in GROWTH_FACTORS[:-1]:
         with suppress(MeshError):
             return _generate(replace(field, growth=factor * field.growth))
-    return _generate(replace(field, growth=GROWTHS[-1] * field.growth))
+    return _generate(replace(field, growth=GROWTH_FACTORS[-1] * field.growth))
 
 
 def _generate(field: SizeField) -> MeshTri:
@@ -43,8 +45,8 @@ def _generate(field: SizeField) -> MeshTri:
         ]
         geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
         geometry.synchronize()
-        wanted = field.sizes < field.largest
-        points, sizes = np.array(on_contact)[wanted], field.sizes[wanted]
+        refined = field.sizes < field.largest
+        points, sizes = np.array(on_contact)[refined], field.sizes[refined]
         set_sizes(gmsh, points, sizes, field.growth, field.largest)
         gmsh.model.mesh.generate(2)
         mesh = MeshTri(*elements(gmsh, TRIANGLE))

@@ -1,4 +1,4 @@
-"""gmsh, started and ended properly: one thread, the same mesh every time, one background field."""
+"""Start and end gmsh reliably: one thread, reproducible meshes, one background size field."""
 
 import signal
 import threading
@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .errors import MeshError
-from .radial import Array, Indices
+from ..errors import MeshError
+from ..radial import Array, Indices
 
 # a radius beyond every mesh, in punch radii
 FAR_AWAY = 1e3
@@ -62,7 +62,7 @@ def session() -> Iterator[ModuleType]:
 
 
 def _restore_signal_handlers() -> None:
-    """Install Python's signal handlers again: gmsh takes away those of SIGTERM and SIGPIPE."""
+    """Install Python's signal handlers again: gmsh removes those of SIGTERM and SIGPIPE."""
     if threading.current_thread() is not threading.main_thread():
         return
     for number in signal.valid_signals():
@@ -97,12 +97,12 @@ def set_sizes(
 
     Parameters
     ----------
-    gmsh : with the model
-    points : (N, ...) tags of points
-    sizes : (N,) size at these points
-    growth : growth of the size with the distance from them
-    largest : greatest size
-    bands : ranges of depth in which the greatest size is smaller
+    gmsh : the module
+    points : (N, ...) numbers of points of the model
+    sizes : (N,) sizes at these points
+    growth : increase of the size per distance from the points
+    largest : largest size
+    bands : ranges of depth in which the largest size is smaller
     """
     fields = gmsh.model.mesh.field
     ramps = []
@@ -132,13 +132,15 @@ def set_sizes(
     fields.setAsBackgroundMesh(smallest)
 
 
-TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's numbers of the kinds of element
+# gmsh's numbers of the element types
+TRIANGLE = 2
+QUADRILATERAL = 3
 
 
 def elements(gmsh: ModuleType, kind: int) -> tuple[Array, Indices]:
-    """Return the points of the model, and the vertices of its elements of one kind.
+    """Return the points (2, n) of the model, and the vertices (corners, m) of its elements.
 
-    The points are (2, n), the vertex numbers (corners, m).
+    `kind` is gmsh's number of the element type.
     """
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     _, cells = gmsh.model.mesh.getElementsByType(kind)

@@ -25,13 +25,14 @@ def truncation_beside(interfaces: Sequence[float], least: float) -> float:
 
 
 class Outline(NamedTuple):
-    """Describe what bounds the quarter disc, and what divides it.
+    """Describe the boundaries of the quarter disc and the lines that divide it.
 
     Parameters
     ----------
     outer : radius of the arc, in punch radii
-    interfaces : depths of the interfaces of layers, each a line across the quarter disc
-    base : depth of a rigid base, the last interface, at which the mesh ends; infinite without one
+    interfaces : depths of the interfaces, which are lines across the quarter disc
+    base : depth of the rigid base at which the mesh ends, equal to the last interface; infinite
+        without one
     """
 
     outer: float

@@ -10,10 +10,10 @@ import itertools
 import numpy as np
 from skfem import MeshTri
 
-from .contact_cells import ContactCells
-from .gmsh_session import TRIANGLE, Band, elements, session, set_sizes
-from .half_space import as_half_space
+from ..contact_cells import ContactCells
+from ..half_space import as_half_space
 from .outline import Outline, add_corners, add_surfaces
+from .session import TRIANGLE, Band, elements, session, set_sizes
 
 # distinct sizes of cells in an octave: gmsh makes a size field of each
 SIZES_PER_OCTAVE = 4
