@@ -92,7 +92,7 @@ def test_quadratic_triangles_lock(found):
     locking = found.table[found.table.family == "locking, ElementTriP2"]
     errors = locking["d0"].abs().to_numpy()
     assert errors[-1] > 10 * errors[0]
-    assert any("so that they lock: ElementTriP2" in line for line in found.conclusions)
+    assert any("(locking): ElementTriP2" in line for line in found.conclusions)
 
 
 def test_what_is_measured_is_that_of_the_compliance_and_of_a_run():
