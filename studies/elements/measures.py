@@ -68,13 +68,13 @@ class Condensed:
     Parameters
     ----------
     half_space : with the full pressure space, on which its compliance is singular
-    by_elements, by_theory : (m, size) factors of the compliance by finite elements and by MDR
+    fem_factor, mdr_factor : (m, size) factors of the compliance by finite elements and by MDR
     seconds : wall time of condensing
     """
 
     half_space: HalfSpace
-    by_elements: Array
-    by_theory: Array
+    fem_factor: Array
+    mdr_factor: Array
     seconds: float
 
     @property
@@ -84,7 +84,7 @@ class Condensed:
 
     def factors_of(self, basis: csr_matrix) -> tuple[Array, Array]:
         """Return the factors (m, n) by finite elements and by MDR on a basis (size, n)."""
-        return (basis.T @ self.by_elements.T).T, (basis.T @ self.by_theory.T).T
+        return (basis.T @ self.fem_factor.T).T, (basis.T @ self.mdr_factor.T).T
 
 
 def condense(
@@ -106,9 +106,9 @@ def condense(
     )
     full_space = full_pressure_space(mesh, rings.ring_edges, degree)
     half_space = HalfSpace(solid, full_space, enough_poles(truncation(mesh), FAR_FIELD_ERROR))
-    by_elements = half_space.condensed()
+    fem_factor = half_space.condensed()
     seconds = time.perf_counter() - start
-    return Condensed(half_space, by_elements, energy.compliance(full_space).factor, seconds)
+    return Condensed(half_space, fem_factor, energy.compliance(full_space).factor, seconds)
 
 
 def exact_wear(rings: Rings) -> WearHistory:
@@ -136,7 +136,7 @@ def measure(
     -------
     row : errors are relative; a singular pair has a remark in place of errors
     """
-    contact = len(condensed.by_elements) - len(condensed.half_space.poles)
+    contact = len(condensed.fem_factor) - len(condensed.half_space.poles)
     row: dict[str, Any] = {
         "pressures": basis.shape[1],
         "on the contact": condensed.half_space.stability(basis),

@@ -124,10 +124,10 @@ def choose_displacements(elements: Sequence[Element], quick: bool) -> list[Displ
     if len({displacement.name for displacement in own}) < len(own):
         raise SceneError("an element is given twice: give elements of other kinds or degrees")
     names = ("P1", "P2", "P4", "Q1", "Q2") if quick else ("P1", "P2", "P3", "P4", "Q1", "Q2", "Q4")
-    return own or [of_name(name) for name in names]
+    return own or [displacement_by_name(name) for name in names]
 
 
-def of_name(name: str) -> Displacement:
+def displacement_by_name(name: str) -> Displacement:
     """Return scikit-fem's element by its name: P1 to P4 on triangles, Q1, Q2, ... on quads."""
     mesh = skfem.MeshQuad() if name[0] == "Q" else skfem.MeshTri()
     return Displacement(name, element_of_degree(mesh, int(name[1:])))

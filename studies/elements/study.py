@@ -36,7 +36,7 @@ from .pairs import (
     Pressures,
     basis,
     choose_displacements,
-    of_name,
+    displacement_by_name,
     pressure_spaces,
     pressures_of_runs,
 )
@@ -193,7 +193,7 @@ class Bench:
                 )
         locking = list(self.compared)
         if not self.quick and any(each.name == "Q4" for each in locking):
-            locking.append(of_name("Q6"))
+            locking.append(displacement_by_name("Q6"))
         for displacement in locking:
             yield Family(
                 f"locking, {displacement.name}",

@@ -16,7 +16,7 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.elements.measures import TIMES, condense, exact_wear, measure
-from ringwear.studies.elements.pairs import Meshes, Pressures, basis, of_name
+from ringwear.studies.elements.pairs import Meshes, Pressures, basis, displacement_by_name
 from ringwear.studies.wear.full_contact import RunningIn
 
 RINGS = Scene.load("five_rings").problem.merged
@@ -97,7 +97,7 @@ def test_quadratic_triangles_lock(found):
 
 def test_what_is_measured_is_that_of_the_compliance_and_of_a_run():
     """By an eigensolver of the whole energies, and by the wear of runs, on the same pressures."""
-    displacement, pressures = of_name("P3"), Pressures("wear rate continuous", 2)
+    displacement, pressures = displacement_by_name("P3"), Pressures("wear rate continuous", 2)
     mesh = Meshes(RINGS).halved(0, on_quadrilaterals=False)
     condensed = condense(mesh, displacement, RINGS, 0.3)
     of_pressures = basis(condensed.space, pressures, RINGS, condensed.half_space.solid)
@@ -106,7 +106,7 @@ def test_what_is_measured_is_that_of_the_compliance_and_of_a_run():
     embedding = basis(condensed.space, jumping, RINGS, condensed.half_space.solid)
     degrees, edges = np.full(len(condensed.space.degrees), 2), RINGS.ring_edges
     space = type(condensed.space)(condensed.space.breakpoints, degrees, edges)
-    compliance = Compliance(space, (embedding.T @ condensed.by_elements.T).T)
+    compliance = Compliance(space, (embedding.T @ condensed.fem_factor.T).T)
     joined = space.joined(RINGS.wear_coefficients).toarray()
     energies = [joined.T @ each.matrix @ joined for each in (compliance, energy.compliance(space))]
     least = eigh(*energies, eigvals_only=True)[0]
