@@ -67,7 +67,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         if options.quantities:
             families = list(families_of_quantities(scene, options, names))
         else:
-            families = list(Ways.of(problem, names, options.quick).families())
+            families = list(Ways.with_references(problem, names, options.quick).families())
     table = record.solve("tradeoff", families, COLUMNS)
     rows = table.dropna(subset="error")
     numbers = ["seconds", "least seconds", "greatest seconds", "tolerance", "estimate", "error"]

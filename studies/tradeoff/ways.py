@@ -72,7 +72,7 @@ class Ways:
     quick: bool
 
     @classmethod
-    def of(cls, problem: Problem, names: tuple[str, ...], quick: bool) -> "Ways":
+    def with_references(cls, problem: Problem, names: tuple[str, ...], quick: bool) -> "Ways":
         """Create the ways of a problem, and solve the references that they need.
 
         Raises
