@@ -1,4 +1,4 @@
-"""Commands on punches that are recessed, round or hollow: files, what is refused, exit status."""
+"""Commands on recessed, round or hollow punches: files, refusals and exit status."""
 
 import meshio
 import numpy as np
@@ -76,7 +76,7 @@ def test_a_study_of_flat_punches_refuses_a_sphere(capsys):
 
 
 @pytest.mark.slow
-def test_a_face_that_cells_cannot_hold_does_not_exit_as_done(tmp_path):
+def test_a_face_too_rough_for_the_cells_ends_with_status_3(tmp_path):
     heights = np.random.default_rng(200).uniform(0, 0.5, 200)
     profile = {
         "kind": "table",
@@ -108,7 +108,7 @@ def test_files_of_a_washer_and_its_free_surface(tmp_path):
     assert np.abs(steady[surface]).max() <= 1e-2 * np.abs(steady).max()
 
 
-def test_rows_of_others_within_a_hole_are_left_out(tmp_path):
+def test_rows_of_a_checked_file_within_a_hole_are_left_out(tmp_path):
     table = run(HOLLOW).dataset.isel(solver=0)[["pressure"]].to_dataframe().reset_index()
     within = table.assign(radius=0.1, pressure=0.0).drop_duplicates("time")
     pandas.concat([table, within])[["time", "radius", "pressure"]].to_csv(

@@ -1,4 +1,4 @@
-"""Two results beside each other, and results as CSV."""
+"""`ringwear compare` on two results, and results as CSV."""
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ def folder(tmp_path_factory):
     return out
 
 
-def test_compare_tells_what_differs(folder, tmp_path, capsys):
+def test_compare_lists_the_differences(folder, tmp_path, capsys):
     other, out = tmp_path / "other.toml", tmp_path / "out"
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)
     other.write_text(scene.to_toml(), "utf-8")
@@ -37,7 +37,7 @@ def test_compare_tells_what_differs(folder, tmp_path, capsys):
     assert (out / "difference.png").exists()
 
 
-def test_twice_the_load_differs_by_as_much_as_there_is(folder):
+def test_twice_the_load_differs_by_the_result_itself_at_the_start(folder):
     twice = run(Scene.load("rubber").changed(methods=["mdr"], load__mean_pressure=6e5))
     comparison = field_comparison(load(folder), twice)
     fields = {field.quantity: field for field in comparison.fields}
@@ -73,7 +73,7 @@ def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
         ("broken", "cannot be read"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsys):
+def test_results_that_cannot_be_compared_are_refused(other, told, folder, tmp_path, capsys):
     scene = Scene.load("flat_punch").changed(methods=["direct"])
     (tmp_path / "units.toml").write_text(scene.to_toml(), "utf-8")
     (tmp_path / "empty").mkdir()
@@ -85,7 +85,7 @@ def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsy
     assert not out.exists()
 
 
-def test_csv_tables_are_the_results(folder):
+def test_csv_tables_have_the_numbers_of_results_nc(folder):
     tables = {file.stem: pd.read_csv(file) for file in folder.glob("*.csv")}
     results = xarray.load_dataset(folder / "results.nc")
     over_time = {"solver_time", "solver_time_radius", "solver_time_ring"}

@@ -1,4 +1,4 @@
-"""The lists of CONTRIBUTING.md are complete: a quantity and a study, added as they say."""
+"""The lists of CONTRIBUTING.md are complete for a quantity and a study, which are added here."""
 
 import re
 import sys
@@ -76,7 +76,7 @@ def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tm
         assert inner.attrs["long_name"] == "force on the innermost ring"
 
 
-def test_the_anchor_of_a_new_quantity_notices_that_it_is_wrong(monkeypatch):
+def test_the_anchor_of_a_new_quantity_detects_a_wrong_value(monkeypatch):
     add_inner_force(monkeypatch, factor=1.01)
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
     assert result.quantities["inner_force"] == "agree"
@@ -109,7 +109,7 @@ def conduct(scene, options, record):
 
 @pytest.fixture
 def trapezoids(monkeypatch, tmp_path):
-    """A study, added by a file beside those in `studies/` and a row in `STUDIES`."""
+    """Add a study by a file beside those in `studies/` and a row in `STUDIES`."""
     (tmp_path / "trapezoids.py").write_text(TRAPEZOIDS, "utf-8")
     folders = [*ringwear.studies.__path__, str(tmp_path)]
     monkeypatch.setattr(ringwear.studies, "__path__", folders)

@@ -1,4 +1,4 @@
-"""Differences along the radius, and the figures that show how little methods differ."""
+"""Differences along the radius, and the figures that show how small they are."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ RADII = np.linspace(0.0, 0.005, 101)
 
 
 def report(**changed):
-    """Return a report of uniform fields, in SI units, with values that are changed afterwards."""
+    """Return a report of uniform fields in SI units, some of which are replaced."""
     shape = len(TIMES), len(RADII)
     fields = {
         "time": np.array(TIMES),
@@ -39,7 +39,7 @@ def report(**changed):
 
 
 def differing(quantity, row, at, amount):
-    """Return a report in which one value differs by an amount."""
+    """Return a report in which one value is changed by an amount."""
     values = report()[quantity].copy()
     values[row, at] += amount
     return report(**{quantity: values})
@@ -59,7 +59,7 @@ def texts(figure):
     return [axes.get_title(loc="left") for axes in figure.axes]
 
 
-def test_a_known_difference_of_pressure_is_found_where_it_is():
+def test_a_known_difference_of_pressure_is_found_at_its_time_and_radius():
     found = field(compared(differing("pressure", 2, 70, 0.03 * 3e5)), "pressure")
     assert found.largest == (2, 70)
     assert found.radii[70] == pytest.approx(0.0035)
@@ -70,7 +70,7 @@ def test_a_known_difference_of_pressure_is_found_where_it_is():
     np.testing.assert_array_equal(found.first_error, 1e-6)
 
 
-def test_pressures_of_the_unworn_punch_have_the_weight_of_their_norm():
+def test_differences_of_the_unworn_pressure_are_weighted_as_in_its_norm():
     # where p = p0 / sqrt(1 - r^2/a^2), the weighted pressure is p0 everywhere
     start = 1 / np.sqrt((1 - RADII[:-1] / 0.005) * (1 + RADII[:-1] / 0.005))
     pressure = report()["pressure"].copy()
@@ -85,7 +85,7 @@ def test_pressures_of_the_unworn_punch_have_the_weight_of_their_norm():
     assert np.isfinite(found.relative[1:]).all()
 
 
-def test_a_solid_face_has_no_hole_where_radii_begin():
+def test_a_full_punch_has_no_hole_inside_the_first_radius():
     radii = np.array([0.3, 0.5, 0.9])
     np.testing.assert_allclose(SCENE.problem.sampled_face(radii).blunting, 1 - radii**2)
     hollow = Scene.load("washer").problem.sampled_face(np.array([0.7, 0.8]))
@@ -99,7 +99,7 @@ def test_heights_are_relative_to_the_greatest_indentation_so_far():
     assert found.norms[1] == pytest.approx(0.02)
 
 
-def test_where_nothing_presses_nothing_is_divided_by_zero():
+def test_times_without_pressure_do_not_divide_by_zero():
     pressure = report()["pressure"].copy()
     pressure[[0, 3]] = 0.0
     rest = pressure.copy()
@@ -112,7 +112,7 @@ def test_where_nothing_presses_nothing_is_divided_by_zero():
     assert names == ["profile", "displacement"]
 
 
-def test_values_that_are_not_given_are_left_out():
+def test_missing_values_are_left_out():
     sparse = report()["pressure"] * 1.01
     sparse[:, 1::2] = np.nan
     sparse[0] = np.nan
@@ -161,7 +161,7 @@ def test_the_figure_marks_and_names_the_largest_difference(quantity):
     assert {"error that MDR states (band)", "error that FEM states (band)"} <= labels
 
 
-def test_reports_that_are_the_same_differ_nowhere():
+def test_equal_reports_have_no_difference():
     figure = draw_difference(Scale(SCENE), "", (compared(report()),))
     assert texts(figure).count("no difference") == 3
     assert not any("largest" in text for text in texts(figure))
@@ -179,7 +179,7 @@ DRAWN = {
 
 
 @pytest.mark.parametrize("kind", DRAWN)
-def test_any_punch_is_drawn_and_the_marks_are_the_greatest_differences(kind, tmp_path):
+def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
     name, changes = DRAWN[kind]
     scene = Scene.load(name).changed(
         **{"methods": ["bem", "mdr"], "accuracy__rtol": 1e-2} | changes
@@ -210,7 +210,7 @@ def test_one_method_has_no_difference():
     assert not picture.drawn_for(alone)
 
 
-def test_what_was_written_is_drawn_again(tmp_path):
+def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
     scene = Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-2)
     result = run(scene)
     result.save(tmp_path)
@@ -276,7 +276,7 @@ def test_the_shortest_wave_has_pi_degrees_in_the_worst_element():
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", ["five_rings", "washer"])
-def test_great_differences_of_operators_are_in_the_shaded_part(name):
+def test_large_differences_of_operators_are_in_the_shaded_part(name):
     result = run(Scene.load(name).changed(methods=["mdr", "fem"], accuracy__rtol=1e-3))
     (pair,) = result.operators
     resolved = pair.wavelengths > pair.shortest_resolved

@@ -1,6 +1,6 @@
 """The page of a run.
 
-All in one file, says what was asked, and works in a browser, on paper and on a phone.
+It is one file, has the input of the run, and works in a browser, on paper and on a phone.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def test_a_page_is_one_small_file_that_loads_nothing(page):
     assert tags.count("script") == 2
 
 
-def test_a_page_says_what_was_asked(page, result):
+def test_a_page_has_the_input_of_the_run(page, result):
     text = page.read_text("utf-8")
     for told in ("nm/h", "mean height", "µm", "The methods agree", "anchors", "left out"):
         assert told in text, told
@@ -82,7 +82,7 @@ def test_slides_go_from_the_flat_start_to_the_steady_state(result):
     json.dumps(shown, allow_nan=False)
 
 
-def test_slides_of_a_sphere_at_a_given_depth_scale_what_decays():
+def test_slides_of_a_sphere_at_fixed_indentation_scale_each_state():
     times = [0.0, 0.05, 1.0]
     scene = Scene.load("sphere").changed(load={"indentation": 0.04}, wear__times=times)
     scene = scene.changed(accuracy__rtol=1e-3)
@@ -137,7 +137,7 @@ def test_the_page_of_a_study(tmp_path, monkeypatch):
         assert told in text, told
 
 
-def test_flags_leave_out_what_they_say(tmp_path):
+def test_flags_leave_out_figures_or_the_page(tmp_path):
     quick = ["run", "flat_punch", "--methods", "direct", "--out", str(tmp_path)]
     for flags, figures in (
         (["--no-report"], {"steady_state.png"}),
