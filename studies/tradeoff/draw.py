@@ -237,7 +237,7 @@ def _effectivity_in_words(effectivities: pd.DataFrame, group: str) -> str:
     words = ", ".join(
         f"{LOOKS[name][3]} {_short(medians[name])}" for name in LABELLED_METHODS if name in medians
     )
-    return f"estimate/error: {words}" if words else "estimate and error"
+    return f"effectivity: {words}" if words else "estimate and error"
 
 
 def _short(number: float) -> str:

@@ -52,12 +52,12 @@ class DigitPrice:
     def why_not(self) -> str:
         """Reason why the price cannot be determined; empty if it can."""
         if self.levels < LEAST_LEVELS:
-            return f"fewer than {LEAST_LEVELS} levels of different errors"
+            return f"fewer than {LEAST_LEVELS} levels with different errors"
         if self.lower <= 1 <= self.upper:
             ends = f"from {self.lower:.2g} to {self.upper:.2g}"
             if self.upper > GREATEST_REPORTED_END:
-                ends = f"beyond {GREATEST_REPORTED_END:g}"
-            return f"the interval reaches {ends}, and contains 1"
+                ends = f"to values above {GREATEST_REPORTED_END:g}"
+            return f"its interval {ends} contains 1"
         if self.upper < 1:
             return "errors do not fall as seconds grow"
         if self.digits < LEAST_DIGIT_RANGE:
