@@ -153,8 +153,8 @@ def _conclude_locking(table: pd.DataFrame) -> Iterator[str]:
 def _names(pairs: pd.DataFrame) -> str:
     """Return pairs as a list: each displacement with its pressures, their kind and degree."""
     return "; ".join(
-        f"{displacement} with "
-        + ", ".join(f"{kind} {degree}" for kind, degree in zip(*columns, strict=True))
+        f"{displacement} with pressures "
+        + ", ".join(f"{kind} of degree {degree}" for kind, degree in zip(*columns, strict=True))
         for displacement, columns in (
             (name, (group["pressure"], group["pressure degree"]))
             for name, group in pairs.groupby("displacement", sort=False)
