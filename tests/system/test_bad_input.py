@@ -18,7 +18,7 @@ normal_force = 2.0
 [wear]
 times = [0.0, 1.0]
 """
-# what of the scene is replaced, by what, and what the line tells to write
+# part of the scene, its replacement, and words of the line that states what to write
 SCENES = [
     ("radius = 1.0", "radius = -1.0", "punch.radius: -1.0 must be positive"),
     ("radius = 1.0", "radius = nan", "punch.radius: nan must be positive"),
@@ -133,7 +133,7 @@ def test_a_bad_command_is_refused(call, told, tmp_path, monkeypatch, capsys):
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
     line = refused(call, capsys)
     assert told in line
-    # no path of the installation
+    # the line has no path of the installation
     assert "studies/" not in line
     assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
 
@@ -150,7 +150,7 @@ def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
     told = capsys.readouterr().out
     assert told.split() == whole.split()
     assert "..." not in told
-    # but for what has no blank, such as a path
+    # only a word without blanks, such as a path, may be longer
     assert not [line for line in told.splitlines() if len(line) > width and " " in line.strip()]
     for command in ([], ["scenes"]):
         with pytest.raises(SystemExit, match="0"):

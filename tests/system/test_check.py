@@ -28,7 +28,7 @@ def flat_start(scene, radii=RADII):
 
 def test_closed_forms_pass(tmp_path, capsys):
     table = flat_start(Scene.load("five_rings"))
-    # at the rim pressure is infinite, and what lies outside is not the punch's
+    # the pressure is infinite at the rim, and the second row lies outside the punch
     rim = {"time": 0.0, "radius": [1.0, 1.5], "pressure": [np.nan, 0.0], "indentation": 1.0}
     pd.concat([table, pd.DataFrame(rim)]).to_csv(tmp_path / "fem.csv", index=False)
     out = tmp_path / "out"
@@ -65,14 +65,14 @@ def test_the_difference_is_the_other_program_minus_ringwear():
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
     table = flat_start(scene)
     table.loc[3, "displacement"] += 0.05
-    # d = 1
+    # the indentation is 1, so the relative difference is 0.05
     (comparison,) = check(scene, {"abaqus": table}).field_comparisons
     assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
     (found,) = [field for field in comparison.fields if field.quantity == "displacement"]
     assert found.radii[found.largest[1]] == 0.5
     assert found.relative[found.largest] == pytest.approx(0.05, rel=1e-2)
     assert np.isnan(found.second_error).all()
-    # without fields there is nothing to draw
+    # a file without fields has no difference to draw
     depths = table[["time", "indentation"]].iloc[:1]
     assert not check(scene, {"depths": depths}).field_comparisons
 
@@ -150,9 +150,9 @@ def test_columns_and_units_of_a_file_can_be_given(tmp_path):
 
 @pytest.mark.parametrize("upwards", [True, False])
 def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
-    """The surface has closed forms of the flat start; the file also has zeros below it and tension
+    """The surface has closed forms of the flat start.
 
-    beside the punch, which must not be read.
+    Values below the surface are zero, and there is tension beside the punch; both must not be read.
     """
     table = flat_start(Scene.load("five_rings"), np.linspace(0, 0.99, 34))
     sign = 1.0 if upwards else -1.0
@@ -212,8 +212,8 @@ def test_results_of_the_wear_challenge(program, low, high, looks):
     ("sizes", "order", "off", "honest"),
     [
         ((0.2, 0.1, 0.05), 2.0, 0.0, True),
-        ((0.3, 0.2, 0.07), 1.5, 0.0, True),  # not in one ratio
-        ((0.2, 0.1, 0.05), 2.0, -0.03, False),  # they converge to what is wrong
+        ((0.3, 0.2, 0.07), 1.5, 0.0, True),  # ratios of sizes differ
+        ((0.2, 0.1, 0.05), 2.0, -0.03, False),  # they converge to a wrong value
     ],
 )
 def test_a_refinement_of_known_order(sizes, order, off, honest):

@@ -55,7 +55,7 @@ def test_files_of_a_recessed_punch(tmp_path):
     assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
     page = (out / "report.html").read_text("utf-8")
     assert "of the unworn face at the start" in page
-    # but for an anchor of that name
+    # one anchor has these words in its name
     assert "flat punch</td>" not in page.replace("reciprocity with the flat punch</td>", "")
 
 
@@ -99,7 +99,7 @@ def test_files_of_a_washer_and_its_free_surface(tmp_path):
     assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
     files = {file.name for file in (tmp_path / "run").iterdir()}
     assert {"profiles_and_pressures.png", "stress.png", "half_space.vtu", "mesh.png"} <= files
-    # nothing presses on the surface under the hole
+    # there is no pressure on the surface under the hole
     inside = meshio.read(tmp_path / "run" / "half_space.vtu")
     radius, height, _ = inside.points.T
     surface = (height == 0) & (radius < 0.9 * 0.012)

@@ -62,7 +62,7 @@ def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tm
     assert "studies/anchors/" in named
     add_inner_force(monkeypatch, factor=1.0)
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
-    # estimates, comparison, anchors and files follow
+    # estimates, comparison, anchors and files need no further change
     assert (result.dataset.inner_force_error < 1e-3).all()
     assert result.quantities["inner_force"] == "agree"
     told = [anchor for anchor in result.anchors if anchor.name == "inner force of the flat start"]
@@ -132,6 +132,6 @@ def test_a_study_needs_a_file_and_a_row(trapezoids, tmp_path, capsys):
     assert len(pd.read_csv(out / "trapezoids.csv")) == 4
     assert (out / "trapezoids.png").exists()
     assert "1 of 1 orders" in capsys.readouterr().out
-    # unless the row says so, a study is not of shaped punches
+    # a study takes no shaped punches unless its row in STUDIES says so
     assert main(["study", "trapezoids", "sphere", "--quick", "--out", str(tmp_path / "no")]) == 2
     assert "leave out punch.recess" in capsys.readouterr().err

@@ -65,7 +65,7 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
     for _, rows in levels.groupby("family"):
         assert (np.diff(rows["pressure at start"]) < 0).all()
         assert abs(rows["p at .5 a"].iloc[-1]) < 0.5 * abs(rows["p at .5 a"].iloc[0])
-        # values and their errors tell of one exact value
+        # values and their errors give the same exact value
         exact = rows["value of p at .5 a"] / (1 + rows["p at .5 a"])
         assert np.ptp(exact) <= 1e-12 * exact.iloc[0]
     reasons = found.orders[found.orders.quantity == "d0"].theory
@@ -153,7 +153,7 @@ def test_punches_whose_contact_moves_have_all_columns(scene):
     found = study("convergence", scene, quick=True)
     assert not found.table.remark.notna().any()
     columns = {"d(t)", "pressure", "profile", "RMS slope", "contact radius", "stresses inside"}
-    # one ring carries the force that is given
+    # a punch of one ring carries the given force on it
     columns |= {"ring forces", "worn volume"} if scene == "duty_cycle" else {"pressure at start"}
     finest = found.table.groupby("family").last()
     assert {"MDR", "BEM", "FEM P1", "FEM P4", "FEM Q1", "FEM Q2"} <= set(finest.index)

@@ -62,7 +62,7 @@ def test_decks_for_abaqus_have_documented_keywords(tmp_path):
         text = file.read_text("utf-8")
         keywords = set(re.findall(r"^\*([A-Z][A-Z ]*)", text, re.MULTILINE))
         assert {keyword.strip() for keyword in keywords} <= DOCUMENTED
-        # of the washer: the start and a worn face, or the indentation and then the force
+        # steps of the washer: the start and a worn face, or the indentation and then the force
         assert text.count("*STEP") == text.count("*END STEP") == 2
         assert max(map(len, text.splitlines())) <= 256
     assert "not run" in (tmp_path / "README.md").read_text("utf-8")

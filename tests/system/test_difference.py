@@ -15,7 +15,7 @@ from ringwear.studies.figures.style import new_panels, show_values
 from ringwear.studies.sampling.field_differences import compare_fields
 
 TIMES = [0.0, 1e3, 2e4, 3e5]
-# one ring, so that the weight of the pressure's norm is the area
+# with one ring, the weight of the norm of the pressure is the area
 SCENE = Scene.load("rubber").changed(
     punch__ring_edges=[0.005], punch__wear_coefficients=[1e-15, 1e-15], wear__times=TIMES
 )
@@ -64,7 +64,7 @@ def test_a_known_difference_of_pressure_is_found_at_its_time_and_radius():
     assert found.largest == (2, 70)
     assert found.radii[70] == pytest.approx(0.0035)
     assert found.relative[2, 70] == pytest.approx(0.03)
-    # the root of the share of the area within half a distance of that radius
+    # root of the fraction of the area within half a spacing of that radius
     share = (0.705**2 - 0.695**2) * 0.03**2
     np.testing.assert_allclose(found.norms, [0, 0, np.sqrt(share), 0], rtol=1e-12)
     np.testing.assert_array_equal(found.first_error, 1e-6)
@@ -80,7 +80,7 @@ def test_differences_of_the_unworn_pressure_are_weighted_as_in_its_norm():
     found = field(compared(report(pressure=other), report(pressure=pressure)), "pressure")
     assert found.largest == (0, 60)
     assert found.relative[0, 60] == pytest.approx(0.02)
-    # at the rim both are infinite
+    # both pressures are infinite at the rim
     assert np.isnan(found.relative[0, -1])
     assert np.isfinite(found.relative[1:]).all()
 
@@ -187,7 +187,7 @@ def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
     result = run(scene)
     figure = draw_result_difference(result) if result.field_comparisons else None
     if kind == "no sliding":
-        # without a force there is nothing that a difference could be relative to
+        # without a force, no difference can be relative to anything
         assert figure is None
         return
     figure.savefig(tmp_path / "difference.png")
@@ -195,7 +195,7 @@ def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
     assert (comparison.reference, comparison.other) == tuple(scene.methods)
     for found in comparison.fields:
         assert np.isfinite(found.norms).all()
-        # by the values that are written, one by one
+        # the same differences from the values in the dataset
         both = result.dataset[found.quantity].values
         gaps = np.abs(both[1] - both[0]).reshape(-1, both.shape[-1])
         row, at = found.largest

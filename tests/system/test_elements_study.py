@@ -64,7 +64,7 @@ def test_checkerboards_lose_the_pressure_but_not_the_indentation(found):
     assert rows["d0"].abs().iloc[-1] <= 1e-3
     assert rows["p at the start"].min() > 3
     assert (np.diff(rows["p at the start"]) > 0).all()
-    # and wear hides it
+    # wear hides the checkerboards
     assert rows["d(t)"].iloc[-1] <= 1e-3
     assert rows["p(t)"].iloc[-1] <= 0.03
 
@@ -146,7 +146,7 @@ def test_names_of_elements_of_one_class_have_their_degree():
     # a flat punch of one ring has no edges at which pressures could break
     assert set(found.table["pressure"]) == {"continuous", "broken everywhere", "as in ringwear run"}
     assert set(found.tables["choice"]["stable"]) == {"yes", "no", "singular"}
-    # bubbles inside do not change what the contact sees
+    # bubbles inside elements do not change displacements on the contact
     assert (levels_of(found, "continuous", 1, "ElementTriP1B")["least eigenvalue"] > 0.1).all()
 
 

@@ -41,7 +41,7 @@ def test_thin_layers(show, tmp_path):
     ratios = [float(value) for value in re.findall(r"over fifth (\S+)", show("thin_layers"))]
     assert ratios == sorted(ratios)
     assert ratios[0] < 1.02
-    # without a layer they are about as 1 to 1/4
+    # without a layer their ratio is about 1 to 1/4
     assert ratios[-1] == pytest.approx(4.1, abs=0.2)
     assert (tmp_path / "thin_layers.png").exists()
 
@@ -54,7 +54,7 @@ def test_fem_against_mdr(show, tmp_path):
 
 def test_own_mesh(show):
     errors = [float(value) for value in re.findall(r"E\*\) (\S+)", show("own_mesh"))]
-    # of order one in the size at the rim, which halves each time
+    # first order in the size at the rim, which is halved each time
     ratios = [coarse / fine for coarse, fine in pairwise(errors)]
     assert 1.7 < min(ratios) <= max(ratios) < 2.3
 

@@ -31,7 +31,7 @@ WORN = {
     "wear": {"times": ["0 s", "1 min", "2 h", "1 day", "365 days"]},
     "accuracy": {"rtol": 1e-2},
 }
-# lands of which grooves of 1 mm stay clear, and a load that is taken off
+# only the lands between grooves of 1 mm are in contact, and the load is removed at the end
 GROOVED = WORN | {
     "units": "SI",
     "punch": PUNCH | {"recess": ["0 mm", "1 mm", "0 mm"]},

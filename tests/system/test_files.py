@@ -114,7 +114,7 @@ def test_values_that_a_method_does_not_compute_are_nan(results):
     for name, dims in VARIABLES.items():
         assert bool(np.isnan(direct[name]).all()) == ("time" in dims or "mode" in dims)
         assert not np.isnan(others[name]).any(), name
-    # zero at its lowest, which may lie between two of the radii
+    # zero at the lowest point, which may lie between two radii
     lowest = results.steady_profile.min("radius")
     assert ((lowest >= 0) & (lowest <= 1e-4 * results.steady_profile.max("radius"))).all()
     assert (others.indentation_error > 0).all()
@@ -150,7 +150,7 @@ def test_the_file_of_the_half_space(done):
     assert r.max() == pytest.approx(10.0 if WITHOUT_GMSH else 5.0)
     assert y.max() == 0
     assert all(np.isfinite(values).all() for values in mesh.point_data.values())
-    # downwards, all of the punch's face by the indentation
+    # the whole face moves down by the indentation
     moved = mesh.point_data["displacement t=0"][(y == 0) & (r <= 2), 1]
     np.testing.assert_allclose(moved, -5 / (2 * 2 * 3), rtol=1e-2)
     # on the axis: zz = -p0 (1 + 3 s^2) / (1 + s^2)^2 at depth s
@@ -263,7 +263,7 @@ def test_the_mesh_that_the_command_writes_is_read_back(tmp_path):
     written = MeshQuad.load(tmp_path / "mesh.vtu")
     assert set(mesh.boundaries) == set(written.boundaries)
     assert mesh.nelements == written.nelements
-    # the degree may fall where it did
+    # subdomains mark layers in which the degree may be lower
     lower, written_lower = (
         {name: len(part) for name, part in each.subdomains.items()} for each in (mesh, written)
     )

@@ -61,7 +61,7 @@ def test_the_command_finds_a_wear_coefficient(measured, tmp_path, capsys):
 
 def test_the_result_displays_itself_in_print_and_in_a_notebook(measured, tmp_path):
     found = ringwear.fit(measured / "pin.toml", measured / "data.csv", "punch.wear_coefficient")
-    # the noise, which nobody has given, is that of the data
+    # no noise was given, so it is estimated from the data
     noise = found.measurements[0].noise[0]
     assert noise == pytest.approx(NOISE, rel=0.4)
     assert repr(found).startswith("Fit of a pin\n")

@@ -91,7 +91,7 @@ def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, 
     told = capsys.readouterr()
     reasons = [line for line in told.err.splitlines() if "No space left" in line]
     assert all(any(file in line for line in reasons) for file in lost)
-    # the answer is told all the same
+    # the answer is printed nevertheless
     assert "steady wear rate" in told.out
     drawn = {"profiles_and_pressures", "history", "difference", "operator_difference", "mesh"}
     assert contents(tmp_path / "out").keys() == {
@@ -112,7 +112,7 @@ def test_any_title_can_be_drawn(tmp_path):
 def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
     assert main([*DIRECT, str(tmp_path)]) == 0
-    # figures of other numbers would lie about these
+    # old figures are removed, because they show other numbers
     assert main([*DIRECT, str(tmp_path), "--no-figures"]) == 0
     assert contents(tmp_path).keys() == {"results.nc", "summary.json", "notes.txt"}
     (tmp_path / "history.png").write_text("mine", "utf-8")
@@ -174,7 +174,7 @@ def test_a_killed_run_leaves_the_old_or_the_new_folder(foreign, tmp_path):
                 write(out, "bcd", "new", killed_at=line)
             os._exit(0)
         killed = os.WIFSIGNALED(os.waitpid(child, 0)[1])
-        # the next run mends what the killed one left, even if it is stopped itself
+        # the next run repairs the folder of the killed one, even if it is stopped itself
         with suppress(KeyboardInterrupt), output_folder(out, "run"):
             seen.append(contents(out))
             raise KeyboardInterrupt
@@ -203,7 +203,7 @@ def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
     assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
 
-# what there is of a run when it is stopped: nothing, numbers half written, numbers, a figure
+# file that exists when the run is stopped: none, half-written numbers, numbers, a figure
 @pytest.mark.parametrize(
     "seen",
     [

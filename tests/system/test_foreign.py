@@ -36,9 +36,9 @@ def told(capsys):
 
 @pytest.mark.parametrize("link", [False, True])
 def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
-    """The sweep is refused before it computes anything. A picture of ringwear is replaced, but
+    """The sweep is refused before it computes anything.
 
-    not the file that a link in its place points to.
+    A picture of ringwear is replaced, but not the file that a link in its place points to.
     """
     (tmp_path / "map.toml").write_text(MAP)
     out, mine = tmp_path / "out", tmp_path / "mine.png"
@@ -57,7 +57,7 @@ def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
     picture.unlink()
     assert main(call) == 0
     assert picture.stat().st_size > 1000
-    # ours by its name, and then a link in its place
+    # the picture is replaced by a link of the same name
     picture.unlink()
     picture.symlink_to(mine)
     assert main([*call, "--resume"]) == 0
@@ -84,7 +84,7 @@ def test_foreign_folders_with_names_of_ringwear_stay(tmp_path, capsys, name, kin
     assert main([*DIRECT, str(out)]) == 2
     assert name in told(capsys)
     assert sorted(tmp_path.rglob("*")) == before
-    # what a killed run of ours has left is cleaned up after
+    # files of a killed run of ringwear are removed
     os.rename(there, tmp_path / "away")
     (out / ".writing").mkdir()
     (out / ".writing" / MARKER).write_text("{}")

@@ -22,7 +22,7 @@ def set_radius(_):
     SCENE.punch.radius = 2.0
 
 
-# the guess, and whether it is what is wanted
+# the guess, and whether its result is right
 WORKING = [
     (lambda of: of["indentation"], lambda got: got.sizes["solver"] == 2),
     (lambda of: of["time"], lambda got: got.ndim == 1),
@@ -66,7 +66,7 @@ def test_guesses_that_work(guess, wanted, result):
     assert wanted(guess(result))
 
 
-# the guess, and what the line tells to write
+# the guess, and words of the line that states what to write
 TOLD = [
     (lambda of: of.pressure, "write result.dataset.pressure"),
     (lambda of: of.d, "write result.dataset.indentation"),

@@ -54,7 +54,7 @@ def test_a_malformed_command_is_refused(command, words, tmp_path, monkeypatch, c
     assert status == 2
     shown = capsys.readouterr()
     assert shown.out == ""
-    # argparse says how the command is used before what is wrong
+    # argparse prints the usage before the error
     (line,) = [line for line in shown.err.splitlines() if line and not re.match(r"usage:| ", line)]
     assert "pydantic" not in line
     assert all(word in line for word in words.split()), line

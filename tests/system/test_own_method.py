@@ -35,7 +35,7 @@ def test_own_method(name, tmp_path):
     winkler = result.dataset.sel(solver="winkler")
     assert np.isfinite(winkler.indentation).all()
     assert np.isfinite(winkler.indentation_error).all()
-    # springs are no half-space, and the verdict says so
+    # springs are no half-space, so the methods disagree
     assert result.verdict == "disagree"
     assert any("winkler" in line for line in result.summary["modelled"])
     assert "winkler" in str(Account(result).methods)
@@ -44,10 +44,7 @@ def test_own_method(name, tmp_path):
 
 
 def test_springs_relax_independently():
-    """Under a flat punch each spring relaxes by itself, so rings of one wear share the load
-
-    evenly.
-    """
+    """Under a flat punch rings of one wear coefficient therefore share the load evenly."""
     scene = Scene.load("flat_punch").changed(wear__times=[0.0, 1.0, 10.0])
     dataset = run(scene, methods=[Winkler()]).dataset.isel(solver=0)
     pressure = scene.problem.units.force / (np.pi * scene.punch.radius**2)

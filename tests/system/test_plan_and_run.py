@@ -18,7 +18,7 @@ from ringwear.studies.scene.sources import bundled
 def test_unknowns_are_those_of_the_run(name):
     """They are those of the run before a refinement."""
     scene = Scene.load(name)
-    # elements do not depend on late times
+    # element sizes do not depend on late times
     scene = scene.changed(wear__times=scene.wear.times[:3])
     for of in scene.methods:
         solution = method(of).solve(scene.problem, Stages(of))

@@ -58,7 +58,7 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
             error, estimate = np.abs(values / truth - 1), alone.solutions[name].errors[quantity]
             assert (error <= np.minimum(estimate[shown], rtol)).all()
     if rtol <= 1e-4:
-        # the eighth relaxation time asks for elements of nearly the degree of fields
+        # the eighth relaxation time needs elements of nearly the same degree as fields do
         fewer = 2 if names == ["indentation"] else 1
         assert fewer * alone.solutions["fem"].unknowns < whole(rtol).solutions["fem"].unknowns
 

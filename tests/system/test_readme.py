@@ -30,7 +30,7 @@ def test_names_in_a_readme_exist_in_the_code(floor):
     assert len(names) > 10
     files = [file for folder in FLOORS for file in (ROOT / folder).rglob("*.py")]
     code = {word for file in files for word in re.findall(r"\w+", f"{file} {file.read_text()}")}
-    # elements of scikit-fem that users may give
+    # elements of scikit-fem that users may choose
     code |= {"ElementTriP1", "ElementTriP4"}
     assert {word for name in names for word in name.split(".")} <= code
     sources = re.findall(r"(?m)^\[(\d)\]", page)

@@ -48,7 +48,7 @@ def family_of(case, way, quick=True):
 @pytest.mark.parametrize("punch", ["flat", "five", pytest.param("narrow", marks=pytest.mark.slow)])
 def test_uniform_refinement_is_of_first_order_and_refines_the_contact(punch, monkeypatch):
     monkeypatch.setattr(cases, "TRUTH", 1e-3)  # d0 has a closed form
-    # the quick study leaves out what is larger beside a narrow ring
+    # the quick study leaves out levels that are larger because of a narrow ring
     family = family_of(case_of(PUNCHES[punch]), "uniform", quick=punch != "narrow")
     first, last_but_one, last = map(family.solve, list(family.sizes)[:3])
     assert last["multipliers"] > 3 * first["multipliers"]
@@ -121,7 +121,7 @@ def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, o
     for name, told in zip(rows.setting, found.conclusions, strict=False):
         assert told.startswith(f"flat punch: {name}, ")
         assert "of degree 3" in told
-        # a flat punch is singular at its rim alone
+        # the pressure of a flat punch is singular only at the rim
         assert "lies next to r = 1 a" in told
         assert "they are stable" in told
     of_own = found.orders[found.orders.refined == "flat punch, file"]

@@ -103,7 +103,7 @@ def test_errors_of_shaped_punches_fall_with_finer_cells(scene, load, quantity, t
         unknowns = [int(row["unknowns"]) for row in levels]
         assert unknowns == sorted(unknowns)
         coarse, fine = levels[0], levels[-1]
-        # elements of degree 1 and 2 err more below the surface than smaller cells gain
+        # errors of elements of degree 1 and 2 below the surface exceed the gain of smaller cells
         low = family.endswith(("P1", "P2", "Q1", "Q2"))
         least = 1.0 if low else 1.5
         assert float(coarse[quantity]) > least * float(fine[quantity]) > 0

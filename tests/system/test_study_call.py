@@ -95,7 +95,7 @@ def test_a_study_is_a_public_name():
 
 
 def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path, monkeypatch):
-    # without the levels that take long
+    # leave out levels that take long
     monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
     monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
     own = tmp_path / "mine.vtu"

@@ -66,7 +66,7 @@ def test_scenes_are_those_of_run(small, ratio, rings, force):
 def test_loads_share_modes(small):
     assert small["indentation"].dims == ("wear_ratio", "rings", "normal_force", "solver", "time")
     assert (small["status"] == 1).all()
-    # two methods that state their errors honestly
+    # the two methods differ by less than their error estimates
     assert small["disagreement"].max() < 1
     light, heavy = small.sel(normal_force=1.0), small.sel(normal_force=3.0)
     np.testing.assert_array_equal(light["relaxation_time"], heavy["relaxation_time"])
@@ -74,9 +74,9 @@ def test_loads_share_modes(small):
 
 
 def test_scenes_with_different_wear_share_one_discretisation():
-    """It is fine enough for the sharpest pressures of the group. Scenes with much smoother
+    """It is fine enough for the sharpest pressures of the group.
 
-    pressures have their own discretisation.
+    Scenes with much smoother pressures have their own discretisation.
     """
     made = Sweep.of(
         {"base": FIVE.table(), "axes": {"punch.wear_ratio": [1e-6, 0.1, 2.0, 5.0, 1.0]}}
@@ -87,7 +87,7 @@ def test_scenes_with_different_wear_share_one_discretisation():
     shared = covering(problems[1:4])
     halves, edges = shared.merged.widths / 2, np.arange(5)
     for problem, distance in product(problems[1:4], np.geomspace(1e-10, 0.1, 40)):
-        # sharper at every distance from every edge
+        # at least as sharp at every distance from every edge
         distances = np.full(5, distance)
         sharpest = shared.edge_amplitude(distances, halves, edges)
         assert (sharpest >= problem.edge_amplitude(distances, halves, edges)).all()
@@ -117,11 +117,11 @@ def test_sweeps_of_the_paper_equal_closed_forms(number):
 
 
 def test_a_failed_scene_does_not_affect_others():
-    """Its reason is stored with it. Scenes that would share its discretisation have the results
+    """Its reason is stored with it.
 
-    that they have without it.
+    Scenes that would share its discretisation have the results that they have without it.
     """
-    # so many explicit steps are refused as the march begins
+    # the second step would need so many steps that the march is refused
     marched = FIVE.changed(methods=["mdr"], wear__march="implicit", wear__step=0.01)
     steps = {"wear.step": [0.01, 1e-9, 0.05]}
     dataset = sweep(marched, steps, keep=["indentation"])
@@ -196,7 +196,7 @@ def test_times_that_differ_between_scenes_are_refused(times):
             SceneError, match=r"punch.wear_ratio = 1.0: .* give the base wear.times as numbers"
         ):
             sweep(scene, RATIOS, keep)
-    # what is not over time, and histories of one punch under other loads
+    # quantities that are not over time, and histories of one punch under other loads, are allowed
     assert (sweep(scene, RATIOS, ["relaxation_time", "time_to_90"])["status"] == 1).all()
     loads = sweep(scene, {"load.normal_force": [1.0, 2.0]}, ["indentation"])
     assert loads["time"].values.tolist() == scene.wear.times
@@ -208,10 +208,7 @@ def test_histories_need_times():
 
 
 def test_axes_crossed_zipped_and_drawn(tmp_path):
-    """Every varied key is a coordinate, in a store that is opened, too, and each value has the
-
-    unit of its kind.
-    """
+    """Every varied key is a coordinate, also in an opened store, and has the unit of its kind."""
     scene = FIVE.changed(units="mm, N, MPa, hours", methods=["direct", "mdr"])
     axes = {"accuracy.rtol": [1e-2, 1e-3], "punch.radius": [1.0]}
     zipped = {
@@ -244,7 +241,7 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
         "sliding_speed": "mm/hours",
     }
     assert {name: dataset[name].attrs["units"] for name in units} == units
-    # what the store says of itself makes the same scenes again
+    # the table in the store gives the same scenes
     made = Sweep.of(json.loads(dataset.attrs["sweep"]))
     last = made.scene(list(made.changes())[-1])
     assert (last.accuracy.rtol, last.punch.rings, last.punch.coefficients) == (1e-3, 3, [1.0, 3.0])
@@ -267,9 +264,9 @@ def test_a_dry_run_predicts_scenes_bytes_and_seconds(tmp_path, monkeypatch, caps
     ("rings", "largest"), [([40, 30, 3, 2], 40), ([2, 40, 3], 40)], ids=["first", "middle"]
 )
 def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rings, largest):
-    """The largest scene is found anywhere in the grid. Its memory is printed; a bound is not,
+    """The largest scene may be anywhere in the grid.
 
-    because it is not known.
+    Its memory is printed; a bound on the memory is not, because it is not known.
     """
     monkeypatch.chdir(tmp_path)
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-2)
@@ -282,7 +279,7 @@ def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rin
     told = re.search(r"about (\S+) GiB for the largest scene, of the 0.25 GiB", text)
     assert told
     scene = scene.changed(punch__rings=largest)
-    # two digits are told
+    # two digits are printed
     assert float(told[1]) == pytest.approx(predict_memory(scene), rel=0.05)
     assert ("too little" in text) == (predict_memory(scene) > 0.25)
     seconds = float(re.search(r"took (\S+) s;", text)[1])

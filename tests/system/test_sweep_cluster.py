@@ -48,7 +48,7 @@ DEADLY = PRELOAD.format("""
         os._exit(1)
 """)
 ENDLESS = PRELOAD.format("time.sleep(1000)")
-# until a file is gone, from the second block on
+# from the second block on, wait until a file is removed
 HALTING = PRELOAD.format("""
     Path("begun").touch()
     while Path("halt").exists():
@@ -115,7 +115,7 @@ class Cluster:
 
     def _start(self, what, *arguments):
         command = [sys.executable, "-m", "dask", what, "--no-dashboard", *arguments]
-        # one death of a worker is enough: what kills it is split down to single scenes
+        # one death of a worker is enough: a block that kills it is split down to single scenes
         settings = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
         with (self.directory / f"{what}.log").open("ab") as log:
             process = subprocess.Popen(
@@ -175,7 +175,7 @@ def test_a_block_that_kills_its_workers_is_left_out(cluster, here):
     cluster.worker(DEADLY, nanny=True)
     expect(cluster.sweep(), 1, "left out", timeout=400)
     assert statuses(cluster.out) == [1] * 16 + [0] * 8 + [1] * 24
-    # and is computed by others
+    # other workers compute it
     file = str(cluster.directory / "sweep.toml")
     assert main(["sweep", file, "--out", str(cluster.out), "--resume"]) == 0
     assert contents(cluster.out) == contents(here)
@@ -202,7 +202,7 @@ def test_a_sweep_waits_if_its_worker_is_lost(cluster, here):
         assert line
     cluster.worker()
     expect(sweep, 0, "6 of 6 blocks")
-    # the block of the lost worker is split, and the elements of a block serve all of its scenes
+    # the block of the lost worker is split, and the elements of a block depend on all its scenes
     found, expected = (xarray.open_zarr(out / "sweep.zarr") for out in (cluster.out, here))
     assert statuses(cluster.out) == statuses(here)
     apart = abs(found.steady_rms_slope - expected.steady_rms_slope)

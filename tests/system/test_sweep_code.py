@@ -86,7 +86,7 @@ def test_a_resume_with_altered_code_is_refused(tmp_path):
     (line,) = refused.stderr.splitlines()
     assert "begun with another file, ringwear or libraries" in line
     assert contents(tmp_path / "out") == before
-    # the code as it was goes on
+    # the original code continues
     alter(tmp_path / "copy", STEADY[0], STEADY[2], STEADY[1])
     assert run_with(finder, tmp_path, "--workers", "1", "--resume").returncode == 0
     assert statuses(tmp_path / "out") == [1] * 16
@@ -153,10 +153,7 @@ print(code())
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False], ids=["from the start", "late"])
 def test_blocks_of_altered_code_are_not_written(cluster, first):
-    """A worker with altered code of the same version is refused at the start, and if it joins
-
-    later.
-    """
+    """A worker with altered code of the same version is refused, also if it joins later."""
     finder = copy_package(cluster.directory / "copy")
     alter(cluster.directory / "copy", *STEADY)
     if first:
@@ -174,7 +171,7 @@ def test_blocks_of_altered_code_are_not_written(cluster, first):
     assert len(set(stored["code"].values[stored["status"].values == 1].tolist())) == 1
 
 
-# what a worker says of itself when it is asked is not what it computes with
+# the worker reports other versions when it is asked than when it computes
 CHANGED = PRELOAD.format("""
     from ringwear.studies.versions import versions
     versions()["numpy"] = "1.0"

@@ -31,7 +31,7 @@ from ringwear.studies.versions import versions
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
 AXES = {"punch.rings": [2, 3, 4], "punch.wear_ratio": {"geomspace": [0.5, 4.0, 8]}}
 KEEP = ["steady_displacement_max", "steady_rms_slope"]
-# nine blocks of nine, for commands in processes of their own
+# nine blocks of nine scenes, for commands in separate processes
 LONG = {
     "base": BASE.changed(accuracy__rtol=1e-2, wear__times=[0.0, 0.1]).table(),
     "keep": ["indentation", "steady_rms_slope"],
@@ -47,7 +47,7 @@ from pathlib import Path
 from ringwear.studies.cli import main
 from ringwear.studies.sweep import workers
 from ringwear.studies.sweep.store import Store
-# the sweep is short, and workers are what is tested
+# start workers although the sweep is short, because the test is about them
 workers.MOST_HERE = 0.0
 write = Store.write
 def counted(self, number, values):

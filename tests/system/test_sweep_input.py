@@ -39,7 +39,7 @@ def test_functions_of_the_face_are_in_every_scene():
         alone = run(scene.changed(load__normal_force=force)).dataset["indentation"].item()
         there = dataset["indentation"].sel(normal_force=force).item()
         assert there == pytest.approx(alone, rel=1e-12)
-        # by Hertz, with R = 1/2 and E* = 1, where the contact lies inside the punch
+        # Hertz's solution with R = 1/2 and E* = 1 for a contact inside the punch
         flat = sweep(FLAT, FORCES, KEEP)["indentation"].sel(normal_force=force).item()
         assert there > 1.5 * flat
 
@@ -88,7 +88,7 @@ def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
     write_profile("profile.csv", 0.5)
     write_profile("other.csv", 0.3)
     first = sweep(base, axes, KEEP, out="out")["indentation"].load()
-    # all that is needed to compute the scenes again is there
+    # the store has all input that is needed to compute the scenes again
     told = json.loads(xarray.open_zarr("out/sweep.zarr").attrs["sweep"])
     os.rename("profile.csv", "away.csv")
     os.rename("other.csv", "away too.csv")

@@ -14,7 +14,7 @@ from ringwear.studies.cli import main
 pytestmark = pytest.mark.slow
 
 
-# so many scenes that the sweep is not over when it is stopped
+# enough scenes for the sweep to be running when it is stopped
 VERY_LONG = LONG | {
     "axes": LONG["axes"] | {"punch.wear_ratio": {"geomspace": [0.5, 4.0, 100]}},
 }
@@ -38,7 +38,7 @@ def test_a_stop_while_workers_start_ends_them(tmp_path):
             time.sleep(0.05)
 
 
-# a small scene, and one that takes .55 GiB
+# a small scene, and one that needs 0.55 GiB
 LARGE = {
     "base": BASE.changed(methods=["mdr"], accuracy__rtol=1e-2, wear__times=[]).table(),
     "keep": ["steady_rms_slope"],

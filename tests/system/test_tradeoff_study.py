@@ -9,7 +9,7 @@ from ringwear.meshes.errors import SceneError
 
 
 def test_a_user_quantity_is_a_group():
-    # of a flat punch, F / (2 a E*): Boussinesq
+    # Boussinesq: F / (2 a E*) for a flat punch
     def first_depth(result):
         return float(result.dataset.indentation[0, 0])
 

@@ -13,7 +13,7 @@ from ringwear.meshes.sizes import SizeField
 from ringwear.studies.cli import main
 
 README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
-# what the table's rows change: the scene of the README is longer
+# base scene, shorter than that of the README, to which each row of the table is applied
 BASE = """
 units = "SI"
 methods = ["mdr"]
