@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MARKERS = "^v<>sDohX*Pp"
-"""Of displacements, in their order."""
+"""Markers of the displacements, in the order in which the table has them."""
 COLOURS = {
     "continuous, k - 1": "#1f4e79",
     "continuous, k": "#6fa8dc",
@@ -31,22 +31,22 @@ COLOURS = {
     "constant on facets, k > 1": "#b8860b",
     "broken everywhere, k - 1": "#c0392b",
 }
-"""Of pressures, by their degree against the degree k of the displacement."""
-DASHED = ("wear rate continuous", "broken at ring edges, k - 1")
-"""Pressures whose curves lie on those of others."""
-LIGHT: Look = {"linewidth": 0.8, "markersize": 3.2, "markerfacecolor": "none"}
+"""Colours of the pressure spaces; their degree is relative to the degree k of the displacement."""
+DASHED_PRESSURES = ("wear rate continuous", "broken at ring edges, k - 1")
+"""Pressure spaces that are drawn dashed, because their curves lie on curves of others."""
+THIN_CURVE: Look = {"linewidth": 0.8, "markersize": 3.2, "markerfacecolor": "none"}
 
 
 class DrawnPressure(NamedTuple):
-    """The pressure of the flat start by a pair.
+    """The pressure of the flat start as one pair of spaces computes it.
 
     Parameters
     ----------
-    displacement : its name
-    pressures : which space
-    space, coefficients : the pressure (size,)
-    indentation : of the start; 1/2 is exact
-    error : of the pressure, over its norm
+    displacement : name of the displacement element
+    pressures : pressure space of the pair
+    space, coefficients : the pressure, by its coefficients (size,) in the full pressure space
+    indentation : at the start, in F/(a E*); 1/2 is exact
+    error : error of the pressure over its norm, as `start_error` measures it
     """
 
     displacement: str
@@ -58,15 +58,23 @@ class DrawnPressure(NamedTuple):
 
 
 def draw(table: pd.DataFrame, choice: pd.DataFrame, drawn: Sequence[DrawnPressure]) -> Figure:
-    """Draw the six panels with one legend below them."""
+    """Draw six panels with one legend below them.
+
+    Parameters
+    ----------
+    table : one row per level of every family
+    choice : one row per pair, of `choose`
+    drawn : pressures of the flat start for panel d
+    """
     with in_style():
         figure = Figure(figsize=(PAGE, 6.3), dpi=200)
         axes = figure.subplots(2, 3).ravel()
         figure.subplots_adjust(0.075, 0.215, 0.985, 0.885, wspace=0.34, hspace=0.48)
         pairs = table[~table.family.str.startswith("locking")].copy()
-        pairs["group"] = [_group(*row) for row in _described(pairs).itertuples(index=False)]
+        columns = pairs[["pressure", "degree", "pressure degree"]]
+        pairs["group"] = [_group(*row) for row in columns.itertuples(index=False)]
         markers = _markers(table)
-        unstable = _worst(choice)
+        failures = _failures_in_words(choice)
         titles = (
             ("least eigenvalue", "a  least eigenvalue: falls as $h^2$\nwith checkerboards"),
             ("p at the start", "b  flat start, error of the pressure:\ngrows with checkerboards"),
@@ -88,57 +96,53 @@ def draw(table: pd.DataFrame, choice: pd.DataFrame, drawn: Sequence[DrawnPressur
             panel.grid(True, color="0.9", linewidth=0.5)
             panel.set_axisbelow(True)
         _add_legend(figure, pairs, markers, bool(drawn))
-        note = f": {unstable}" if unstable else ""
+        note = f": {failures}" if failures else ""
         figure.suptitle(f"Which pair of displacement and pressure is stable{note}", y=0.985)
     return figure
 
 
-def _described(pairs: pd.DataFrame) -> pd.DataFrame:
-    return pairs[["pressure", "degree", "pressure degree"]]
-
-
-def _group(kind: str, degree: float, of_pressure: float) -> str:
-    """Return the name of the curve of a pair; empty if none is drawn."""
+def _group(kind: str, degree: float, pressure_degree: float) -> str:
+    """Return the name in `COLOURS` of the pressure space of a pair; empty if it is not drawn."""
     if not isinstance(kind, str):
         return ""
     if kind == "wear rate continuous":
         return kind
-    less = degree - of_pressure
-    if kind == "broken everywhere" and of_pressure == 0 and degree > 1:
+    reduction = degree - pressure_degree
+    if kind == "broken everywhere" and pressure_degree == 0 and degree > 1:
         return "constant on facets, k > 1"
-    name = f"{kind}, k" if less == 0 else f"{kind}, k - {less:.0f}"
+    name = f"{kind}, k" if reduction == 0 else f"{kind}, k - {reduction:.0f}"
     return name if name in COLOURS else ""
 
 
 def _markers(table: pd.DataFrame) -> dict[str, str]:
-    """Return the marker of each displacement that was solved."""
+    """Return the marker of each displacement in the table."""
     names = table["displacement"].dropna().unique()
     return {name: MARKERS[number % len(MARKERS)] for number, name in enumerate(names)}
 
 
-def _worst(choice: pd.DataFrame) -> str:
-    """Return how many pairs are unstable or singular, for the title."""
+def _failures_in_words(choice: pd.DataFrame) -> str:
+    """Return how many pairs are unstable or singular, as a text for the title."""
     if not len(choice):
         return ""
     counts = choice["stable"].value_counts()
     return (
-        f"of {len(choice)} pairs {counts.get(UNSTABLE, 0)} have checkerboards and "
-        f"{counts.get(SINGULAR, 0)}, not drawn, are singular"
+        f"{counts.get(UNSTABLE, 0)} of {len(choice)} pairs have checkerboards; "
+        f"{counts.get(SINGULAR, 0)} are singular and not drawn"
     )
 
 
 def _draw_groups(panel: "Axes", pairs: pd.DataFrame, column: str, markers: dict[str, str]) -> None:
-    """Draw a column over the facets, a curve for each pair in the colour of its pressure."""
+    """Draw a column of the table over the number of facets, one curve per pair."""
     shown = pairs[(pairs["group"] != "") & pairs["d0"].notna() & pairs[column].notna()]
     for (group, displacement), rows in shown.groupby(["group", "displacement"], sort=False):
-        style = "--" if group in DASHED else "-"
+        style = "--" if group in DASHED_PRESSURES else "-"
         panel.loglog(
             rows["facets"],
             rows[column].abs(),
             color=COLOURS[str(group)],
             marker=markers[str(displacement)],
             linestyle=style,
-            **LIGHT,
+            **THIN_CURVE,
         )
     facets = np.unique(shown["facets"].to_numpy(float))
     if len(facets):
@@ -150,29 +154,28 @@ def _draw_groups(panel: "Axes", pairs: pd.DataFrame, column: str, markers: dict[
 
 
 def _draw_pressures(panel: "Axes", drawn: Sequence[DrawnPressure]) -> None:
-    """Draw the flat start by an unstable and by a stable pair."""
+    """Draw the pressure of the flat start by an unstable and by a stable pair."""
     radii = np.linspace(0.0, 0.9995, 2001)
     exact = P0 / np.sqrt(1 - radii**2)
-    for each in drawn:
-        ends = each.space.breakpoints
+    for pressure in drawn:
+        ends = pressure.space.breakpoints
         inside = np.sort(np.concatenate([ends[:-1] + 1e-9, ends[1:] - 1e-9]))
-        color = COLOURS[
-            _group(each.pressures.kind, each.pressures.degree + 1, each.pressures.degree)
-        ]
-        width = 0.7 if each.pressures.kind == "broken everywhere" else 1.6
-        panel.plot(inside, each.space.matrix(inside) @ each.coefficients, color, linewidth=width)
+        kind, degree = pressure.pressures.kind, pressure.pressures.degree
+        color = COLOURS[_group(kind, degree + 1, degree)]
+        width = 0.7 if kind == "broken everywhere" else 1.6
+        values = pressure.space.matrix(inside) @ pressure.coefficients
+        panel.plot(inside, values, color, linewidth=width)
     panel.plot(radii, exact, "k:", linewidth=1.0)
     panel.set(xlim=(0, 1), ylim=(-1.7, 1.9), xlabel="r / a", ylabel="$p\\,a^2/F$, flat start")
     title = "d  pressures of a flat start"
     if drawn:
-        depths, errors = (
-            " and ".join(parts)
-            for parts in (
-                [f"{100 * abs(each.indentation / D0 - 1):.1f} %" for each in drawn],
-                [f"{each.error:.2g}" for each in drawn],
-            )
+        depth_errors = " and ".join(
+            f"{100 * abs(each.indentation / D0 - 1):.1f} %" for each in drawn
         )
-        title = f"d  {drawn[0].displacement}: $d_0$ errs by {depths},\np by {errors} of its norm"
+        errors = " and ".join(f"{each.error:.2g}" for each in drawn)
+        title = (
+            f"d  {drawn[0].displacement}: $d_0$ errs by {depth_errors},\np by {errors} of its norm"
+        )
     panel.set_title(title, loc="left")
 
 
@@ -182,7 +185,11 @@ def _draw_locking(panel: "Axes", table: pd.DataFrame, markers: dict[str, str]) -
     for name, levels in rows.groupby("displacement", sort=False):
         compressibility = 1 - 2 * levels["poisson ratio"].to_numpy(float)
         panel.loglog(
-            compressibility, levels["d0"].abs(), color="0.25", marker=markers[str(name)], **LIGHT
+            compressibility,
+            levels["d0"].abs(),
+            color="0.25",
+            marker=markers[str(name)],
+            **THIN_CURVE,
         )
     facets = f", {rows['facets'].iloc[0]:.0f} facets" if len(rows) else ""
     panel.set(xlabel=r"$1 - 2 \nu$", ylabel=f"relative error of $d_0${facets}")
@@ -194,10 +201,16 @@ def _draw_locking(panel: "Axes", table: pd.DataFrame, markers: dict[str, str]) -
 
 
 def _add_legend(figure: Figure, pairs: pd.DataFrame, markers: dict[str, str], exact: bool) -> None:
-    """Add the one legend: pressures by colour, displacements by marker."""
+    """Add one legend for all panels: pressures by colour, displacements by marker."""
     groups = set(pairs["group"])
     handles = [
-        Line2D([], [], color=color, linestyle="--" if name in DASHED else "-", label=f"p {name}")
+        Line2D(
+            [],
+            [],
+            color=color,
+            linestyle="--" if name in DASHED_PRESSURES else "-",
+            label=f"p {name}",
+        )
         for name, color in COLOURS.items()
         if name in groups
     ]
@@ -221,5 +234,5 @@ def _add_legend(figure: Figure, pairs: pd.DataFrame, markers: dict[str, str], ex
         ncols=4,
         frameon=False,
         fontsize=6.5,
-        title="pressure p, against the degree k of the displacement u",
+        title="pressure p, its degree relative to the degree k of the displacement u",
     )

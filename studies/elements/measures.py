@@ -1,4 +1,4 @@
-"""What is measured of a pair of spaces: its eigenvalues, and errors of the start and of wear.
+"""Measurements of a pair of spaces: eigenvalues, and errors at the start and while it wears.
 
 Everything is non-dimensional: punch radius 1, plane strain modulus 1, force 1.
 """
@@ -27,28 +27,31 @@ from ..crosscheck.operators import least_ratio_of_energies
 from ..problem.problem import Rings
 from ..tables import Row
 from ..wear.full_contact import RunningIn
-from .pairs import Displacement, whole_space
+from .pairs import Displacement, full_pressure_space
 
 TIMES = np.geomspace(0.1, 20.0, 4)
-"""Times of wear in a/(E* k_max v0), at which errors are taken."""
-CLOSEST_TO_HALF = 0.4999999
-"""Greatest Poisson's ratio; the elastic solid of runs is never closer than 0.49999."""
-FAR_FIELD = 1e-9
-"""Error of the truncated half-space that is left to its poles."""
-QUADRATURE = 6
-"""Gauss points on an element beyond the degree of its pressures, for the root at the rim."""
-EXCITED = 1e-14
-"""Relaxation times below this part of the greatest are roundoff."""
+"""Times in a/(E* k_max v0) at which the errors of wear are measured."""
+HIGHEST_POISSON_RATIO = 0.4999999
+"""Greatest Poisson's ratio that the solid takes here; runs take 0.49999 at most."""
+FAR_FIELD_ERROR = 1e-9
+"""Relative error of the energy that poles may leave of the truncation; it sets their number."""
+EXTRA_GAUSS_POINTS = 6
+"""Gauss points on an element, in addition to the degree of its pressures.
+
+The singularity of the exact pressure at the rim needs them.
+"""
+LEAST_RELAXATION = 1e-14
+"""Least relaxation time that is more than roundoff, relative to the greatest one."""
 
 
-class Worn(NamedTuple):
-    """A punch that wears.
+class WearHistory(NamedTuple):
+    """Indentations and pressures of a punch while it wears.
 
     Parameters
     ----------
-    space : of the pressures
-    indentation : (T,) at `TIMES`
-    pressure : (T, size) coefficients
+    space : pressure space
+    indentation : (T,) indentations at `TIMES`, in F/(a E*)
+    pressure : (T, size) coefficients of the pressures at `TIMES`
     """
 
     space: PressureSpace
@@ -58,68 +61,82 @@ class Worn(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Condensed:
-    """A displacement on a mesh, condensed to all pressures of its degree.
+    """The half-space in one displacement space, condensed to all pressures of the same degree.
+
+    A factor B of a compliance A satisfies A = B^T B.
 
     Parameters
     ----------
-    half_space : with the whole pressure space, which is singular
-    by_elements, by_theory : (m, size) factors of the compliance by finite elements and by MDR
-    seconds : of condensing
+    half_space : with the full pressure space, on which its compliance is singular
+    fem_factor, mdr_factor : (m, size) factors of the compliance by finite elements and by MDR
+    seconds : wall time of condensing
     """
 
     half_space: HalfSpace
-    by_elements: Array
-    by_theory: Array
+    fem_factor: Array
+    mdr_factor: Array
     seconds: float
 
     @property
     def space(self) -> PressureSpace:
-        """The whole pressure space."""
+        """The full pressure space: all pressures of the degree, broken at every vertex."""
         return self.half_space.space
 
     def factors_of(self, basis: csr_matrix) -> tuple[Array, Array]:
-        """Return the factors by finite elements and by MDR on pressures (size, n) of the whole."""
-        return (basis.T @ self.by_elements.T).T, (basis.T @ self.by_theory.T).T
+        """Return the factors (m, n) by finite elements and by MDR on a basis (size, n)."""
+        return (basis.T @ self.fem_factor.T).T, (basis.T @ self.mdr_factor.T).T
 
 
 def condense(
     mesh: Mesh, displacement: Displacement, rings: Rings, poisson_ratio: float
 ) -> Condensed:
-    """Condense a displacement on a mesh to all pressures of its degree."""
+    """Condense the half-space in a displacement space to all pressures of the same degree.
+
+    Parameters
+    ----------
+    mesh : of the half-space
+    displacement : element of the displacement
+    rings : of the punch
+    poisson_ratio : up to `HIGHEST_POISSON_RATIO`
+    """
     start = time.perf_counter()
     degree = displacement.degree
     solid = AxisymmetricElasticity(
-        mesh, degree, poisson_ratio, displacement.element, highest_ratio=CLOSEST_TO_HALF
+        mesh, degree, poisson_ratio, displacement.element, highest_ratio=HIGHEST_POISSON_RATIO
     )
-    whole = whole_space(mesh, rings.ring_edges, degree)
-    half_space = HalfSpace(solid, whole, enough_poles(truncation(mesh), FAR_FIELD))
-    by_elements = half_space.condensed()
+    full_space = full_pressure_space(mesh, rings.ring_edges, degree)
+    half_space = HalfSpace(solid, full_space, enough_poles(truncation(mesh), FAR_FIELD_ERROR))
+    fem_factor = half_space.condensed()
     seconds = time.perf_counter() - start
-    return Condensed(half_space, by_elements, energy.compliance(whole).factor, seconds)
+    return Condensed(half_space, fem_factor, energy.compliance(full_space).factor, seconds)
 
 
-def exact_wear(rings: Rings) -> Worn:
-    """Return the history by an MDR of degree 10 whose smallest elements are 1e-8 punch radii."""
+def exact_wear(rings: Rings) -> WearHistory:
+    """Return the reference history by MDR of degree 10 with smallest elements of 1e-8 radii."""
     breakpoints = graded_breakpoints(rings.ring_edges, 1e-8, 1e-9, 0.25)
     degrees = np.full(len(breakpoints) - 1, 10)
     space = PressureSpace(breakpoints, degrees, rings.ring_edges)
     history = RunningIn(energy.compliance(space), rings.wear_coefficients).modal(TIMES)
-    return Worn(space, history.indentation, history.pressure)
+    return WearHistory(space, history.indentation, history.pressure)
 
 
-def measure(condensed: Condensed, basis: csr_matrix, rings: Rings, exact: Worn | None) -> Row:
-    """Return the row of a pair of spaces: eigenvalues, errors, condition number, or its refusal.
+def measure(
+    condensed: Condensed, basis: csr_matrix, rings: Rings, exact: WearHistory | None
+) -> Row:
+    """Return the row of a pair of spaces: eigenvalues, errors and condition number.
 
     Parameters
     ----------
-    basis : (size, n) of the pressures
-    exact : the history that wear is compared with; None leaves wear out
+    condensed : half-space in the displacement space of the pair
+    basis : (size, n) basis of the pressure space of the pair
+    rings : of the punch
+    exact : history that wear is compared with; None leaves wear out
 
     Returns
     -------
-    row : errors are relative; a singular pair has no errors but a remark
+    row : errors are relative; a singular pair has a remark in place of errors
     """
-    contact = len(condensed.by_elements) - len(condensed.half_space.poles)
+    contact = len(condensed.fem_factor) - len(condensed.half_space.poles)
     row: dict[str, Any] = {
         "pressures": basis.shape[1],
         "on the contact": condensed.half_space.stability(basis),
@@ -143,24 +160,36 @@ def measure(condensed: Condensed, basis: csr_matrix, rings: Rings, exact: Worn |
 
 
 def press(factor: Array, weights: Array) -> tuple[float, Array, float]:
-    """Return indentation and pressures (n,) of the flat start, and the condition number.
+    """Return the indentation and the pressures (n,) of the flat start, and the condition number.
 
-    The condition number is that of the compliance of pressures of energy one.
+    The condition number is that of the compliance after each basis function is scaled to energy
+    one.
+
+    Parameters
+    ----------
+    factor : (m, n) factor of the compliance
+    weights : (n,) force of each basis function
     """
+    # with A = R^T R and the weights b: solve A p = d b, b . p = 1, hence d = 1 / |R^-T b|^2
     scale = np.linalg.norm(factor, axis=0)
     triangle = np.linalg.qr(factor / scale, mode="r")
-    half = solve_triangular(triangle, weights / scale, trans="T")
-    depth = float(1 / (half @ half))
-    pressures = depth * solve_triangular(triangle, half) / scale
+    scaled_weights = solve_triangular(triangle, weights / scale, trans="T")
+    depth = float(1 / (scaled_weights @ scaled_weights))
+    pressures = depth * solve_triangular(triangle, scaled_weights) / scale
     return depth, pressures, float(np.linalg.cond(triangle) ** 2)
 
 
 def start_error(space: PressureSpace, pressures: Array) -> float:
-    """Return the relative error of the pressure of the flat start, in the mean square.
+    """Return the relative error of the pressure of the flat start, in a weighted mean square.
 
-    Squares are weighted by ``1 - r^2``, because the square of the exact pressure has no integral.
+    The weight is ``1 - r^2``, because the square of the exact pressure has no finite integral.
+
+    Parameters
+    ----------
+    space : full pressure space
+    pressures : (size,) coefficients
     """
-    node, weight = gauss(space.top + QUADRATURE)
+    node, weight = gauss(space.top + EXTRA_GAUSS_POINTS)
     half = space.widths[:, None] / 2
     radii = space.breakpoints[:-1, None] + half * (1 + node)
     weights = 2 * np.pi * radii * half * weight * (1 - radii) * (1 + radii)
@@ -170,18 +199,26 @@ def start_error(space: PressureSpace, pressures: Array) -> float:
 
 
 def wear_errors(
-    space: PressureSpace, basis: csr_matrix, factor: Array, rings: Rings, exact: Worn
+    space: PressureSpace, basis: csr_matrix, factor: Array, rings: Rings, exact: WearHistory
 ) -> tuple[float, float]:
     """Return the greatest relative errors over `TIMES` of the indentation and of the pressure.
 
-    That of the pressure is in the mean square over the face, weighted by the wear coefficients.
-    Wear rates are those of the basis, continuous or not: ``A p' = d' b - K p``, ``b . p = 1``, in
-    modes of the pencil (A, K) on the pressures without force.
+    The error of the pressure is a mean square over the face, weighted by the wear coefficients.
+    The history solves ``A p' = d' b - K p``, ``b . p = 1`` on the basis, by modes of the pencil
+    (A, K) on pressures that carry no force. So wear rates are continuous only if the basis is.
+
+    Parameters
+    ----------
+    space : full pressure space
+    basis : (size, n) basis of the pressure space
+    factor : (m, n) factor of the compliance A on it
+    rings : of the punch
+    exact : history to compare with
 
     Raises
     ------
     SolverError
-        if the pressures of the basis are not independent
+        if the pressures of the basis are linearly dependent
     """
     middles = (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
     mass = space.mass(rings.wear_coefficients[ring_of(rings.ring_edges, middles)])
@@ -194,29 +231,30 @@ def wear_errors(
     rate = float(1 / (weights @ weights))
     steady = rate * weights
     forceless = np.linalg.qr(weights[:, None], mode="complete")[0][:, 1:]
-    moved, of_steady = displaced @ forceless, displaced @ steady
-    relaxation, modes = eigh(moved.T @ moved)
-    kept = relaxation > EXCITED * relaxation[-1]
-    relaxation, modes = relaxation[kept], modes[:, kept]
-    amplitudes = -(modes.T @ (moved.T @ of_steady)) / relaxation
-    excited = np.exp(-TIMES[:, None] / relaxation) * amplitudes
-    pressures = steady + excited @ modes.T @ forceless.T
-    depths = rate * TIMES + pressures @ displaced.T @ of_steady
+    forceless_factor, steady_factor = displaced @ forceless, displaced @ steady
+    relaxation, modes = eigh(forceless_factor.T @ forceless_factor)
+    resolved = relaxation > LEAST_RELAXATION * relaxation[-1]
+    relaxation, modes = relaxation[resolved], modes[:, resolved]
+    amplitudes = -(modes.T @ (forceless_factor.T @ steady_factor)) / relaxation
+    decaying = np.exp(-TIMES[:, None] / relaxation) * amplitudes
+    pressures = steady + decaying @ modes.T @ forceless.T
+    depths = rate * TIMES + pressures @ displaced.T @ steady_factor
     coefficients = solve_triangular(root, pressures.T, lower=True, trans="T")
-    of_depth = float(np.abs(depths / exact.indentation - 1).max())
-    return of_depth, _pressure_error(space, (basis @ coefficients).T, rings, exact)
+    indentation_error = float(np.abs(depths / exact.indentation - 1).max())
+    return indentation_error, _pressure_error(space, (basis @ coefficients).T, rings, exact)
 
 
 def _pressure_error(
-    space: PressureSpace, pressures: Sequence[Array], rings: Rings, exact: Worn
+    space: PressureSpace, pressures: Sequence[Array], rings: Rings, exact: WearHistory
 ) -> float:
+    """Return the greatest error over `TIMES` of pressures (T, size), as in `wear_errors`."""
     cuts = np.union1d(space.breakpoints, exact.space.breakpoints)
     node, weight = gauss(exact.space.top + 2)
     half = np.diff(cuts)[:, None] / 2
     radii = (cuts[:-1, None] + half * (1 + node)).ravel()
     weights = 2 * np.pi * radii * (half * weight).ravel()
     weights *= rings.wear_coefficients[ring_of(rings.ring_edges, radii)]
-    found, true = space.matrix(radii) @ np.transpose(pressures), exact.space.matrix(radii)
-    true = true @ exact.pressure.T
-    squares = weights @ (found - true) ** 2 / (weights @ true**2)
+    values = space.matrix(radii) @ np.transpose(pressures)
+    exact_values = exact.space.matrix(radii) @ exact.pressure.T
+    squares = weights @ (values - exact_values) ** 2 / (weights @ exact_values**2)
     return float(np.sqrt(squares.max()))

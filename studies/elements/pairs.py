@@ -1,8 +1,8 @@
-"""The pairs of spaces that are compared: elements of the displacement, and contact pressures.
+"""The pairs of spaces that the study compares: displacement elements and contact pressures.
 
-All pressures of one displacement lie in one space: polynomials of the degree k of the displacement
-on each facet of the contact, broken at every vertex. It is singular as a whole. The half-space is
-condensed to it once, and each pressure space is a basis within it.
+For one displacement element of degree k, all pressure spaces lie in one full space: polynomials of
+degree k on each facet of the contact, broken at every vertex. The compliance on the full space is
+singular. The half-space is condensed to it once, and each pressure space is a basis within it.
 """
 
 from collections import Counter
@@ -30,9 +30,12 @@ from ...meshes.sizes import SizeField
 from ..problem.problem import Rings
 
 TRUNCATION = 2.5
-"""Radius of the half-space in punch radii; the poles beyond it err by less than 1e-9."""
-RING_SIZE, RIM_SIZE, FACTOR, GROWTH = 0.06, 0.03, 0.5, 1.0
-"""Of the coarsest mesh, in punch radii: few layers, so that all of it is refined by halving."""
+"""Radius of the half-space in punch radii; the poles represent the rest to better than 1e-9."""
+RING_EDGE_SIZE, RIM_SIZE, GRADING, GROWTH = 0.06, 0.03, 0.5, 1.0
+"""Element sizes at ring edges and at the rim in punch radii, ratio of layers, growth of sizes.
+
+They define the coarsest mesh. It has few graded layers, so that halving refines all of it alike.
+"""
 
 Kind = Literal[
     "continuous",
@@ -45,12 +48,12 @@ Kind = Literal[
 
 @dataclass(frozen=True)
 class Displacement:
-    """An element of the displacement.
+    """A displacement element.
 
     Parameters
     ----------
-    name : in tables and figures
-    element : of scikit-fem, or of the user's own
+    name : name in tables and figures
+    element : scikit-fem's, or the user's own
     """
 
     name: str
@@ -58,12 +61,12 @@ class Displacement:
 
     @property
     def degree(self) -> int:
-        """The polynomial degree along a side."""
+        """Polynomial degree along a side."""
         return degree_along_side(self.element)
 
     @property
     def on_quadrilaterals(self) -> bool:
-        """Whether it is an element of quadrilaterals, not of triangles."""
+        """Whether the element lives on quadrilaterals, not on triangles."""
         return is_on_quadrilaterals(self.element)
 
 
@@ -73,8 +76,8 @@ class Pressures:
 
     Parameters
     ----------
-    kind : where pressures may jump; ``as in ringwear run`` is the space that runs take
-    degree : polynomial degree; that of what runs take is the highest
+    kind : where pressures may jump; ``as in ringwear run`` is the space that runs use
+    degree : polynomial degree; for the space of runs, its highest one
     """
 
     kind: Kind
@@ -82,70 +85,87 @@ class Pressures:
 
     @property
     def name(self) -> str:
-        """What it is called in tables."""
+        """Name in tables."""
         return f"{self.kind}, degree {self.degree}"
 
-    def is_singular_beneath(self, degree: int) -> bool:
-        """Return whether some pressures displace nothing: there are more than displacements."""
+    def is_singular_with(self, degree: int) -> bool:
+        """Return whether some pressures displace nothing under a displacement of a degree.
+
+        There are then more pressures than displacements on the contact.
+        """
         return self.kind.startswith("broken") and self.degree == degree
 
-    def has_checkerboards_beneath(self, degree: int) -> bool:
-        """Return whether the least eigenvalue falls with the size, as theory and trials say."""
+    def has_checkerboards_with(self, degree: int) -> bool:
+        """Return whether the least eigenvalue falls with the size under a displacement of a degree.
+
+        Theory and trials both say so for pressures that are one degree lower and broken everywhere.
+        """
         return self.kind == "broken everywhere" and self.degree == degree - 1
 
 
-def displacements(given: Sequence[Element], quick: bool) -> list[Displacement]:
-    """Return the displacements to compare: those given, or scikit-fem's of several degrees.
+def choose_displacements(elements: Sequence[Element], quick: bool) -> list[Displacement]:
+    """Return the displacements to compare: the user's elements, or else several of scikit-fem.
+
+    Parameters
+    ----------
+    elements : of the user; may be empty
+    quick : whether fewer of scikit-fem's elements are enough
 
     Raises
     ------
     SceneError
-        if the half-space cannot take an element that is given, or if one is given twice
+        if the half-space cannot take one of the elements, or if an element is given twice
     """
-    own, called = list[Displacement](), Counter(type(element).__name__ for element in given)
-    for element in given:
+    own = list[Displacement]()
+    counts = Counter(type(element).__name__ for element in elements)
+    for element in elements:
         degree, name = degree_along_side(element), type(element).__name__
-        several = called[name] > 1
+        several = counts[name] > 1
         own.append(Displacement(f"{name} of degree {degree}" if several else name, element))
-    if len({each.name for each in own}) < len(own):
+    if len({displacement.name for displacement in own}) < len(own):
         raise SceneError("an element is given twice: give elements of other kinds or degrees")
     names = ("P1", "P2", "P4", "Q1", "Q2") if quick else ("P1", "P2", "P3", "P4", "Q1", "Q2", "Q4")
-    return own or [of_name(name) for name in names]
+    return own or [displacement_by_name(name) for name in names]
 
 
-def of_name(name: str) -> Displacement:
-    """Return scikit-fem's element P1 to P4 on triangles, or Q1, Q2, ... on quadrilaterals."""
+def displacement_by_name(name: str) -> Displacement:
+    """Return scikit-fem's element by its name: P1 to P4 on triangles, Q1, Q2, ... on quads."""
     mesh = skfem.MeshQuad() if name[0] == "Q" else skfem.MeshTri()
     return Displacement(name, element_of_degree(mesh, int(name[1:])))
 
 
-def pressures_beneath(displacement: Displacement, rings: Rings) -> list[Pressures]:
-    """Return the pressure spaces that go with a displacement of a degree k.
+def pressure_spaces(displacement: Displacement, rings: Rings) -> list[Pressures]:
+    """Return the pressure spaces to compare for a displacement of degree k.
 
-    Degrees k, k - 1 and k - 2 where they are 1 at the least, continuous or not; constants on each
-    facet; those with a continuous wear rate; and what runs take. A punch of one ring has no edge at
-    which pressures could break.
+    They are: degrees k, k - 1 and k - 2, as far as these are at least 1, continuous or broken;
+    constants on each facet; pressures with a continuous wear rate; and the space that runs use. A
+    punch of one ring has no ring edges at which pressures could break.
     """
     degree = displacement.degree
     degrees = [lower for lower in (degree - 1, degree, degree - 2) if lower >= 1]
     kinds: tuple[Kind, ...] = ("continuous", "broken everywhere")
-    worn = list[Pressures]()
+    continuous_rate = list[Pressures]()
     if len(rings.wear_coefficients) > 1:
         kinds = ("continuous", "broken at ring edges", "broken everywhere")
-        worn = [Pressures("wear rate continuous", max(degree - 1, 1))]
-    spaces = [Pressures(kind, each) for kind in kinds for each in degrees]
-    return [*spaces, Pressures("broken everywhere", 0), *worn, of_runs(displacement)]
+        continuous_rate = [Pressures("wear rate continuous", max(degree - 1, 1))]
+    spaces = [Pressures(kind, lower) for kind in kinds for lower in degrees]
+    return [
+        *spaces,
+        Pressures("broken everywhere", 0),
+        *continuous_rate,
+        pressures_of_runs(displacement),
+    ]
 
 
-def of_runs(displacement: Displacement) -> Pressures:
-    """Return the pressure space that runs take beneath a displacement (`pressure_space`)."""
+def pressures_of_runs(displacement: Displacement) -> Pressures:
+    """Return the pressure space that runs use with a displacement (`pressure_space` in `fem`)."""
     lower = 2 if displacement.on_quadrilaterals else 1
     return Pressures("as in ringwear run", max(displacement.degree - lower, 1))
 
 
 @dataclass(frozen=True, eq=False)
 class Meshes:
-    """One graded mesh, halved again and again: quadrilaterals, and the same cut into triangles.
+    """One graded mesh of quadrilaterals, halved repeatedly, and the same mesh cut into triangles.
 
     Parameters
     ----------
@@ -156,12 +176,12 @@ class Meshes:
 
     @cached_property
     def coarsest(self) -> Mesh:
-        """The coarsest mesh; triangles by bisection where gmsh cannot be used."""
+        """The coarsest mesh; triangles by bisection if gmsh cannot be used."""
         edges = self.rings.ring_edges
-        at_edges = np.minimum(RING_SIZE, 0.3 * self.rings.narrower)
+        at_edges = np.minimum(RING_EDGE_SIZE, 0.3 * self.rings.narrower)
         at_rim = min(RIM_SIZE, 0.15 * float(self.rings.widths[-1]))
         try:
-            return quads.graded(edges, at_edges, at_rim, FACTOR, GROWTH, TRUNCATION).mesh
+            return quads.graded(edges, at_edges, at_rim, GRADING, GROWTH, TRUNCATION).mesh
         except MeshError:
             sizes = tuple(float(size) for size in at_edges)
             field = SizeField(tuple(edges.tolist()), at_rim, sizes, GROWTH, TRUNCATION)
@@ -169,47 +189,47 @@ class Meshes:
 
     @property
     def has_quadrilaterals(self) -> bool:
-        """Whether there are quadrilaterals."""
+        """Whether the meshes exist as quadrilaterals."""
         return isinstance(self.coarsest, MeshQuad)
 
     def halved(self, count: int, on_quadrilaterals: bool) -> Mesh:
-        """Return the mesh with every element halved so many times, new points put on the arc."""
+        """Return the mesh with every element halved `count` times and new points put on the arc."""
         mesh = halved(self.coarsest, self.rings.ring_edges, count)
         if isinstance(mesh, MeshQuad) and not on_quadrilaterals:
             return as_half_space(mesh.to_meshtri(), self.rings.ring_edges)
         return mesh
 
 
-def whole_space(mesh: Mesh, ring_edges: Array, degree: int) -> PressureSpace:
+def full_pressure_space(mesh: Mesh, ring_edges: Array, degree: int) -> PressureSpace:
     """Return the space of all pressures of a degree on the facets, broken at every vertex."""
     breakpoints, _ = contact_breakpoints(mesh, ring_edges)
     return PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), breakpoints)
 
 
 def basis(
-    whole: PressureSpace, pressures: Pressures, rings: Rings, solid: AxisymmetricElasticity
+    full_space: PressureSpace, pressures: Pressures, rings: Rings, solid: AxisymmetricElasticity
 ) -> csr_matrix:
-    """Return a basis (whole size, n) of a pressure space within the whole one.
+    """Return a basis (full size, n) of a pressure space within the full one.
 
     Parameters
     ----------
-    whole : of `whole_space`
-    pressures : which space
+    full_space : space of all pressures, of `full_pressure_space`
+    pressures : the pressure space
     rings : of the punch, with their wear coefficients
-    solid : the displacement, to which the space of a run is chosen
+    solid : elastic solid with the displacement; the space of runs follows from it
     """
     if pressures.kind == "as in ringwear run":
-        chosen = replace(pressure_space(solid, rings.ring_edges), low_parts=None)
-        return whole.embedding(chosen)
+        space_of_runs = replace(pressure_space(solid, rings.ring_edges), low_parts=None)
+        return full_space.embedding(space_of_runs)
     if pressures.degree == 0:
-        return csr_matrix(whole.ring_indicator())
+        return csr_matrix(full_space.ring_indicator())
     edges = {
         "continuous": rings.ring_edges[[0, -1]],
-        "broken everywhere": whole.breakpoints,
+        "broken everywhere": full_space.breakpoints,
     }.get(pressures.kind, rings.ring_edges)
-    degrees = np.full(len(whole.degrees), pressures.degree)
-    space = PressureSpace(whole.breakpoints, degrees, edges)
-    embedded = whole.embedding(space)
+    degrees = np.full(len(full_space.degrees), pressures.degree)
+    space = PressureSpace(full_space.breakpoints, degrees, edges)
+    embedded = full_space.embedding(space)
     if pressures.kind == "wear rate continuous":
         return embedded @ space.joined(rings.wear_coefficients)
     return embedded

@@ -1,1 +1,1 @@
-"""Extreme parameters: true errors over promised ones, beside a naive solver."""
+"""Extreme parameters: true errors relative to promised ones, also of a naive solver."""

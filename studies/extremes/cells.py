@@ -1,8 +1,8 @@
-"""A map of the limits over two parameters: every method far from the usual ones.
+"""A map over two parameters at a time: every method far from the usual parameters.
 
-The scenes are listed in `cells.toml`. A cell of the map is a run of one scene by one method, beside
-direct integration. Its verdict is the worst of the quantities of the steady state, which direct
-integration has in closed form, and of anchors (`studies/anchors/`).
+The scenes are listed in `cells.toml`. A cell of the map is a run of one scene by one method and by
+direct integration. The verdict on a cell is the worst verdict on its quantities of the steady
+state, which direct integration computes in closed form, and on its anchors (`studies/anchors/`).
 """
 
 import json
@@ -37,11 +37,17 @@ LOOKS: dict[str, tuple[Any, ...]] = {
     "wrong": ("X", RED, 40),
     "crashed": ("*", RED, 60),
 }
-"""Of each verdict: marker, shade, size. Only defects are red."""
+"""Marker, shade and size of each verdict. Only defects are red."""
 
 
 def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
-    """Yield the cells of each family; when quick, one of them, far from the usual values."""
+    """Yield the families of cells of `cells.toml`; when quick, with one extreme cell per method.
+
+    Parameters
+    ----------
+    poisson_ratio : of the half-space
+    quick : whether one cell per method is enough, and slow families are left out
+    """
     listing = files("ringwear.studies") / "extremes" / "cells.toml"
     table = tomllib.loads(listing.read_text("utf-8"))
     base = Scene.from_table(table["base"]).changed(half_space__poisson_ratio=poisson_ratio)
@@ -49,11 +55,11 @@ def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
         if quick and family.get("slow"):
             continue
         axes = [read_axis(family[axis], table["axes"]) for axis in "xy"]
-        places = list(product(*axes))
+        points = list(product(*axes))
         if quick:
-            places = [(far_value(axes[0]), far_value(axes[1]))]
+            points = [(far_value(axes[0]), far_value(axes[1]))]
         scenes = {}
-        for (x, y), method in product(dict.fromkeys(places), family["methods"]):
+        for (x, y), method in product(dict.fromkeys(points), family["methods"]):
             changes = {"accuracy.rtol": table["rtol"][method]}
             changes |= family.get("scene", {}) | axes[0][x] | axes[1][y]
             changed = {key.replace(".", "__"): value for key, value in changes.items()}
@@ -68,19 +74,25 @@ def families(poisson_ratio: float, quick: bool) -> Iterator[Family]:
 
 
 def _seconds_of(seconds: Mapping[str, float], cell: Cell) -> float:
-    """Return the seconds that a cell is expected to take, by its method."""
+    """Return the expected seconds of a cell by its method."""
     return seconds[cell[0]]
 
 
 def far_value(axis: Iterable[Any]) -> Any:
-    """Return a value of the last part of an axis."""
+    """Return an extreme value of an axis: the one at 70 % of its length."""
     values = list(axis)
     return values[int(0.7 * (len(values) - 1) + 0.5)]
 
 
-def read_axis(axis: str | TomlTable, named: TomlTable) -> dict[Any, TomlTable]:
-    """Return what each value of an axis changes: values of one scene key, or labels."""
-    axis = named[axis] if isinstance(axis, str) else axis
+def read_axis(axis: str | TomlTable, shared_axes: TomlTable) -> dict[Any, TomlTable]:
+    """Return the changes of scene keys for each value, or each label, of an axis.
+
+    Parameters
+    ----------
+    axis : name of a shared axis, values of one scene key, or changes by label
+    shared_axes : axes by their names
+    """
+    axis = shared_axes[axis] if isinstance(axis, str) else axis
     key, values = next(iter(axis.items()))
     if "." not in key:
         return axis
@@ -90,7 +102,7 @@ def read_axis(axis: str | TomlTable, named: TomlTable) -> dict[Any, TomlTable]:
 
 
 def judge(scenes: dict[Cell, Scene], cell: Cell) -> Row:
-    """Return a row of the table: a scene by one method, by the worst of its quantities."""
+    """Return the row of a cell: the worst verdict on a scene by one method."""
     (method, x, y), start = cell, time.perf_counter()
     methods = list(dict.fromkeys([method, "direct"]))
     row = {
@@ -114,13 +126,13 @@ def judge_quantities(result: Outcome) -> Iterator[Verdict]:
     for row in result.agreement:
         yield verdict_on(row.quantity, row.difference, row.uncertainty, rtol)
     for anchor in result.anchors:
-        # what is tolerated is not the method's error alone
-        tolerated = max(rtol, anchor.tolerance)
-        yield verdict_on(anchor.name, anchor.difference, anchor.tolerance, tolerated)
+        # the tolerance of an anchor allows for more than the error of the method
+        allowed = max(rtol, anchor.tolerance)
+        yield verdict_on(anchor.name, anchor.difference, anchor.tolerance, allowed)
 
 
 def draw(cells: pd.DataFrame) -> Figure:
-    """Draw one page: a panel for each family and method, a symbol for each cell."""
+    """Draw one page with a panel for each family and method and a symbol for each cell."""
     panels = cells.groupby(["family", "method"], sort=False)
     height = -(-len(panels) // 5)
     figure = new_figure(16, 3.2 * height)
@@ -129,9 +141,10 @@ def draw(cells: pd.DataFrame) -> Figure:
         axes = figure.add_subplot(height, 5, number, title=method, xlabel=across, ylabel=up)
         (xs, x_values), (ys, y_values) = (pd.factorize(panel[axis]) for axis in "xy")
         for verdict, (marker, shade, size) in LOOKS.items():
-            these = panel.verdict == verdict
+            selected = panel.verdict == verdict
             look = {"s": size, "color": shade, "marker": marker}
-            axes.scatter(xs[these], ys[these], **look, label=f"{verdict}: {MEANINGS[verdict]}")
+            label = f"{verdict}: {MEANINGS[verdict]}"
+            axes.scatter(xs[selected], ys[selected], **look, label=label)
         for axis, values in ((axes.xaxis, x_values), (axes.yaxis, y_values)):
             step = -(-len(values) // 5)
             labels = [f"{v:.3g}" if isinstance(v, float) else v for v in values[::step]]

@@ -1,4 +1,4 @@
-"""The figure of the panels: true errors over promised ones, beside the naive choice."""
+"""The figure of the panels: errors relative to the promised accuracy, and the naive solver."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -24,9 +24,13 @@ from .verdicts import MEANINGS, in_words
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LOWEST, GREATEST = 1e-4, 1e5
-"""Ends of the axis of errors over the promise; what is beyond is drawn there, as a triangle."""
+LEAST_DRAWN_ERROR, GREATEST_DRAWN_ERROR = 1e-4, 1e5
+"""Ends of the axis of errors relative to the promised accuracy.
+
+Smaller errors are drawn at the lower end, greater ones as triangles at the upper end.
+"""
 COLUMNS = 4
+"""Number of panels in a row."""
 LOOKS: dict[str, tuple[str, str, str]] = {
     "mdr": ("#1f4e79", "o", "MDR"),
     "bem": ("#2e7d32", "s", "BEM"),
@@ -34,35 +38,41 @@ LOOKS: dict[str, tuple[str, str, str]] = {
     "fem, clamped": ("#e09a00", "^", "FEM, clamped boundary"),
     "mdr, implicit": ("#6fa8dc", "v", "MDR, implicit Euler"),
     "mdr, explicit": ("#8e44ad", "<", "MDR, explicit Euler"),
-    NAIVE: ("0.45", "X", "naive choice"),
+    NAIVE: ("0.45", "X", "naive finite elements"),
 }
 """Colour, marker and label of each method."""
-MARKS: dict[str, Look] = {
+VERDICT_MARKERS: dict[str, Look] = {
     "degraded": {"marker": "o", "markersize": 7, "markeredgecolor": "black"},
     "wrong": {"marker": "x", "markersize": 8, "markeredgecolor": "black"},
     "refused": {"marker": "_", "markersize": 8, "markeredgecolor": "0.3"},
     "crashed": {"marker": "*", "markersize": 9, "markeredgecolor": "black"},
 }
-"""What is drawn at runs of each verdict but the best."""
-STATED = (0, (4, 2))
-"""Dashes of what methods state."""
+"""Marker that is added at runs of each verdict except `within`."""
+ESTIMATE_DASHES = (0, (4, 2))
+"""Line style of the error estimates."""
 
 
 def draw_panels(panels: Sequence[Panel], rows: pd.DataFrame) -> Figure:
-    """Draw a panel for each parameter of which there are rows."""
+    """Draw a panel for each parameter that has rows in the table.
+
+    Parameters
+    ----------
+    panels : the panels in the order in which they are drawn
+    rows : rows of the table, one for each run
+    """
     drawn = [panel for panel in panels if (rows.family == panel.name).any()]
-    down = -(-len(drawn) // COLUMNS)
-    height = 1.0 + 1.75 * down
+    grid_rows = -(-len(drawn) // COLUMNS)
+    height = 1.0 + 1.75 * grid_rows
     figure = Figure(figsize=(1.35 * PAGE, height), dpi=200)
-    grid = figure.subplots(down, COLUMNS, squeeze=False, sharey=True).ravel()
+    grid = figure.subplots(grid_rows, COLUMNS, squeeze=False, sharey=True).ravel()
     for axes, panel in zip(grid, drawn, strict=False):
         _draw_panel(axes, panel, rows[rows.family == panel.name])
     for number, axes in enumerate(grid):
         if number % COLUMNS == 0:
-            axes.set_ylabel("error over promise", fontsize=7)
+            axes.set_ylabel("error / promised error", fontsize=7)
         axes.set_visible(number < len(drawn))
-    own = rows[rows.method != NAIVE]
-    counts = {verdict: int((own.verdict == verdict).sum()) for verdict in MEANINGS}
+    ringwear_rows = rows[rows.method != NAIVE]
+    counts = {verdict: int((ringwear_rows.verdict == verdict).sum()) for verdict in MEANINGS}
     figure.suptitle(in_words(counts, "runs at the extremes"), y=1 - 0.07 / height, fontsize=9)
     figure.legend(
         handles=_handles(),
@@ -75,8 +85,8 @@ def draw_panels(panels: Sequence[Panel], rows: pd.DataFrame) -> Figure:
     figure.text(
         0.5,
         0.05 / height,
-        "Error and estimate of the worst quantity of each run, over the accuracy asked for (twice "
-        "that where edges of the contact move). Of the naive choice, indentation and pressure.",
+        "Greatest error and greatest estimate of each run, relative to the tolerance (to twice the "
+        "tolerance if contact edges move). Naive finite elements: indentation and pressure only.",
         ha="center",
         fontsize=6.2,
         color="0.3",
@@ -93,16 +103,16 @@ def draw_panels(panels: Sequence[Panel], rows: pd.DataFrame) -> Figure:
 
 
 def _draw_panel(axes: "Axes", panel: Panel, rows: pd.DataFrame) -> None:
-    """Draw the errors of every method over one parameter, and what they state, dashed."""
+    """Draw the errors of every method over one parameter, and their estimates with dashes."""
     for name, (color, marker, _) in LOOKS.items():
-        of_method = rows[rows.method == name]
+        method_rows = rows[rows.method == name]
         numbers = ["x", "promised", "greatest error", "greatest estimate"]
-        of_method = of_method.astype(dict.fromkeys(numbers, float)).sort_values("x")
-        if not len(of_method):
+        method_rows = method_rows.astype(dict.fromkeys(numbers, float)).sort_values("x")
+        if not len(method_rows):
             continue
-        x = _places(panel, of_method.x.to_numpy())
-        over_promise = of_method["greatest error"] / of_method.promised
-        errors = _within_axis(over_promise)
+        x = _drawn_positions(panel, method_rows.x.to_numpy())
+        relative_errors = method_rows["greatest error"] / method_rows.promised
+        errors = _within_axis(relative_errors)
         naive = name == NAIVE
         axes.plot(
             x,
@@ -115,27 +125,27 @@ def _draw_panel(axes: "Axes", panel: Panel, rows: pd.DataFrame) -> None:
             alpha=0.6 if name == "mdr" else 1.0,
             linestyle=(0, (1, 1)) if naive else "-",
         )
-        beyond = (over_promise > GREATEST).to_numpy()
+        beyond = (relative_errors > GREATEST_DRAWN_ERROR).to_numpy()
         axes.plot(x[beyond], errors[beyond], linestyle="", marker="^", markersize=4, color=color)
         axes.plot(
             x,
-            _within_axis(of_method["greatest estimate"] / of_method.promised),
+            _within_axis(method_rows["greatest estimate"] / method_rows.promised),
             color=color,
-            linestyle=STATED,
+            linestyle=ESTIMATE_DASHES,
             linewidth=0.8,
         )
-        for verdict, look in MARKS.items():
-            these = (of_method.verdict == verdict).to_numpy()
-            # what was refused or crashed has no error
-            height = np.where(np.isfinite(errors), errors, 3 * LOWEST)
+        for verdict, look in VERDICT_MARKERS.items():
+            selected = (method_rows.verdict == verdict).to_numpy()
+            # runs that were refused or crashed have no error: they are drawn near the lower end
+            height = np.where(np.isfinite(errors), errors, 3 * LEAST_DRAWN_ERROR)
             mark: Look = {"linestyle": "", "markerfacecolor": "none", "markeredgewidth": 0.8} | look
-            axes.plot(x[these], height[these], **mark)
-    axes.axhspan(1, GREATEST, color=RED, alpha=0.06, linewidth=0)
+            axes.plot(x[selected], height[selected], **mark)
+    axes.axhspan(1, GREATEST_DRAWN_ERROR, color=RED, alpha=0.06, linewidth=0)
     axes.axhline(1, color="0.4", linewidth=0.8)
     axes.text(
         0.03,
         0.97,
-        f"naive: {panel.naive}",
+        f"naive: {panel.naive_failure}",
         transform=axes.transAxes,
         fontsize=5.4,
         color="0.3",
@@ -143,8 +153,8 @@ def _draw_panel(axes: "Axes", panel: Panel, rows: pd.DataFrame) -> None:
     )
     axes.set_title(panel.name, fontsize=7.5)
     axes.set_xlabel(panel.xlabel, fontsize=7, labelpad=1)
-    # room above for what the naive choice fails by
-    axes.set(yscale="log", ylim=(LOWEST, 1e3 * GREATEST))
+    # room above the curves for the text about the naive finite elements
+    axes.set(yscale="log", ylim=(LEAST_DRAWN_ERROR, 1e3 * GREATEST_DRAWN_ERROR))
     axes.yaxis.set(
         major_locator=FixedLocator([1e-4, 1e-2, 1, 1e2, 1e4]), minor_locator=NullLocator()
     )
@@ -155,13 +165,13 @@ def _draw_panel(axes: "Axes", panel: Panel, rows: pd.DataFrame) -> None:
 
 
 def _set_ticks(axes: "Axes", panel: Panel) -> None:
-    """Set the axis of the parameter, with zero at its end if it is logarithmic."""
+    """Set the ticks of the parameter axis; a logarithmic one may show zero at its end."""
     if panel.linear:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         return
     axes.set_xscale("log")
     low, high = axes.get_xlim()
-    # of less than two decades, powers of ten are too few
+    # on less than two decades, powers of ten would be too few ticks
     subs = (1.0, 2.0, 5.0) if high < 100 * low else (1.0,)
     axes.xaxis.set(major_locator=LogLocator(subs=subs, numticks=6), minor_locator=NullLocator())
     if high < 100 * low:
@@ -172,18 +182,18 @@ def _set_ticks(axes: "Axes", panel: Panel) -> None:
         axes.xaxis.set(major_locator=FixedLocator(ticks), major_formatter=FixedFormatter(labels))
 
 
-def _places(panel: Panel, x: Array) -> Array:
-    """Return where values of the parameter are drawn."""
+def _drawn_positions(panel: Panel, x: Array) -> Array:
+    """Return the positions on the axis at which values of the parameter are drawn."""
     return x if panel.zero_at is None else np.where(x == 0, panel.zero_at, x)
 
 
 def _within_axis(errors: pd.Series) -> Array:
-    """Return errors over the promise that the axis has room for."""
-    return np.asarray(errors.clip(LOWEST, GREATEST).to_numpy())
+    """Return errors clipped to the ends of the axis."""
+    return np.asarray(errors.clip(LEAST_DRAWN_ERROR, GREATEST_DRAWN_ERROR).to_numpy())
 
 
 def _handles() -> list[Line2D]:
-    """Return the entries of the legend: methods, what they state, and verdicts."""
+    """Return the entries of the legend: methods, error estimates and verdicts."""
     handles = [
         Line2D(
             [],
@@ -198,11 +208,11 @@ def _handles() -> list[Line2D]:
         )
         for name, (color, marker, label) in LOOKS.items()
     ]
-    dashed: Look = {"color": "0.3", "linestyle": STATED, "linewidth": 0.8}
-    handles.append(Line2D([], [], **dashed, label="the method's own estimate"))
+    dashed: Look = {"color": "0.3", "linestyle": ESTIMATE_DASHES, "linewidth": 0.8}
+    handles.append(Line2D([], [], **dashed, label="the method's error estimate"))
     handles += [
         Line2D([], [], linestyle="", markerfacecolor="none", **look, label=verdict)
-        for verdict, look in MARKS.items()
+        for verdict, look in VERDICT_MARKERS.items()
     ]
     beyond: Look = {"linestyle": "", "marker": "^", "markersize": 4, "color": "0.45"}
-    return [*handles, Line2D([], [], **beyond, label=f"beyond {GREATEST:.0e}")]
+    return [*handles, Line2D([], [], **beyond, label=f"above {GREATEST_DRAWN_ERROR:.0e}")]

@@ -1,9 +1,10 @@
-"""What errors are measured by: a finer solution by another theory, closed forms and balances.
+"""References for true errors: a finer solution by another theory, closed forms and balances.
 
-Non-dimensional. Boundary elements judge dimensionality reduction, which judges all others. Where
-contact begins on a sphere or a cone, Hertz's and Love's solutions [1, 2] are exact; where it is the
-whole flat face, flat punches are. At any time the forces of the rings add up to the force on the
-punch, and by Archard's law ``sum_j V_j / k_j = F v0 t`` of the worn volumes.
+Everything is non-dimensional. Boundary elements are the reference for the MDR, and the MDR is the
+reference for all other methods. For the first contact of a sphere or a cone, the solutions of Hertz
+and Love [1, 2] are exact; for a face in full contact, those of flat punches. At any time the forces
+of the rings add up to the force on the punch, and by Archard's law the worn volumes V_j satisfy
+``sum_j V_j / k_j = F v0 t``.
 
 [1] Hertz: Ueber die Beruehrung fester elastischer Koerper, J. Reine Angew. Math. 92 (1882).
 [2] Love: Boussinesq's problem for a rigid cone, Q. J. Math. 10 (1939).
@@ -27,19 +28,19 @@ from ..scene.scene import Scene
 from .verdicts import Verdict, verdict_on_promise
 
 
-def other_theory(judged: str) -> str:
-    """Return the name of the method that a method is judged by."""
-    return "bem" if judged.split(",")[0] == "mdr" else "mdr"
+def other_theory(name: str) -> str:
+    """Return the reference method for a method, whose name may end with a variant."""
+    return "bem" if name.split(",")[0] == "mdr" else "mdr"
 
 
 def solve_reference(problem: Problem, name: str, rtol: float) -> Solution:
-    """Return the solution that a method is judged by, to a finer accuracy.
+    """Return the reference solution of a problem at a finer tolerance.
 
     Parameters
     ----------
-    problem : as the judged method is asked for it; its face is where fields are compared
-    name : method of the reference
-    rtol : accuracy of the reference
+    problem : of the method to judge; fields are compared at the radii of its face
+    name : name of the reference method
+    rtol : tolerance of the reference
 
     Raises
     ------
@@ -61,17 +62,24 @@ def solve_reference(problem: Problem, name: str, rtol: float) -> Solution:
 def judge_by_reference(
     problem: Problem, name: str, solution: Solution, reference: Solution
 ) -> Iterator[Verdict]:
-    """Yield the verdict on every quantity at every time at which its accuracy is promised."""
+    """Yield the verdict on every quantity at every time at which its accuracy is promised.
+
+    Parameters
+    ----------
+    problem : compared at the radii of the reference
+    name : name of the method, with its variant
+    solution, reference : of the method, and of the other theory
+    """
     allowed = allowed_error(problem)
     for quantity, difference in compare(problem, (solution, reference)).items():
         pairs = zip(difference.size, difference.first, strict=True)
-        for at, (error, estimate) in enumerate(pairs):
-            if not unresolved(problem, quantity, {name: solution}, at):
+        for index, (error, estimate) in enumerate(pairs):
+            if not unresolved(problem, quantity, {name: solution}, index):
                 yield verdict_on_promise(quantity, float(error), float(estimate), allowed)
 
 
 def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Iterator[Verdict]:
-    """Yield the verdict on the start, where that is known in closed form, and on both balances."""
+    """Yield the verdicts on the start, if it has a closed form, and on both balances."""
     allowed, times = allowed_error(problem), problem.times[problem.checked]
     if len(times) and times[0] == 0 and problem.march == "modal":
         for quantity, exact in start_in_closed_form(scene).items():
@@ -83,31 +91,33 @@ def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Itera
     if problem.load_regime is not ONE_FORCE:
         return
     wear = problem.rings.ends.mean(axis=0)[-len(problem.rings.widths) :]
-    for name, balance, per_ring, whole in (
+    for name, balance, factors, sums in (
         ("ring_force", "ring forces add up to F", np.ones(len(wear)), np.ones(len(times))),
         ("ring_worn_volume", "Archard's balance of worn volumes", 1 / wear, times),
     ):
         values = solution.checked.get(name)
-        if values is None or name not in solution.errors or values.shape[1] != len(per_ring):
+        if values is None or name not in solution.errors or values.shape[1] != len(factors):
             continue
-        stated = solution.checked_error(problem, name)
-        for value, exact, estimate in zip(values @ per_ring, whole, stated, strict=True):
+        estimates = solution.checked_error(problem, name)
+        for value, exact, estimate in zip(values @ factors, sums, estimates, strict=True):
             if exact > 0:
                 error = abs(float(value) / float(exact) - 1)
-                # sums of many elements are known to roundoff
+                # a sum over many elements is exact to roundoff only
                 yield verdict_on_promise(balance, error, max(float(estimate), 1e-12), allowed)
 
 
 def start_in_closed_form(scene: Scene) -> dict[str, float]:
-    """Return quantities of the first contact that are known in closed form, non-dimensional.
+    """Return the non-dimensional quantities of the first contact that have a closed form.
 
-    None are known if the contact is not a disc within the face, or if the load is no force.
+    There are none if the force or the speed varies, if the indentation is given, or if the contact
+    of a shaped punch is not a disc within the face.
     """
     problem = scene.problem
     return STARTS[problem.contact](scene) if problem.load_regime is ONE_FORCE else {}
 
 
 def _start_of_flat(scene: Scene) -> dict[str, float]:
+    """Return the indentation of a flat punch in full contact."""
     return {"indentation": float(flat_punch(scene.problem.inner_radius).indentation)}
 
 
@@ -130,3 +140,4 @@ def _start_of_shaped(scene: Scene) -> dict[str, float]:
 
 
 STARTS = {FULL_CONTACT: _start_of_flat, MOVING_CONTACT: _start_of_shaped}
+"""Functions that compute the start in closed form, by the kind of contact."""

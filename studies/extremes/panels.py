@@ -1,4 +1,4 @@
-"""Runs along one parameter: true error and stated error of every method, and the naive choice.
+"""Runs along one parameter: true error and error estimate of every method, and the naive solver.
 
 The panels are listed in `panels.toml`. A level is one run at one value of the parameter.
 """
@@ -30,9 +30,9 @@ from .oracles import judge_by_reference, judge_by_theory, other_theory, solve_re
 from .verdicts import Verdict, rank_by_error, worst_of
 
 NAIVE = "naive"
-"""What the naive choice is called among the methods."""
+"""Name of the naive finite elements among the methods."""
 METHODS = ("mdr", "bem", "fem")
-"""Methods that a panel has if it names no others."""
+"""Methods of a panel that lists none."""
 FORMULAS: dict[str, Callable[[float], float]] = {
     "x": lambda x: x,
     "0.5 + x": lambda x: 0.5 + x,
@@ -40,7 +40,7 @@ FORMULAS: dict[str, Callable[[float], float]] = {
     "(1 - x) / 2": lambda x: (1 - x) / 2,
     "1 / x, from 5 to 40": lambda x: int(np.clip(round(1 / x), 5, 40)),
 }
-"""What texts in `panels.toml` stand for."""
+"""Functions of x, by the texts that stand for them in `panels.toml`."""
 
 Setting = tuple[float, str]
 """The value of the parameter, and the method."""
@@ -48,23 +48,23 @@ Setting = tuple[float, str]
 
 @dataclass(frozen=True)
 class Panel:
-    """One parameter x, its values, and what it changes.
+    """One parameter x, its values, and the scene keys that it changes.
 
     Parameters
     ----------
-    name : of the parameter
-    xlabel : what its axis is called
-    values, quick : of x: all of them, and those of the quick study
-    changes : of scene keys, with texts of `FORMULAS` for numbers
-    base : the scene that is changed
-    methods : that are run, with the far field or the march that is chosen after a comma
-    naive : why the naive choice fails, and
-    fails_at : at which x
-    naive_changes : arguments of the naive solver, with texts of `FORMULAS`
-    reference : accuracy of the solution that errors are measured by
-    seconds : that a run of each method takes
+    name : name of the parameter
+    xlabel : label of its axis
+    values, quick : values of x, in the full and in the quick study
+    changes : new values of scene keys, in which texts of `FORMULAS` stand for numbers
+    base : scene to change
+    naive_failure : reason why the naive finite elements fail
+    fails_at : value of x at which their error is above one per cent (a test checks it)
+    methods : methods to run; a far field or a march may follow after a comma
+    naive_changes : arguments of the naive solver, in which texts of `FORMULAS` stand for numbers
+    reference : tolerance of the reference solution that errors are measured against
+    seconds : expected seconds of a run by each method
     linear : whether the axis of x is linear, not logarithmic
-    zero_at : where x = 0 is drawn on a logarithmic axis
+    zero_at : position at which x = 0 is drawn on a logarithmic axis
     """
 
     name: str
@@ -73,7 +73,7 @@ class Panel:
     quick: tuple[float, ...]
     changes: TomlTable
     base: Scene
-    naive: str
+    naive_failure: str
     fails_at: float
     methods: tuple[str, ...] = METHODS
     naive_changes: TomlTable = field(default_factory=dict)
@@ -82,30 +82,32 @@ class Panel:
     linear: bool = False
     zero_at: float | None = None
 
-    def scene(self, x: float, of_method: str) -> Scene:
-        """Return the scene at a value of the parameter, with the sizes of one method alone.
+    def scene(self, x: float, method_name: str) -> Scene:
+        """Return the scene at a value of the parameter, for one method.
+
+        Changes of the sizes of other methods are left out.
 
         Raises
         ------
         SceneError
             if the scene cannot have that value
         """
-        sizes = {"fem": "accuracy.fem.", "mdr": "accuracy.mdr.", "bem": "accuracy.mdr."}
-        own = sizes.get(of_method.split(",")[0])
+        sections = {"fem": "accuracy.fem.", "mdr": "accuracy.mdr.", "bem": "accuracy.mdr."}
+        section = sections.get(method_name.split(",")[0])
         changes = {
-            key.replace(".", "__"): at(x, value)
+            key.replace(".", "__"): value_at(x, value)
             for key, value in self.changes.items()
-            if not key.startswith(("accuracy.fem.", "accuracy.mdr.")) or f"{own}" in key
+            if not key.startswith(("accuracy.fem.", "accuracy.mdr.")) or f"{section}" in key
         }
         return self.base.changed(**changes)
 
     def family(self, quick: bool) -> Family:
-        """Return the runs of the panel: every method, and the naive choice, at every x.
+        """Return the runs of the panel: every method and the naive solver at every x.
 
-        When quick, boundary elements are left out: their pressures are on the space of the MDR, and
+        The quick study leaves out boundary elements: they have the pressure space of the MDR, and
         their errors are the same.
         """
-        # ten times coarser is enough where little time is to be spent
+        # the quick study saves time with references at ten times the tolerance
         rtol = self.reference * (10 if quick else 1)
         references = cache(partial(self._solve_reference, rtol))
         values = self.quick if quick else self.values
@@ -120,9 +122,9 @@ class Panel:
         )
 
     def _judge(self, setting: Setting, reference: "Callable[[float, str], Solution]") -> Row:
-        """Return a row of the table: a run, by the worst of its quantities."""
+        """Return the row of a run: its worst verdict, its greatest error and greatest estimate."""
         (x, name), start = setting, time.perf_counter()
-        found: list[Verdict] = []
+        verdicts: list[Verdict] = []
         row: TomlTable = {"part": "panel", "method": name, "x": x}
         if name == NAIVE:
             row |= self._judge_naive(x, reference)
@@ -137,26 +139,26 @@ class Panel:
                 if refused := solver.refusal(problem):
                     raise RingwearError(refused)
                 solution = solved_to_accuracy(solver, [problem], Stages(name))[0]
-                # at the radii of the face that the reference is known at
+                # the reference has values at the radii of this face only
                 problem = replace(problem, compared_on=problem.face)
                 exact = reference(x, other_theory(name))
-                found.extend(judge_by_reference(problem, name, solution, exact))
-                found.extend(judge_by_theory(scene, problem, solution))
-                return found
+                verdicts.extend(judge_by_reference(problem, name, solution, exact))
+                verdicts.extend(judge_by_theory(scene, problem, solution))
+                return verdicts
 
             row |= worst_of(judge, rank_by_error)
-        if found:
-            row["greatest error"] = max(each["error"] for each in found)
-            row["greatest estimate"] = max(each["estimate"] for each in found)
+        if verdicts:
+            row["greatest error"] = max(verdict["error"] for verdict in verdicts)
+            row["greatest estimate"] = max(verdict["estimate"] for verdict in verdicts)
         return {"seconds": round(time.perf_counter() - start, 4)} | row
 
     def _solve_reference(self, rtol: float, x: float, name: str) -> Solution:
-        """Return the solution of a method that others are judged by, at one value of x."""
+        """Return the reference solution by a method at one value of x."""
         problem = self.scene(x, name).problem
         return solve_reference(problem, name, min(rtol, 0.1 * problem.rtol))
 
     def _judge_naive(self, x: float, reference: "Callable[[float, str], Solution]") -> Row:
-        """Return the greatest error of the naive choice: infinite where it overflows."""
+        """Return the columns of the naive solver: its greatest error, infinite if it overflows."""
         try:
             scene = self.scene(x, NAIVE)
             errors = naive_errors(self, x, reference(x, other_theory(NAIVE)))
@@ -172,26 +174,35 @@ class Panel:
 
 
 def naive_errors(panel: Panel, x: float, exact: Solution) -> dict[str, float]:
-    """Return the greatest errors of the naive choice in the indentation and the pressure."""
+    """Return the greatest errors of the naive solver in the indentation and the pressure.
+
+    Parameters
+    ----------
+    panel, x : the panel, and the value of its parameter
+    exact : reference solution
+    """
     problem = panel.scene(x, NAIVE).problem
-    arguments = {key: at(x, value) for key, value in panel.naive_changes.items()}
+    arguments = {key: value_at(x, value) for key, value in panel.naive_changes.items()}
     with np.errstate(all="ignore"):
         values = naive.solve(problem, **arguments)
-        checked = {
+        compared = {
             name: value[problem.checked] if name != "time" else value
             for name, value in values.items()
         }
-        found = differences(checked, exact.checked, problem.face)
-    given = problem.load_regime.given
+        errors = differences(compared, exact.checked, problem.face)
+    given_quantity = problem.load_regime.given
     return {
-        name: float(np.nan_to_num(np.max(of), nan=np.inf))
-        for name, of in found.items()
-        if name != given
+        name: float(np.nan_to_num(np.max(error), nan=np.inf))
+        for name, error in errors.items()
+        if name != given_quantity
     }
 
 
 def with_variant(problem: Problem, name: str, x: float) -> Problem:
-    """Return a problem with the far field or the march that a method's name ends with."""
+    """Return a problem with the far field or the march that follows in the name of a method.
+
+    The value x is the time step of a march, in the unit of the scene.
+    """
     variant = name.partition(", ")[2]
     if variant == "clamped":
         return replace(problem, fem=problem.fem.model_copy(update={"far_field": "fixed"}))
@@ -200,17 +211,17 @@ def with_variant(problem: Problem, name: str, x: float) -> Problem:
     return problem
 
 
-def at(x: float, template: Any) -> Any:
-    """Return a value of a scene key at x: texts of `FORMULAS` in it become numbers."""
+def value_at(x: float, template: Any) -> Any:
+    """Return a value of a scene key at x: texts of `FORMULAS` in the template become numbers."""
     if isinstance(template, str):
         return FORMULAS[template](x) if template in FORMULAS else template
     if isinstance(template, dict):
-        return {key: at(x, value) for key, value in template.items()}
-    return [at(x, value) for value in template] if isinstance(template, list) else template
+        return {key: value_at(x, value) for key, value in template.items()}
+    return [value_at(x, value) for value in template] if isinstance(template, list) else template
 
 
 def read_panels(poisson_ratio: float) -> Iterator[Panel]:
-    """Yield the panels of `panels.toml`, with a Poisson's ratio where they have none."""
+    """Yield the panels of `panels.toml`, with a Poisson's ratio unless a panel changes it."""
     listing = files("ringwear.studies") / "extremes" / "panels.toml"
     table = tomllib.loads(listing.read_text("utf-8"))
     base = Scene.from_table(table["base"]).changed(half_space__poisson_ratio=poisson_ratio)

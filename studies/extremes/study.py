@@ -36,40 +36,40 @@ COLUMNS = [
 def conduct(scene: Scene, options: Options, record: Record) -> Study:
     """Judge every run of the panels and every cell of the map.
 
-    Of the scene, Poisson's ratio is taken. The table is sorted by the worst: by the verdict, then
-    by the error over the accuracy that was promised.
+    Only Poisson's ratio of the scene is used. The table begins with the worst row: it is sorted by
+    the verdict, then by the error relative to the promised accuracy.
     """
     ratio, quick = scene.half_space.poisson_ratio, options.quick
     panels = list(read_panels(ratio))
     families = [panel.family(quick) for panel in panels]
     table = record.solve("extremes", [*families, *cells.families(ratio, quick)], COLUMNS)
-    # everything may have been interrupted
-    along, mapped = (table[table.part == part] for part in ("panel", "map"))
-    figures = {"extremes": draw_panels(panels, along)} if len(along) else {}
-    # one cell of each family is no map
-    if len(mapped) and not quick:
-        figures["map"] = cells.draw(mapped)
+    # after an interruption, either part may be empty
+    panel_rows, map_rows = (table[table.part == part] for part in ("panel", "map"))
+    figures = {"extremes": draw_panels(panels, panel_rows)} if len(panel_rows) else {}
+    # the quick study has one point of each family, which makes no map
+    if len(map_rows) and not quick:
+        figures["map"] = cells.draw(map_rows)
     refusals = list_refusals(table)
     return Study(
         "extremes",
         scene,
         sort_by_worst(table),
-        conclusions=(*conclude(panels, along, mapped), *record.conclusions),
+        conclusions=(*conclude(panels, panel_rows, map_rows), *record.conclusions),
         figures=figures,
         tables={"refusals": refusals} if len(refusals) else {},
     )
 
 
 def sort_by_worst(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the table with the worst verdict first, and the greatest error over the promise."""
-    ranks = table.verdict.map({verdict: at for at, verdict in enumerate(MEANINGS)}).fillna(-1)
-    over = table.error.astype(float) / table.promised.astype(float)
-    order = np.lexsort([-over.fillna(0.0).to_numpy(), -ranks.to_numpy()])
+    """Return the table sorted by verdict, worst first, and by error over promised accuracy."""
+    ranks = table.verdict.map({verdict: rank for rank, verdict in enumerate(MEANINGS)}).fillna(-1)
+    relative_errors = table.error.astype(float) / table.promised.astype(float)
+    order = np.lexsort([-relative_errors.fillna(0.0).to_numpy(), -ranks.to_numpy()])
     return table.iloc[order].reset_index(drop=True)
 
 
 def list_refusals(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the texts of refusals, each once, with how many runs and which first it refused."""
+    """Return each text of a refusal once, with the number of its runs and the first of them."""
     refused = table[table.verdict == "refused"]
     grouped = refused.groupby("message", sort=False, as_index=False)
     return grouped.agg(
@@ -81,38 +81,40 @@ def list_refusals(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def conclude(panels: list[Panel], along: pd.DataFrame, mapped: pd.DataFrame) -> Iterator[str]:
-    """Yield the headline of the panels and of the map, and what the naive choice errs by."""
-    own = along[along.method != NAIVE]
-    if len(own):
-        yield f"{in_words(count_verdicts(own), 'runs along one parameter')}."
-    if len(mapped):
-        yield f"{in_words(count_verdicts(mapped), 'cells of the map')}."
-    stated = own.dropna(subset=["greatest error", "greatest estimate"])
-    if len(stated):
-        over = (stated["greatest estimate"] / stated["greatest error"]).astype(float)
+def conclude(
+    panels: list[Panel], panel_rows: pd.DataFrame, map_rows: pd.DataFrame
+) -> Iterator[str]:
+    """Yield the headlines of the panels and of the map, and the errors of the naive solver."""
+    ringwear_rows = panel_rows[panel_rows.method != NAIVE]
+    if len(ringwear_rows):
+        yield f"{in_words(count_verdicts(ringwear_rows), 'runs along one parameter')}."
+    if len(map_rows):
+        yield f"{in_words(count_verdicts(map_rows), 'cells of the map')}."
+    estimated = ringwear_rows.dropna(subset=["greatest error", "greatest estimate"])
+    if len(estimated):
+        ratios = (estimated["greatest estimate"] / estimated["greatest error"]).astype(float)
         yield (
-            "The greatest error that a run states is "
-            f"{over.median():.2g} times its greatest true error in the median."
+            "The median ratio of the greatest error estimate of a run to its greatest true error "
+            f"is {ratios.median():.2g}."
         )
-    errors = along[along.method == NAIVE].error.dropna().astype(float)
+    errors = panel_rows[panel_rows.method == NAIVE].error.dropna().astype(float)
     if len(errors):
         finite = errors[np.isfinite(errors)]
-        # what is beyond 1 is no result any more
+        # a relative error above 1 exceeds the result itself
         diverged = int((errors > 1).sum())
         yield (
-            f"The naive choice errs by {100 * finite.min():.2g} % at the least; it errs by more "
-            f"than the result itself in {diverged} of {len(errors)} runs."
+            f"The naive finite elements have errors of {100 * finite.min():.2g} % at least; the "
+            f"error exceeds the result itself in {diverged} of {len(errors)} runs."
         )
     for panel in panels:
-        of_panel = along[(along.family == panel.name) & (along.method == NAIVE)]
-        errors = of_panel.error.dropna().astype(float)
+        naive_rows = panel_rows[(panel_rows.family == panel.name) & (panel_rows.method == NAIVE)]
+        errors = naive_rows.error.dropna().astype(float)
         if len(errors):
-            text, greatest = " ".join(panel.naive.split()), errors.max()
-            size = "without bound" if greatest > 1e3 else f"by up to {100 * greatest:.3g} %"
-            yield f"{panel.name}: the naive choice errs {size} ({text})."
+            reason, greatest = " ".join(panel.naive_failure.split()), errors.max()
+            size = "without bound" if greatest > 1e3 else f"of up to {100 * greatest:.3g} %"
+            yield f"{panel.name}: the naive finite elements have errors {size} ({reason})."
 
 
 def count_verdicts(table: pd.DataFrame) -> dict[str, int]:
-    """Return how many rows have each verdict."""
+    """Return the number of rows with each verdict."""
     return {verdict: int((table.verdict == verdict).sum()) for verdict in MEANINGS}

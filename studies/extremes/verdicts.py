@@ -1,11 +1,10 @@
 """The verdicts on a run, from the best to the worst.
 
-within      the error is within the method's own estimate, and not above ten times the accuracy
-            asked for
-degraded    the error is above ten times that accuracy, within the estimate; or the estimate
-            falls short of it by less than three times, or it is at least within that accuracy
-refused     a RingwearError says why not
-wrong       the error is beyond both, and nothing says so: a defect
+within      the error is at most the method's own estimate, and at most ten times the tolerance
+degraded    the error is at most the estimate, but above ten times the tolerance; or it is above
+            the estimate, but at most three times the estimate or within the tolerance
+refused     a RingwearError states why the run is not possible
+wrong       the error is above the tolerance and above three times the estimate: a defect
 crashed     any other exception or a RuntimeWarning: a defect
 """
 
@@ -17,27 +16,27 @@ from typing import Any
 from ...meshes.errors import RingwearError
 
 MEANINGS = {
-    "within": "its error is within its own estimate",
-    "degraded": "less accurate than asked for, and says so",
-    "refused": "says why it cannot",
-    "wrong": "less accurate than it says",
-    "crashed": "by any other exception",
+    "within": "the error is within the estimate",
+    "degraded": "less accurate than the tolerance, and reported so",
+    "refused": "with a reason",
+    "wrong": "less accurate than reported",
+    "crashed": "any other exception",
 }
-"""What each verdict means, from the best to the worst."""
+"""Meaning of each verdict for legends, from the best to the worst."""
 
 Verdict = dict[str, Any]
 """The columns `verdict`, `quantity`, `error` and `estimate`, or `verdict` and `message`."""
 
 
 def verdict_on(quantity: str, error: float, estimate: float, rtol: float) -> Verdict:
-    """Return the verdict on a number, in the words of `MEANINGS`.
+    """Return the verdict on a quantity of a cell of the map.
 
     Parameters
     ----------
-    quantity : name of the number
+    quantity : its name
     error : its true relative error
-    estimate : the relative error that the method states
-    rtol : the accuracy asked for
+    estimate : its relative error as the method estimates it
+    rtol : tolerance
     """
     if error <= estimate:
         verdict = "within" if error <= 10 * rtol else "degraded"
@@ -47,14 +46,14 @@ def verdict_on(quantity: str, error: float, estimate: float, rtol: float) -> Ver
 
 
 def verdict_on_promise(quantity: str, error: float, estimate: float, rtol: float) -> Verdict:
-    """Return whether the promise of an accuracy was kept, or that it was not was said.
+    """Return the verdict on a quantity of a panel, whose accuracy the method promises.
 
-    Unlike `verdict_on`, an error below the accuracy asked for is within, whatever was stated: that
-    accuracy is what is promised.
+    In contrast to `verdict_on`, an error within the tolerance gives the verdict `within` whatever
+    the estimate, because the tolerance is the promise. The parameters are those of `verdict_on`.
     """
-    verdict = "degraded" if error <= 3 * estimate else "wrong"
+    verdict_if_missed = "degraded" if error <= 3 * estimate else "wrong"
     return {
-        "verdict": "within" if error <= rtol else verdict,
+        "verdict": "within" if error <= rtol else verdict_if_missed,
         "quantity": quantity,
         "error": error,
         "estimate": estimate,
@@ -62,13 +61,13 @@ def verdict_on_promise(quantity: str, error: float, estimate: float, rtol: float
 
 
 def rank_by_error(judged: Verdict) -> tuple[int, float]:
-    """Return how bad a quantity is: by its verdict, then by its error."""
+    """Return a sort key of verdicts: by the verdict, then by the error."""
     return list(MEANINGS).index(judged["verdict"]), judged["error"]
 
 
 def rank(judged: Verdict) -> tuple[int, float]:
-    """Return how bad a quantity is: by its verdict, then by its error over the estimate."""
-    # what is exact, such as a key that is passed on, has an estimate of zero
+    """Return a sort key of verdicts: by the verdict, then by the error over its estimate."""
+    # exact values, such as a scene key that is passed on, have an estimate of zero
     estimate = max(judged["estimate"], sys.float_info.min)
     return list(MEANINGS).index(judged["verdict"]), judged["error"] / estimate
 
@@ -76,21 +75,33 @@ def rank(judged: Verdict) -> tuple[int, float]:
 def worst_of(
     judge: Callable[[], Iterable[Verdict]], rank: Callable[[Verdict], tuple[int, float]] = rank
 ) -> Verdict:
-    """Return the worst of the verdicts of a run, or that it refused or crashed, and why."""
+    """Return the worst verdict on a run, or `refused` or `crashed` with the message.
+
+    Parameters
+    ----------
+    judge : function that runs and judges; it may raise
+    rank : sort key of verdicts
+    """
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
             return max(judge(), key=rank)
     except RingwearError as error:
         return {"verdict": "refused", "message": str(error)}
-    except Exception as error:  # whatever else comes out is what the study looks for
+    except Exception as error:  # the study looks for any other exception
         return {"verdict": "crashed", "message": f"{type(error).__name__}: {error}"}
 
 
-def in_words(counts: dict[str, int], what: str) -> str:
-    """Return the headline: how many runs have each verdict."""
+def in_words(counts: dict[str, int], runs: str) -> str:
+    """Return the headline: the number of runs with each verdict.
+
+    Parameters
+    ----------
+    counts : number of runs by verdict
+    runs : name of the runs, in the plural
+    """
     return (
-        f"{sum(counts.values())} {what}: {counts['wrong']} wrong, {counts['crashed']} crashed, "
-        f"{counts['refused']} refused with a reason, {counts['degraded']} less accurate than "
-        f"asked for, and said so"
+        f"{sum(counts.values())} {runs}: {counts['wrong']} wrong, {counts['crashed']} crashed, "
+        f"{counts['refused']} refused with a reason, {counts['degraded']} less accurate than the "
+        f"tolerance, and reported so"
     )

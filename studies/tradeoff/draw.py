@@ -1,4 +1,4 @@
-"""The figure of the tradeoff: errors over seconds, errors over tolerances, and the challenge."""
+"""The figure of the study: errors over seconds, errors over tolerances, and the challenge."""
 
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
@@ -29,11 +29,11 @@ LOOKS: dict[str, tuple[str, str, Any, str]] = {
     "ContactMechanics": ("#8e44ad", "p", "--", "challenge: ContactMechanics"),
     "Tamaas": ("#16a085", "h", ":", "challenge: Tamaas"),
 }
-"""Colour, marker, line and label of each method and program."""
-STATED = (0, (4, 2))
-"""Dashes of what methods state."""
-LABELLED = {"mdr": ((-3, -4), "right", "top"), "fem": ((3, 4), "left", "bottom")}
-"""Methods at whose points the tolerance is written, where, and how it is aligned."""
+"""Colour, marker, line style and label of each method and program."""
+ESTIMATE_DASHES = (0, (4, 2))
+"""Line style of the error estimates."""
+LABELLED_METHODS = {"mdr": ((-3, -4), "right", "top"), "fem": ((3, 4), "left", "bottom")}
+"""Methods whose points are labelled with the tolerance: offset in points, and alignment."""
 TITLES = {
     "indentation, force, relaxation times": "d(t), F, relaxation times",
     "history": "whole history",
@@ -41,40 +41,43 @@ TITLES = {
     "steady state": "steady state",
 }
 """Short titles of the groups of quantities; others keep their name."""
-PROBLEMS = {1: "flat punch, start", 3: "five rings, history", 7: "sphere, start"}
-"""Problems of the wear challenge that programs of others have solved."""
+CHALLENGE_PROBLEMS = {1: "flat punch, start", 3: "five rings, history", 7: "sphere, start"}
+"""Titles of the problems of the wear challenge that other programs have solved."""
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
+"""Letters of the panels, in their order."""
 LEFT, RIGHT, TOP, HEIGHT = 0.072, 0.99, 0.92, 7.0
+"""Margins of the upper panels as fractions of the figure, and its height in inches."""
 NOTE = (
-    "Seconds of the processor, one thread, medians of at least three runs; whiskers end at the "
-    "least and the greatest. Powers of ten at points are the tolerances asked for.\n"
+    "Seconds are processor time of one thread, medians of at least three runs; whiskers show the "
+    "least and the greatest. Powers of ten at points are the tolerances.\n"
     "Naive finite elements: degree 2, equal elements on the face, clamped at 10 a, explicit "
-    "Euler; errors of d and p alone. Errors of the challenge are those of its README:\n"
+    "Euler; errors of d and p only. Errors of the challenge are from its README:\n"
     "p below 0.95 a, seconds on one core of a machine that is not named there, to a factor of two;"
     " triangles that point down are upper bounds."
 )
+"""Text below the panels."""
 
 
 def draw(rows: pd.DataFrame, effectivities: pd.DataFrame, title: str) -> Figure:
-    """Draw errors over seconds and over tolerances, a column for each group, and the challenge.
+    """Draw errors over seconds and over tolerances, one column per group, and the challenge.
 
     Parameters
     ----------
-    rows : levels with an error
-    effectivities : their medians by group and method, for the titles of the second row
-    title : of the scene
+    rows : one row per level with an error
+    effectivities : table of `list_effectivities`; its medians are in the titles of the second row
+    title : title of the scene
     """
     groups = list(rows.group.unique())
     figure = Figure(figsize=(PAGE, HEIGHT), dpi=200)
-    place = {"left": LEFT, "right": RIGHT, "wspace": 0.12}
-    grid = figure.add_gridspec(2, len(groups), top=TOP, bottom=0.45, hspace=0.42, **place)
+    margins = {"left": LEFT, "right": RIGHT, "wspace": 0.12}
+    grid = figure.add_gridspec(2, len(groups), top=TOP, bottom=0.45, hspace=0.42, **margins)
     panels = [figure.add_subplot(grid[0, column]) for column in range(len(groups))]
     below = [figure.add_subplot(grid[1, column]) for column in range(len(groups))]
     limits = _limits(rows)
     for number, (group, upper, lower) in enumerate(zip(groups, panels, below, strict=True)):
-        of_group = rows[rows.group == group]
-        _draw_seconds(upper, of_group)
-        _draw_tolerances(lower, of_group)
+        group_rows = rows[rows.group == group]
+        _draw_seconds(upper, group_rows)
+        _draw_tolerances(lower, group_rows)
         upper.set_title(f"{LETTERS[number]}  {TITLES.get(group, group)}", loc="left", fontsize=7)
         letter = LETTERS[len(groups) + number]
         name = _effectivity_in_words(effectivities, group)
@@ -84,11 +87,11 @@ def draw(rows: pd.DataFrame, effectivities: pd.DataFrame, title: str) -> Figure:
             _set_error_axis(axes, labelled=not number)
         upper.set_xlim(*_seconds_limits(rows))
         upper.set_xlabel("processor time (s)", fontsize=7)
-        lower.set_xlabel("tolerance asked for", fontsize=7)
+        lower.set_xlabel("tolerance (rtol)", fontsize=7)
         if not number:
             upper.set_ylabel("greatest relative error", fontsize=7)
             lower.set_ylabel("error (line), estimate (dashed)", fontsize=7)
-            lower.text(0.03, 0.9, "worse than asked for", fontsize=5.6, color=RED)
+            lower.text(0.03, 0.9, "above the tolerance", fontsize=5.6, color=RED)
             lower.texts[-1].set_transform(lower.transAxes)
     _draw_challenge(figure, 2 * len(groups))
     figure.legend(
@@ -105,13 +108,16 @@ def draw(rows: pd.DataFrame, effectivities: pd.DataFrame, title: str) -> Figure:
 
 
 def read_challenge() -> pd.DataFrame:
-    """Return what `studies/challenge/others/README.md` says of programs of others, and of ours."""
+    """Return the errors and seconds of other programs and of ringwear in the wear challenge.
+
+    A test compares this table, `studies/challenge/others/errors.csv`, with the README beside it.
+    """
     with (files("ringwear.studies") / "challenge" / "others" / "errors.csv").open() as listing:
         return pd.read_csv(listing, keep_default_na=True)
 
 
 def _draw_seconds(axes: "Axes", rows: pd.DataFrame) -> None:
-    """Draw errors over seconds with whiskers, and tolerances at some points."""
+    """Draw errors over seconds with whiskers, and label some points with their tolerance."""
     for name, levels in rows.groupby("method", sort=False):
         color, marker, line, _ = LOOKS[name]
         seconds = levels.seconds
@@ -124,10 +130,10 @@ def _draw_seconds(axes: "Axes", rows: pd.DataFrame) -> None:
             capsize=1.2,
             **_look(color, marker, line),
         )
-        if name in LABELLED:
-            offset, across, down = LABELLED[name]
-            for at in _labelled(levels):
-                level = levels.iloc[at]
+        if name in LABELLED_METHODS:
+            offset, across, down = LABELLED_METHODS[name]
+            for index in _labelled(levels):
+                level = levels.iloc[index]
                 axes.annotate(
                     _power(level.tolerance),
                     (level.seconds, level.error),
@@ -144,15 +150,19 @@ def _draw_seconds(axes: "Axes", rows: pd.DataFrame) -> None:
 
 
 def _draw_tolerances(axes: "Axes", rows: pd.DataFrame) -> None:
-    """Draw true and stated errors over the tolerance, and where an error is above it."""
-    asked = rows.dropna(subset="tolerance")
-    for name, levels in asked.groupby("method", sort=False):
+    """Draw errors and estimates over the tolerance, and shade errors above the tolerance."""
+    with_tolerance = rows.dropna(subset="tolerance")
+    for name, levels in with_tolerance.groupby("method", sort=False):
         color, marker, line, _ = LOOKS[name]
         axes.plot(levels.tolerance, _positive(levels.error), **_look(color, marker, line))
         axes.plot(
-            levels.tolerance, _positive(levels.estimate), color=color, ls=STATED, linewidth=0.8
+            levels.tolerance,
+            _positive(levels.estimate),
+            color=color,
+            ls=ESTIMATE_DASHES,
+            linewidth=0.8,
         )
-    coarsest, finest = asked.tolerance.max(), asked.tolerance.min()
+    coarsest, finest = with_tolerance.tolerance.max(), with_tolerance.tolerance.min()
     ends = np.array([3 * coarsest, finest / 3])
     axes.plot(ends, ends, color="0.5", linewidth=0.7)
     axes.fill_between(ends, ends, [1e9, 1e9], color=RED, alpha=0.07, linewidth=0)
@@ -165,12 +175,17 @@ def _draw_tolerances(axes: "Axes", rows: pd.DataFrame) -> None:
 
 
 def _draw_challenge(figure: Figure, panels_before: int) -> None:
-    """Draw what programs of others, and ours, err by in the wear challenge."""
+    """Draw the errors of other programs and of ringwear in the wear challenge over their seconds.
+
+    Parameters
+    ----------
+    panels_before : number of panels that already have a letter
+    """
     challenge = read_challenge()
     grid = figure.add_gridspec(
-        1, len(PROBLEMS), left=LEFT, right=0.7, top=0.365, bottom=0.135, wspace=0.16
+        1, len(CHALLENGE_PROBLEMS), left=LEFT, right=0.7, top=0.365, bottom=0.135, wspace=0.16
     )
-    for column, (problem, title) in enumerate(PROBLEMS.items()):
+    for column, (problem, title) in enumerate(CHALLENGE_PROBLEMS.items()):
         axes = figure.add_subplot(grid[0, column])
         solved = challenge[challenge.problem == problem]
         for name, levels in solved.groupby("program", sort=False):
@@ -189,6 +204,7 @@ def _draw_challenge(figure: Figure, panels_before: int) -> None:
 
 
 def _look(color: str, marker: Any, line: Any) -> Look:
+    """Return the arguments of a curve for matplotlib."""
     return {
         "color": color,
         "marker": marker,
@@ -201,50 +217,50 @@ def _look(color: str, marker: Any, line: Any) -> Look:
 
 
 def _handles(rows: pd.DataFrame) -> list[Line2D]:
-    """Return the entries of the legend: what is drawn in any panel."""
+    """Return the entries of the legend for all methods and programs in any panel."""
     drawn = {*rows.method, *read_challenge().program}
     handles = [
         Line2D([], [], label=label, **_look(color, marker, line))
         for name, (color, marker, line, label) in LOOKS.items()
         if name in drawn
     ]
-    stated: Look = {"color": "0.3", "linestyle": STATED, "linewidth": 0.8}
-    return [*handles, Line2D([], [], label="the method's own estimate", **stated)]
+    dashed: Look = {"color": "0.3", "linestyle": ESTIMATE_DASHES, "linewidth": 0.8}
+    return [*handles, Line2D([], [], label="the method's error estimate", **dashed)]
 
 
 def _effectivity_in_words(effectivities: pd.DataFrame, group: str) -> str:
-    """Return the medians of stated over true errors of a group, for MDR and FEM."""
+    """Return the median effectivities of a group for MDR and FEM, as a text."""
     if not len(effectivities):
         return "no estimate"
-    of_group = effectivities[effectivities.group == group].set_index("method")
-    medians = of_group["median effectivity"]
+    group_rows = effectivities[effectivities.group == group].set_index("method")
+    medians = group_rows["median effectivity"]
     words = ", ".join(
-        f"{LOOKS[name][3]} {_short(medians[name])}" for name in LABELLED if name in medians
+        f"{LOOKS[name][3]} {_short(medians[name])}" for name in LABELLED_METHODS if name in medians
     )
-    return f"stated/true: {words}" if words else "stated and true error"
+    return f"effectivity: {words}" if words else "estimate and error"
 
 
 def _short(number: float) -> str:
-    """Return a number with two digits, and without an exponent."""
+    """Return a number with two digits and without an exponent."""
     return f"{number:.0f}" if number >= 10 else f"{number:.2g}"
 
 
 def _labelled(levels: pd.DataFrame) -> list[int]:
-    """Return which of the levels show their tolerance: the first, the middle one and the last.
+    """Return the indices of the levels to label: the first, the middle one and the last.
 
-    Of neighbours whose labels would overlap, the first does.
+    A label that would overlap an earlier one is left out.
     """
-    places = np.log10(levels[["seconds", "error"]].to_numpy(float))
-    chosen = list[int]()
-    for at in sorted({0, len(levels) // 2, len(levels) - 1}):
-        apart = [np.abs(places[at] - places[other]) for other in chosen]
-        if all(across > 0.3 or along > 0.7 for across, along in apart):
-            chosen.append(at)
-    return chosen
+    positions = np.log10(levels[["seconds", "error"]].to_numpy(float))
+    labelled = list[int]()
+    for index in sorted({0, len(levels) // 2, len(levels) - 1}):
+        distances = [np.abs(positions[index] - positions[other]) for other in labelled]
+        if all(across > 0.3 or along > 0.7 for across, along in distances):
+            labelled.append(index)
+    return labelled
 
 
 def _power(tolerance: float) -> str:
-    """Return a tolerance as a formula: a power of ten, or a multiple of one."""
+    """Return a tolerance as a formula: a power of ten, or a multiple of a power of ten."""
     exponent = int(np.floor(np.log10(tolerance) + 1e-9))
     factor = tolerance / 10.0**exponent
     times = "" if np.isclose(factor, 1) else rf"{factor:.0f}\cdot"
@@ -252,21 +268,21 @@ def _power(tolerance: float) -> str:
 
 
 def _positive(values: pd.Series) -> pd.Series:
-    """Return values that a logarithmic axis can show."""
+    """Return positive values, and NaN for others, which a logarithmic axis cannot show."""
     return values.where(values > 0)
 
 
 def _limits(rows: pd.DataFrame) -> tuple[float, float]:
-    """Return ends of the axis of errors, powers of ten that hold all errors and estimates."""
-    asked = rows.dropna(subset="tolerance")
-    values = np.concatenate([rows.error, asked.estimate, asked.tolerance])
+    """Return the ends of the error axis: powers of ten around all errors and estimates."""
+    with_tolerance = rows.dropna(subset="tolerance")
+    values = np.concatenate([rows.error, with_tolerance.estimate, with_tolerance.tolerance])
     values = values[(values > 0) & np.isfinite(values)]
     low, high = np.log10([values.min(), values.max()])
     return float(10.0 ** np.floor(low - 0.3)), float(10.0 ** np.ceil(high + 0.6))
 
 
 def _seconds_limits(rows: pd.DataFrame) -> tuple[float, float]:
-    """Return ends of the axis of seconds, with room for the tolerances at points."""
+    """Return the ends of the axis of seconds, with room for the labels at points."""
     return float(rows["least seconds"].min() / 3), float(6 * rows["greatest seconds"].max())
 
 

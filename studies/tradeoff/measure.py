@@ -1,8 +1,8 @@
-"""Seconds, true error and stated error of one solution.
+"""Seconds, true error and error estimate of one level.
 
-Seconds are those of the processor, of one thread, for everything that a run delivers: the solution
-with its error estimates, and refined if these fall short. Each level is solved at least `RUNS`
-times; its seconds are their median, and the least and the greatest are kept.
+Seconds are processor time of one thread for everything that a run delivers: the solution with its
+error estimates, refined if the estimates exceed the tolerance. Each level is solved at least `RUNS`
+times; the table has the median, the least and the greatest seconds.
 """
 
 import time
@@ -27,14 +27,17 @@ RUNS = 3
 MOST_RUNS = 5
 """Greatest number of runs of a level that takes little time."""
 ENOUGH_SECONDS = 0.25
-"""Seconds of all runs of a level beyond which it has only `RUNS` runs."""
+"""A level whose runs take longer than this in all has only `RUNS` runs."""
 
 SAME_PRESSURES = ("mdr", "bem")
-"""Methods on pressures of one kind: on the same pressures they agree, however few these are."""
-TOO_FINE = "as fine as the reference: its true error cannot be told"
-"""Remark of levels whose error would be that of the theory alone."""
-UNSTABLE = 1e3
-"""Relative errors of the naive finite elements beyond which their march is unstable."""
+"""Methods with one kind of pressure space: on the same space they agree, however coarse it is."""
+TOO_FINE_REMARK = "as fine as the reference: its true error cannot be measured"
+"""Remark on levels whose pressure space is at least as large as that of the reference.
+
+The difference between the two would not show the error of the discretisation.
+"""
+DIVERGED_ERROR = 1e3
+"""Relative error of the naive finite elements beyond which their march counts as unstable."""
 
 Value = TypeVar("Value")
 
@@ -45,14 +48,14 @@ class Timing:
 
     Parameters
     ----------
-    seconds : of each run
+    seconds : one value for each run
     """
 
     seconds: tuple[float, ...]
 
     @property
     def row(self) -> Row:
-        """The columns of the table: the median, the least, the greatest, and how many runs."""
+        """Columns of the table: median, least and greatest seconds, and the number of runs."""
         return {
             "seconds": float(np.median(self.seconds)),
             "least seconds": min(self.seconds),
@@ -62,7 +65,7 @@ class Timing:
 
 
 def time_runs(solve: Callable[[], Value]) -> tuple[Value, Timing]:
-    """Return what a function returns, and the processor seconds of several calls."""
+    """Return the value of a function, and the processor seconds of several calls of it."""
     seconds = list[float]()
     while len(seconds) < RUNS or (len(seconds) < MOST_RUNS and sum(seconds) < ENOUGH_SECONDS):
         start = time.process_time()
@@ -72,18 +75,18 @@ def time_runs(solve: Callable[[], Value]) -> tuple[Value, Timing]:
 
 
 def measure_method(name: str, problem: Problem, reference: Solution) -> Row:
-    """Return seconds, true error, estimate and unknowns of a method, refined as `run` does it.
+    """Return seconds, true error, estimate and unknowns of a method, refined as by `run`.
 
     Parameters
     ----------
-    name : of the method
-    problem : with the quantities that are asked for, compared at the radii of the reference
-    reference : solution by another theory, to a finer accuracy
+    name : name of the method
+    problem : with the quantities of one group, compared at the radii of the reference
+    reference : solution by another theory to a finer tolerance
 
     Raises
     ------
     SolverError
-        if the method gives none of these quantities
+        if the method computes none of these quantities
     """
     solver = method(name)
     solution, timing = time_runs(
@@ -91,13 +94,13 @@ def measure_method(name: str, problem: Problem, reference: Solution) -> Row:
     )
     row = {"unknowns": solution.unknowns, **timing.row}
     if name in SAME_PRESSURES and solution.unknowns >= reference.unknowns:
-        return {**row, "remark": TOO_FINE}
+        return {**row, "remark": TOO_FINE_REMARK}
     compared = compare(problem, (solution, reference))
     if not compared:
-        raise SolverError(f"{name} gives none of the quantities of this group: leave it out")
-    errors = {quantity: float(np.max(of.size)) for quantity, of in compared.items()}
+        raise SolverError(f"{name} computes no quantity of this group: leave it out")
+    errors = {quantity: float(np.max(difference.size)) for quantity, difference in compared.items()}
     worst = max(errors, key=lambda quantity: errors[quantity])
-    estimate = max(float(np.max(of.first)) for of in compared.values())
+    estimate = max(float(np.max(difference.first)) for difference in compared.values())
     return {
         **row,
         **row_of_accuracy(errors[worst], estimate),
@@ -107,35 +110,37 @@ def measure_method(name: str, problem: Problem, reference: Solution) -> Row:
 
 
 def measure_naive(problem: Problem, reference: Solution, cells: int, step: float) -> Row:
-    """Return seconds and true error of the naive finite elements, in what they give of a group.
+    """Return seconds and true error of the naive finite elements.
 
     Parameters
     ----------
-    problem : with the quantities that are asked for, compared at the radii of the reference
-    reference : solution by another theory, to a finer accuracy
-    cells : elements on the radius of the punch
-    step : of explicit Euler, non-dimensional
+    problem : with quantities that they compute, compared at the radii of the reference
+    reference : solution by another theory to a finer tolerance
+    cells : number of elements on the radius of the punch
+    step : time step of explicit Euler in a/(E* k_max v0)
 
     Raises
     ------
     SolverError
-        if the march overflows
+        if the march diverges
     """
 
     def solve() -> Results:
-        # each run has to assemble and to condense
+        # each run has to assemble and condense anew, as the first one does
         naive.press.cache_clear()
         return naive.solve(problem, cells=cells, step=step * problem.units.time)
 
     values, timing = time_runs(solve)
-    given = {
+    compared = {
         name: value[problem.checked] if name != "time" else value for name, value in values.items()
     }
     with np.errstate(all="ignore"):
-        found = differences(given, reference.checked, problem.face)
-    errors = {name: float(np.max(of)) for name, of in found.items() if problem.wants(name)}
+        naive_errors = differences(compared, reference.checked, problem.face)
+    errors = {
+        name: float(np.max(error)) for name, error in naive_errors.items() if problem.wants(name)
+    }
     worst = max(errors, key=lambda name: errors[name])
-    if not all(np.isfinite(list(errors.values()))) or errors[worst] > UNSTABLE:
+    if not all(np.isfinite(list(errors.values()))) or errors[worst] > DIVERGED_ERROR:
         raise SolverError(
             "the explicit march of the naive finite elements is unstable: leave them out, or end "
             "wear.times earlier"
@@ -144,9 +149,9 @@ def measure_naive(problem: Problem, reference: Solution, cells: int, step: float
 
 
 def stable_naive_step(problem: Problem, cells: int) -> float:
-    """Return the greatest stable step of the naive finite elements, in units of the problem.
+    """Return the greatest stable step of the naive finite elements in a/(E* k_max v0).
 
-    It is two over the greatest rate at which pressures decay by wear, at a fixed indentation.
+    It is two over the greatest rate at which wear makes pressures decay at a fixed indentation.
     """
     units, hole = problem.units, problem.inner_radius
     face = naive.press(
@@ -163,9 +168,10 @@ def stable_naive_step(problem: Problem, cells: int) -> float:
 
 
 def row_of_accuracy(error: float, estimate: float) -> Row:
-    """Return the columns of the table about an error and its estimate, relative.
+    """Return the columns of the table for a relative error and its estimate.
 
-    The effectivity is the estimate over the error; NaN without an estimate or an error.
+    The effectivity is the estimate over the error; it is NaN without an estimate, or if the error
+    is zero.
     """
     effectivity = estimate / error if error > 0 else np.nan
     return {"estimate": estimate, "error": error, "effectivity": effectivity}

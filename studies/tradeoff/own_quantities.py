@@ -1,4 +1,4 @@
-"""Quantities of the user's own: functions of the result of a run, measured by tolerance."""
+"""Quantities of the user: functions of the result of a run, measured at several tolerances."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -19,11 +19,11 @@ from .ways import expected_seconds, tolerance_of
 def families_of_quantities(
     scene: Scene, options: Options, names: tuple[str, ...]
 ) -> Iterator[Family]:
-    """Yield a family for each quantity of the user's own and each method."""
+    """Yield a family for each quantity of the user and each method."""
     problem, tolerances = scene.problem, TOLERANCES[scene.problem.contact]
     finest = scene.changed(accuracy={"rtol": tolerances.of_reference(options.quick)})
-    needed = dict.fromkeys(map(other_theory, names))
-    references = {name: run(finest, [name]) for name in needed}
+    reference_methods = dict.fromkeys(map(other_theory, names))
+    references = {name: run(finest, [name]) for name in reference_methods}
     settings = [f"rtol {rtol:.0e}" for rtol in tolerances.asked(options.quick)]
     for label, quantity in options.quantities.items():
         for name in names:
@@ -40,7 +40,7 @@ def families_of_quantities(
 def _solve_quantity(
     label: str, name: str, scene: Scene, quantity: Quantity, exact: float, setting: str
 ) -> Row:
-    """Return the row of a level of a quantity of the user's own."""
+    """Return the row of one level of a quantity of the user."""
     tolerance = tolerance_of(setting)
     row = {"group": label, "method": name, "tolerance": tolerance, "worst quantity": label}
     return {**row, **measure_quantity(name, scene, quantity, exact, tolerance)}
@@ -53,14 +53,14 @@ def measure_quantity(name: str, scene: Scene, quantity: Quantity, exact: float, 
 
     Parameters
     ----------
-    name : of the method
-    scene : that is run
+    name : name of the method
+    scene : scene to run
     quantity : function of the result
-    exact : its value by another theory, to a finer accuracy
-    rtol : accuracy that is asked for
+    exact : its value by another theory at a finer tolerance
+    rtol : tolerance of the run
     """
-    asked = scene.changed(accuracy__rtol=rtol)
-    result, timing = time_runs(lambda: run(asked, [name]))
+    scene_at_rtol = scene.changed(accuracy__rtol=rtol)
+    result, timing = time_runs(lambda: run(scene_at_rtol, [name]))
     error = abs(float(quantity(result)) / exact - 1) if exact else abs(float(quantity(result)))
     unknowns = result.solutions[name].unknowns
     return {"unknowns": unknowns, **timing.row, **row_of_accuracy(error, np.nan)}

@@ -1,8 +1,8 @@
-"""Speed against accuracy: seconds, tolerance, stated error and true error of every method.
+"""Speed against accuracy: seconds, tolerance, error estimate and true error of every method.
 
-Each group of quantities is asked for alone, to several tolerances. A true error is the greatest of
-the quantities of the group, each in its norm, against a solution by another theory to a finer
-accuracy: boundary elements for MDR, and MDR for all others.
+Each group of quantities is computed by itself at several tolerances. The true error of a level is
+the greatest error of the quantities of the group, each in its norm, relative to a reference by
+another theory at a finer tolerance: boundary elements for MDR, and MDR for all other methods.
 """
 
 import os
@@ -46,16 +46,16 @@ COLUMNS = [
     "estimate of the reference",
 ]
 DEFAULT_TIMES = (0.01, 0.1, 1.0)
-"""Non-dimensional times of a scene that has none."""
+"""Times in a/(E* k_max v0) for a scene that has none after the start."""
 
 
 def conduct(scene: Scene, options: Options, record: Record) -> Study:
-    """Measure every method, and conclude what a digit costs and how far estimates are off.
+    """Measure every method, and conclude the price of a digit and the effectivity of estimates.
 
     Raises
     ------
     SceneError
-        if a method is not known to the study
+        if the study has no method of a given name
     RingwearError
         if the reference cannot be computed
     """
@@ -67,7 +67,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         if options.quantities:
             families = list(families_of_quantities(scene, options, names))
         else:
-            families = list(Ways.of(problem, names, options.quick).families())
+            families = list(Ways.with_references(problem, names, options.quick).families())
     table = record.solve("tradeoff", families, COLUMNS)
     rows = table.dropna(subset="error")
     numbers = ["seconds", "least seconds", "greatest seconds", "tolerance", "estimate", "error"]
@@ -81,37 +81,40 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         conclusions=(
             *conclude_effectivities(effectivities),
             *conclude_prices(prices),
-            *list_what_is_left_out(names, scene, options),
+            *list_omissions(names, scene, options),
             f"Measured on {platform.platform()}, one thread of {os.cpu_count()}; seconds are "
             "medians of at least three runs.",
             *record.conclusions,
         ),
         figures={"tradeoff": draw(rows, effectivities, scene.title)} if len(rows) else {},
-        tables={name: found for name, found in tables.items() if len(found)},
+        tables={name: table for name, table in tables.items() if len(table)},
     )
 
 
 def choose_methods(options: Options) -> tuple[str, ...]:
-    """Return the methods and marches that are measured.
+    """Return the methods and marches to measure: those of the options, or else all.
 
     Raises
     ------
     SceneError
-        if one of those asked for is not known, or does not give quantities of the user's own
+        if the study has no method of a given name, or if it cannot compute quantities of the user
     """
     known: Sequence[str] = BY_TOLERANCE if options.quantities else WAYS
     for name in options.methods:
         if name not in known:
-            which = "quantities of one's own" if options.quantities else "study tradeoff"
+            which = (
+                "study tradeoff with your quantities" if options.quantities else "study tradeoff"
+            )
             raise SceneError(f"methods: {which} has no {name!r}: give some of {', '.join(known)}")
     return options.methods or tuple(known)
 
 
-def list_what_is_left_out(names: tuple[str, ...], scene: Scene, options: Options) -> Iterator[str]:
-    """Yield what is not measured for a scene, with the reason."""
-    known = TOLERANCES[scene.problem.contact].knows_others
-    if NAIVE in names and not known and not options.quantities:
+def list_omissions(names: tuple[str, ...], scene: Scene, options: Options) -> Iterator[str]:
+    """Yield the methods that are left out for a scene, with the reason."""
+    applicable = TOLERANCES[scene.problem.contact].with_full_contact_methods
+    if NAIVE in names and not applicable and not options.quantities:
         yield (
-            "Left out for a shaped punch: the naive finite elements, whose nodes stick to the "
-            "whole face, and Euler's marches and the paper's grid, which are of full contact."
+            "Left out for a shaped punch: the naive finite elements, because their nodes stick to "
+            "the whole face, and Euler's marches and the paper's grid, because they assume full "
+            "contact."
         )

@@ -1,7 +1,7 @@
-"""The tolerances of a work-precision diagram, by the kind of contact, and what a level costs.
+"""The tolerances of a work-precision diagram for each kind of contact, and the expected seconds.
 
-A flat punch takes milliseconds at any tolerance. A contact that moves is marched with dense
-matrices on cells, so that it has fewer tolerances, and its seconds grow faster with them.
+A flat punch takes milliseconds at any tolerance. Moving contact is marched with dense matrices on
+cells: it has fewer tolerances, because its seconds grow faster with them.
 """
 
 from collections.abc import Callable
@@ -12,69 +12,72 @@ import numpy as np
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 
 EXPECTED_SECONDS = {"mdr": 0.05, "bem": 0.05, "fem": 0.2, "mdr-grid": 0.3, "naive": 0.3}
-"""Seconds of a run of a flat punch at the coarsest level."""
+"""Seconds of a run of a flat punch at the coarsest level, by method."""
 EXPECTED_PRICE = 1.4
-"""Factor by which one more digit asked for multiplies the expected seconds."""
-EXPECTED_SHAPED = {1e-1: 1.0, 1e-2: 1.0, 3e-3: 2.5, 1e-3: 6.0}
-"""Seconds of a run of a shaped punch by MDR, by its tolerance; finite elements take twice."""
+"""Factor by which one more digit of the tolerance multiplies the expected seconds."""
+EXPECTED_SECONDS_SHAPED = {1e-1: 1.0, 1e-2: 1.0, 3e-3: 2.5, 1e-3: 6.0}
+"""Seconds of a run of a shaped punch by MDR, by tolerance; finite elements take twice as long."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tolerances:
-    """What is asked for in a diagram, and what that costs.
+    """The tolerances of a diagram, and the expected seconds of its levels.
 
     Parameters
     ----------
-    in_full, quick : tolerances that methods are asked for
-    reference, quick_reference : accuracy of the solutions that errors are measured by
-    seconds : expected seconds of a run, by the method and the tolerance, NaN if sizes or steps are
-        set
-    knows_others : whether the naive finite elements, Euler's marches and the paper's grid can
-        solve such a contact
+    full, quick : tolerances of the levels, of the full and of the quick study
+    reference, quick_reference : tolerance of the references that errors are measured against
+    seconds : function (method, tolerance) -> expected seconds of a run; the tolerance is NaN if the
+        level sets sizes or steps instead
+    with_full_contact_methods : whether the methods for full contact apply: the naive finite
+        elements, Euler's marches and the paper's grid
     """
 
-    in_full: tuple[float, ...]
+    full: tuple[float, ...]
     quick: tuple[float, ...]
     reference: float
     quick_reference: float
     seconds: Callable[[str, float], float]
-    knows_others: bool
+    with_full_contact_methods: bool
 
     def asked(self, quick: bool) -> tuple[float, ...]:
-        """Return the tolerances that methods are asked for."""
-        return self.quick if quick else self.in_full
+        """Return the tolerances of the levels."""
+        return self.quick if quick else self.full
 
     def of_reference(self, quick: bool) -> float:
-        """Return the accuracy of the solutions that errors are measured by."""
+        """Return the tolerance of the references that errors are measured against."""
         return self.quick_reference if quick else self.reference
 
 
 def _seconds_of_flat(name: str, tolerance: float) -> float:
+    """Return the expected seconds of a run of a flat punch."""
     digits = 0.0 if np.isnan(tolerance) else -np.log10(tolerance) - 1
     return float(EXPECTED_SECONDS.get(name, 0.1) * EXPECTED_PRICE**digits)
 
 
 def _seconds_of_shaped(name: str, tolerance: float) -> float:
-    shaped = EXPECTED_SHAPED.get(tolerance, 1.0)
-    return 2 * shaped if name == "fem" else shaped
+    """Return the expected seconds of a run of a shaped punch."""
+    seconds = EXPECTED_SECONDS_SHAPED.get(tolerance, 1.0)
+    return 2 * seconds if name == "fem" else seconds
 
 
 TOLERANCES = {
     FULL_CONTACT: Tolerances(
-        in_full=tuple(10.0**-digits for digits in range(1, 9)),
+        full=tuple(10.0**-digits for digits in range(1, 9)),
         quick=tuple(10.0**-digits for digits in range(1, 4)),
         reference=1e-9,
         quick_reference=1e-6,
         seconds=_seconds_of_flat,
-        knows_others=True,
+        with_full_contact_methods=True,
     ),
-    # the first tolerance is refined to a tenth of itself, and sizes end where cells are too many
+    # a run at 1e-1 is refined to a tenth of that at most; sizes follow rtol up to a greatest
+    # number of cells
     MOVING_CONTACT: Tolerances(
-        in_full=(1e-1, 1e-2, 3e-3, 1e-3),
+        full=(1e-1, 1e-2, 3e-3, 1e-3),
         quick=(1e-1, 1e-2),
         reference=1e-5,
         quick_reference=1e-4,
         seconds=_seconds_of_shaped,
-        knows_others=False,
+        with_full_contact_methods=False,
     ),
 }

@@ -1,4 +1,7 @@
-"""The ways to compute a group of quantities, each with its levels, from coarse to fine."""
+"""The ways to compute a group of quantities: methods and marches, each with its levels.
+
+The levels of a way go from coarse to fine, by tolerance, by time step or by number of elements.
+"""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -18,7 +21,7 @@ from ..tables import Row
 from . import measure
 from .tolerances import TOLERANCES
 
-ASKED = {
+QUANTITY_GROUPS = {
     "indentation, force, relaxation times": frozenset(
         ["indentation", "normal_force", "relaxation_time"]
     ),
@@ -26,7 +29,7 @@ ASKED = {
     "fields": GROUPS["fields"],
     "steady state": GROUPS["steady"],
 }
-"""Groups of quantities, each of which is asked for alone."""
+"""Groups of quantities; each group is computed by itself."""
 BY_TOLERANCE = ("mdr", "bem", "fem")
 """Methods whose sizes follow the tolerance."""
 DIRECT, IMPLICIT, EXPLICIT, GRID, NAIVE = (
@@ -37,30 +40,30 @@ DIRECT, IMPLICIT, EXPLICIT, GRID, NAIVE = (
     "naive",
 )
 WAYS = (*BY_TOLERANCE, DIRECT, IMPLICIT, EXPLICIT, GRID, NAIVE)
-"""All methods and marches, as the option `methods` names them."""
+"""All methods and marches, by their names in the option `methods`."""
 
 IMPLICIT_STEPS = (0.1, 0.01, 0.001)
-"""Steps of the implicit march, non-dimensional."""
-STABLE_PARTS = (0.9, 0.3, 0.1)
-"""Steps of the explicit march, over the greatest that is stable."""
+"""Time steps of the implicit march in a/(E* k_max v0)."""
+EXPLICIT_STEPS = (0.9, 0.3, 0.1)
+"""Time steps of the explicit march, relative to the greatest stable one."""
 EXPLICIT_SIZES = MdrAccuracy(degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
-"""Elements so coarse that the explicit march is stable in a few thousand steps."""
+"""Elements of the explicit march: so coarse that a few thousand stable steps are enough."""
 NAIVE_CELLS = (5, 10, 20, 40)
-"""Elements of the naive finite elements on the radius of the punch."""
+"""Numbers of elements on the radius of the punch in the naive finite elements."""
 NAIVE_STEP = 0.8
-"""Step of the naive finite elements, over the greatest that is stable on their mesh."""
+"""Time step of the naive finite elements, relative to the greatest stable one on their mesh."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """All methods and marches for one problem, measured by references of another theory.
+    """The methods and marches to measure on one problem, and their references.
 
     Parameters
     ----------
-    problem : with the radii at which it is compared
-    references : solutions by the name of their method
-    names : of the methods and marches that are measured
-    quick : whether fewer tolerances will do
+    problem : problem of the scene, with the radii at which solutions are compared
+    references : reference solutions, by the name of their method
+    names : methods and marches to measure, out of `WAYS`
+    quick : whether fewer levels are enough
     """
 
     problem: Problem
@@ -69,8 +72,8 @@ class Ways:
     quick: bool
 
     @classmethod
-    def of(cls, problem: Problem, names: tuple[str, ...], quick: bool) -> "Ways":
-        """Solve the references that the names need.
+    def with_references(cls, problem: Problem, names: tuple[str, ...], quick: bool) -> "Ways":
+        """Create the ways of a problem, and solve the references that they need.
 
         Raises
         ------
@@ -80,49 +83,53 @@ class Ways:
         rtol = TOLERANCES[problem.contact].of_reference(quick)
         problem = replace(problem, march="modal", step=None)
         problem = replace(problem, compared_on=replace(problem, rtol=rtol).face)
-        needed = dict.fromkeys(other_theory(name.split()[0]) for name in names)
-        references = {name: solve_reference(problem, name, rtol) for name in needed}
+        reference_methods = dict.fromkeys(other_theory(name.split()[0]) for name in names)
+        references = {name: solve_reference(problem, name, rtol) for name in reference_methods}
         return cls(problem, references, names, quick)
 
     def families(self) -> Iterator[Family]:
-        """Yield a family for each group of quantities and each method or march that gives it."""
-        for group, quantities in ASKED.items():
+        """Yield a family for each group of quantities and each way that can compute it."""
+        for group, quantities in QUANTITY_GROUPS.items():
             try:
-                alone = self.problem.asking_for(quantities)
+                group_problem = self.problem.asking_for(quantities)
             except SceneError:
-                # the scene has none of them
+                # the scene has none of these quantities
                 continue
-            # nothing is steady at a fixed indentation
-            if method("mdr").refusal(alone):
+            # there is no steady state at a fixed indentation
+            if method("mdr").refusal(group_problem):
                 continue
             for name in self.names:
-                if levels := self._levels(name, alone, quantities):
+                if levels := self._levels(name, group_problem, quantities):
                     yield self._family(group, name, levels)
 
     def _levels(
-        self, name: str, alone: Problem, quantities: frozenset[str]
+        self, name: str, group_problem: Problem, quantities: frozenset[str]
     ) -> "dict[str, Callable[[], Row]]":
-        """Return the levels of a method or a march, from coarse to fine; empty if it has none."""
+        """Return the levels of a method or a march, from coarse to fine.
+
+        The levels are functions that solve one level each, by the text of its setting. There are
+        none if the way cannot compute the group.
+        """
         if name == NAIVE:
-            return self._naive_levels(alone)
+            return self._naive_levels(group_problem)
         problems: dict[str, Problem] = {}
         tolerances = TOLERANCES[self.problem.contact]
-        marched = tolerances.knows_others and quantities <= GROUPS["history"]
+        can_march = tolerances.with_full_contact_methods and quantities <= GROUPS["history"]
         if name in BY_TOLERANCE:
             problems = {
-                f"rtol {rtol:.0e}": replace(alone, rtol=rtol)
+                f"rtol {rtol:.0e}": replace(group_problem, rtol=rtol)
                 for rtol in tolerances.asked(self.quick)
             }
         elif name == DIRECT and quantities <= GROUPS["steady"]:
-            problems = {"closed form": alone}
-        elif name == IMPLICIT and marched:
-            stepped = replace(alone, march="implicit", rtol=1e-4)
+            problems = {"closed form": group_problem}
+        elif name == IMPLICIT and can_march:
+            stepped = replace(group_problem, march="implicit", rtol=1e-4)
             problems = {f"step {step:g}": replace(stepped, step=step) for step in IMPLICIT_STEPS}
-        elif name == EXPLICIT and marched:
-            problems = _explicit_problems(alone)
-        elif name == GRID and marched:
+        elif name == EXPLICIT and can_march:
+            problems = _explicit_problems(group_problem)
+        elif name == GRID and can_march:
             problems = {
-                f"n = {count}": replace(alone, mdr=MdrAccuracy(grid=count))
+                f"n = {count}": replace(group_problem, mdr=MdrAccuracy(grid=count))
                 for count in ((50, 100, 200) if self.quick else (50, 100, 200, 400))
             }
         solver = name.split()[0]
@@ -133,35 +140,41 @@ class Ways:
             if not method(solver).refusal(problem)
         }
 
-    def _naive_levels(self, alone: Problem) -> "dict[str, Callable[[], Row]]":
+    def _naive_levels(self, group_problem: Problem) -> "dict[str, Callable[[], Row]]":
         """Return the levels of the naive finite elements.
 
-        Their nodes stick to the whole face, so they know no contact that opens and spreads.
+        They cannot solve contact that opens or spreads, because their nodes stick to the whole
+        face, and they have no layers.
         """
-        # of a given indentation there is no error, and they know no layers
-        given = {"pressure", alone.load_regime.response} - {"normal_force"}
-        solvable = TOLERANCES[alone.contact].knows_others and alone.ground is None
-        if not solvable or not any(map(alone.wants, given)):
+        # they compute the pressure and the indentation; a given indentation has no error
+        computed = {"pressure", group_problem.load_regime.response} - {"normal_force"}
+        solvable = (
+            TOLERANCES[group_problem.contact].with_full_contact_methods
+            and group_problem.ground is None
+        )
+        if not solvable or not any(map(group_problem.wants, computed)):
             return {}
         reference = self.references[other_theory(NAIVE)]
-        only = alone.asking_for(frozenset(name for name in given if alone.wants(name)))
+        problem = group_problem.asking_for(
+            frozenset(name for name in computed if group_problem.wants(name))
+        )
         return {
             f"{cells} elements": partial(
                 measure.measure_naive,
-                only,
+                problem,
                 reference,
                 cells,
-                NAIVE_STEP * measure.stable_naive_step(only, cells),
+                NAIVE_STEP * measure.stable_naive_step(problem, cells),
             )
             for cells in (NAIVE_CELLS[:-1] if self.quick else NAIVE_CELLS)
         }
 
     def _family(self, group: str, name: str, levels: "dict[str, Callable[[], Row]]") -> Family:
-        """Return the family of a group and a method."""
+        """Return the family of a group and a method or a march."""
 
         def solve(setting: str) -> Row:
-            asked = {"group": group, "method": name, "tolerance": tolerance_of(setting)}
-            return {**asked, **levels[setting]()}
+            level = {"group": group, "method": name, "tolerance": tolerance_of(setting)}
+            return {**level, **levels[setting]()}
 
         def work(setting: str) -> float:
             return expected_seconds(self.problem, name, setting)
@@ -170,23 +183,23 @@ class Ways:
 
 
 def tolerance_of(setting: str) -> float:
-    """Return the tolerance that a setting asks for; NaN if it sets sizes or steps."""
+    """Return the tolerance of a setting; NaN if the setting gives sizes or steps instead."""
     return float(setting.removeprefix("rtol ")) if setting.startswith("rtol ") else np.nan
 
 
 def expected_seconds(problem: Problem, name: str, setting: str) -> float:
-    """Return the seconds that all runs of a level are expected to take."""
+    """Return the expected seconds of all runs of a level."""
     return measure.RUNS * TOLERANCES[problem.contact].seconds(name, tolerance_of(setting))
 
 
-def _explicit_problems(alone: Problem) -> dict[str, Problem]:
-    """Return the explicit march on coarse elements, in steps below the greatest stable one."""
-    coarse = replace(alone, mdr=EXPLICIT_SIZES)
+def _explicit_problems(group_problem: Problem) -> dict[str, Problem]:
+    """Return the problems of the explicit march: coarse elements, steps below the stable limit."""
+    coarse = replace(group_problem, mdr=EXPLICIT_SIZES)
     solution = method("mdr").solve(coarse, Stages("mdr"))
     if solution.wear is None:
         return {}
     limit = solution.wear.stability_limit()
     return {
         f"step {part:g} of the limit": replace(coarse, march="explicit", step=part * limit)
-        for part in STABLE_PARTS
+        for part in EXPLICIT_STEPS
     }

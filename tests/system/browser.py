@@ -1,6 +1,6 @@
-"""A headless Chromium, spoken to through a pipe.
+"""Control a headless Chromium through a pipe.
 
-Enough of the DevTools protocol to look at a page and to use it.
+The module speaks enough of the DevTools protocol to look at a page and to use it.
 """
 
 import base64
@@ -23,15 +23,15 @@ QUIET = (
 
 
 def installed():
-    """The path of a browser, if there is one."""
+    """Return the path of a browser; None if there is none."""
     names = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
     return next(filter(None, map(shutil.which, names)), None)
 
 
 class Browser:
-    """One page of one browser, with a profile of its own.
+    """One page of one browser, with its own profile.
 
-    What it asks the network for is kept in `requests`.
+    All addresses that it requests from the network are in `requests`.
     """
 
     def __init__(self, program):
@@ -93,7 +93,7 @@ class Browser:
                 self.loaded = True
 
     def open(self, page, width):
-        """Open a file in a window of that width."""
+        """Open a file in a window of a given width."""
         size = {"width": width, "height": 900, "deviceScaleFactor": 1}
         self("Emulation.setDeviceMetricsOverride", **size, mobile=width < 600)
         self.loaded = False
@@ -102,13 +102,13 @@ class Browser:
             self._note(self._next())
 
     def evaluate(self, script):
-        """The value of an expression within the page."""
+        """Return the value of an expression within the page."""
         answer = self("Runtime.evaluate", expression=script, returnByValue=True)
         assert "exceptionDetails" not in answer, answer
         return answer["result"].get("value")
 
     def printed(self):
-        """The page on A4 as PDF."""
+        """Return the page as a PDF on A4."""
         page = self("Page.printToPDF", preferCSSPageSize=True, printBackground=True)
         return base64.b64decode(page["data"])
 

@@ -1,4 +1,4 @@
-"""Faults of a figure that are found without looking at it."""
+"""Find faults of a figure from the extents of its texts, without looking at it."""
 
 import re
 from itertools import combinations
@@ -7,7 +7,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 
 def shown_labels(axis):
-    """Return the tick labels of an axis that are seen."""
+    """Return the visible tick labels of an axis."""
     if not axis.get_visible():
         return []
     low, high = sorted(axis.get_view_interval())
@@ -26,7 +26,7 @@ def digits(label):
 
 
 def _texts(figure):
-    """Return all texts that are seen: what, and the text."""
+    """Return the kind and the text of all visible texts."""
     texts = []
     for axes in filter(lambda axes: axes.get_visible(), figure.axes):
         for axis in (axes.xaxis, axes.yaxis):
@@ -42,14 +42,14 @@ def _texts(figure):
 
 
 def _overlap(first, second):
-    """Return whether two boxes have more in common than the rounding of a pixel."""
+    """Return whether two boxes overlap by more than the rounding of a pixel."""
     across = min(first.x1, second.x1) - max(first.x0, second.x0)
     down = min(first.y1, second.y1) - max(first.y0, second.y0)
     return across > 0.5 and down > 1.5
 
 
 def faults(figure):
-    """Return what is wrong with a figure, a line each."""
+    """Return a list of the faults of a figure, one line each."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     renderer, found = canvas.get_renderer(), []

@@ -1,4 +1,4 @@
-"""Bad input of sixty kinds: each is refused with status 2 by a line that says what to write."""
+"""Bad input of sixty kinds is refused with status 2, by a line that states what to write."""
 
 import re
 import shlex
@@ -18,7 +18,7 @@ normal_force = 2.0
 [wear]
 times = [0.0, 1.0]
 """
-# what of the scene is replaced, by what, and what the line tells to write
+# part of the scene, its replacement, and words of the line that states what to write
 SCENES = [
     ("radius = 1.0", "radius = -1.0", "punch.radius: -1.0 must be positive"),
     ("radius = 1.0", "radius = nan", "punch.radius: nan must be positive"),
@@ -82,7 +82,7 @@ SCENES = [
 
 
 def refused(call, capsys):
-    """The line on standard error of a command that is refused; it prints nothing else."""
+    """Return the line on standard error of a refused command, which prints nothing else."""
     try:
         status = main(shlex.split(call))
     except SystemExit as end:
@@ -95,7 +95,7 @@ def refused(call, capsys):
 
 
 @pytest.mark.parametrize(("part", "instead", "told"), SCENES)
-def test_bad_scenes(part, instead, told, tmp_path, monkeypatch, capsys):
+def test_a_bad_scene_is_refused(part, instead, told, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert part in SCENE
     (tmp_path / "mine.toml").write_text(SCENE.replace(part, instead), "utf-8")
@@ -127,20 +127,20 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize(("call", "told"), COMMANDS)
-def test_bad_commands(call, told, tmp_path, monkeypatch, capsys):
+def test_a_bad_command_is_refused(call, told, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
     line = refused(call, capsys)
     assert told in line
-    # no path of the installation
+    # the line has no path of the installation
     assert "studies/" not in line
     assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
 def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
-    """Every word that is printed without a terminal is printed on one, in lines that fit."""
+    """A terminal shows every word that is printed without a terminal, in lines that fit."""
     monkeypatch.chdir(tmp_path)
     call = shlex.split("run rubber --methods direct --no-figures --out out")
     assert main(call) == 0
@@ -150,7 +150,7 @@ def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
     told = capsys.readouterr().out
     assert told.split() == whole.split()
     assert "..." not in told
-    # but for what has no blank, such as a path
+    # only a word without blanks, such as a path, may be longer
     assert not [line for line in told.splitlines() if len(line) > width and " " in line.strip()]
     for command in ([], ["scenes"]):
         with pytest.raises(SystemExit, match="0"):

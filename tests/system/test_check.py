@@ -1,4 +1,4 @@
-"""Results of other programs held against ours: closed forms pass, and what is put wrong is told."""
+"""`ringwear check`: closed forms pass, and errors that are put into results are reported."""
 
 import json
 from pathlib import Path
@@ -18,7 +18,7 @@ RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])
 
 
 def flat_start(scene, radii=RADII):
-    """The start of a flat punch in closed form, in the units of a scene (Eqs. 10 and 11)."""
+    """Return the start of a flat punch in closed form, in scene units (Eqs. 10 and 11)."""
     radius, force = scene.punch.radius, scene.load_.normal_force
     pressure = force / (2 * np.pi * radius**2 * np.sqrt(1 - radii**2))
     depth = force / (2 * radius * scene.half_space.plane_strain_modulus)
@@ -28,7 +28,7 @@ def flat_start(scene, radii=RADII):
 
 def test_closed_forms_pass(tmp_path, capsys):
     table = flat_start(Scene.load("five_rings"))
-    # at the rim pressure is infinite, and what lies outside is not the punch's
+    # the pressure is infinite at the rim, and the second row lies outside the punch
     rim = {"time": 0.0, "radius": [1.0, 1.5], "pressure": [np.nan, 0.0], "indentation": 1.0}
     pd.concat([table, pd.DataFrame(rim)]).to_csv(tmp_path / "fem.csv", index=False)
     out = tmp_path / "out"
@@ -44,7 +44,7 @@ def test_closed_forms_pass(tmp_path, capsys):
     assert json.loads((out / "summary.json").read_text("utf-8"))["verdicts"][0]["within"]
 
 
-def test_what_is_off_is_told_with_its_sign_and_place(tmp_path, capsys):
+def test_errors_are_reported_with_sign_time_and_radius(tmp_path, capsys):
     table = flat_start(Scene.load("five_rings"))
     table["indentation"] *= 0.969
     table["pressure"] *= 1.12
@@ -61,24 +61,24 @@ def test_what_is_off_is_told_with_its_sign_and_place(tmp_path, capsys):
     assert main([*call, "--within", "0.5"]) == 0
 
 
-def test_the_difference_is_theirs_minus_ours():
+def test_the_difference_is_the_other_program_minus_ringwear():
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
     table = flat_start(scene)
     table.loc[3, "displacement"] += 0.05
-    # d = 1
+    # the indentation is 1, so the relative difference is 0.05
     (comparison,) = check(scene, {"abaqus": table}).field_comparisons
     assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
     (found,) = [field for field in comparison.fields if field.quantity == "displacement"]
     assert found.radii[found.largest[1]] == 0.5
     assert found.relative[found.largest] == pytest.approx(0.05, rel=1e-2)
     assert np.isnan(found.second_error).all()
-    # without fields there is nothing to draw
+    # a file without fields has no difference to draw
     depths = table[["time", "indentation"]].iloc[:1]
     assert not check(scene, {"depths": depths}).field_comparisons
 
 
 def test_errors_of_pressure_are_weighted_by_wear_and_area():
-    """Steady pressures are w/k: what is wrong on one ring counts by its part of int k p^2 dA."""
+    """Steady pressures are w/k, so an error on one ring counts by its part of int k p^2 dA."""
     scene = Scene.load("five_rings").changed(
         methods=["mdr"], punch__rings=2, punch__width_ratio=1.5
     )
@@ -92,16 +92,16 @@ def test_errors_of_pressure_are_weighted_by_wear_and_area():
     assert row.there == pytest.approx(0.5, abs=1e-3)
 
 
-def test_what_presses_while_nothing_does_is_seen():
-    """At the start of this scene there is no force."""
+def test_a_pressure_at_zero_force_is_an_error():
+    """The scene has no force at the start, so the error has no size, and the check fails."""
     table = pd.DataFrame({"time": 0.0, "radius": [0.002, 0.004], "pressure": [1e6, 0.0]})
     checked = check(Scene.load("duty_cycle").changed(methods=["mdr"]), {"theirs": table})
     assert not checked.passes
     assert checked.summary["verdicts"][0]["error"] is None
 
 
-def test_a_force_of_theirs_is_no_anchor_of_ours():
-    """It errs by less than is allowed, and by more than what is given as asked may."""
+def test_anchors_do_not_check_the_force_of_another_program():
+    """Its error is within the limit of the check, but above the tolerance of the anchor."""
     table = flat_start(Scene.load("five_rings"))
     table["normal_force"] *= 1.002
     checked = check(Scene.load("five_rings").changed(methods=["mdr"]), {"theirs": table})
@@ -110,7 +110,7 @@ def test_a_force_of_theirs_is_no_anchor_of_ours():
     assert checked.passes
 
 
-def test_our_own_results_read_back_err_by_roundoff(tmp_path):
+def test_results_of_ringwear_have_errors_of_roundoff(tmp_path):
     result = run("five_rings", methods=["mdr"], rtol=1e-3)
     result.save(tmp_path / "out")
     scene = result.scene
@@ -123,7 +123,7 @@ def test_our_own_results_read_back_err_by_roundoff(tmp_path):
     assert checked.plot().axes
 
 
-def test_columns_and_units_of_theirs(tmp_path):
+def test_columns_and_units_of_a_file_can_be_given(tmp_path):
     scene = Scene(
         units="SI",
         methods=["mdr"],
@@ -150,7 +150,10 @@ def test_columns_and_units_of_theirs(tmp_path):
 
 @pytest.mark.parametrize("upwards", [True, False])
 def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
-    """Closed forms of the flat start on a surface, below it zeros, and beside the punch tension."""
+    """The surface has closed forms of the flat start.
+
+    Values below the surface are zero, and there is tension beside the punch; both must not be read.
+    """
     table = flat_start(Scene.load("five_rings"), np.linspace(0, 0.99, 34))
     sign = 1.0 if upwards else -1.0
     surface = np.column_stack([table["radius"], 0 * table["radius"], 0 * table["radius"]])
@@ -176,7 +179,7 @@ def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
 
 @pytest.mark.gmsh
 def test_the_half_space_of_a_run_is_read_back(tmp_path):
-    """From its surface, at two times; pressures are those of the stresses inside."""
+    """The file has two times; its surface pressures are those of the stresses inside."""
     scene = Scene.load("five_rings").changed(output__field_times=[0.1, 2.0], accuracy__rtol=1e-3)
     draw(run(scene, methods=["fem"]), [], tmp_path)
     checked = check(scene, {"inside": tmp_path / "half_space.vtu"}, methods=["mdr"])
@@ -194,8 +197,8 @@ def test_the_half_space_of_a_run_is_read_back(tmp_path):
         ("01_contact_mechanics_256", -1e-2, 1e-2, ""),
     ],
 )
-def test_programs_of_others(program, low, high, looks):
-    """What the challenge has of them: a clamped boundary is named, two programs on grids pass."""
+def test_results_of_the_wear_challenge(program, low, high, looks):
+    """A clamped boundary of scikit-fem is diagnosed; two programs on grids pass."""
     folder = Path(challenge.__file__).parent
     (problem,) = folder.glob(f"{program[:2]}*.toml")
     given = pd.read_csv(folder / "others" / f"{program}.csv", comment="#").query("radius < 0.95")
@@ -209,12 +212,12 @@ def test_programs_of_others(program, low, high, looks):
     ("sizes", "order", "off", "honest"),
     [
         ((0.2, 0.1, 0.05), 2.0, 0.0, True),
-        ((0.3, 0.2, 0.07), 1.5, 0.0, True),  # not in one ratio
-        ((0.2, 0.1, 0.05), 2.0, -0.03, False),  # they converge to what is wrong
+        ((0.3, 0.2, 0.07), 1.5, 0.0, True),  # ratios of sizes differ
+        ((0.2, 0.1, 0.05), 2.0, -0.03, False),  # they converge to a wrong value
     ],
 )
 def test_a_refinement_of_known_order(sizes, order, off, honest):
-    """Of v (1 + off + h^p) Richardson's limit is v (1 + off), and the index 1.25 h^p of it."""
+    """For v (1 + off + h^p), Richardson's limit is v (1 + off), the index 1.25 h^p v."""
     scene = Scene.load("flat_punch").changed(methods=["mdr"])
     files = {
         f"h = {size}": flat_start(scene)[["time", "indentation"]].mul([1, 1 + off + size**order])
@@ -275,8 +278,8 @@ MALFORMED = [
 
 
 @pytest.mark.parametrize(("content", "told"), MALFORMED)
-def test_malformed_files(content, told, tmp_path, capsys):
-    """Status 2, one line that names the file and tells what to do, and nothing written."""
+def test_a_malformed_file_is_refused(content, told, tmp_path, capsys):
+    """The status is 2, one line names the file and what to do, and nothing is written."""
     file = tmp_path / "theirs.csv"
     if content is not None:
         file.write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -290,7 +293,7 @@ def test_malformed_files(content, told, tmp_path, capsys):
 
 
 def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
-    """With closed forms at the start, in units that are not the scene's."""
+    """The template is filled in with closed forms at the start, in other units than the scene's."""
     scene = Scene.load("rubber").changed(wear__times=[0.0], methods=["mdr"])
     (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
     call, units = ["check", str(tmp_path / "mine.toml")], ["--units", "mm, N, MPa, s"]
@@ -329,7 +332,7 @@ def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
         (["{}", "{}", "--sizes", "0.1,0.2"], "decreasing"),
     ],
 )
-def test_malformed_options(flags, told, tmp_path, capsys):
+def test_a_malformed_option_is_refused(flags, told, tmp_path, capsys):
     file = tmp_path / "theirs.csv"
     file.write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
     flags = [flag.format(file) for flag in flags]
@@ -341,6 +344,6 @@ def test_malformed_options(flags, told, tmp_path, capsys):
     assert told in capsys.readouterr().err
 
 
-def test_theirs_may_not_have_the_name_of_ours():
+def test_another_program_may_not_have_the_name_of_a_method():
     with pytest.raises(SceneError, match="another name"):
         check("five_rings", {"mdr": pd.DataFrame({"time": [0.0], "indentation": [1.0]})})

@@ -1,4 +1,4 @@
-"""Tables of other programs as they come: headings, separators, units, and one verdict for each."""
+"""Tables of other programs in any form: headings, separators, units, one verdict for each."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ TABLES = {
 
 
 @pytest.mark.parametrize("kind", TABLES)
-def test_a_table_is_read_as_it_comes(kind, tmp_path):
+def test_a_table_is_read_in_any_form(kind, tmp_path):
     separator, point, head, units = TABLES[kind]
     rows = [
         separator.join(f"{value:.12g}".replace(".", point) for value in (0.0, radius, pressure))
@@ -67,7 +67,7 @@ def test_a_table_is_read_as_it_comes(kind, tmp_path):
     assert abs(row.error) <= row.stated + 1e-11
 
 
-def test_a_table_without_headings_says_so(tmp_path):
+def test_a_table_without_headings_is_refused(tmp_path):
     path = tmp_path / "theirs.csv"
     path.write_text("0,0.1\n1,0.2\n", "utf-8")
     with pytest.raises(SceneError, match="the first line must name the columns"):
@@ -81,7 +81,7 @@ def test_a_unit_of_another_kind_is_refused_with_its_heading(tmp_path):
         check(SCENE, path)
 
 
-def test_large_files_are_read_at_once_and_as_small_ones_are(tmp_path):
+def test_large_files_are_read_fast_and_like_small_ones(tmp_path):
     path = tmp_path / "theirs.csv"
     table = pd.DataFrame({"time": 0.0, "radius": np.linspace(0, 1, 500), "pressure": 2.0})
     table.to_csv(path, index=False)
@@ -111,7 +111,7 @@ def test_one_table_needs_no_name_and_errors_are_a_table():
     assert not checked.passes
 
 
-def test_files_of_different_programs_have_a_verdict_each_and_are_no_refinement(tmp_path, capsys):
+def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinement(tmp_path, capsys):
     for name, factor in (("abaqus", 1.001), ("ansys", 0.9)):
         table = pd.DataFrame({"time": [0.0], "indentation": [factor * DEPTH]})
         table.to_csv(tmp_path / f"{name}.csv", index=False)
@@ -127,14 +127,14 @@ def test_files_of_different_programs_have_a_verdict_each_and_are_no_refinement(t
     assert "refinement: indentation" in capsys.readouterr().out
 
 
-def test_large_errors_are_told_as_multiples():
+def test_large_errors_are_printed_as_multiples():
     table = pd.DataFrame({"time": [0.0], "indentation": [1e6 * DEPTH]})
     (_, line, *_) = check(SCENE, table).lines
     assert "1e+06 times high" in line
     assert "%" not in line.partition("(")[0]
 
 
-def test_a_quantity_that_is_misspelt_is_answered_by_the_right_one():
+def test_a_misspelt_quantity_gets_the_right_name_as_a_suggestion():
     checked = check(SCENE, pd.DataFrame({"time": [0.0], "indentation": [DEPTH]}))
     with pytest.raises(SceneError, match="did you mean 'pressure'"):
         checked.error("presure")

@@ -1,4 +1,4 @@
-"""Commands on punches that are recessed, round or hollow: files, what is refused, exit status."""
+"""Commands on recessed, round or hollow punches: files, refusals and exit status."""
 
 import meshio
 import numpy as np
@@ -55,7 +55,7 @@ def test_files_of_a_recessed_punch(tmp_path):
     assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
     page = (out / "report.html").read_text("utf-8")
     assert "of the unworn face at the start" in page
-    # but for an anchor of that name
+    # one anchor has these words in its name
     assert "flat punch</td>" not in page.replace("reciprocity with the flat punch</td>", "")
 
 
@@ -76,7 +76,7 @@ def test_a_study_of_flat_punches_refuses_a_sphere(capsys):
 
 
 @pytest.mark.slow
-def test_a_face_that_cells_cannot_hold_does_not_exit_as_done(tmp_path):
+def test_a_face_too_rough_for_the_cells_ends_with_status_3(tmp_path):
     heights = np.random.default_rng(200).uniform(0, 0.5, 200)
     profile = {
         "kind": "table",
@@ -99,7 +99,7 @@ def test_files_of_a_washer_and_its_free_surface(tmp_path):
     assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
     files = {file.name for file in (tmp_path / "run").iterdir()}
     assert {"profiles_and_pressures.png", "stress.png", "half_space.vtu", "mesh.png"} <= files
-    # nothing presses on the surface under the hole
+    # there is no pressure on the surface under the hole
     inside = meshio.read(tmp_path / "run" / "half_space.vtu")
     radius, height, _ = inside.points.T
     surface = (height == 0) & (radius < 0.9 * 0.012)
@@ -108,7 +108,7 @@ def test_files_of_a_washer_and_its_free_surface(tmp_path):
     assert np.abs(steady[surface]).max() <= 1e-2 * np.abs(steady).max()
 
 
-def test_rows_of_others_within_a_hole_are_left_out(tmp_path):
+def test_rows_of_a_checked_file_within_a_hole_are_left_out(tmp_path):
     table = run(HOLLOW).dataset.isel(solver=0)[["pressure"]].to_dataframe().reset_index()
     within = table.assign(radius=0.1, pressure=0.0).drop_duplicates("time")
     pandas.concat([table, within])[["time", "radius", "pressure"]].to_csv(

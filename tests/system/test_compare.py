@@ -1,4 +1,4 @@
-"""Two results beside each other, and results as CSV."""
+"""`ringwear compare` on two results, and results as CSV."""
 
 import numpy as np
 import pandas as pd
@@ -18,13 +18,13 @@ def folder(tmp_path_factory):
     return out
 
 
-def test_compare_tells_what_differs(folder, tmp_path, capsys):
+def test_compare_lists_the_differences(folder, tmp_path, capsys):
     other, out = tmp_path / "other.toml", tmp_path / "out"
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)
     other.write_text(scene.to_toml(), "utf-8")
     assert main(["compare", str(folder), str(other), "--out", str(out)]) == 0
     told = capsys.readouterr().out
-    # everything is linear in the load, but for what does not depend on it
+    # every number is proportional to the load or independent of it
     change = pd.read_csv(out / "answers.csv", index_col=0)["B against A"]
     for name in ("steady_wear_rate", "indentation_steady", "steady_rms_slope"):
         assert change[name] == "+100 %"
@@ -37,11 +37,11 @@ def test_compare_tells_what_differs(folder, tmp_path, capsys):
     assert (out / "difference.png").exists()
 
 
-def test_twice_the_load_differs_by_as_much_as_there_is(folder):
+def test_twice_the_load_differs_by_the_result_itself_at_the_start(folder):
     twice = run(Scene.load("rubber").changed(methods=["mdr"], load__mean_pressure=6e5))
     comparison = field_comparison(load(folder), twice)
     fields = {field.quantity: field for field in comparison.fields}
-    # at the start all is linear in the load, and d is u everywhere
+    # at the start everything is linear in the load, and the displacement is d everywhere
     start = fields["displacement"].relative[0]
     np.testing.assert_allclose(start, 1.0, rtol=1e-3)
     assert fields["pressure"].norms[0] == pytest.approx(1.0, rel=1e-3)
@@ -73,7 +73,7 @@ def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
         ("broken", "cannot be read"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsys):
+def test_results_that_cannot_be_compared_are_refused(other, told, folder, tmp_path, capsys):
     scene = Scene.load("flat_punch").changed(methods=["direct"])
     (tmp_path / "units.toml").write_text(scene.to_toml(), "utf-8")
     (tmp_path / "empty").mkdir()
@@ -85,18 +85,18 @@ def test_what_cannot_be_compared_is_refused(other, told, folder, tmp_path, capsy
     assert not out.exists()
 
 
-def test_csv_tables_are_the_results(folder):
+def test_csv_tables_have_the_numbers_of_results_nc(folder):
     tables = {file.stem: pd.read_csv(file) for file in folder.glob("*.csv")}
     results = xarray.load_dataset(folder / "results.nc")
     over_time = {"solver_time", "solver_time_radius", "solver_time_ring"}
     others = {"solver", "solver_ring", "solver_radius", "solver_mode", "solver_state_ring"}
-    others.add("solver_state")  # errors of what is told of the rings
+    others.add("solver_state")  # errors of the numbers of each ring
     assert set(tables) == over_time | others
     fields = tables["solver_time_radius"]
     assert len(fields) == results.sizes["time"] * results.sizes["radius"]
     last, pressure = fields.iloc[-1], results.pressure.sel(solver="mdr")[-1, -1]
     assert last[["solver", "time [s]", "pressure [Pa]"]].tolist() == ["mdr", 3e6, float(pressure)]
-    # of direct integration there is no history, and no row
+    # direct integration has no history, so it has no row
     assert set(tables["solver_time"]["solver"]) == {"mdr"}
     assert set(tables["solver"]["solver"]) == {"mdr", "direct"}
     edges = tables["solver_state_ring"]["ring_outer_radius [m]"][:5]

@@ -1,4 +1,4 @@
-"""The lists of CONTRIBUTING.md are complete: a quantity and a study, added as they say."""
+"""The lists of CONTRIBUTING.md are complete for a quantity and a study, which are added here."""
 
 import re
 import sys
@@ -62,7 +62,7 @@ def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tm
     assert "studies/anchors/" in named
     add_inner_force(monkeypatch, factor=1.0)
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
-    # estimates, comparison, anchors and files follow
+    # estimates, comparison, anchors and files need no further change
     assert (result.dataset.inner_force_error < 1e-3).all()
     assert result.quantities["inner_force"] == "agree"
     told = [anchor for anchor in result.anchors if anchor.name == "inner force of the flat start"]
@@ -76,7 +76,7 @@ def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tm
         assert inner.attrs["long_name"] == "force on the innermost ring"
 
 
-def test_the_anchor_of_a_new_quantity_notices_that_it_is_wrong(monkeypatch):
+def test_the_anchor_of_a_new_quantity_detects_a_wrong_value(monkeypatch):
     add_inner_force(monkeypatch, factor=1.01)
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
     assert result.quantities["inner_force"] == "agree"
@@ -109,7 +109,7 @@ def conduct(scene, options, record):
 
 @pytest.fixture
 def trapezoids(monkeypatch, tmp_path):
-    """A study, added by a file beside those in `studies/` and a row in `STUDIES`."""
+    """Add a study by a file beside those in `studies/` and a row in `STUDIES`."""
     (tmp_path / "trapezoids.py").write_text(TRAPEZOIDS, "utf-8")
     folders = [*ringwear.studies.__path__, str(tmp_path)]
     monkeypatch.setattr(ringwear.studies, "__path__", folders)
@@ -132,6 +132,6 @@ def test_a_study_needs_a_file_and_a_row(trapezoids, tmp_path, capsys):
     assert len(pd.read_csv(out / "trapezoids.csv")) == 4
     assert (out / "trapezoids.png").exists()
     assert "1 of 1 orders" in capsys.readouterr().out
-    # unless the row says so, a study is not of shaped punches
+    # a study takes no shaped punches unless its row in STUDIES says so
     assert main(["study", "trapezoids", "sphere", "--quick", "--out", str(tmp_path / "no")]) == 2
     assert "leave out punch.recess" in capsys.readouterr().err

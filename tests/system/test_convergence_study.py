@@ -1,4 +1,4 @@
-"""The study of convergence: what a user brings to it, from Python and from the command line."""
+"""The study of convergence with meshes, elements, steps and quantities of the user."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def fails(result):
 
 @pytest.fixture(scope="module")
 def sequence():
-    """Three meshes of a user's, from coarse to fine."""
+    """Return three meshes of a user, from coarse to fine."""
     return [
         bisection.mesh(SizeField(EDGES, size, size, 0.5, 5.0, 1.0)) for size in (0.2, 0.05, 0.01)
     ]
@@ -65,7 +65,7 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
     for _, rows in levels.groupby("family"):
         assert (np.diff(rows["pressure at start"]) < 0).all()
         assert abs(rows["p at .5 a"].iloc[-1]) < 0.5 * abs(rows["p at .5 a"].iloc[0])
-        # values and their errors tell of one exact value
+        # values and their errors give the same exact value
         exact = rows["value of p at .5 a"] / (1 + rows["p at .5 a"])
         assert np.ptp(exact) <= 1e-12 * exact.iloc[0]
     reasons = found.orders[found.orders.quantity == "d0"].theory
@@ -74,7 +74,7 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
     assert axes.get_xlabel() == "number of unknowns"
 
 
-def test_the_same_from_the_command_line(files, tmp_path):
+def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_path):
     out, options = tmp_path / "out", []
     for file in files:
         options += ["--mesh", file]
@@ -100,7 +100,7 @@ def test_an_element_from_the_command_line(tmp_path):
     assert float(graded["least squares"]) == pytest.approx(4, abs=0.3)
 
 
-def test_steps_of_a_users_own_are_of_the_first_order():
+def test_time_steps_of_the_user_converge_with_first_order():
     scene = Scene.load("five_rings").changed(wear__times=[0.0, 0.5, 1.0])
     found = study("convergence", scene, quick=True, steps=[0.1, 0.05, 0.025, 0.0125])
     judged = found.orders[found.orders["expected order"] == 1]
@@ -121,7 +121,7 @@ def test_steps_of_a_users_own_are_of_the_first_order():
         ({"meshes": ["no_such.msh"]}, "--mesh no_such.msh"),
     ],
 )
-def test_what_does_not_fit_is_refused(options, message):
+def test_options_that_do_not_fit_are_refused(options, message):
     with pytest.raises(SceneError, match=message):
         study("convergence", "flat_punch", quick=True, **options)
 
@@ -131,7 +131,7 @@ def test_a_punch_whose_contact_moves_needs_times():
         study("convergence", Scene.load("sphere").changed(wear__times=[]), quick=True)
 
 
-def test_a_function_that_fails_is_named(files, tmp_path, capsys):
+def test_the_error_of_a_user_function_names_it(files, tmp_path, capsys):
     options = ["--mesh", files[0], "--quantity", f"{tmp_path / 'mine.py'}:fails", "--quick"]
     assert main(["study", "convergence", "five_rings", *options, "--out", str(tmp_path / "o")]) == 2
     assert "quantity fails fails: AttributeError" in capsys.readouterr().err
@@ -149,11 +149,11 @@ def test_the_force_of_a_fixed_indentation_is_measured():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["sphere", "duty_cycle"])
-def test_punches_whose_contact_moves_have_the_whole_table(scene):
+def test_punches_whose_contact_moves_have_all_columns(scene):
     found = study("convergence", scene, quick=True)
     assert not found.table.remark.notna().any()
     columns = {"d(t)", "pressure", "profile", "RMS slope", "contact radius", "stresses inside"}
-    # one ring carries the force that is given
+    # a punch of one ring carries the given force on it
     columns |= {"ring forces", "worn volume"} if scene == "duty_cycle" else {"pressure at start"}
     finest = found.table.groupby("family").last()
     assert {"MDR", "BEM", "FEM P1", "FEM P4", "FEM Q1", "FEM Q2"} <= set(finest.index)

@@ -1,4 +1,4 @@
-"""Decks by the command line, run where CalculiX is installed, and the challenge."""
+"""Decks from the command line, run if CalculiX is installed, and the wear challenge."""
 
 import os
 import re
@@ -32,7 +32,7 @@ def run_calculix(folder, job):
 
 @RUN
 def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
-    """The flat start of Boussinesq: F = 2 a E* d, less what the clamped arc takes."""
+    """The flat start is Boussinesq's, F = 2 a E* d, reduced by the effect of the clamped arc."""
     call = ["deck", "flat_punch", "--for", "calculix", "--out", str(tmp_path), "--time", "0"]
     assert main([*call, "--size", "0.08", "--reach", "400"]) == 0
     assert "ringwear check scene.toml prescribed.dat" in capsys.readouterr().out
@@ -62,13 +62,13 @@ def test_decks_for_abaqus_have_documented_keywords(tmp_path):
         text = file.read_text("utf-8")
         keywords = set(re.findall(r"^\*([A-Z][A-Z ]*)", text, re.MULTILINE))
         assert {keyword.strip() for keyword in keywords} <= DOCUMENTED
-        # of the washer: the start and a worn face, or the indentation and then the force
+        # steps of the washer: the start and a worn face, or the indentation and then the force
         assert text.count("*STEP") == text.count("*END STEP") == 2
         assert max(map(len, text.splitlines())) <= 256
     assert "not run" in (tmp_path / "README.md").read_text("utf-8")
 
 
-def test_what_has_no_deck_is_refused_in_a_line(tmp_path, capsys):
+def test_a_scene_without_a_deck_is_refused_in_one_line(tmp_path, capsys):
     assert main(["deck", "recessed_binder", "--for", "calculix", "--out", str(tmp_path / "a")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert not list(tmp_path.iterdir())

@@ -1,4 +1,4 @@
-"""Differences along the radius, and the figures that show how little methods differ."""
+"""Differences along the radius, and the figures that show how small they are."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from ringwear.studies.figures.style import new_panels, show_values
 from ringwear.studies.sampling.field_differences import compare_fields
 
 TIMES = [0.0, 1e3, 2e4, 3e5]
-# one ring, so that the weight of the pressure's norm is the area
+# with one ring, the weight of the norm of the pressure is the area
 SCENE = Scene.load("rubber").changed(
     punch__ring_edges=[0.005], punch__wear_coefficients=[1e-15, 1e-15], wear__times=TIMES
 )
@@ -23,7 +23,7 @@ RADII = np.linspace(0.0, 0.005, 101)
 
 
 def report(**changed):
-    """Return a report of uniform fields, in SI units, with values that are changed afterwards."""
+    """Return a report of uniform fields in SI units, some of which are replaced."""
     shape = len(TIMES), len(RADII)
     fields = {
         "time": np.array(TIMES),
@@ -39,7 +39,7 @@ def report(**changed):
 
 
 def differing(quantity, row, at, amount):
-    """Return a report in which one value differs by an amount."""
+    """Return a report in which one value is changed by an amount."""
     values = report()[quantity].copy()
     values[row, at] += amount
     return report(**{quantity: values})
@@ -59,18 +59,18 @@ def texts(figure):
     return [axes.get_title(loc="left") for axes in figure.axes]
 
 
-def test_a_known_difference_of_pressure_is_found_where_it_is():
+def test_a_known_difference_of_pressure_is_found_at_its_time_and_radius():
     found = field(compared(differing("pressure", 2, 70, 0.03 * 3e5)), "pressure")
     assert found.largest == (2, 70)
     assert found.radii[70] == pytest.approx(0.0035)
     assert found.relative[2, 70] == pytest.approx(0.03)
-    # the root of the share of the area within half a distance of that radius
+    # root of the fraction of the area within half a spacing of that radius
     share = (0.705**2 - 0.695**2) * 0.03**2
     np.testing.assert_allclose(found.norms, [0, 0, np.sqrt(share), 0], rtol=1e-12)
     np.testing.assert_array_equal(found.first_error, 1e-6)
 
 
-def test_pressures_of_the_unworn_punch_have_the_weight_of_their_norm():
+def test_differences_of_the_unworn_pressure_are_weighted_as_in_its_norm():
     # where p = p0 / sqrt(1 - r^2/a^2), the weighted pressure is p0 everywhere
     start = 1 / np.sqrt((1 - RADII[:-1] / 0.005) * (1 + RADII[:-1] / 0.005))
     pressure = report()["pressure"].copy()
@@ -80,12 +80,12 @@ def test_pressures_of_the_unworn_punch_have_the_weight_of_their_norm():
     found = field(compared(report(pressure=other), report(pressure=pressure)), "pressure")
     assert found.largest == (0, 60)
     assert found.relative[0, 60] == pytest.approx(0.02)
-    # at the rim both are infinite
+    # both pressures are infinite at the rim
     assert np.isnan(found.relative[0, -1])
     assert np.isfinite(found.relative[1:]).all()
 
 
-def test_a_solid_face_has_no_hole_where_radii_begin():
+def test_a_full_punch_has_no_hole_inside_the_first_radius():
     radii = np.array([0.3, 0.5, 0.9])
     np.testing.assert_allclose(SCENE.problem.sampled_face(radii).blunting, 1 - radii**2)
     hollow = Scene.load("washer").problem.sampled_face(np.array([0.7, 0.8]))
@@ -99,7 +99,7 @@ def test_heights_are_relative_to_the_greatest_indentation_so_far():
     assert found.norms[1] == pytest.approx(0.02)
 
 
-def test_where_nothing_presses_nothing_is_divided_by_zero():
+def test_times_without_pressure_do_not_divide_by_zero():
     pressure = report()["pressure"].copy()
     pressure[[0, 3]] = 0.0
     rest = pressure.copy()
@@ -112,7 +112,7 @@ def test_where_nothing_presses_nothing_is_divided_by_zero():
     assert names == ["profile", "displacement"]
 
 
-def test_values_that_are_not_given_are_left_out():
+def test_missing_values_are_left_out():
     sparse = report()["pressure"] * 1.01
     sparse[:, 1::2] = np.nan
     sparse[0] = np.nan
@@ -161,7 +161,7 @@ def test_the_figure_marks_and_names_the_largest_difference(quantity):
     assert {"error that MDR states (band)", "error that FEM states (band)"} <= labels
 
 
-def test_reports_that_are_the_same_differ_nowhere():
+def test_equal_reports_have_no_difference():
     figure = draw_difference(Scale(SCENE), "", (compared(report()),))
     assert texts(figure).count("no difference") == 3
     assert not any("largest" in text for text in texts(figure))
@@ -179,7 +179,7 @@ DRAWN = {
 
 
 @pytest.mark.parametrize("kind", DRAWN)
-def test_any_punch_is_drawn_and_the_marks_are_the_greatest_differences(kind, tmp_path):
+def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
     name, changes = DRAWN[kind]
     scene = Scene.load(name).changed(
         **{"methods": ["bem", "mdr"], "accuracy__rtol": 1e-2} | changes
@@ -187,7 +187,7 @@ def test_any_punch_is_drawn_and_the_marks_are_the_greatest_differences(kind, tmp
     result = run(scene)
     figure = draw_result_difference(result) if result.field_comparisons else None
     if kind == "no sliding":
-        # without a force there is nothing that a difference could be relative to
+        # without a force, no difference can be relative to anything
         assert figure is None
         return
     figure.savefig(tmp_path / "difference.png")
@@ -195,7 +195,7 @@ def test_any_punch_is_drawn_and_the_marks_are_the_greatest_differences(kind, tmp
     assert (comparison.reference, comparison.other) == tuple(scene.methods)
     for found in comparison.fields:
         assert np.isfinite(found.norms).all()
-        # by the values that are written, one by one
+        # the same differences from the values in the dataset
         both = result.dataset[found.quantity].values
         gaps = np.abs(both[1] - both[0]).reshape(-1, both.shape[-1])
         row, at = found.largest
@@ -210,7 +210,7 @@ def test_one_method_has_no_difference():
     assert not picture.drawn_for(alone)
 
 
-def test_what_was_written_is_drawn_again(tmp_path):
+def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
     scene = Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-2)
     result = run(scene)
     result.save(tmp_path)
@@ -276,7 +276,7 @@ def test_the_shortest_wave_has_pi_degrees_in_the_worst_element():
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", ["five_rings", "washer"])
-def test_great_differences_of_operators_are_in_the_shaded_part(name):
+def test_large_differences_of_operators_are_in_the_shaded_part(name):
     result = run(Scene.load(name).changed(methods=["mdr", "fem"], accuracy__rtol=1e-3))
     (pair,) = result.operators
     resolved = pair.wavelengths > pair.shortest_resolved

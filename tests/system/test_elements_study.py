@@ -1,4 +1,4 @@
-"""Which pair of spaces is stable: eigenvalues, errors, elements of one's own, and refusals."""
+"""Stability of pairs of spaces: eigenvalues, errors, elements of the user, and refusals."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ringwear.meshes.compliance import Compliance
 from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.elements.measures import TIMES, condense, exact_wear, measure
-from ringwear.studies.elements.pairs import Meshes, Pressures, basis, of_name
+from ringwear.studies.elements.pairs import Meshes, Pressures, basis, displacement_by_name
 from ringwear.studies.wear.full_contact import RunningIn
 
 RINGS = Scene.load("five_rings").problem.merged
@@ -28,7 +28,7 @@ def found():
 
 
 def levels_of(found, pressure, degree, displacement="ElementTriP2"):
-    """The levels of one pair, coarse to fine."""
+    """Return the levels of one pair, from coarse to fine."""
     table = found.table[~found.table.family.str.startswith("locking")]
     of_pair = (table.displacement == displacement) & (table.pressure == pressure)
     rows = table[of_pair & (table["pressure degree"] == degree)]
@@ -64,20 +64,20 @@ def test_checkerboards_lose_the_pressure_but_not_the_indentation(found):
     assert rows["d0"].abs().iloc[-1] <= 1e-3
     assert rows["p at the start"].min() > 3
     assert (np.diff(rows["p at the start"]) > 0).all()
-    # and wear hides it
+    # wear hides the checkerboards
     assert rows["d(t)"].iloc[-1] <= 1e-3
     assert rows["p(t)"].iloc[-1] <= 0.03
 
 
 @pytest.mark.parametrize("pressure", ["broken at ring edges", "broken everywhere"])
-def test_singular_pairs_have_no_errors_but_a_remark(found, pressure):
+def test_singular_pairs_have_a_remark_instead_of_errors(found, pressure):
     rows = levels_of(found, pressure, 2)
     assert (rows["least eigenvalue"] < 1e-20).all()
     assert rows["d0"].isna().all()
     assert rows["remark"].str.startswith("singular: refused").all()
 
 
-def test_the_table_to_choose_from(found):
+def test_the_choice_table_classifies_all_pairs(found):
     choice = found.tables["choice"].set_index(["pressure", "pressure degree"])
     assert {key for key, row in choice.iterrows() if row["stable"] == "yes"} == set(STABLE)
     assert choice.loc[("broken everywhere", 1), "stable"] == "no"
@@ -92,12 +92,12 @@ def test_quadratic_triangles_lock(found):
     locking = found.table[found.table.family == "locking, ElementTriP2"]
     errors = locking["d0"].abs().to_numpy()
     assert errors[-1] > 10 * errors[0]
-    assert any("so that they lock: ElementTriP2" in line for line in found.conclusions)
+    assert any("(locking): ElementTriP2" in line for line in found.conclusions)
 
 
-def test_what_is_measured_is_that_of_the_compliance_and_of_a_run():
-    """By an eigensolver of the whole energies, and by the wear of runs, on the same pressures."""
-    displacement, pressures = of_name("P3"), Pressures("wear rate continuous", 2)
+def test_measures_equal_those_of_an_eigensolver_and_of_a_run():
+    """An eigensolver of the full energies, and the wear of a run, use the same pressures."""
+    displacement, pressures = displacement_by_name("P3"), Pressures("wear rate continuous", 2)
     mesh = Meshes(RINGS).halved(0, on_quadrilaterals=False)
     condensed = condense(mesh, displacement, RINGS, 0.3)
     of_pressures = basis(condensed.space, pressures, RINGS, condensed.half_space.solid)
@@ -106,7 +106,7 @@ def test_what_is_measured_is_that_of_the_compliance_and_of_a_run():
     embedding = basis(condensed.space, jumping, RINGS, condensed.half_space.solid)
     degrees, edges = np.full(len(condensed.space.degrees), 2), RINGS.ring_edges
     space = type(condensed.space)(condensed.space.breakpoints, degrees, edges)
-    compliance = Compliance(space, (embedding.T @ condensed.by_elements.T).T)
+    compliance = Compliance(space, (embedding.T @ condensed.fem_factor.T).T)
     joined = space.joined(RINGS.wear_coefficients).toarray()
     energies = [joined.T @ each.matrix @ joined for each in (compliance, energy.compliance(space))]
     least = eigh(*energies, eigvals_only=True)[0]
@@ -132,13 +132,13 @@ def test_elements_that_do_not_fit_are_refused(elements, message):
     ("scene", "message"),
     [("washer", "leave out punch.inner_radius"), ("many_rings", "give fewer punch.rings")],
 )
-def test_other_punches_are_refused(scene, message):
+def test_hollow_punches_and_punches_of_many_rings_are_refused(scene, message):
     with pytest.raises(SceneError, match=re.escape(message)):
         study("elements", scene, quick=True, elements=[ElementTriP1()])
 
 
 @pytest.mark.gmsh
-def test_elements_of_one_kind_are_told_by_their_degree():
+def test_names_of_elements_of_one_class_have_their_degree():
     elements = [ElementQuadP(2), ElementQuadP(3), ElementTriP1B()]
     found = study("elements", "flat_punch", quick=True, elements=elements)
     names = {"ElementQuadP of degree 2", "ElementQuadP of degree 3", "ElementTriP1B"}
@@ -146,7 +146,7 @@ def test_elements_of_one_kind_are_told_by_their_degree():
     # a flat punch of one ring has no edges at which pressures could break
     assert set(found.table["pressure"]) == {"continuous", "broken everywhere", "as in ringwear run"}
     assert set(found.tables["choice"]["stable"]) == {"yes", "no", "singular"}
-    # bubbles inside do not change what the contact sees
+    # bubbles inside elements do not change displacements on the contact
     assert (levels_of(found, "continuous", 1, "ElementTriP1B")["least eigenvalue"] > 0.1).all()
 
 
@@ -169,7 +169,7 @@ def command(tmp_path, *elements):
 
 
 def test_elements_from_the_command_line(tmp_path):
-    """Scikit-fem's by name, and one of a file; they are the same element."""
+    """One element is named, the other is in a file; both are the same element."""
     (tmp_path / "own.py").write_text(OWN)
     assert command(tmp_path, "ElementTriP1", f"{tmp_path}/own.py:Mine") == 0
     names = {"elements.csv", "choice.csv", "choice.md", "choice.tex", "elements.png"}
@@ -206,7 +206,7 @@ def test_the_command_line_refuses_elements_in_one_line(tmp_path, capsys, element
 @pytest.mark.slow
 @pytest.mark.gmsh
 def test_every_displacement_has_a_stable_pressure():
-    """What runs take is stable beneath each; counts of checkerboards are those of theory."""
+    """Pressures of runs are stable with each displacement; checkerboards occur as in theory."""
     found = study("elements", "five_rings", quick=True)
     choice = found.tables["choice"]
     assert (choice[choice.pressure == "as in ringwear run"]["stable"] == "yes").all()

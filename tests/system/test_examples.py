@@ -1,4 +1,4 @@
-"""The examples of the README run as they stand, and show what they say."""
+"""The examples of the README run unchanged and print the results that they promise."""
 
 import ast
 import json
@@ -14,7 +14,7 @@ EXAMPLES = Path(__file__).parents[2] / "studies" / "examples"
 
 @pytest.fixture
 def show(tmp_path, monkeypatch, capsys):
-    """``show(name)``: what an example prints, run in a directory of its own."""
+    """``show(name)`` returns the output of an example that runs in its own directory."""
 
     def show_example(name):
         file = EXAMPLES / f"{name}.py"
@@ -37,11 +37,11 @@ def test_a_convergence_study(show, tmp_path):
 
 @pytest.mark.slow
 def test_thin_layers(show, tmp_path):
-    """The thinner the layer, the less relaxation times differ."""
+    """Relaxation times differ less if the layer is thinner."""
     ratios = [float(value) for value in re.findall(r"over fifth (\S+)", show("thin_layers"))]
     assert ratios == sorted(ratios)
     assert ratios[0] < 1.02
-    # without a layer they are about as 1 to 1/4
+    # without a layer their ratio is about 1 to 1/4
     assert ratios[-1] == pytest.approx(4.1, abs=0.2)
     assert (tmp_path / "thin_layers.png").exists()
 
@@ -52,16 +52,16 @@ def test_fem_against_mdr(show, tmp_path):
     assert (tmp_path / "fem_against_mdr.png").exists()
 
 
-def test_a_mesh_of_ones_own(show):
+def test_own_mesh(show):
     errors = [float(value) for value in re.findall(r"E\*\) (\S+)", show("own_mesh"))]
-    # of order one in the size at the rim, which halves each time
+    # first order in the size at the rim, which is halved each time
     ratios = [coarse / fine for coarse, fine in pairwise(errors)]
     assert 1.7 < min(ratios) <= max(ratios) < 2.3
 
 
 @pytest.mark.gmsh
-def test_the_notebook_shows_what_it_shows(capsys):
-    """What its cells print, and the last value of each, are the outputs that it holds."""
+def test_the_notebook_has_the_outputs_of_its_cells(capsys):
+    """The printed text and the last value of each cell equal the outputs stored in the notebook."""
     notebook = json.loads((EXAMPLES / "first_steps.ipynb").read_text("utf-8"))
     cells, names = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"], {}
     for cell in cells:

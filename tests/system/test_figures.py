@@ -1,6 +1,6 @@
-"""Figures in the units of the scene: what they show where faces wear, stand back or lose contact.
+"""Figures in the units of the scene, of faces that wear, are recessed or lose contact.
 
-That nothing overlaps is tested by the extents of all texts (`figure_faults`).
+Overlaps are detected by the extents of all texts (`figure_faults`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ WORN = {
     "wear": {"times": ["0 s", "1 min", "2 h", "1 day", "365 days"]},
     "accuracy": {"rtol": 1e-2},
 }
-# lands of which grooves of 1 mm stay clear, and a load that is taken off
+# only the lands between grooves of 1 mm are in contact, and the load is removed at the end
 GROOVED = WORN | {
     "units": "SI",
     "punch": PUNCH | {"recess": ["0 mm", "1 mm", "0 mm"]},
@@ -53,7 +53,7 @@ def grooved():
 
 
 def named(figure, label):
-    """Return what is drawn under a label, panel by panel."""
+    """Return everything that is drawn under a label, panel by panel."""
     artists = (artist for axes in figure.axes for artist in axes.get_children())
     return [artist for artist in artists if artist.get_label() == label]
 
@@ -67,7 +67,7 @@ def test_nothing_overlaps_and_numbers_are_short(scene, request):
         assert faults(picture.figure(result)) == [], picture.file
 
 
-def test_overlapping_labels_are_noticed():
+def test_overlapping_labels_are_detected():
     figure = Figure((3, 2), layout=None)
     axes = figure.add_axes((0.2, 0.2, 0.7, 0.7))
     axes.set_xticks([0.5, 0.52], ["0.5001", "99 %"])
@@ -77,7 +77,7 @@ def test_overlapping_labels_are_noticed():
         assert fault in found, found
 
 
-def test_a_scene_is_answered_in_its_units(worn):
+def test_answer_and_figures_are_in_the_units_of_the_scene(worn):
     account = Account(worn)
     answers = {what: value for what, value, _ in account.answers}
     units = {what: value.partition(" ")[2] for what, value in answers.items()}
@@ -102,7 +102,7 @@ def test_a_scene_is_answered_in_its_units(worn):
     assert {"mm", "MPa"} <= drawn
 
 
-def test_the_unworn_punch_is_where_it_is(worn):
+def test_the_unworn_punch_is_drawn_at_its_height_above_the_panel(worn):
     figure = draw_states(worn)
     lines = named(figure, "unworn punch")
     tops = [line.axes.get_ylim()[1] for line in lines]
@@ -128,7 +128,7 @@ def test_deep_grooves_do_not_hide_wear(grooved):
     assert "cut off below: the face goes back as far as Δf = 1 mm" in note
 
 
-def test_stress_is_drawn_under_what_touches_and_only_where_something_does(grooved):
+def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(grooved):
     figure = draw_stress(grooved)
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert [title.split("\n")[0] for title in titles] == ["t = 0 s", "t = 3 h"]
@@ -141,7 +141,7 @@ def test_stress_is_drawn_under_what_touches_and_only_where_something_does(groove
     np.testing.assert_allclose(bars, [[0, 10 / 3], [20 / 3, 10]], rtol=1e-3)
 
 
-def test_other_programs_have_colours_of_their_own(worn):
+def test_other_programs_have_different_colours(worn):
     table = worn.dataset.sel(solver="mdr")[["pressure", "profile", "indentation"]]
     table = table.isel(radius=slice(None, None, 40), time=[1, 2]).drop_vars("solver")
     checked = check(Scene(**WORN), {"ansys": table, "abaqus": table}, methods=["mdr"])

@@ -1,6 +1,4 @@
-"""The command line from end to end: files, their contents, exit status, and nothing half-
-written.
-"""
+"""The command line from end to end: files, their contents, exit status, no half-written files."""
 
 from __future__ import annotations
 
@@ -58,7 +56,7 @@ PAGE = {"report.html", ".ringwear.json"}
 
 
 def run_scene(directory, scene, *flags):
-    """Run a scene by the command; return its status and its folder."""
+    """Run a scene by the command, and return its status and its folder."""
     file, out = directory / "scene.toml", directory / "out"
     file.write_text(scene.to_toml(), "utf-8")
     return main(["run", str(file), "--out", str(out), *flags]), out
@@ -66,7 +64,7 @@ def run_scene(directory, scene, *flags):
 
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
-    """The main job, with lengths and forces that are not one."""
+    """Run the main job with a radius, a force and a modulus that are not one."""
     scene = Scene.load("five_rings").changed(
         units="mm, N, MPa, s",
         punch__radius=2.0,
@@ -83,7 +81,7 @@ def results(done):
     return xarray.load_dataset(done / "results.nc")
 
 
-def test_results(results):
+def test_results_nc_has_all_quantities(results):
     dims = {name: ("solver", *dims) for name, dims in (VARIABLES | ANSWER).items()}
     assert {name: results[name].dims for name in results} == dims
     assert results.solver.values.tolist() == ["mdr", "direct", "fem"]
@@ -110,13 +108,13 @@ def test_results_are_in_the_scenes_units(results):
     np.testing.assert_allclose(results.steady_wear_rate, mean * 5 / (4 * np.pi), rtol=1e-12)
 
 
-def test_what_a_method_does_not_give_is_not_a_number(results):
+def test_values_that_a_method_does_not_compute_are_nan(results):
     direct, others = results.isel(solver=1), results.isel(solver=[0, 2])
     assert np.isnan(direct.worn_volume).all()
     for name, dims in VARIABLES.items():
         assert bool(np.isnan(direct[name]).all()) == ("time" in dims or "mode" in dims)
         assert not np.isnan(others[name]).any(), name
-    # zero at its lowest, which may lie between two of the radii
+    # zero at the lowest point, which may lie between two radii
     lowest = results.steady_profile.min("radius")
     assert ((lowest >= 0) & (lowest <= 1e-4 * results.steady_profile.max("radius"))).all()
     assert (others.indentation_error > 0).all()
@@ -124,7 +122,7 @@ def test_what_a_method_does_not_give_is_not_a_number(results):
 
 
 @pytest.mark.gmsh
-def test_summary(done):
+def test_the_summary_of_a_run(done):
     summary = json.loads((done / "summary.json").read_text("utf-8"))
     assert set(summary["methods"]) == {"mdr", "direct", "fem"}
     for method in summary["methods"].values():
@@ -145,14 +143,14 @@ def test_summary(done):
     assert all(summary["left_out"].values())
 
 
-def test_half_space(done):
+def test_the_file_of_the_half_space(done):
     mesh = meshio.read(done / "half_space.vtu")
     r, y, _ = mesh.points.T
     assert [block.type for block in mesh.cells] == ["triangle"]
     assert r.max() == pytest.approx(10.0 if WITHOUT_GMSH else 5.0)
     assert y.max() == 0
     assert all(np.isfinite(values).all() for values in mesh.point_data.values())
-    # downwards, all of the punch's face by the indentation
+    # the whole face moves down by the indentation
     moved = mesh.point_data["displacement t=0"][(y == 0) & (r <= 2), 1]
     np.testing.assert_allclose(moved, -5 / (2 * 2 * 3), rtol=1e-2)
     # on the axis: zz = -p0 (1 + 3 s^2) / (1 + s^2)^2 at depth s
@@ -170,7 +168,7 @@ DIFFERENCE = {"difference.png"}
 INSIDE = {"half_space.vtu", "stress.png", "mesh.png"}
 
 
-def test_every_file_of_a_run_is_there(done):
+def test_a_run_writes_all_its_files(done):
     files = {file.name for file in done.iterdir()}
     drawn = HISTORY | STEADY | INSIDE | DIFFERENCE | {"operator_difference.png"}
     assert files == NUMBERS | PAGE | drawn
@@ -191,7 +189,7 @@ def test_every_file_of_a_run_is_there(done):
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
 def test_parts_of_a_scene(changes, figures, tmp_path):
-    """Every sensible part of a scene runs by itself, and writes no more than it has."""
+    """Every sensible part of a scene runs by itself, and writes only the files for that part."""
     scene = Scene.load("five_rings").changed(accuracy__rtol=1e-2, **changes)
     status, out = run_scene(tmp_path, scene)
     assert status == 0
@@ -204,7 +202,7 @@ def test_two_runs_are_the_same():
     assert run(scene).dataset.identical(run(scene).dataset)
 
 
-def test_an_accuracy_that_is_not_reached_ends_in_status_3(tmp_path, capsys):
+def test_an_accuracy_that_is_not_reached_ends_with_status_3(tmp_path, capsys):
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"],
         accuracy__rtol=1e-3,
@@ -226,8 +224,8 @@ def test_an_accuracy_that_is_not_reached_ends_in_status_3(tmp_path, capsys):
     assert any("undecided: " in line and "indentation" in line for line in told)
 
 
-def test_the_inside_as_a_series(tmp_path):
-    """ParaView goes through files of one time each, which hold what the whole does."""
+def test_the_inside_is_written_as_a_series(tmp_path):
+    """ParaView opens one file for each time, with the same numbers as the file of all times."""
     scene = Scene.load("flat_punch").changed(
         methods=["fem"], accuracy__rtol=1e-2, output__field_times=[0.0, 0.3]
     )
@@ -265,7 +263,7 @@ def test_the_mesh_that_the_command_writes_is_read_back(tmp_path):
     written = MeshQuad.load(tmp_path / "mesh.vtu")
     assert set(mesh.boundaries) == set(written.boundaries)
     assert mesh.nelements == written.nelements
-    # the degree may fall where it did
+    # subdomains mark layers in which the degree may be lower
     lower, written_lower = (
         {name: len(part) for name, part in each.subdomains.items()} for each in (mesh, written)
     )

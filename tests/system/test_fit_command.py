@@ -25,7 +25,7 @@ NOISE = 1e-8
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory):
-    """A scene, and what a sensor shows of a pin that wears 1.4 times as fast, in hours and um."""
+    """Return a scene, and d(t) of a pin that wears 1.4 times as fast, in hours and um."""
     folder = tmp_path_factory.mktemp("measured")
     (folder / "pin.toml").write_text(SCENE.to_toml(), "utf-8")
     times = np.geomspace(60.0, 40_000.0, 30)
@@ -59,9 +59,9 @@ def test_the_command_finds_a_wear_coefficient(measured, tmp_path, capsys):
     assert np.isinf(estimates.high["machine_compliance"])
 
 
-def test_the_call_shows_itself_in_print_and_in_a_notebook(measured, tmp_path):
+def test_the_result_displays_itself_in_print_and_in_a_notebook(measured, tmp_path):
     found = ringwear.fit(measured / "pin.toml", measured / "data.csv", "punch.wear_coefficient")
-    # the noise, which nobody has given, is that of the data
+    # no noise was given, so it is estimated from the data
     noise = found.measurements[0].noise[0]
     assert noise == pytest.approx(NOISE, rel=0.4)
     assert repr(found).startswith("Fit of a pin\n")
@@ -72,7 +72,7 @@ def test_the_call_shows_itself_in_print_and_in_a_notebook(measured, tmp_path):
     assert "report.html" in found.save(tmp_path / "saved")
 
 
-def test_a_law_that_does_not_fit_ends_with_3(measured, tmp_path, capsys):
+def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path, capsys):
     table = pd.read_csv(measured / "data.csv")
     table["Depth [um]"] *= 1 + 0.2 * table["time [h]"] / table["time [h]"].max()
     table.to_csv(tmp_path / "wrong.csv", index=False)
@@ -90,7 +90,9 @@ def test_a_law_that_does_not_fit_ends_with_3(measured, tmp_path, capsys):
         ("time,indentation\n1,1e-6\n2,2e-6\n", ["--noise", "profile=1"], "no such column"),
     ],
 )
-def test_what_is_wrong_is_refused_in_a_line(measured, tmp_path, capsys, data, options, told):
+def test_wrong_data_and_options_are_refused_in_one_line(
+    measured, tmp_path, capsys, data, options, told
+):
     (tmp_path / "data.csv").write_text(data, "utf-8")
     command = ["fit", str(measured / "pin.toml"), str(tmp_path / "data.csv")]
     command += ["--for", "punch.wear_coefficient", "--out", str(tmp_path / "out"), *options]
@@ -100,7 +102,7 @@ def test_what_is_wrong_is_refused_in_a_line(measured, tmp_path, capsys, data, op
 
 
 def test_layers_are_refused(tmp_path, capsys):
-    """The model of the data has none: a fit on another ground would be silently wrong."""
+    """The model of the fit has no layers, so it would give wrong values without notice."""
     (tmp_path / "data.csv").write_text("time,indentation\n0,1e-6\n10,2e-6\n")
     arguments = [str(tmp_path / "data.csv"), "--for", "punch.wear_coefficients", "--noise", "1e-8"]
     assert main(["fit", "polishing_pad", *arguments, "--out", str(tmp_path / "out")]) == 2

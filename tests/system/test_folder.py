@@ -1,6 +1,7 @@
-"""What is left in an output folder.
+"""The contents of an output folder after a run, a failure, a signal or a kill.
 
-The old or the new one as a whole, foreign files untouched, numbers whatever happens to a figure.
+The folder has the old or the new files as a whole, files of other people are untouched, and numbers
+are written even if a figure fails.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def fail(patch, stage, raised):
         (NETCDF, RuntimeError("NetCDF: HDF error"), "could not be written"),
     ],
 )
-def test_a_run_that_does_not_end_leaves_what_was_there(
+def test_a_run_that_does_not_end_leaves_the_old_files(
     stage,
     raised,
     told,
@@ -74,7 +75,7 @@ def test_a_run_that_does_not_end_leaves_what_was_there(
     assert contents(out) == before
 
 
-def test_figures_that_fail_lose_themselves_only(tmp_path, monkeypatch, capsys):
+def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
     def fill_disk(_):
         raise FULL_DISK
 
@@ -90,7 +91,7 @@ def test_figures_that_fail_lose_themselves_only(tmp_path, monkeypatch, capsys):
     told = capsys.readouterr()
     reasons = [line for line in told.err.splitlines() if "No space left" in line]
     assert all(any(file in line for line in reasons) for file in lost)
-    # the answer is told all the same
+    # the answer is printed nevertheless
     assert "steady wear rate" in told.out
     drawn = {"profiles_and_pressures", "history", "difference", "operator_difference", "mesh"}
     assert contents(tmp_path / "out").keys() == {
@@ -100,7 +101,7 @@ def test_figures_that_fail_lose_themselves_only(tmp_path, monkeypatch, capsys):
 
 
 def test_any_title_can_be_drawn(tmp_path):
-    """Titles are plain text: no mathtext of theirs can fail."""
+    """Titles are plain text, so they cannot fail as mathtext."""
     title = r"$\frac{1 \alpha_ and a long story " + 20 * "again and "
     scene = Scene.load("five_rings").changed(title=title, methods=["direct"])
     (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
@@ -108,10 +109,10 @@ def test_any_title_can_be_drawn(tmp_path):
     assert "steady_state.png" in contents(tmp_path / "out")
 
 
-def test_files_of_others_are_neither_removed_nor_written_over(tmp_path, capsys):
+def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
     assert main([*DIRECT, str(tmp_path)]) == 0
-    # figures of other numbers would lie about these
+    # old figures are removed, because they show other numbers
     assert main([*DIRECT, str(tmp_path), "--no-figures"]) == 0
     assert contents(tmp_path).keys() == {"results.nc", "summary.json", "notes.txt"}
     (tmp_path / "history.png").write_text("mine", "utf-8")
@@ -121,7 +122,7 @@ def test_files_of_others_are_neither_removed_nor_written_over(tmp_path, capsys):
     assert contents(tmp_path) == before
 
 
-def test_a_damaged_marker_takes_nothing_for_ringwear_s(tmp_path):
+def test_a_damaged_marker_claims_no_files_for_ringwear(tmp_path):
     (tmp_path / MARKER).write_text('{"run": ["../important", 3]', "utf-8")
     (tmp_path / "a").write_text("mine", "utf-8")
     with pytest.raises(SceneError, match="has not written"):
@@ -129,7 +130,7 @@ def test_a_damaged_marker_takes_nothing_for_ringwear_s(tmp_path):
     assert contents(tmp_path) == {"a": b"mine"}
 
 
-def test_the_second_of_two_runs_refuses(tmp_path):
+def test_the_second_of_two_simultaneous_runs_is_refused(tmp_path):
     with (
         output_folder(tmp_path, "run"),
         pytest.raises(SceneError, match="another run"),
@@ -139,7 +140,7 @@ def test_the_second_of_two_runs_refuses(tmp_path):
 
 
 def write(out, names, content, command="run", killed_at=0):
-    """Write files named by a letter each; kill the process at a line of the replacing, if asked."""
+    """Write files named by one letter each; kill the process at a line of `folder.py` if asked."""
     lines = iter(range(1, killed_at + 1))
 
     def kill(frame, event, _):
@@ -156,8 +157,8 @@ def write(out, names, content, command="run", killed_at=0):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("foreign", ["", "notes"])
-def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
-    """The folder is the old or the new one, once the next run has begun."""
+def test_a_killed_run_leaves_the_old_or_the_new_folder(foreign, tmp_path):
+    """The next run restores the folder, and never removes or claims a file of other people."""
     mine = {"mesh": b"mesh"} | ({foreign: b"mine"} if foreign else {})
     old, new = dict.fromkeys("abc", b"old") | mine, dict.fromkeys("bcd", b"new") | mine
     seen = []
@@ -173,7 +174,7 @@ def test_no_kill_loses_a_file_or_takes_one_for_others(foreign, tmp_path):
                 write(out, "bcd", "new", killed_at=line)
             os._exit(0)
         killed = os.WIFSIGNALED(os.waitpid(child, 0)[1])
-        # the next run mends what the killed one left, even if it is stopped itself
+        # the next run repairs the folder of the killed one, even if it is stopped itself
         with suppress(KeyboardInterrupt), output_folder(out, "run"):
             seen.append(contents(out))
             raise KeyboardInterrupt
@@ -202,7 +203,7 @@ def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
     assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
 
-# what there is of a run when it is stopped: nothing, numbers half written, numbers, a figure
+# file that exists when the run is stopped: none, half-written numbers, numbers, a figure
 @pytest.mark.parametrize(
     "seen",
     [

@@ -1,4 +1,4 @@
-"""Files of others, and files that lie: nothing of theirs is lost, and each is told in a line."""
+"""Files of other people, and malformed files: none is lost, and each is reported in one line."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ DIRECT = ["run", "flat_punch", "--rtol", "1e-2", "--methods", "direct", "--no-fi
 
 
 def told(capsys):
-    """The only line on standard error but those of progress."""
+    """Return the only line on standard error besides those of progress."""
     lines = capsys.readouterr().err.splitlines()
     (line,) = [line for line in lines if line.startswith("ringwear: ")]
     assert not [line for line in lines if "Traceback" in line]
@@ -36,7 +36,10 @@ def told(capsys):
 
 @pytest.mark.parametrize("link", [False, True])
 def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
-    """It is refused before anything is computed; ours is replaced, but not what it points to."""
+    """The sweep is refused before it computes anything.
+
+    A picture of ringwear is replaced, but not the file that a link in its place points to.
+    """
     (tmp_path / "map.toml").write_text(MAP)
     out, mine = tmp_path / "out", tmp_path / "mine.png"
     mine.write_bytes(b"mine")
@@ -54,7 +57,7 @@ def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
     picture.unlink()
     assert main(call) == 0
     assert picture.stat().st_size > 1000
-    # ours by its name, and then a link in its place
+    # the picture is replaced by a link of the same name
     picture.unlink()
     picture.symlink_to(mine)
     assert main([*call, "--resume"]) == 0
@@ -65,7 +68,7 @@ def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
 
 @pytest.mark.parametrize("name", [".writing", ".complete"])
 @pytest.mark.parametrize("kind", ["folder", "file", "link"])
-def test_foreign_folders_of_our_names_stay(tmp_path, capsys, name, kind):
+def test_foreign_folders_with_names_of_ringwear_stay(tmp_path, capsys, name, kind):
     out, there = tmp_path / "out", tmp_path / "out" / name
     out.mkdir()
     if kind == "folder":
@@ -81,7 +84,7 @@ def test_foreign_folders_of_our_names_stay(tmp_path, capsys, name, kind):
     assert main([*DIRECT, str(out)]) == 2
     assert name in told(capsys)
     assert sorted(tmp_path.rglob("*")) == before
-    # what a killed run of ours has left is cleaned up after
+    # files of a killed run of ringwear are removed
     os.rename(there, tmp_path / "away")
     (out / ".writing").mkdir()
     (out / ".writing" / MARKER).write_text("{}")
@@ -91,8 +94,8 @@ def test_foreign_folders_of_our_names_stay(tmp_path, capsys, name, kind):
 
 
 @pytest.mark.parametrize("marker", [["results.nc"], {"run": "results.nc"}, {"run": [3]}, 3, None])
-def test_a_marker_that_is_none_is_as_none(tmp_path, capsys, marker):
-    """Nothing is taken for ours by it."""
+def test_a_malformed_marker_is_ignored(tmp_path, capsys, marker):
+    """It claims no file for ringwear."""
     (tmp_path / MARKER).write_text(json.dumps(marker))
     (tmp_path / "results.nc").write_text("mine")
     assert main([*DIRECT, str(tmp_path)]) == 2
@@ -102,7 +105,9 @@ def test_a_marker_that_is_none_is_as_none(tmp_path, capsys, marker):
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_a_stop_while_results_take_their_place_says_so(tmp_path, monkeypatch, capsys, number):
+def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
+    tmp_path, monkeypatch, capsys, number
+):
     publish = folder_module.Folder.publish
 
     def interrupt(folder):
@@ -117,7 +122,7 @@ def test_a_stop_while_results_take_their_place_says_so(tmp_path, monkeypatch, ca
     assert (tmp_path / "out" / "results.nc").exists()
 
 
-def test_cells_are_no_formulas(tmp_path):
+def test_csv_cells_are_not_formulas(tmp_path):
     """Texts that a spreadsheet would compute are marked as texts; numbers stay numbers."""
     texts = ["=1+1", "+A1", "-cmd", "@SUM(1)", "\t=1", "plain", "-1.5"]
     table = pd.DataFrame({"=title": texts, "number": np.linspace(-1.0, 1.0, len(texts))})
@@ -139,8 +144,8 @@ def test_cells_are_no_formulas(tmp_path):
     assert "'=cmd" in (tmp_path / "solver.csv").read_text()
 
 
-def test_a_file_that_declares_more_than_it_holds(tmp_path, capsys):
-    """Eight megabytes that stand for 32 GB are not read."""
+def test_a_small_file_that_declares_huge_arrays_is_refused(tmp_path, capsys):
+    """A file of eight megabytes that stands for 32 GB is not read."""
     with netCDF4.Dataset(tmp_path / "large.nc", "w") as file:
         file.createDimension("time", 4_000_000_000)
         file.createVariable("indentation", float, ("time",), chunksizes=(2**20,), zlib=True)
@@ -157,7 +162,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 @pytest.mark.parametrize("command", ["run scene.toml", "sweep sweep.toml", "run /dev/zero"])
-def test_a_file_without_end(tmp_path, command):
+def test_an_endless_file_is_refused(tmp_path, command):
     """It is refused before it is read."""
     scene = Scene.load("flat_punch").table()
     scene["punch"]["profile"] = {"kind": "table", "file": "/dev/zero"}

@@ -1,4 +1,4 @@
-"""What a user of numpy and xarray types first: it works, or says in a line what to write."""
+"""First guesses of users of numpy and xarray: they work, or a line states what to write."""
 
 import numpy as np
 import pandas as pd
@@ -22,7 +22,7 @@ def set_radius(_):
     SCENE.punch.radius = 2.0
 
 
-# the guess, and whether it is what is wanted
+# the guess, and whether its result is right
 WORKING = [
     (lambda of: of["indentation"], lambda got: got.sizes["solver"] == 2),
     (lambda of: of["time"], lambda got: got.ndim == 1),
@@ -66,7 +66,7 @@ def test_guesses_that_work(guess, wanted, result):
     assert wanted(guess(result))
 
 
-# the guess, and what the line tells to write
+# the guess, and words of the line that states what to write
 TOLD = [
     (lambda of: of.pressure, "write result.dataset.pressure"),
     (lambda of: of.d, "write result.dataset.indentation"),
@@ -123,7 +123,7 @@ TOLD = [
 
 
 @pytest.mark.parametrize(("guess", "told"), TOLD)
-def test_guesses_that_are_told_what_to_write(guess, told, result):
+def test_wrong_guesses_get_a_line_with_the_right_call(guess, told, result):
     with pytest.raises((RingwearError, AttributeError, TypeError)) as refused:
         guess(result)
     line = str(refused.value)
@@ -131,20 +131,20 @@ def test_guesses_that_are_told_what_to_write(guess, told, result):
     assert "\n" not in line
 
 
-def test_a_property_that_fails_tells_its_own_fault(result, monkeypatch):
-    """What is told of names that are not there does not hide a fault of ours."""
+def test_an_error_within_a_property_is_reported(result, monkeypatch):
+    """The message about unknown names does not hide an error of ringwear itself."""
     monkeypatch.setattr(type(result), "notes", property(lambda _: [].nothing))
     with pytest.raises(AttributeError, match="'list' object has no attribute 'nothing'"):
         _ = result.notes
 
 
-def test_columns_of_a_table_are_results_of_others():
+def test_columns_of_a_table_are_results_of_another_program():
     checked = check("flat_punch", {"time": [0.0], "indentation": [1.0]}, methods=["mdr"])
     assert checked.passes
 
 
-def test_a_comparison_is_a_table_a_verdict_and_figures(result, tmp_path):
-    """Everything is linear in the force, at the start."""
+def test_a_comparison_has_a_table_a_verdict_and_figures(result, tmp_path):
+    """At the start everything is linear in the force."""
     twice = result.scene.changed({"load.normal_force": 4.0})
     found = compare(result, twice)
     assert found.verdict == "differ"

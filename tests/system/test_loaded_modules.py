@@ -8,7 +8,7 @@ import pytest
 
 
 def load_step_by_step(out):
-    """Do light jobs first; none of them loads what it does not need."""
+    """Do light jobs first; none of them loads a library that it does not need."""
     import ringwear
     from ringwear.studies.cli import main
 
@@ -33,7 +33,7 @@ def load_step_by_step(out):
 
 
 def run_direct_alone(out):
-    """Run the steady state alone, without figures and with them."""
+    """Run the steady state by direct integration, without and with figures."""
     from ringwear.studies.cli import main
 
     def loaded():
@@ -48,6 +48,6 @@ def run_direct_alone(out):
 
 
 @pytest.mark.parametrize("job", [load_step_by_step, run_direct_alone])
-def test_only_what_a_job_needs_is_loaded(tmp_path, job):
+def test_a_job_loads_only_the_libraries_that_it_needs(tmp_path, job):
     with ProcessPoolExecutor(1, get_context("spawn")) as fresh:
         fresh.submit(job, str(tmp_path / "out")).result()

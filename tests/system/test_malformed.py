@@ -1,6 +1,4 @@
-"""What cannot be done is refused in a line that names the key and the remedy, with the right
-status; nothing is written.
-"""
+"""Impossible commands are refused: a line names key and remedy, and nothing is written."""
 
 import re
 import shlex
@@ -41,8 +39,8 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize(("command", "words"), COMMANDS)
-def test_malformed_commands(command, words, tmp_path, monkeypatch, capsys):
-    """Status 2, one line on standard error that tells all of it, and nothing on standard output."""
+def test_a_malformed_command_is_refused(command, words, tmp_path, monkeypatch, capsys):
+    """The status is 2, one line on standard error has all words, and standard output is empty."""
     there = tmp_path / "there"
     there.mkdir()
     (there / "file").write_text("mine", "utf-8")
@@ -56,7 +54,7 @@ def test_malformed_commands(command, words, tmp_path, monkeypatch, capsys):
     assert status == 2
     shown = capsys.readouterr()
     assert shown.out == ""
-    # argparse says how the command is used before what is wrong
+    # argparse prints the usage before the error
     (line,) = [line for line in shown.err.splitlines() if line and not re.match(r"usage:| ", line)]
     assert "pydantic" not in line
     assert all(word in line for word in words.split()), line

@@ -1,4 +1,4 @@
-"""What somebody types who has not read the manual: it works, or says in a line what to write."""
+"""First guesses of users who have not read the manual: they work, or get a line of help."""
 
 import doctest
 import importlib
@@ -83,14 +83,14 @@ def test_guesses_that_work(call, result):
         (lambda _: sweep("five_rings", {"punch.ringss": [1, 2]}), "rings"),
     ],
 )
-def test_guesses_that_are_mended_in_a_line(call, told, result):
+def test_wrong_guesses_get_a_line_of_help(call, told, result):
     with pytest.raises(SceneError) as refused:
         call(result)
     assert told in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
-def test_only_what_is_public_is_listed():
+def test_only_public_names_are_listed():
     assert sorted(dir(ringwear)) == [
         *("Comparison", "Result", "RingwearError", "Scene", "SceneError", "Study", "__version__"),
         *("check", "compare", "deck", "fit", "load", "plan", "run", "study", "sweep"),
@@ -99,14 +99,14 @@ def test_only_what_is_public_is_listed():
     assert ringwear.SceneError is SceneError
 
 
-def test_results_show_themselves(result):
+def test_results_display_themselves(result):
     told = repr(result).splitlines()
     assert len(told) <= 10
     assert "The methods agree" in told[-1]
     assert "data:image/png;base64" in result._repr_html_()
 
 
-def test_what_is_saved_is_loaded(result, folder):
+def test_a_loaded_result_equals_the_saved_one(result, folder):
     again = load(folder)
     assert again.dataset.identical(result.dataset.load())
     assert (again.verdict, again.anchors) == (result.verdict, result.anchors)
@@ -130,7 +130,7 @@ def test_a_bundled_scene_is_printed_to_start_from(tmp_path, capsys):
     assert main(["scenes", "spher"]) == 2
 
 
-def test_strains_that_are_not_small_are_warned_of(capsys, tmp_path):
+def test_strains_that_are_not_small_give_a_warning(capsys, tmp_path):
     for force, warned in ((1e9, True), (10.0, False)):
         scene = Scene(**SCENE).changed(load__normal_force=force, methods=["direct"])
         (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")

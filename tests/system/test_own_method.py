@@ -1,4 +1,4 @@
-"""A method of a user's own, in a script: it stands in results, figures and verdict as ours do."""
+"""A method of the user in a script has results, figures and a verdict like any other."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from ringwear.studies.report.words import Account
 
 
 class Winkler(ComplianceMethod):
-    """A foundation of springs that do not feel each other."""
+    """A foundation of independent springs."""
 
     name = "winkler"
 
@@ -24,18 +24,18 @@ class Winkler(ComplianceMethod):
 
     @staticmethod
     def springs(space):
-        """Return the compliance of springs that let the flat punch in as deep as a half-space."""
+        """Return the compliance of springs that a flat punch indents like a half-space."""
         stiffness = 2 / np.pi
         return Compliance(space, np.linalg.cholesky(space.mass().toarray()).T / stiffness**0.5)
 
 
 @pytest.mark.parametrize("name", ["five_rings", pytest.param("sphere", marks=pytest.mark.slow)])
-def test_a_method_of_ones_own(name, tmp_path):
+def test_own_method(name, tmp_path):
     result = run(Scene.load(name).changed(accuracy__rtol=1e-2), methods=["mdr", Winkler()])
     winkler = result.dataset.sel(solver="winkler")
     assert np.isfinite(winkler.indentation).all()
     assert np.isfinite(winkler.indentation_error).all()
-    # springs are no half-space, and the verdict says so
+    # springs are no half-space, so the methods disagree
     assert result.verdict == "disagree"
     assert any("winkler" in line for line in result.summary["modelled"])
     assert "winkler" in str(Account(result).methods)
@@ -43,8 +43,8 @@ def test_a_method_of_ones_own(name, tmp_path):
     assert (tmp_path / "history.png").exists()
 
 
-def test_springs_wear_as_springs_do():
-    """Under a flat punch each spring relaxes by itself: rings of one wear share the load evenly."""
+def test_springs_relax_independently():
+    """Under a flat punch rings of one wear coefficient therefore share the load evenly."""
     scene = Scene.load("flat_punch").changed(wear__times=[0.0, 1.0, 10.0])
     dataset = run(scene, methods=[Winkler()]).dataset.isel(solver=0)
     pressure = scene.problem.units.force / (np.pi * scene.punch.radius**2)

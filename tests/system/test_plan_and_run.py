@@ -1,4 +1,4 @@
-"""A plan against the run that it tells of."""
+"""A plan compared with the run that it predicts."""
 
 import re
 
@@ -16,9 +16,9 @@ from ringwear.studies.scene.sources import bundled
     [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in bundled()],
 )
 def test_unknowns_are_those_of_the_run(name):
-    """Before it is refined, if its estimates fall short."""
+    """They are those of the run before a refinement."""
     scene = Scene.load(name)
-    # elements do not depend on late times
+    # element sizes do not depend on late times
     scene = scene.changed(wear__times=scene.wear.times[:3])
     for of in scene.methods:
         solution = method(of).solve(scene.problem, Stages(of))
@@ -26,7 +26,7 @@ def test_unknowns_are_those_of_the_run(name):
 
 
 @pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
-def test_a_plan_tells_seconds_and_gib_of_any_punch(load):
+def test_a_plan_predicts_seconds_and_memory_of_any_punch(load):
     scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-2)
     mdr, total, memory = plan(scene)
     assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)

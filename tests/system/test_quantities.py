@@ -1,4 +1,4 @@
-"""What is asked for is computed, and nothing else, to the accuracy asked for."""
+"""`output.quantities`: only these are computed, to the accuracy of `rtol`."""
 
 from functools import cache
 
@@ -21,7 +21,7 @@ def exact():
 
 @cache
 def whole(rtol):
-    """The run of all quantities."""
+    """Return the run of all quantities."""
     return run(FIVE.changed(accuracy__rtol=rtol))
 
 
@@ -31,7 +31,7 @@ def stored(result):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("names", [[name] for name in GROUPS] + [PAIR, ["ring_force"]], ids=str)
-def test_only_what_is_asked_for(names):
+def test_a_run_has_only_the_quantities_of_the_scene(names):
     result = run(FIVE.changed(accuracy__rtol=1e-2, output__quantities=names))
     wanted = set().union(*(GROUPS.get(name, {name}) for name in names)).difference(OF_PROFILES)
     assert result.verdict == "agree"
@@ -45,7 +45,7 @@ def test_only_what_is_asked_for(names):
 @pytest.mark.parametrize("names", [PAIR, ["indentation"]], ids=str)
 @pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-4, 1e-6])
 def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
-    """And are as accurate as asked for, by their own estimate and by the truth."""
+    """Their true errors are within their estimates and within `rtol`."""
     alone = run(FIVE.changed(accuracy__rtol=rtol, output__quantities=names))
     shown_parts = {"indentation": slice(None), "relaxation_time": slice(3)}
     for name in ("mdr", "fem"):
@@ -58,7 +58,7 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
             error, estimate = np.abs(values / truth - 1), alone.solutions[name].errors[quantity]
             assert (error <= np.minimum(estimate[shown], rtol)).all()
     if rtol <= 1e-4:
-        # the eighth relaxation time asks for elements of nearly the degree of fields
+        # the eighth relaxation time needs elements of nearly the same degree as fields do
         fewer = 2 if names == ["indentation"] else 1
         assert fewer * alone.solutions["fem"].unknowns < whole(rtol).solutions["fem"].unknowns
 
@@ -66,7 +66,7 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
 @pytest.mark.gmsh
 @pytest.mark.parametrize("scene", ["sphere", "recessed_binder"])
 @pytest.mark.parametrize("name", ["indentation", "pressure", "contact_radius", "steady"])
-def test_shaped_punches(scene, name):
+def test_a_shaped_punch_has_only_the_quantities_of_the_scene(scene, name):
     scene = Scene.load(scene)
     # the start and two times
     times = scene.wear.times[:3]
@@ -75,8 +75,8 @@ def test_shaped_punches(scene, name):
     assert stored(run(scene)) == GROUPS.get(name, {name})
 
 
-def test_the_cheap_end_is_cheap():
-    """Unknowns fall with every digit that is not asked for."""
+def test_unknowns_grow_with_every_digit():
+    """Each digit of `rtol` multiplies the unknowns by more than 1.2."""
     sizes = [
         run(FIVE.changed(accuracy__rtol=rtol), methods=["mdr"]).solutions["mdr"].unknowns
         for rtol in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
@@ -94,12 +94,12 @@ def test_the_cheap_end_is_cheap():
         (["steady"], {"wear": {"times": [1.0], "steady": False}}),
     ],
 )
-def test_what_is_not_there_is_refused(names, changes):
+def test_quantities_that_a_scene_does_not_have_are_refused(names, changes):
     with pytest.raises(SceneError, match="quantities"):
         _ = FIVE.changed(output__quantities=names, **changes).problem
 
 
-def test_command(tmp_path):
+def test_the_option_quantities_of_the_command(tmp_path):
     arguments = ["run", "five_rings", "--methods", "mdr", "--rtol", "1e-2", "--out", str(tmp_path)]
     assert main([*arguments, "--quantities", ",".join(PAIR)]) == 0
     assert not {"history.png", "profiles_and_pressures.png"} & {p.name for p in tmp_path.iterdir()}

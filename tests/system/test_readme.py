@@ -1,4 +1,4 @@
-"""What the pages for newcomers say is true: their examples run, and give what they promise."""
+"""The READMEs are true: their examples run and give the promised results."""
 
 import re
 from pathlib import Path
@@ -23,14 +23,14 @@ def test_the_example_of_the_finite_elements(capsys):
 
 
 @pytest.mark.parametrize("floor", FLOORS)
-def test_what_a_page_points_to_is_there(floor):
-    """In the code, or in its sources, each of which is cited."""
+def test_names_in_a_readme_exist_in_the_code(floor):
+    """Each source in its list is cited."""
     page = (ROOT / floor / "README.md").read_text("utf-8")
     names = re.findall(r"`([A-Za-z_]\w*(?:\.\w+)*)`", page)
     assert len(names) > 10
     files = [file for folder in FLOORS for file in (ROOT / folder).rglob("*.py")]
     code = {word for file in files for word in re.findall(r"\w+", f"{file} {file.read_text()}")}
-    # elements of scikit-fem that users may give
+    # elements of scikit-fem that users may choose
     code |= {"ElementTriP1", "ElementTriP4"}
     assert {word for name in names for word in name.split(".")} <= code
     sources = re.findall(r"(?m)^\[(\d)\]", page)
@@ -42,14 +42,14 @@ REFERENCE = ROOT / "studies" / "reference.md"
 
 
 def snippet(start, page=ROOT / "README.md"):
-    """An indented block of a page, from a line that begins so."""
+    """Return the indented block of a page that begins with a given text."""
     text = page.read_text("utf-8")
     block = re.search(rf"(?m)^    {re.escape(start)}.*\n(?:    .*\n|\n)*", text)[0]
     return dedent(block)
 
 
 def test_the_scene_and_the_script_of_the_readme(tmp_path, monkeypatch):
-    """The promise in its last line holds."""
+    """The assertion in the last line of the script holds."""
     monkeypatch.chdir(tmp_path)
     Path("punch.toml").write_text(snippet('units = "SI"'), "utf-8")
     assert main(["run", "punch.toml", "--no-figures", "--rtol", "1e-3"]) == 0
@@ -68,7 +68,7 @@ def test_the_output_in_the_readme(tmp_path, capsys):
 
 
 def test_the_keys_in_the_reference():
-    """Each line of its scene is a key that is known, and the whole but for what excludes is one."""
+    """Its scene has only valid keys, and all keys except those that exclude others."""
     text = snippet('title = "Five rings', REFERENCE)
     given = {line.split(" =")[0] for line in text.splitlines() if re.match(r"[a-z_]+ =", line)}
     sections = (Scene, *(field.annotation for field in Scene.model_fields.values()))
@@ -86,8 +86,8 @@ def test_the_keys_in_the_reference():
     }
 
 
-def test_the_readme_is_read_in_minutes():
-    """But for its tables, in which people look up their own case."""
+def test_the_readme_is_short():
+    """Tables do not count, because people look up only their own case in them."""
     text = (ROOT / "README.md").read_text("utf-8")
     lines = text.splitlines()
     assert len(lines) <= 120

@@ -1,4 +1,4 @@
-"""The refinement study: each way to refine, what it costs, and meshes of the user's own."""
+"""The study of refinement: ways to refine, their cost, and meshes of the user."""
 
 from dataclasses import replace
 
@@ -48,7 +48,7 @@ def family_of(case, way, quick=True):
 @pytest.mark.parametrize("punch", ["flat", "five", pytest.param("narrow", marks=pytest.mark.slow)])
 def test_uniform_refinement_is_of_first_order_and_refines_the_contact(punch, monkeypatch):
     monkeypatch.setattr(cases, "TRUTH", 1e-3)  # d0 has a closed form
-    # the quick study leaves out what is larger beside a narrow ring
+    # the quick study leaves out levels that are larger because of a narrow ring
     family = family_of(case_of(PUNCHES[punch]), "uniform", quick=punch != "narrow")
     first, last_but_one, last = map(family.solve, list(family.sizes)[:3])
     assert last["multipliers"] > 3 * first["multipliers"]
@@ -96,7 +96,7 @@ def make_mesh(path, rim_size, ring_size, growth=0.8):
 
 @pytest.fixture
 def own(tmp_path):
-    """Three mesh files, each finer than the one before."""
+    """Return three mesh files, each finer than the one before it."""
     return [
         make_mesh(tmp_path / f"{name}.vtu", size, size)
         for name, size in (("coarse", 0.1), ("middle", 0.03), ("fine", 0.01))
@@ -105,16 +105,14 @@ def own(tmp_path):
 
 @pytest.fixture
 def _few_levels(monkeypatch):
-    """Leave out the levels that take long."""
+    """Leave out levels that take long."""
     monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
     monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
     monkeypatch.setattr(ways, "unavailable", lambda: "left out")
 
 
 @pytest.mark.usefixtures("_few_levels")
-def test_a_sequence_of_own_meshes_is_one_curve_with_an_order_and_says_where_to_refine(
-    tmp_path, own
-):
+def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, own):
     found = study("refinement", "flat_punch", quick=True, meshes=own, degree=3)
     rows = found.table[found.table.family == "file"]
     assert list(rows.setting) == ["coarse.vtu", "middle.vtu", "fine.vtu"]
@@ -123,7 +121,7 @@ def test_a_sequence_of_own_meshes_is_one_curve_with_an_order_and_says_where_to_r
     for name, told in zip(rows.setting, found.conclusions, strict=False):
         assert told.startswith(f"flat punch: {name}, ")
         assert "of degree 3" in told
-        # a flat punch is singular at its rim alone
+        # the pressure of a flat punch is singular only at the rim
         assert "lies next to r = 1 a" in told
         assert "they are stable" in told
     of_own = found.orders[found.orders.refined == "flat punch, file"]
@@ -137,7 +135,7 @@ def test_a_sequence_of_own_meshes_is_one_curve_with_an_order_and_says_where_to_r
 
 
 @pytest.mark.usefixtures("_few_levels")
-def test_own_meshes_are_given_on_the_command_line(tmp_path, own, capsys):
+def test_own_meshes_from_the_command_line(tmp_path, own, capsys):
     meshes = [argument for path in own for argument in ("--mesh", path)]
     arguments = ["study", "refinement", "flat_punch", "--quick", "--degree", "2", *meshes]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
@@ -147,7 +145,7 @@ def test_own_meshes_are_given_on_the_command_line(tmp_path, own, capsys):
     assert printed.count("triangles of degree 2 with") == 3
 
 
-def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
+def test_a_mesh_file_that_does_not_fit_is_refused(tmp_path, own):
     scene = Scene.load("five_rings")
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
         own_mesh(scene.problem, own[0])
@@ -160,7 +158,7 @@ def test_a_mesh_file_is_refused_where_it_does_not_fit(tmp_path, own):
         study("refinement", scene, quick=True, meshes=own, degree=7)
 
 
-def test_files_of_one_name_are_told_apart(tmp_path):
+def test_files_of_one_name_get_different_labels(tmp_path):
     case = case_of([0.5, 1.0])
     paths = []
     for folder in ("one", "two"):
@@ -198,7 +196,7 @@ def test_costs_are_those_of_the_first_level_that_reaches_a_goal():
     assert table["least error"]["d0", 1e-3] == 0.005
 
 
-def test_poles_are_tied_where_the_truncation_must_not_be_seen():
+def test_poles_make_the_truncation_negligible():
     case = case_of(PUNCHES["flat"])
     mesh = ways.Ways(case, Options(), [])._coarsest
     assert len(case.half_space_on(mesh, 4, NEGLIGIBLE).poles) > 4

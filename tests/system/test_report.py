@@ -1,6 +1,6 @@
 """The page of a run.
 
-All in one file, says what was asked, and works in a browser, on paper and on a phone.
+It is one file, has the input of the run, and works in a browser, on paper and on a phone.
 """
 
 from __future__ import annotations
@@ -45,17 +45,17 @@ def test_a_page_is_one_small_file_that_loads_nothing(page):
     assert len(text) < 3e6
     addresses = re.findall(r'\s(?:src|href|srcset|data|action)="([^"]*)"', text)
     assert addresses
-    # the page itself, or what is in it
+    # addresses are within the page, or contain the data themselves
     assert all(address.startswith(("data:image/png", "#")) for address in addresses)
     assert "default-src 'none'" in text
-    # the title is text, whatever is in it
+    # the title is shown as text, even if it contains tags
     assert "Stone &amp; binder &lt;/script&gt;&lt;b&gt;" in text
     tags = re.findall(r"<(\w+)", text)
     assert not {"link", "b"} & set(tags)
     assert tags.count("script") == 2
 
 
-def test_a_page_says_what_was_asked(page, result):
+def test_a_page_has_the_input_of_the_run(page, result):
     text = page.read_text("utf-8")
     for told in ("nm/h", "mean height", "µm", "The methods agree", "anchors", "left out"):
         assert told in text, told
@@ -77,23 +77,23 @@ def test_slides_go_from_the_flat_start_to_the_steady_state(result):
     inner = radii < 4.5
     expected = 150 / np.sqrt(1 - (radii[inner] / 5) ** 2)
     np.testing.assert_allclose(pressure[0, inner], expected, rtol=2e-3)
-    # in the steady state one wear rate, so pressures as the inverse wear coefficients
+    # one wear rate in the steady state, so pressures are proportional to 1/k
     assert pressure[-1].max() / pressure[-1].min() == pytest.approx(7.5, rel=1e-3)
     json.dumps(shown, allow_nan=False)
 
 
-def test_slides_of_a_sphere_at_a_given_depth_scale_what_decays():
+def test_slides_of_a_sphere_at_fixed_indentation_scale_each_state():
     times = [0.0, 0.05, 1.0]
     scene = Scene.load("sphere").changed(load={"indentation": 0.04}, wear__times=times)
     scene = scene.changed(accuracy__rtol=1e-3)
     shown = slides(run(scene.changed(methods=["mdr"])))
-    # heights of the face from its plane, against the unworn one
+    # heights of the worn and of the unworn face above its plane
     radii, worn = np.array(shown["radii"]), np.array(shown["profile"])
     unworn = radii**2 / 2
     np.testing.assert_allclose(shown["beside"], unworn, rtol=1e-3)
     np.testing.assert_allclose(worn[0], unworn, rtol=1e-3)
     assert worn[1, 0] > 0.1 * 0.04
-    # each state in its own scale, as the last is hundreds of times lower
+    # each state has its own scale, because the last pressure is hundreds of times lower
     medians = [np.median([p for p in pressure if p > 0]) for pressure in shown["pressure"]]
     assert (np.array(medians) < shown["highest"]).all()
     assert shown["highest"][0] > 10 * shown["highest"][-1] > 0
@@ -137,7 +137,7 @@ def test_the_page_of_a_study(tmp_path, monkeypatch):
         assert told in text, told
 
 
-def test_flags_leave_out_what_they_say(tmp_path):
+def test_flags_leave_out_figures_or_the_page(tmp_path):
     quick = ["run", "flat_punch", "--methods", "direct", "--out", str(tmp_path)]
     for flags, figures in (
         (["--no-report"], {"steady_state.png"}),

@@ -1,7 +1,4 @@
-"""What all studies share.
-
-Tables that are on disk at once, and Ctrl-C, which keeps what is finished and says so.
-"""
+"""Tables that any study writes row by row, and that Ctrl-C keeps."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def rows(path):
 
 @contextmanager
 def interrupted_at(line):
-    """Ctrl-C, pressed as the n-th line is logged."""
+    """Press Ctrl-C as the n-th line is logged."""
 
     class Stop(logging.Handler):
         left = line
@@ -81,7 +78,7 @@ def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path):
     assert len(rows(tmp_path / f"{name}.csv")) == line - 1
 
 
-def test_ctrl_c_outside_of_a_studys_rows_leaves_nothing(tmp_path, monkeypatch):
+def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
     def conduct(_, __, record):
         (record.folder / "rows.csv").write_text("a\n", "utf-8")
         raise KeyboardInterrupt
@@ -114,7 +111,7 @@ sys.exit(main(["study", "march", "--out", sys.argv[1]]))
 """
 
 
-def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path):
+def test_ctrl_c_in_a_study_keeps_rows_and_sets_the_exit_status(tmp_path):
     arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
     root = Path(__file__).parents[2]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True, cwd=root) as process:
@@ -127,7 +124,7 @@ def test_ctrl_c_in_a_study_keeps_rows_and_says_so_by_its_exit_status(tmp_path):
     assert rows(tmp_path / "rows.csv") == [{"a": "1"}]
 
 
-def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(tmp_path, monkeypatch, capsys):
+def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkeypatch, capsys):
     def half_write(*arguments):
         arguments[-1].write_text("<html>", "utf-8")
         raise KeyboardInterrupt
@@ -144,7 +141,7 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_the_rest(tmp_path, monkeypat
 @pytest.mark.gmsh
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
-def test_a_study_that_meshes_keeps_its_rows_when_it_is_ended(number, seconds, tmp_path):
+def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
     def finished_rows():
         return sum(len(rows(table)) for table in out.glob(".writing/extremes.csv"))
 

@@ -1,4 +1,4 @@
-"""The quick studies: what their tables say, and the files that they write."""
+"""The quick studies: conclusions of their tables, and the files that they write."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_orders_are_those_of_theory(name, tmp_path):
 
 @pytest.mark.gmsh
 def test_flat_starts_have_the_orders_of_theory():
-    """The families of the study that have no rings, without all the others, and the slowest."""
+    """Only families without rings are solved, and not the slowest of these."""
     scene, slowest = Scene.load("five_rings"), "FEM P2, graded"
     families = [
         family for family in flat_families(scene.problem, quick=True) if family.name != slowest
@@ -88,7 +88,7 @@ def test_flat_starts_have_the_orders_of_theory():
         ("sphere", {"indentation": 0.1}, "normal force"),
     ],
 )
-def test_cells_of_shaped_punches(scene, load, quantity, tmp_path):
+def test_errors_of_shaped_punches_fall_with_finer_cells(scene, load, quantity, tmp_path):
     shaped = Scene.load(scene).changed(load=load, wear__times=[0.0, 0.03, 0.3])
     (tmp_path / "scene.toml").write_text(shaped.to_toml(), "utf-8")
     out = tmp_path / "out"
@@ -103,7 +103,7 @@ def test_cells_of_shaped_punches(scene, load, quantity, tmp_path):
         unknowns = [int(row["unknowns"]) for row in levels]
         assert unknowns == sorted(unknowns)
         coarse, fine = levels[0], levels[-1]
-        # elements of degree 1 and 2 err more below the surface than smaller cells gain
+        # errors of elements of degree 1 and 2 below the surface exceed the gain of smaller cells
         low = family.endswith(("P1", "P2", "Q1", "Q2"))
         least = 1.0 if low else 1.5
         assert float(coarse[quantity]) > least * float(fine[quantity]) > 0
@@ -114,7 +114,7 @@ def test_cells_of_shaped_punches(scene, load, quantity, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_tradeoff(tmp_path):
+def test_tradeoff_measures_every_method_and_group(tmp_path):
     tables = conduct("tradeoff", tmp_path)
     measured = [row for row in tables["tradeoff"] if not row["remark"]]
     assert {row["method"] for row in measured} == set(WAYS)

@@ -1,4 +1,4 @@
-"""A study is a call: what it returns, what it refuses, and what it writes."""
+"""`ringwear.study`: its return value, its refusals, and its files."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_a_study_has_a_row_for_each_level_and_an_order_for_each_sequence(march):
     assert march.conclusions[0].startswith("2 of 2 orders")
 
 
-def test_a_study_shows_itself_in_a_notebook(march):
+def test_a_study_displays_itself_in_a_notebook(march):
     shown = march._repr_html_()
     assert "data:image/png;base64," in shown
     assert "implicit march" in shown
@@ -56,24 +56,24 @@ def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
         (lambda: study("march", meshes=["a.msh"]), "does not take meshes"),
     ],
 )
-def test_a_study_refuses_what_it_does_not_know(call, message):
+def test_a_study_refuses_unknown_options(call, message):
     with pytest.raises(SceneError, match=message):
         call()
 
 
-def test_marches_are_of_the_first_order_where_wear_varies_along_the_radius():
+def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
     found = study("march", "pin_on_disc", quick=True)
     assert found.orders["expected order"].tolist() == [1.0, 1.0]
     assert found.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
     assert "full discs" in found.conclusions[-1]
 
 
-def test_a_table_that_is_not_there_is_refused(march):
+def test_an_unknown_table_is_refused(march):
     with pytest.raises(SceneError, match="give one of"):
         march.to_markdown("order")
 
 
-def test_progress_says_the_level_and_the_time_left(caplog):
+def test_progress_prints_the_level_and_the_time_left(caplog):
     family = Family("h", {1: 1.0, 2: 0.5, 3: 0.25}, lambda _: {"value": 1.0})
     with caplog.at_level(logging.INFO, logger="ringwear"):
         Record().solve("t", [family], ["family", "setting", "size", "value"])
@@ -82,7 +82,7 @@ def test_progress_says_the_level_and_the_time_left(caplog):
     assert lines[2].startswith("   level 3 of 3, about ")
 
 
-def test_time_left_follows_from_the_seconds_of_the_levels_before():
+def test_time_left_follows_from_the_seconds_of_earlier_levels():
     progress = Progress([1.0, 3.0, 6.0])
     progress.finish(2.0)
     assert progress.seconds_left == pytest.approx(18.0)
@@ -95,7 +95,7 @@ def test_a_study_is_a_public_name():
 
 
 def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path, monkeypatch):
-    # without the levels that take long
+    # leave out levels that take long
     monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
     monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
     own = tmp_path / "mine.vtu"

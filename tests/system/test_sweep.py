@@ -1,4 +1,4 @@
-"""Sweeps: the file, the grid, what is shared, and that every scene is what `run` says it is."""
+"""Sweeps: the file, the grid, shared work, and equality of every scene with `run`."""
 
 from __future__ import annotations
 
@@ -41,9 +41,7 @@ def small():
     ("ratio", "rings", "force"), [(0.1, 5, 3.0), (20.0, 2, 1.0), (1.0, 5, 1.0)]
 )
 def test_scenes_are_those_of_run(small, ratio, rings, force):
-    """Of each quantity, a scene of a sweep and the same by `run` differ by no more than
-    both state.
-    """
+    """A scene of a sweep and the same scene by `run` differ by at most their error estimates."""
     scene = FIVE.changed(
         punch__wear_coefficients=[1.0, ratio], punch__rings=rings, load__normal_force=force
     )
@@ -68,16 +66,17 @@ def test_scenes_are_those_of_run(small, ratio, rings, force):
 def test_loads_share_modes(small):
     assert small["indentation"].dims == ("wear_ratio", "rings", "normal_force", "solver", "time")
     assert (small["status"] == 1).all()
-    # two methods that state their errors honestly
+    # the two methods differ by less than their error estimates
     assert small["disagreement"].max() < 1
     light, heavy = small.sel(normal_force=1.0), small.sel(normal_force=3.0)
     np.testing.assert_array_equal(light["relaxation_time"], heavy["relaxation_time"])
     np.testing.assert_allclose(heavy["indentation"], 3 * light["indentation"], rtol=1e-14)
 
 
-def test_one_discretisation_serves_every_wear():
-    """It is as sharp as the sharpest member needs it, and members much less sharp have one of their
-    own.
+def test_scenes_with_different_wear_share_one_discretisation():
+    """It is fine enough for the sharpest pressures of the group.
+
+    Scenes with much smoother pressures have their own discretisation.
     """
     made = Sweep.of(
         {"base": FIVE.table(), "axes": {"punch.wear_ratio": [1e-6, 0.1, 2.0, 5.0, 1.0]}}
@@ -88,15 +87,15 @@ def test_one_discretisation_serves_every_wear():
     shared = covering(problems[1:4])
     halves, edges = shared.merged.widths / 2, np.arange(5)
     for problem, distance in product(problems[1:4], np.geomspace(1e-10, 0.1, 40)):
-        # sharper at every distance from every edge
+        # at least as sharp at every distance from every edge
         distances = np.full(5, distance)
         sharpest = shared.edge_amplitude(distances, halves, edges)
         assert (sharpest >= problem.edge_amplitude(distances, halves, edges)).all()
 
 
 @pytest.mark.parametrize("number", [6, 7])
-def test_the_figures_of_the_paper(number):
-    """The bundled sweeps, on fewer rings and every tenth ratio, in closed form."""
+def test_sweeps_of_the_paper_equal_closed_forms(number):
+    """The bundled sweeps are computed for fewer rings and every tenth ratio."""
     made = Sweep.load(f"fig{number}")
     between = np.linspace(-1, 1, 201)
     varied, points = [
@@ -117,12 +116,12 @@ def test_the_figures_of_the_paper(number):
             assert float(slope) == pytest.approx(exact, rel=1e-12)
 
 
-def test_a_failed_scene_fails_alone():
-    """Its reason is kept with it.
+def test_a_failed_scene_does_not_affect_others():
+    """Its reason is stored with it.
 
-    Those that would share its discretisation are what they are without it.
+    Scenes that would share its discretisation have the results that they have without it.
     """
-    # so many explicit steps are refused as the march begins
+    # the second step would need so many steps that the march is refused
     marched = FIVE.changed(methods=["mdr"], wear__march="implicit", wear__step=0.01)
     steps = {"wear.step": [0.01, 1e-9, 0.05]}
     dataset = sweep(marched, steps, keep=["indentation"])
@@ -168,14 +167,14 @@ GOOD = "base = 'five_rings'\nkeep = ['steady_rms_slope']\n[axes]\n'punch.rings' 
         (GOOD + "\nmethods = [['mdr'], ['direct']]", "same methods"),
     ],
 )
-def test_bad_files(
+def test_a_bad_sweep_file_is_refused(
     tmp_path,
     monkeypatch,
     capsys,
     text,
     message,
 ):
-    """They are refused with a message, and nothing is written; the good one is understood."""
+    """A message states the reason, and nothing is written; the corrected file is accepted."""
     monkeypatch.chdir(tmp_path)
     Path("bad.toml").write_text(text)
     assert main(["sweep", "bad.toml"]) == 2
@@ -186,10 +185,10 @@ def test_bad_files(
 
 
 @pytest.mark.parametrize("times", ["running-in", {"tau": [0.1, 1.0]}], ids=str)
-def test_times_that_scenes_do_not_share(times):
-    """Counts of relaxation times are other times for each punch.
+def test_times_that_differ_between_scenes_are_refused(times):
+    """Multiples of the relaxation time are other times for each punch.
 
-    No history may be labelled by the first's.
+    The times of the first scene must not label the histories of the others.
     """
     scene = FIVE.changed(methods=["mdr"], wear__times=times)
     for keep in (None, ["indentation"], ["steady_rms_slope", "worn_volume"]):
@@ -197,7 +196,7 @@ def test_times_that_scenes_do_not_share(times):
             SceneError, match=r"punch.wear_ratio = 1.0: .* give the base wear.times as numbers"
         ):
             sweep(scene, RATIOS, keep)
-    # what is not over time, and histories of one punch under other loads
+    # quantities that are not over time, and histories of one punch under other loads, are allowed
     assert (sweep(scene, RATIOS, ["relaxation_time", "time_to_90"])["status"] == 1).all()
     loads = sweep(scene, {"load.normal_force": [1.0, 2.0]}, ["indentation"])
     assert loads["time"].values.tolist() == scene.wear.times
@@ -209,9 +208,7 @@ def test_histories_need_times():
 
 
 def test_axes_crossed_zipped_and_drawn(tmp_path):
-    """Whatever varies is a coordinate, also where a store is opened, and each unit is that of its
-    kind.
-    """
+    """Every varied key is a coordinate, also in an opened store, and has the unit of its kind."""
     scene = FIVE.changed(units="mm, N, MPa, hours", methods=["direct", "mdr"])
     axes = {"accuracy.rtol": [1e-2, 1e-3], "punch.radius": [1.0]}
     zipped = {
@@ -244,7 +241,7 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
         "sliding_speed": "mm/hours",
     }
     assert {name: dataset[name].attrs["units"] for name in units} == units
-    # what the store says of itself makes the same scenes again
+    # the table in the store gives the same scenes
     made = Sweep.of(json.loads(dataset.attrs["sweep"]))
     last = made.scene(list(made.changes())[-1])
     assert (last.accuracy.rtol, last.punch.rings, last.punch.coefficients) == (1e-3, 3, [1.0, 3.0])
@@ -252,8 +249,8 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
     assert 1 < last.load_.sliding_speed == dataset["sliding_speed"].values[-1] < 2
 
 
-def test_a_dry_run_says_what_it_takes(tmp_path, monkeypatch, capsys):
-    """Scenes, bytes, seconds by a probe; nothing is written."""
+def test_a_dry_run_predicts_scenes_bytes_and_seconds(tmp_path, monkeypatch, capsys):
+    """The seconds come from a probe; nothing is written."""
     monkeypatch.chdir(tmp_path)
     Path("small.toml").write_text(GOOD)
     assert main(["sweep", "small.toml", "--dry-run"]) == 0
@@ -267,7 +264,10 @@ def test_a_dry_run_says_what_it_takes(tmp_path, monkeypatch, capsys):
     ("rings", "largest"), [([40, 30, 3, 2], 40), ([2, 40, 3], 40)], ids=["first", "middle"]
 )
 def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rings, largest):
-    """Wherever it stands, and says what memory it needs, without a bound that it cannot know."""
+    """The largest scene may be anywhere in the grid.
+
+    Its memory is printed; a bound on the memory is not, because it is not known.
+    """
     monkeypatch.chdir(tmp_path)
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-2)
     table = {"base": scene.table(), "keep": ["steady_rms_slope"], "axes": {"punch.rings": rings}}
@@ -279,7 +279,7 @@ def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rin
     told = re.search(r"about (\S+) GiB for the largest scene, of the 0.25 GiB", text)
     assert told
     scene = scene.changed(punch__rings=largest)
-    # two digits are told
+    # two digits are printed
     assert float(told[1]) == pytest.approx(predict_memory(scene), rel=0.05)
     assert ("too little" in text) == (predict_memory(scene) > 0.25)
     seconds = float(re.search(r"took (\S+) s;", text)[1])
@@ -307,7 +307,7 @@ def test_blocks_cover_the_grid(tmp_path, ratios, more, shape):
     assert len(seen) == len(set(seen)) == made.count
 
 
-def test_a_map_is_drawn_and_a_picture_that_fails_loses_itself_alone(tmp_path, monkeypatch, capsys):
+def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
     file, out = tmp_path / "map.toml", tmp_path / "out"
     file.write_text(
         'base = "five_rings"\nkeep = ["steady_wear_rate"]\n[axes]\n"punch.rings" = [2, 4]'

@@ -1,6 +1,6 @@
 """Sweeps on a Dask cluster.
 
-Workers that compute otherwise, or not at all, are told in a line; what is finished stays.
+A line reports workers that compute differently or not at all; finished scenes stay.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ DEADLY = PRELOAD.format("""
         os._exit(1)
 """)
 ENDLESS = PRELOAD.format("time.sleep(1000)")
-# until a file is gone, from the second block on
+# from the second block on, wait until a file is removed
 HALTING = PRELOAD.format("""
     Path("begun").touch()
     while Path("halt").exists():
@@ -76,7 +76,7 @@ def wait_until(condition, what, seconds=120):
 
 
 class Cluster:
-    """A scheduler and workers, each a process of its own in a directory."""
+    """A scheduler and workers in one directory, each in its own process."""
 
     def __init__(self, directory, processes):
         self.directory, self._processes = directory, processes
@@ -89,7 +89,7 @@ class Cluster:
         self.address = str(json.loads(file.read_text())["address"])
 
     def worker(self, preload="", nanny=False):
-        """Start a worker, which runs some code first; return once it is known."""
+        """Start a worker that runs some code first; return once the scheduler has it."""
         (self.directory / "preload.py").write_text(preload)
         before = self.workers()
         arguments = ["--nthreads", "1", "--preload", "preload.py"]
@@ -105,7 +105,7 @@ class Cluster:
             return set(client.scheduler_info(n_workers=-1)["workers"])
 
     def sweep(self, *arguments):
-        """Begin the command on this cluster."""
+        """Start the command on this cluster."""
         (self.directory / "sweep.toml").write_text(FILE)
         command = [sys.executable, "-m", "ringwear.studies.cli", "sweep", "sweep.toml"]
         command += ["--out", "out", "--scheduler", self.address, *arguments]
@@ -115,7 +115,7 @@ class Cluster:
 
     def _start(self, what, *arguments):
         command = [sys.executable, "-m", "dask", what, "--no-dashboard", *arguments]
-        # one death of a worker is enough: what kills it is split down to single scenes
+        # one death of a worker is enough: a block that kills it is split down to single scenes
         settings = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
         with (self.directory / f"{what}.log").open("ab") as log:
             process = subprocess.Popen(
@@ -135,7 +135,7 @@ def cluster(tmp_path):
 
 @pytest.fixture(scope="module")
 def here(tmp_path_factory):
-    """The sweep without any cluster."""
+    """Return the sweep without a cluster."""
     directory = tmp_path_factory.mktemp("here")
     (directory / "sweep.toml").write_text(FILE)
     command = ["sweep", str(directory / "sweep.toml"), "--out", str(directory / "out")]
@@ -144,7 +144,7 @@ def here(tmp_path_factory):
 
 
 def expect(sweep, status, word, timeout=120):
-    """The command ends with a status, and one line that has a word."""
+    """Assert that the command ends with a status and one line that contains a word."""
     _, errors = sweep.communicate(timeout=timeout)
     assert sweep.returncode == status, errors
     assert "Traceback" not in errors
@@ -152,7 +152,7 @@ def expect(sweep, status, word, timeout=120):
 
 
 def test_workers_of_another_version_are_refused(cluster, here):
-    """Nothing of their results is stored."""
+    """None of their results is stored."""
     worker = cluster.worker()
     expect(cluster.sweep(), 0, "6 of 6 blocks")
     assert contents(cluster.out) == contents(here)
@@ -162,8 +162,8 @@ def test_workers_of_another_version_are_refused(cluster, here):
     assert set(statuses(cluster.directory / "other")) == {0}
 
 
-def test_a_worker_without_ringwear_is_told(cluster):
-    """Also where it comes later, and others compute."""
+def test_a_worker_without_ringwear_is_reported(cluster):
+    """It is also reported if it joins later, while others compute."""
     cluster.worker(ENDLESS)
     sweep = cluster.sweep()
     wait_until(cluster.out.exists, "the store exists")
@@ -175,13 +175,13 @@ def test_a_block_that_kills_its_workers_is_left_out(cluster, here):
     cluster.worker(DEADLY, nanny=True)
     expect(cluster.sweep(), 1, "left out", timeout=400)
     assert statuses(cluster.out) == [1] * 16 + [0] * 8 + [1] * 24
-    # and is computed by others
+    # other workers compute it
     file = str(cluster.directory / "sweep.toml")
     assert main(["sweep", file, "--out", str(cluster.out), "--resume"]) == 0
     assert contents(cluster.out) == contents(here)
 
 
-def test_a_scheduler_that_is_lost(cluster):
+def test_a_sweep_ends_if_its_scheduler_is_lost(cluster):
     cluster.worker(HALTING)
     sweep = cluster.sweep()
     wait_until(lambda: 1 in statuses(cluster.out), "a block is stored")
@@ -190,8 +190,8 @@ def test_a_scheduler_that_is_lost(cluster):
     assert 0 < statuses(cluster.out).count(1) < 48
 
 
-def test_a_worker_that_is_lost(cluster, here):
-    """One that dies leaves the sweep waiting, and another finishes it."""
+def test_a_sweep_waits_if_its_worker_is_lost(cluster, here):
+    """Another worker finishes the sweep."""
     (cluster.directory / "halt").touch()
     first = cluster.worker(HALTING)
     sweep = cluster.sweep()
@@ -202,7 +202,7 @@ def test_a_worker_that_is_lost(cluster, here):
         assert line
     cluster.worker()
     expect(sweep, 0, "6 of 6 blocks")
-    # the block of the lost worker is split, and the elements of a block serve all of its scenes
+    # the block of the lost worker is split, and the elements of a block depend on all its scenes
     found, expected = (xarray.open_zarr(out / "sweep.zarr") for out in (cluster.out, here))
     assert statuses(cluster.out) == statuses(here)
     apart = abs(found.steady_rms_slope - expected.steady_rms_slope)

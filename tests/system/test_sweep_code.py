@@ -1,6 +1,6 @@
-"""One code computes a store: no block of another is written, nor gone on with.
+"""All blocks of a store are computed by one version of the code.
 
-Copies of the package are altered and run in processes of their own.
+Copies of the package are altered, and run in processes of their own.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ SWEEP = {
 
 
 def copy_package(folder):
-    """A copy of ringwear, and the code that lets a process load it."""
+    """Copy ringwear, and return the code by which a process loads the copy."""
     for name in ("meshes", "mdr", "fem", "studies"):
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / name, folder / name, ignore=ignored)
@@ -64,7 +64,7 @@ def alter(folder, file, before, after):
 
 
 def run_with(finder, directory, *arguments):
-    """The command by the copy of the package."""
+    """Run the command with the copy of the package."""
     code = f"{finder}\nfrom ringwear.studies.cli import main\nif __name__ == '__main__':\n"
     code += f"    sys.exit(main(['sweep', 'sweep.toml', '--out', 'out', *{arguments!r}]))"
     (directory / "run.py").write_text(code)
@@ -73,7 +73,7 @@ def run_with(finder, directory, *arguments):
 
 
 def test_a_resume_with_altered_code_is_refused(tmp_path):
-    """Altered code of the same version, which gives other numbers, adds none of them."""
+    """The altered code has the same version, but gives other numbers; none of them is stored."""
     finder = copy_package(tmp_path / "copy")
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(SWEEP))
     assert run_with(finder, tmp_path, "--workers", "1").returncode == 0
@@ -86,14 +86,14 @@ def test_a_resume_with_altered_code_is_refused(tmp_path):
     (line,) = refused.stderr.splitlines()
     assert "begun with another file, ringwear or libraries" in line
     assert contents(tmp_path / "out") == before
-    # the code as it was goes on
+    # the original code continues
     alter(tmp_path / "copy", STEADY[0], STEADY[2], STEADY[1])
     assert run_with(finder, tmp_path, "--workers", "1", "--resume").returncode == 0
     assert statuses(tmp_path / "out") == [1] * 16
 
 
-def test_each_block_says_what_has_computed_it(tmp_path):
-    """A block of other code is computed again, whatever the root says."""
+def test_each_block_has_the_hash_of_its_code(tmp_path):
+    """A block of other code is computed again, even if the root of the store matches."""
     import numpy as np
     import zarr
 
@@ -112,8 +112,8 @@ def test_each_block_says_what_has_computed_it(tmp_path):
 
 
 @pytest.mark.parametrize("imported", [True, False])
-def test_the_hash_is_of_the_code_that_is_loaded(tmp_path, imported):
-    """What is edited after it was loaded changes nothing; what is loaded later does."""
+def test_the_hash_is_that_of_the_loaded_code(tmp_path, imported):
+    """An edit after a file is loaded does not change the hash; an edit before does."""
     finder = copy_package(tmp_path / "copy")
     code = f"""{finder}
 import ringwear
@@ -130,8 +130,8 @@ print(before == code())
     assert told.stdout == f"{imported}\n", told.stderr
 
 
-def test_code_that_was_edited_before_it_was_hashed_is_nobody_s(tmp_path):
-    """A session that has loaded a file, and hashes it only after it was edited."""
+def test_code_edited_between_loading_and_hashing_has_a_hash_of_its_own(tmp_path):
+    """The process has loaded a file, and hashes it only after the file was edited."""
     finder = copy_package(tmp_path / "copy")
     code = f"""{finder}
 import ringwear
@@ -153,7 +153,7 @@ print(code())
 @pytest.mark.slow
 @pytest.mark.parametrize("first", [True, False], ids=["from the start", "late"])
 def test_blocks_of_altered_code_are_not_written(cluster, first):
-    """Of a worker that has the same versions, whether it is there first or joins later."""
+    """A worker with altered code of the same version is refused, also if it joins later."""
     finder = copy_package(cluster.directory / "copy")
     alter(cluster.directory / "copy", *STEADY)
     if first:
@@ -171,7 +171,7 @@ def test_blocks_of_altered_code_are_not_written(cluster, first):
     assert len(set(stored["code"].values[stored["status"].values == 1].tolist())) == 1
 
 
-# what a worker says of itself when it is asked is not what it computes with
+# the worker reports other versions when it is asked than when it computes
 CHANGED = PRELOAD.format("""
     from ringwear.studies.versions import versions
     versions()["numpy"] = "1.0"
@@ -179,8 +179,8 @@ CHANGED = PRELOAD.format("""
 
 
 @pytest.mark.slow
-def test_blocks_say_what_they_were_computed_with(cluster):
-    """Asked before, and changed since: nothing of it is written."""
+def test_blocks_of_a_worker_whose_versions_change_are_not_written(cluster):
+    """The worker had the right versions when it was checked, and others when it computed."""
     cluster.worker(CHANGED)
     expect(cluster.sweep(), 1, "has another ringwear")
     assert set(statuses(cluster.out)) == {0}

@@ -1,6 +1,4 @@
-"""Sweeps that are interrupted, damaged or led astray end with the same bytes as undisturbed ones,
-or say why not.
-"""
+"""Sweeps that are interrupted or damaged end with the bytes of undisturbed ones or a reason."""
 
 from __future__ import annotations
 
@@ -33,7 +31,7 @@ from ringwear.studies.versions import versions
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
 AXES = {"punch.rings": [2, 3, 4], "punch.wear_ratio": {"geomspace": [0.5, 4.0, 8]}}
 KEEP = ["steady_displacement_max", "steady_rms_slope"]
-# nine blocks of nine, for commands in processes of their own
+# nine blocks of nine scenes, for commands in separate processes
 LONG = {
     "base": BASE.changed(accuracy__rtol=1e-2, wear__times=[0.0, 0.1]).table(),
     "keep": ["indentation", "steady_rms_slope"],
@@ -49,7 +47,7 @@ from pathlib import Path
 from ringwear.studies.cli import main
 from ringwear.studies.sweep import workers
 from ringwear.studies.sweep.store import Store
-# the sweep is short, and workers are what is tested
+# start workers although the sweep is short, because the test is about them
 workers.MOST_HERE = 0.0
 write = Store.write
 def counted(self, number, values):
@@ -63,7 +61,7 @@ if __name__ == "__main__":
 
 
 def contents(directory):
-    """All files of a store."""
+    """Return all files of a store."""
     files = (file for file in (directory / "sweep.zarr").rglob("*") if file.is_file())
     return {str(file.relative_to(directory)): file.read_bytes() for file in files}
 
@@ -73,7 +71,7 @@ def compute_into(directory, **options):
 
 
 def statuses(directory):
-    """Return the statuses of all scenes: none until the root of the store is written, the last."""
+    """Return the statuses of all scenes; none before the root of the store is written."""
     path = directory / "sweep.zarr"
     if not (path / "zarr.json").exists():
         return []
@@ -87,7 +85,7 @@ def undisturbed(tmp_path_factory):
     return directory
 
 
-def test_memory_and_disk_hold_the_same(undisturbed):
+def test_results_in_memory_equal_those_on_disk(undisturbed):
     there = compute_into(undisturbed, resume=True).load()
     xarray.testing.assert_identical(sweep(BASE, AXES, KEEP), there)
 
@@ -96,14 +94,14 @@ def test_memory_and_disk_hold_the_same(undisturbed):
     "error", [KeyboardInterrupt(), OSError(28, "No space left on device")], ids=str
 )
 @pytest.mark.parametrize("at", [0, 8, 13])
-def test_stopped_anywhere(
+def test_a_sweep_stopped_anywhere_is_resumed(
     tmp_path,
     undisturbed,
     monkeypatch,
     error,
     at,
 ):
-    """Writing fails after so many arrays of results."""
+    """Writing fails after a given number of arrays of results."""
     write, written = zarr.Array.__setitem__, list[object]()
 
     def fail(self, region, values):
@@ -131,7 +129,7 @@ def empty(file):
 
 
 def flip(file):
-    """A bit in the middle of what is compressed."""
+    """Flip a bit in the middle of the compressed data."""
     content = bytearray(file.read_bytes())
     content[len(content) * 3 // 4] ^= 4
     file.write_bytes(content)
@@ -149,14 +147,14 @@ LABELS = ("status/zarr.json", "rings/c/0")
         *product((truncate, flip), LABELS),
     ],
 )
-def test_damage_is_found_and_mended(
+def test_a_damaged_block_is_detected_and_computed_again(
     tmp_path,
     undisturbed,
     monkeypatch,
     damage,
     file,
 ):
-    """Only the block that is damaged is computed again."""
+    """No other block is computed again."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     damage(tmp_path / "sweep.zarr" / file)
     written, write = list[int](), Store.write
@@ -172,7 +170,7 @@ def test_damage_is_found_and_mended(
 
 
 def test_no_flipped_bit_is_read_as_a_number(tmp_path, undisturbed):
-    """Each bit of a chunk of results is under its checksum, or of no meaning."""
+    """Each bit of a chunk of results is covered by its checksum, or has no effect."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     file = tmp_path / "sweep.zarr" / "steady_rms_slope" / "c" / "1" / "0" / "0"
     content, values = file.read_bytes(), store_values(tmp_path)
@@ -194,7 +192,7 @@ def store_values(directory):
 @pytest.mark.parametrize("damage", [truncate, empty, Path.unlink])
 @pytest.mark.parametrize("keep", [KEEP, KEEP[:1]], ids=["same", "another"])
 def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep):
-    """Nothing says what has computed it: it is not taken for the sweep that is at hand."""
+    """Without its root, a store does not record by which code and sweep it was computed."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     damage(tmp_path / "sweep.zarr" / "zarr.json")
     before = contents(tmp_path)
@@ -203,7 +201,7 @@ def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep
     assert contents(tmp_path) == before
 
 
-def test_one_sweep_to_a_directory(tmp_path):
+def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path):
     with lock_folder(tmp_path), pytest.raises(SceneError, match="another run"):
         compute_into(tmp_path)
     compute_into(tmp_path)
@@ -217,7 +215,7 @@ def test_one_sweep_to_a_directory(tmp_path):
 
 
 def fail_for_three_rings(patch, error):
-    """Let scenes of three rings, and all that are computed with them, fail."""
+    """Let scenes of three rings fail, and all scenes that are computed together with them."""
     solve = compute.solved_to_accuracy
 
     def fail(method, problems, stages):
@@ -231,10 +229,11 @@ def fail_for_three_rings(patch, error):
 @pytest.mark.parametrize(
     ("error", "status"), [(ValueError("a bad day"), 2), (MemoryError("no room"), 0)], ids=str
 )
-def test_failures(tmp_path, monkeypatch, capsys, error, status):
-    """The command ends with 1, and says why; neighbours are there.
+def test_failed_scenes_end_the_command_with_status_1(tmp_path, monkeypatch, capsys, error, status):
+    """The reason is printed, and other scenes are computed.
 
-    A failure is final unless it is asked to be tried again; what lacked memory is left.
+    A failed scene is tried again only with --retry-failed; a scene that lacked memory stays
+    pending.
     """
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(tomli_w.dumps({"base": BASE.table(), "keep": KEEP, "axes": AXES}))
@@ -254,7 +253,7 @@ def test_failures(tmp_path, monkeypatch, capsys, error, status):
 
 @pytest.mark.parametrize("failing", [False, True])
 def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, failing):
-    """Scenes that failed come before scenes that disagree."""
+    """If scenes failed, the status is 1 even if others disagree."""
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(LONG | {"axes": AXES}))
     monkeypatch.setattr(compute, "disagreement", lambda *_: 1.5)
     if failing:
@@ -264,8 +263,8 @@ def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, fai
         assert main([*command, "--resume"]) == (1 if failing else 3)
 
 
-def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
-    """Other versions do not go on with it."""
+def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch):
+    """Other versions do not continue it."""
     other = versions() | {"ringwear": "0", "numpy": "1.0"}
     there = xarray.open_zarr(undisturbed / "sweep.zarr").attrs["versions"]
     assert json.loads(there) == versions()
@@ -276,14 +275,14 @@ def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
     assert contents(tmp_path) == contents(undisturbed)
 
 
-def test_a_scheduler_that_does_not_answer(tmp_path, monkeypatch):
+def test_a_scheduler_that_does_not_answer_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(workers, "MOST_SILENCE", 1.0)
     with pytest.raises(RingwearError, match="does not answer"):
         compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
 
 
 def test_workers_start_only_if_much_is_left(undisturbed, monkeypatch):
-    """A short sweep is computed without them; memory that might not do asks for them at once."""
+    """A short sweep has no workers, unless memory might not be enough for it."""
 
     def refuse(*_):
         raise RingwearError("workers are started")
@@ -299,7 +298,7 @@ def test_workers_start_only_if_much_is_left(undisturbed, monkeypatch):
 
 
 def begin(directory, *arguments, table=LONG):
-    """Begin the command in a process of its own, in a directory."""
+    """Start the command in its own process, in a directory."""
     (directory / "sweep.toml").write_text(tomli_w.dumps(table))
     (directory / "counted.py").write_text(CODE)
     return subprocess.Popen(
@@ -312,13 +311,13 @@ def begin(directory, *arguments, table=LONG):
 
 
 def children(process):
-    """Processes that any of its threads has started, in their order."""
+    """Return the processes started by any of its threads, in their order."""
     threads = Path(f"/proc/{process.pid}/task").glob("*/children")
     return sorted(int(number) for thread in threads for number in thread.read_text().split())
 
 
 def alive(process):
-    """Whether a process runs; one that has ended may wait for its parent to look."""
+    """Return whether a process runs; one that has ended may still wait for its parent."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
@@ -327,14 +326,14 @@ def alive(process):
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The store of the undisturbed command."""
+    """Return the store of the undisturbed command."""
     directory = tmp_path_factory.mktemp("whole")
     assert begin(directory, "--workers", "1").wait() == 0
     return contents(directory / "out")
 
 
 def finish(directory, whole):
-    """Go on with a store: it becomes the undisturbed one, and no block was computed twice."""
+    """Resume a store: it becomes the undisturbed one, and no block is computed twice."""
     process = begin(directory, "--workers", "2", "--resume")
     _, errors = process.communicate()
     assert process.returncode == 0, errors
@@ -344,8 +343,8 @@ def finish(directory, whole):
 
 
 @pytest.mark.slow
-def test_killed_again_and_again(tmp_path, whole):
-    """At random moments; workers end with the command."""
+def test_a_sweep_killed_repeatedly_is_resumed(tmp_path, whole):
+    """It is killed at random moments; its workers end with it."""
     generator = random.Random(4)
     for _ in range(8):
         process = begin(tmp_path, "--workers", "2", "--resume")
@@ -369,10 +368,10 @@ def test_killed_again_and_again(tmp_path, whole):
         ("worker", signal.SIGKILL, "2"),
     ],
 )
-def test_signals(tmp_path, whole, victim, number, workers):
-    """Ctrl-C reaches all processes of a terminal, others one.
+def test_a_sweep_stopped_by_a_signal_is_resumed(tmp_path, whole, victim, number, workers):
+    """Ctrl-C reaches all processes of a terminal; other signals reach one process.
 
-    The command ends in a line and can be gone on with; that a worker dies does not end it.
+    The command ends with one line and can be resumed. It continues if only a worker is killed.
     """
     process = begin(tmp_path, "--workers", workers)
     while process.poll() is None and not (tmp_path / "out.blocks").exists():

@@ -1,6 +1,6 @@
-"""What a sweep is given: functions, files of profiles, units, axes that say a thing twice.
+"""Input of sweeps: functions, files of profiles, units, and axes that contradict each other.
 
-Nothing of it is dropped, read again or taken for something else; what cannot be done is refused.
+No input is ignored, read twice or misunderstood; impossible input is refused.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ FORCES = {"load.normal_force": [1.0, 2.0]}
 
 
 def bowl(radii):
-    """A height that a scene file cannot hold."""
+    """Return heights that a scene file cannot express."""
     return radii**2
 
 
-def test_functions_of_the_face_are_carried():
+def test_functions_of_the_face_are_in_every_scene():
     """Each scene has the heights that `with_heights` has given to the base."""
     scene = FLAT.with_heights(bowl)
     dataset = sweep(scene, FORCES, KEEP)
@@ -39,7 +39,7 @@ def test_functions_of_the_face_are_carried():
         alone = run(scene.changed(load__normal_force=force)).dataset["indentation"].item()
         there = dataset["indentation"].sel(normal_force=force).item()
         assert there == pytest.approx(alone, rel=1e-12)
-        # by Hertz, with R = 1/2 and E* = 1, where the contact lies inside the punch
+        # Hertz's solution with R = 1/2 and E* = 1 for a contact inside the punch
         flat = sweep(FLAT, FORCES, KEEP)["indentation"].sel(normal_force=force).item()
         assert there > 1.5 * flat
 
@@ -47,7 +47,7 @@ def test_functions_of_the_face_are_carried():
 @pytest.mark.parametrize(
     "options", [{"out": "out"}, {"workers": 2}, {"scheduler": "tcp://127.0.0.1:9"}], ids=str
 )
-def test_functions_that_cannot_be_carried_are_refused(tmp_path, monkeypatch, options):
+def test_functions_are_refused_with_a_store_or_workers(tmp_path, monkeypatch, options):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SceneError, match=r"with_heights.*punch\.profile") as refusal:
         sweep(FLAT.with_heights(bowl), FORCES, KEEP, **options)
@@ -81,14 +81,14 @@ PROFILES = {
 
 
 @pytest.mark.parametrize("given", PROFILES)
-def test_a_profile_that_is_edited_is_another_sweep(tmp_path, monkeypatch, given):
-    """The store holds heights, not the name of a file that may change under it."""
+def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
+    """The store has the heights, not the name of a file that may change."""
     base, axes = PROFILES[given]
     monkeypatch.chdir(tmp_path)
     write_profile("profile.csv", 0.5)
     write_profile("other.csv", 0.3)
     first = sweep(base, axes, KEEP, out="out")["indentation"].load()
-    # all that is needed to compute the scenes again is there
+    # the store has all input that is needed to compute the scenes again
     told = json.loads(xarray.open_zarr("out/sweep.zarr").attrs["sweep"])
     os.rename("profile.csv", "away.csv")
     os.rename("other.csv", "away too.csv")
@@ -108,7 +108,7 @@ def test_a_profile_that_is_edited_is_another_sweep(tmp_path, monkeypatch, given)
 
 
 def test_a_profile_is_read_once(tmp_path, monkeypatch):
-    """What is edited between the start and the computing is not seen by some scenes only."""
+    """An edit after the start of the sweep has no effect on any scene."""
     monkeypatch.chdir(tmp_path)
     write_profile("profile.csv", 0.5)
     made = Sweep.of({"base": PROFILES["base"][0], "axes": FORCES, "keep": KEEP})
@@ -164,8 +164,10 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_says_a_thing_twice_or_too_often_is_refused(tmp_path, monkeypatch, capsys, case):
-    """In a line, before anything is written."""
+def test_axes_that_repeat_keys_or_values_or_are_too_long_are_refused(
+    tmp_path, monkeypatch, capsys, case
+):
+    """One line states the reason before anything is written."""
     table, message = REFUSED[case]
     monkeypatch.chdir(tmp_path)
     scene = Scene.load("five_rings")
@@ -181,7 +183,7 @@ def test_what_says_a_thing_twice_or_too_often_is_refused(tmp_path, monkeypatch, 
 
 @pytest.mark.parametrize(("units", "size"), [("SI", 1.0), ("", 1.0), ("mm, N, MPa, s", 1e3)])
 def test_axes_with_units_are_numbers(tmp_path, units, size):
-    """In the unit of the axis, which the store tells; single numbers are in it already."""
+    """Their unit is that of the axis, which the store has; plain numbers are in it already."""
     table = Scene.load("five_rings").changed(methods=["direct"]).table()
     table |= {"units": units} if units else {}
     if not units:
@@ -199,8 +201,8 @@ def test_axes_with_units_are_numbers(tmp_path, units, size):
         np.testing.assert_allclose(rate, rate[0], rtol=1e-9)
 
 
-def test_a_quantity_beside_an_axis_of_its_name():
-    """The axis takes the name of its section, too."""
+def test_an_axis_with_the_name_of_a_quantity_gets_its_section_in_the_name():
+    """The quantity keeps its name."""
     table = {"punch": {"profile": {"kind": "cone", "slope": 0.1}}}
     scene = Scene.from_table(BASE | {"punch": BASE["punch"] | table["punch"]})
     dataset = sweep(scene, FORCES, ["normal_force", "indentation"])

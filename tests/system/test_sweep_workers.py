@@ -14,14 +14,14 @@ from ringwear.studies.cli import main
 pytestmark = pytest.mark.slow
 
 
-# so many scenes that the sweep is not over when it is stopped
+# enough scenes for the sweep to be running when it is stopped
 VERY_LONG = LONG | {
     "axes": LONG["axes"] | {"punch.wear_ratio": {"geomspace": [0.5, 4.0, 100]}},
 }
 
 
-def test_a_stop_while_workers_start(tmp_path):
-    """One line, whenever it comes, and nothing of the workers is left."""
+def test_a_stop_while_workers_start_ends_them(tmp_path):
+    """One line is printed at any time of the stop, and no worker is left."""
     for delay in (3.0, 4.0, 5.0, 6.0):
         process = begin(tmp_path, "--workers", "2", "--resume", table=VERY_LONG)
         time.sleep(delay)
@@ -38,7 +38,7 @@ def test_a_stop_while_workers_start(tmp_path):
             time.sleep(0.05)
 
 
-# a small scene, and one that takes .55 GiB
+# a small scene, and one that needs 0.55 GiB
 LARGE = {
     "base": BASE.changed(methods=["mdr"], accuracy__rtol=1e-2, wear__times=[]).table(),
     "keep": ["steady_rms_slope"],
@@ -46,8 +46,8 @@ LARGE = {
 }
 
 
-def test_scenes_that_lack_memory_are_left_alone(tmp_path, capsys):
-    """Their neighbours are computed, the reason is there, and more memory computes them."""
+def test_scenes_that_lack_memory_stay_pending(tmp_path, capsys):
+    """Other scenes are computed, the reason is stored, and more memory computes these scenes."""
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
     file.write_text(tomli_w.dumps(LARGE))
     command = ["sweep", str(file), "--out", str(out), "--workers", "2"]

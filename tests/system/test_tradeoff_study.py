@@ -8,8 +8,8 @@ from ringwear import Scene, study
 from ringwear.meshes.errors import SceneError
 
 
-def test_a_quantity_of_ones_own_is_a_group():
-    # of a flat punch, F / (2 a E*): Boussinesq
+def test_a_user_quantity_is_a_group():
+    # Boussinesq: F / (2 a E*) for a flat punch
     def first_depth(result):
         return float(result.dataset.indentation[0, 0])
 
@@ -28,6 +28,6 @@ def test_a_quantity_of_ones_own_is_a_group():
         ({"methods": ["naive"], "quantities": {"d": lambda _: 1.0}}, "has no 'naive'"),
     ],
 )
-def test_methods_that_are_not_known_are_refused(options, message):
+def test_unknown_methods_are_refused(options, message):
     with pytest.raises(SceneError, match=message):
         study("tradeoff", "flat_punch", quick=True, **options)

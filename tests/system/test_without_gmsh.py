@@ -1,6 +1,4 @@
-"""Where gmsh or CHOLMOD cannot be loaded, others do their work, and the plan says so before, the
-result after the run.
-"""
+"""Runs without gmsh or CHOLMOD use replacements, which the plan and the result report."""
 
 import sys
 
@@ -16,14 +14,14 @@ from ringwear.studies.cli import main
 
 @pytest.fixture(autouse=True)
 def _broken_gmsh(monkeypatch, tmp_path):
-    """gmsh as pip installs it on a system without its libraries."""
+    """Replace gmsh by one as pip installs it on a system without its libraries."""
     reason = "libGL.so.1: cannot open shared object file"
     (tmp_path / "gmsh.py").write_text(f'raise OSError("{reason}")', "utf-8")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "gmsh", raising=False)
 
 
-def test_the_remedy_is_told(tmp_path, capsys):
+def test_the_remedy_is_printed(tmp_path, capsys):
     assert main(["mesh", "flat_punch", "--out", str(tmp_path / "out")]) == 0
     assert "apt-get install" in capsys.readouterr().out
     with pytest.raises(MeshError, match="libglu1-mesa"):
@@ -31,7 +29,7 @@ def test_the_remedy_is_told(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
-def test_the_plan_is_of_what_will_run(mesher, monkeypatch):
+def test_the_plan_has_the_mesher_of_the_run(mesher, monkeypatch):
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"], accuracy__rtol=1e-3, accuracy__fem__mesher=mesher
     )

@@ -1,4 +1,4 @@
-"""Each row of the README's table of cases runs."""
+"""Each row of the table of cases in the README runs."""
 
 import re
 import tomllib
@@ -13,7 +13,7 @@ from ringwear.meshes.sizes import SizeField
 from ringwear.studies.cli import main
 
 README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
-# what the table's rows change: the scene of the README is longer
+# base scene, shorter than that of the README, to which each row of the table is applied
 BASE = """
 units = "SI"
 methods = ["mdr"]
@@ -43,7 +43,7 @@ def rows():
 SCENES = [row for row in rows() if not row[1].startswith("ringwear")]
 
 
-def test_the_table_has_the_cases_that_people_bring():
+def test_the_table_has_the_usual_cases():
     cases = " ".join(case for case, _ in rows())
     for word in ("ball", "elastic bodies", "rotates", "both bodies", "washer", "rounded edge"):
         assert word in cases
@@ -62,7 +62,7 @@ def test_a_row_of_the_table_runs(keys):
     assert all(anchor["holds"] for anchor in result.summary["anchors"])
 
 
-def test_results_of_mine(tmp_path, monkeypatch):
+def test_the_row_of_own_results(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("punch.toml").write_text(BASE)
     data = run(Scene.from_toml(BASE)).dataset.isel(solver=0)
@@ -74,7 +74,7 @@ def test_results_of_mine(tmp_path, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_mesh_of_mine(tmp_path, monkeypatch):
+def test_the_row_of_an_own_mesh(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("punch.toml").write_text(BASE)
     field = SizeField((0.0, 1.0), 0.05, 0.05, 0.6, 4.0)
@@ -84,7 +84,7 @@ def test_a_mesh_of_mine(tmp_path, monkeypatch):
     assert main([*command.split()[1:], "--quick"]) == 0
 
 
-def test_measurements_of_mine(tmp_path, monkeypatch):
+def test_the_row_of_own_measurements(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = BASE.replace("wear_coefficient =", "rings = 3\nwear_ratio = 10.0\nwear_coefficient =")
     Path("punch.toml").write_text(text)
@@ -96,7 +96,7 @@ def test_measurements_of_mine(tmp_path, monkeypatch):
     assert main([*command.split()[1:], "--noise", "1 %"]) == 0
 
 
-def test_an_input_file_of_mine(tmp_path, monkeypatch):
+def test_the_row_of_an_input_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("punch.toml").write_text(BASE)
     (command,) = [keys for _, keys in rows_of("ringwear deck")]

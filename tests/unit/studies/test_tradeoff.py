@@ -61,10 +61,10 @@ def test_the_interval_is_that_of_students_distribution():
         ([1.0, 2.0, 4.0, 8.0], [1e-4, 1e-3, 1e-2, 1e-1], "errors do not fall"),
     ],
 )
-def test_what_a_digit_costs_cannot_be_told(seconds, errors, reason):
+def test_a_price_that_cannot_be_determined_says_why(seconds, errors, reason):
     fitted = fit_digit_price(np.array(seconds), np.array(errors))
     assert reason in fitted.why_not
-    assert fitted.in_words.startswith("cannot be told: ")
+    assert fitted.in_words.startswith("cannot be determined: ")
 
 
 def levels():
@@ -84,14 +84,14 @@ def levels():
     return pd.DataFrame(rows)
 
 
-def test_conclusions_say_the_price_or_that_it_cannot_be_told():
+def test_conclusions_state_the_price_or_that_it_cannot_be_determined():
     rows = levels()
     rows["error"] = rows.tolerance / 10
     told, untold = conclude_prices(list_prices(rows))
     assert told == (
         "fields, mdr: one more digit multiplies the seconds by 1.5 (interval 1.5 to 1.5)."
     )
-    assert untold.startswith("fields, fem: what one more digit costs cannot be told: ")
+    assert untold.startswith("fields, fem: the price of a digit cannot be determined: ")
 
 
 def test_effectivities_count_tolerances_that_are_missed():
@@ -117,7 +117,7 @@ def test_an_effectivity_is_the_estimate_over_the_error():
 def test_the_table_has_tolerance_estimate_error_and_effectivity():
     # references are quick to compute for the steady state alone
     problem = Scene.load("five_rings").problem.asking_for(GROUPS["steady"])
-    ways = Ways.of(problem, ("mdr", "direct"), quick=True)
+    ways = Ways.with_references(problem, ("mdr", "direct"), quick=True)
     families = [each for each in ways.families() if each.name.startswith("steady state")]
     table = Record().solve("tradeoff", families, COLUMNS)
     assert {"seconds", "tolerance", "estimate", "error", "effectivity"} < {*table.columns}

@@ -1,4 +1,4 @@
-"""How the answer of a run is told: in the dataset, in the summary, in units, in words."""
+"""The answer of a run in the dataset, in the summary, with its units, and as printed text."""
 
 import json
 from dataclasses import replace
@@ -20,7 +20,7 @@ def five():
     return run(Scene.load("five_rings").changed(methods=["mdr", "direct"]))
 
 
-def test_summary_and_dataset_hold_the_answer(five):
+def test_summary_and_dataset_have_the_answer(five):
     told = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
     assert set(told) == {"mdr", "direct"}
     assert told["direct"]["running_in_time"] is None
@@ -49,7 +49,7 @@ def test_each_variable_has_its_own_unit(five, stated, units):
     assert {name: dataset[name].attrs["units"] for name in units} == units
 
 
-def test_the_answer_is_printed_before_all_else(five, capsys):
+def test_the_answer_is_printed_first(five, capsys):
     for verbose in (False, True):
         print_account(Account(five), verbose)
         told = capsys.readouterr().out
@@ -64,7 +64,7 @@ def test_the_answer_is_printed_before_all_else(five, capsys):
     ("times", "told"),
     [([0.0, 1e-5], "before the running-in"), ([50.0], "after the running-in"), ([0.1, 1.0], "")],
 )
-def test_times_that_miss_the_running_in_are_told(times, told):
+def test_times_that_miss_the_running_in_give_a_note(times, told):
     scene = Scene.load("five_rings").changed(
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )
