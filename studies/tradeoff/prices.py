@@ -20,7 +20,7 @@ LEAST_LEVELS = 3
 LEAST_DIGIT_RANGE = 0.5
 """Least range of the errors of all levels, in digits, for a price: a smaller range is no gain."""
 
-UNDETERMINED = "cannot be determined"
+UNDETERMINED = "cannot be told"
 """Beginning of the text about a price if it cannot be determined."""
 
 GREATEST_REPORTED_END = 1000

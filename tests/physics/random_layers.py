@@ -18,7 +18,7 @@ from ringwear.meshes.errors import RingwearError
 
 
 def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
-    """Return a scene of one to three layers under one to eight rings, by MDR and finite elements."""
+    """Return a scene of one to three layers under one to eight rings, by MDR and FEM."""
     draw = np.random.default_rng([seed, shaped])
     count = int(draw.integers(1, 4))
     moduli = 10 ** draw.uniform(-1, 1, count + 1)

@@ -64,7 +64,7 @@ def test_the_interval_is_that_of_students_distribution():
 def test_a_price_that_cannot_be_determined_says_why(seconds, errors, reason):
     fitted = fit_digit_price(np.array(seconds), np.array(errors))
     assert reason in fitted.why_not
-    assert fitted.in_words.startswith("cannot be determined: ")
+    assert fitted.in_words.startswith("cannot be told: ")
 
 
 def levels():
@@ -91,7 +91,7 @@ def test_conclusions_state_the_price_or_that_it_cannot_be_determined():
     assert told == (
         "fields, mdr: one more digit multiplies the seconds by 1.5 (interval 1.5 to 1.5)."
     )
-    assert untold.startswith("fields, fem: the price of a digit cannot be determined: ")
+    assert untold.startswith("fields, fem: the price of a digit cannot be told: ")
 
 
 def test_effectivities_count_tolerances_that_are_missed():
