@@ -23,21 +23,30 @@ from ..study.study_orders import study_orders
 from ..tables import Row
 from ..wear.flat_contact import press_flat
 from .core import FLAT, condense
+from .layered_truncation import move_outwards_on_layers
 from .subdivision import triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
 """Far fields, and the orders of what they err by."""
+
+RADII_ON_LAYERS = (1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 7.0, 10.0, 16.0)
+"""Truncation radii on layers, in punch radii."""
+LABEL = "truncation part of the relative error of $d_0$"
 
 
 def conduct(scene: Scene, options: Options, record: Record) -> Study:
     """Test several R, far fields and Poisson's ratios."""
     radii = (4, 5, 6, 7, 8) if options.quick else (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024)
     ratios = {0.3} if options.quick else {0.0, 0.3, 0.4999, 0.5}
+    if (ground := scene.problem.ground) is not None:
+        families = [
+            move_outwards_on_layers(RADII_ON_LAYERS[: 6 if options.quick else None], ground)
+        ]
+        return study_orders(families, record, "truncation", scene, LABEL)
     families = [
         move_outwards(radii, ratio) for ratio in sorted(ratios | {scene.problem.poisson_ratio})
     ]
-    label = "truncation part of the relative error of $d_0$"
-    return study_orders(families, record, "truncation", scene, label)
+    return study_orders(families, record, "truncation", scene, LABEL)
 
 
 def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:

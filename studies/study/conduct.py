@@ -131,7 +131,7 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
         knowing = " and ".join(name for name, study in STUDIES.items() if study.of_layers)
         raise SceneError(
             f"study {name} is about a homogeneous half-space: leave out half_space.layers; "
-            f"{knowing} takes them"
+            f"studies {knowing} take them"
         )
     for option in options.given:
         if option not in listed.takes:

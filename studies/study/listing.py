@@ -69,6 +69,7 @@ STUDIES: dict[str, ListedStudy] = {
         "what the outer boundary costs, for every far field and Poisson's ratio",
         3,
         along_radius=True,
+        of_layers=True,
     ),
     "march": ListedStudy(
         "numerics.march",

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from ringwear import run
+from ringwear.fem.contact_meshes import even_half_space
 from ringwear.mdr import energy, ring_kernel
+from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.ground.line_energy import relative_stiffness
 from ringwear.meshes.pressure_space import PressureSpace
@@ -144,6 +146,7 @@ def test_a_stiff_layer_bends_away_from_a_flat_punch():
     assert float(result.dataset.indentation[0, 0]) > 1.01 * pulled
 
 
+@pytest.mark.gmsh
 @pytest.mark.slow
 def test_a_sphere_on_layers():
     """Hertz's depth if the layers are equal; on a stiff base the sphere sinks in less."""
@@ -157,14 +160,32 @@ def test_a_sphere_on_layers():
     depths = []
     for below in (1.0, 1000.0):
         scene = on(layer(0.2), below=below, punch=sphere, load=load, accuracy=accuracy)
-        result = run(scene, methods=["mdr", "bem"])
+        result = run(scene, methods=["mdr", "bem", "fem"])
         assert all(anchor.holds for anchor in result.anchors)
         assert result.verdict == "agree"
-        depths.append(float(result.dataset.indentation[0, 0]))
+        depths.append(result.dataset.indentation[:, 0].values)
     modulus = 1 / (1 - 0.3**2)
     radius = (0.75 * 0.05 * 2.0 / modulus) ** (1 / 3)
     assert depths[0] == pytest.approx(radius**2 / 2.0, rel=1e-6)
-    assert depths[1] < 0.8 * depths[0]
+    assert (depths[1] < 0.8 * depths[0]).all()
+    assert depths[1] == pytest.approx(depths[1][0], rel=1e-6)
+
+
+@pytest.mark.gmsh
+def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
+    """Each pressure has the same energy by the MDR and on triangles with lines at interfaces."""
+    cells = ContactCells((0.0, 0.4, 1.0), largest=0.02, edge_size=1e-3)
+    for ground in (
+        Ground.from_youngs_moduli([0.1], [1.0, 10.0], [0.3, 0.2]),
+        Ground.from_youngs_moduli([0.3, 0.2], [1.0, 0.1, 5.0], [0.3, 0.4, 0.0]),
+        Ground.from_youngs_moduli([0.5], [1.0, np.inf], [0.45, 0.3]),
+    ):
+        triangles = even_half_space(cells, 0.3, ground=ground).compliance()
+        theory = energy.compliance(triangles.space, ground)
+        pressures = [triangles.space.uniform, np.ones(triangles.space.size)]
+        for pressure in pressures:
+            energies = [pressure @ each.matrix @ pressure for each in (triangles, theory)]
+            assert energies[0] == pytest.approx(energies[1], rel=5e-5)
 
 
 def test_thin_layers_run_in_with_one_relaxation_time():

@@ -17,6 +17,7 @@ from ringwear.studies.convergence.flat_start import (
     ring_quantities,
 )
 from ringwear.studies.numerics.core import FLAT, flat_d0_error
+from ringwear.studies.numerics.layered_truncation import move_outwards_on_layers
 from ringwear.studies.numerics.truncation import move_outwards
 from ringwear.studies.study.levels import Theory
 from ringwear.studies.study.orders import WITHIN, Sequence, sequences_of
@@ -99,3 +100,19 @@ def test_truncation_by_every_far_field(ratio):
     for far_field, cap in caps.items():
         assert_order(fitted.pop(far_field), cap)
     assert not fitted
+
+
+@pytest.mark.gmsh
+def test_truncation_on_layers():
+    """Against the stiffness in theory; far from the layers, loads have the orders of poles."""
+    film = Scene.load("hard_film").problem.ground
+    family = move_outwards_on_layers((2.5, 4.0, 8.0, 16.0), film)
+    rows = {outer: family.solve(outer) for outer in family.sizes}
+    first, *_, last = (pd.Series(row) for row in rows.values())
+    assert abs(first["1 load"] / last["1 load"]) > (16 / 2.5) ** 4.5
+    assert 0.9 < np.log(rows[8.0]["fixed"] / rows[16.0]["fixed"]) / np.log(2) < 1
+    assert abs(first["2 loads"]) < 1e-7
+    assert max(abs(row["4 loads"]) for row in rows.values()) < 1e-9
+    # a clamped boundary is no error where the base is rigid
+    pad = Scene.load("polishing_pad").problem.ground
+    assert abs(move_outwards_on_layers((4.0,), pad).solve(4.0)["fixed"]) < 1e-9
