@@ -18,7 +18,7 @@ from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import grid_step
-from ..sizes.marching import refused_steps, steps_between
+from ..sizes.marching import steps_between, why_too_many_steps
 from ..wear.history import History
 from .base import Method, Solution, SystemSize, flat_punches_only
 from .pipeline import DENSE_MATRICES
@@ -55,7 +55,7 @@ class MdrGrid(Method):
                 "mdr-grid marches in time and knows no steady state: give wear.times, or leave it "
                 "out of methods"
             )
-        return refused_steps(
+        return why_too_many_steps(
             self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid"
         )
 

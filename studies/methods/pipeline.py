@@ -29,8 +29,8 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regim
 from ..progress import Stages
 from ..sampling.answers import joined
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
-from ..sizes.layers import narrow_enough
-from ..sizes.marching import refused_steps, steps_between
+from ..sizes.layers import narrowed_for_layers
+from ..sizes.marching import steps_between, why_too_many_steps
 from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval
@@ -82,7 +82,7 @@ class ComplianceMethod(Method):
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
             remedy, most = "give a larger wear.step, or march = 'modal'", problem.contact.most_steps
-            if refused := refused_steps(steps, remedy, most):
+            if refused := why_too_many_steps(steps, remedy, most):
                 return refused
         if not len(problem.times) and (refused := problem.load_regime.refused_without_times):
             return refused
@@ -156,7 +156,7 @@ class AnySpaceMethod(ComplianceMethod):
             degree: int,
         ) -> Compliance:
             space = fitted_space(edges, infinite, degree)
-            return self.compliance(narrow_enough(space, scaled_ground), scaled_ground)
+            return self.compliance(narrowed_for_layers(space, scaled_ground), scaled_ground)
 
         def coarser() -> Compliance:
             if spaces.nested:

@@ -22,7 +22,7 @@ from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
-from ..sizes.layers import narrow_enough
+from ..sizes.layers import narrowed_for_layers
 from ..wear.unilateral import Interval, Load
 
 # strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
@@ -137,7 +137,7 @@ def radial_space(
     breakpoints, low_parts = exact_graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
     linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
     space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
-    space = narrow_enough(space, problem.ground)
+    space = narrowed_for_layers(space, problem.ground)
     return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
 
 
