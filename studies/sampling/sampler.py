@@ -220,7 +220,7 @@ class Sampler:
                 values["contact_edge"] = lambda: edges
         # by these the errors of the others are measured
         measures = ["indentation", "normal_force"]
-        if self.by_fields and problem.wants("displacement_max"):
+        if self.maxima_from_fields and problem.wants("displacement_max"):
             measures.append("displacement")
         # where pressures may be infinite
         infinite = history.distances == 0 if pressed is None else pressed.force > 0
@@ -259,12 +259,12 @@ class Sampler:
             "steady_wear_rate": lambda: np.asarray(force * speed * state.wear_rate),
         }
         measures = ["steady_displacement_max"]
-        if self.by_fields:
+        if self.maxima_from_fields:
             measures.append("steady_profile")
         return self._wanted(values, *measures)
 
     @property
-    def by_fields(self) -> bool:
+    def maxima_from_fields(self) -> bool:
         """Whether greatest values are known no better than their fields.
 
         This is so for flat punches on spaces of degree 2 or less, where the differences of greatest
