@@ -30,7 +30,7 @@ from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regime
 from ..progress import Stages
-from ..sampling.answers import joined
+from ..sampling.answers import merged_answers
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.marching import steps_between, why_too_many_steps
@@ -400,7 +400,7 @@ def _join_steady_part(history: Solution, steady: Solution) -> Solution:
         results=steady.results | history.results,
         checked=steady.checked | history.checked,
         errors=history.errors | steady.errors | _join_errors(history, steady),
-        answers=joined(history.answers, steady.answers),
+        answers=merged_answers(history.answers, steady.answers),
         notes=(*history.notes, *steady.notes),
         settings={
             **history.settings,
