@@ -53,11 +53,11 @@ GROWTH = 0.5
 LOWEST_PRESSURE_DEGREE = 3.0
 # Degree of the displacement minus degree of the pressure on quadrilaterals, before rounding up
 # (physics/test_size_rules.py, `ringwear study convergence`).
-ABOVE_PRESSURE = 1.45
+EXTRA_DISPLACEMENT_DEGREES = 1.45
 # Degrees of the displacement that are added per decade by which 1 - 2 nu falls
 # (physics/test_estimates.py::test_nothing_locks checks the accuracy near incompressibility).
 DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
-# Part of these added degrees that ABOVE_PRESSURE already covers.
+# Part of these added degrees that EXTRA_DISPLACEMENT_DEGREES already covers.
 SPARE_DISPLACEMENT_DEGREES = 0.2
 # Poisson's ratio above which no more degrees are added; 1/2 itself is modelled as 0.49999.
 MAX_POISSON_RATIO = 0.4999
@@ -238,7 +238,7 @@ def wanted_quad_degree(problem: Problem) -> int:
     With the degree q of the pressure, the maximum of `pressure_degree`, `degree_of_modes` and
     LOWEST_PRESSURE_DEGREE, it is
 
-        q + ABOVE_PRESSURE + max(0, -0.2 - 0.4 log10(1 - 2 nu))
+        q + EXTRA_DISPLACEMENT_DEGREES + max(0, -0.2 - 0.4 log10(1 - 2 nu))
 
     rounded up. The last term grows as the half-space becomes incompressible, where up to two digits
     are lost. Shown by physics/test_estimates.py::test_nothing_locks.
@@ -248,7 +248,7 @@ def wanted_quad_degree(problem: Problem) -> int:
     digits_lost = DEGREES_PER_DIGIT_OF_COMPRESSIBILITY * np.log10(compressibility)
     wanted = (
         max(degree_of_fields, degree_of_modes(problem), LOWEST_PRESSURE_DEGREE)
-        + ABOVE_PRESSURE
+        + EXTRA_DISPLACEMENT_DEGREES
         + max(0.0, -SPARE_DISPLACEMENT_DEGREES - digits_lost)
     )
     return int(np.ceil(wanted))

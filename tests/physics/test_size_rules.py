@@ -49,7 +49,7 @@ def error_over_rtol(scene, name, quantity):
         (degrees, "MOST_RELAXED", 4, "early", "fem", "rms_slope"),
         (sizes, "SLOPE_AMPLITUDE", 0.01, "early", "fem", "rms_slope"),
         (defaults, "RADIAL_GRADING", 0.2, "early", "mdr", "pressure"),
-        (defaults, "ABOVE_PRESSURE", -0.5, "early", "fem", "pressure"),
+        (defaults, "EXTRA_DISPLACEMENT_DEGREES", -0.5, "early", "fem", "pressure"),
         (defaults, "GROWTH", 4, "early", "fem", "relaxation_time"),
         (defaults, "NEGLIGIBLE", 1e7, "early", "fem", "rms_slope"),
         (defaults, "TRIANGLE_GROWTH", 4, "triangles", "fem", "relaxation_time"),
