@@ -86,7 +86,7 @@ MAX_TRIANGLE_SIZE_AT_RINGS = 0.25
 TRIANGLE_GROWTH = 0.7
 # Upper limit of that growth. With more, neighbouring triangles would differ too much in size to be
 # well shaped.
-GREATEST_GROWTH = 0.9
+MAX_TRIANGLE_GROWTH = 0.9
 # Size of triangles at the centre at REFERENCE_RTOL, in a. Energies hardly depend on it, but people
 # look at the value of the solution there.
 TRIANGLE_SIZE_AT_CENTRE = 0.2
@@ -307,7 +307,7 @@ def triangle_sizes(problem: Problem) -> SizeField:
         ring_edges=tuple(float(edge) for edge in ring_edges),
         rim_size=chosen.rim_size or min(TRIANGLE_SIZE_AT_RIM * rtol, across_rim),
         ring_size=chosen.ring_size or tuple(float(size) for size in triangle_ring_sizes(problem)),
-        growth=chosen.growth or min(TRIANGLE_GROWTH * scale, GREATEST_GROWTH),
+        growth=chosen.growth or min(TRIANGLE_GROWTH * scale, MAX_TRIANGLE_GROWTH),
         truncation=chosen.truncation or WIDER_TRUNCATION,
         centre_size=min(TRIANGLE_SIZE_AT_CENTRE * scale, MAX_TRIANGLE_SIZE_AT_CENTRE),
         far_size=far_size,

@@ -63,5 +63,5 @@ def test_a_quantity_errs_more_with_a_worse_constant(
     assert error <= 1
     monkeypatch.setattr(module, constant, factor * getattr(module, constant))
     # else it would bound the growth of triangles
-    monkeypatch.setattr(defaults, "GREATEST_GROWTH", np.inf)
+    monkeypatch.setattr(defaults, "MAX_TRIANGLE_GROWTH", np.inf)
     assert error_over_rtol(scene, name, quantity) > 3 * error
