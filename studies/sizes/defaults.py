@@ -105,7 +105,7 @@ FAR_TRIANGLE_SIZE_AT_HIGHEST_DEGREE = 0.25
 FINE_RTOL = 1e-6
 # Upper limit of the share of the energy that the truncation may lose (physics/test_size_rules.py,
 # `ringwear study truncation`).
-NEGLIGIBLE = 1e-9
+MAX_TRUNCATION_LOSS = 1e-9
 # That share is also smaller than rtol by this factor.
 TRUNCATION_MARGIN = 10
 # Time step of the march on the uniform grid over the largest stable one (`ringwear study march`).
@@ -320,7 +320,7 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
     Notes
     -----
     The number of poles is that of the scene, or else the smallest with which the truncation loses
-    at most the share ``min(NEGLIGIBLE, rtol / TRUNCATION_MARGIN)`` of the energy
+    at most the share ``min(MAX_TRUNCATION_LOSS, rtol / TRUNCATION_MARGIN)`` of the energy
     (`fem.far_field.enough_poles`). Shown by
     physics/test_orders.py::test_truncation_by_every_far_field.
     """
@@ -328,7 +328,7 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
 
     if problem.fem.poles:
         return tuple(range(0, 2 * problem.fem.poles, 2))
-    return enough_poles(truncation, min(NEGLIGIBLE, problem.rtol / TRUNCATION_MARGIN))
+    return enough_poles(truncation, min(MAX_TRUNCATION_LOSS, problem.rtol / TRUNCATION_MARGIN))
 
 
 def coarser_pole_orders(orders: tuple[int, ...]) -> tuple[int, ...]:

@@ -51,7 +51,7 @@ def error_over_rtol(scene, name, quantity):
         (defaults, "RADIAL_GRADING", 0.2, "early", "mdr", "pressure"),
         (defaults, "EXTRA_DISPLACEMENT_DEGREES", -0.5, "early", "fem", "pressure"),
         (defaults, "GROWTH", 4, "early", "fem", "relaxation_time"),
-        (defaults, "NEGLIGIBLE", 1e7, "early", "fem", "rms_slope"),
+        (defaults, "MAX_TRUNCATION_LOSS", 1e7, "early", "fem", "rms_slope"),
         (defaults, "TRIANGLE_GROWTH", 4, "triangles", "fem", "relaxation_time"),
     ],
     ids=lambda part: part if isinstance(part, str) else "",
