@@ -54,7 +54,7 @@ MODE_ROUNDOFF_TIME = 1e-16
 # Errors of quantities that depend on thin layers are not promised if (wanted element size /
 # smallest element size of a method) is below this. It is two layers of elements: the coarser mesh
 # used for the error estimate has one layer less.
-THIN = FACTOR**-2
+ELEMENTS_PER_THIN_LAYER = FACTOR**-2
 
 
 def edge_sizes(problem: Problem) -> Array:
