@@ -24,7 +24,7 @@ from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
 from .layers import depths_of_interfaces, truncation_beside
 from .ring_edges import (
-    FACTOR,
+    QUAD_GRADING,
     RADIAL_ROUNDOFF,
     edge_sizes,
     fem_smallest,
@@ -183,14 +183,16 @@ def missing_layers(problem: Problem, smallest: float) -> Array:
     Returns
     -------
     (T,) array
-        ``ln(wanted / smallest) / ln(FACTOR)`` with the smallest size `wanted` that `edge_sizes`
+        ``ln(wanted / smallest) / ln(QUAD_GRADING)`` with the smallest size `wanted` that `edge_sizes`
         asks for if the history begins at that time; 0 if that is not below `smallest`.
     """
     layers = np.zeros(len(problem.estimate_times))
     for index, time in enumerate(problem.estimate_times):
         problem_at_time = replace(problem, times=np.array([time]))
         wanted = float(edge_sizes(problem_at_time).min()) if problem_at_time.earliest else np.inf
-        layers[index] = max(np.log(wanted / smallest) / np.log(FACTOR), 0.0) if smallest else 0.0
+        layers[index] = (
+            max(np.log(wanted / smallest) / np.log(QUAD_GRADING), 0.0) if smallest else 0.0
+        )
     return layers
 
 
@@ -203,14 +205,14 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     `fem_smallest`. A size that the scene sets replaces the one here. Shown by
     physics/test_five_rings.py::test_the_dial_of_the_fem.
     """
-    chosen, fields = problem.fem, with_affordable_field_tolerance(problem, FACTOR)
+    chosen, fields = problem.fem, with_affordable_field_tolerance(problem, QUAD_GRADING)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     truncation = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
     interfaces = depths_of_interfaces(problem)
     return {
         "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
-        "factor": FACTOR,
+        "factor": QUAD_GRADING,
         "growth": chosen.growth or GROWTH,
         "outer": chosen.truncation or truncation_beside(interfaces, truncation),
         "edge_amplitude": fields.edge_amplitude,
@@ -243,7 +245,9 @@ def wanted_quad_degree(problem: Problem) -> int:
     rounded up. The last term grows as the half-space becomes incompressible, where up to two digits
     are lost. Shown by physics/test_estimates.py::test_nothing_locks.
     """
-    degree_of_fields = pressure_degree(with_affordable_field_tolerance(problem, FACTOR), FACTOR)
+    degree_of_fields = pressure_degree(
+        with_affordable_field_tolerance(problem, QUAD_GRADING), QUAD_GRADING
+    )
     compressibility = 1 - 2 * min(problem.poisson_ratio, MAX_POISSON_RATIO)
     digits_lost = DEGREES_PER_DIGIT_OF_COMPRESSIBILITY * np.log10(compressibility)
     wanted = (

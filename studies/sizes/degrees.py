@@ -13,7 +13,7 @@ from ...meshes.radial import Array
 from ...meshes.sizes import convergence
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES
-from .ring_edges import FACTOR, edge_sizes
+from .ring_edges import QUAD_GRADING, edge_sizes
 
 # Lowest degree of the pressure. The coarser solution used for the error estimate has a degree less,
 # and has to be at least linear.
@@ -178,4 +178,4 @@ def field_accuracy(problem: Problem) -> float:
     It is `rtol`, unless only energies are wanted or there are too many rings
     (`with_affordable_field_tolerance`).
     """
-    return with_affordable_field_tolerance(problem, FACTOR).rtol
+    return with_affordable_field_tolerance(problem, QUAD_GRADING).rtol

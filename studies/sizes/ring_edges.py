@@ -13,7 +13,7 @@ from ..problem.problem import Problem
 # Size of a layer of quadrilaterals over that of the next layer away from the edge. One more degree
 # then lowers errors of fields by a factor of 3 and errors of energies by a factor of 9 (`ringwear
 # study convergence`).
-FACTOR = 0.25
+QUAD_GRADING = 0.25
 # Relative error of the squared RMS slope that the elements at an edge may cause, over rtol. That
 # error = element size / min(ring width, worn length) (physics/test_size_rules.py).
 SLOPE_SHARE = 0.1
@@ -54,7 +54,7 @@ MODE_ROUNDOFF_TIME = 1e-16
 # Errors of quantities that depend on thin layers are not promised if (wanted element size /
 # smallest element size of a method) is below this. It is two layers of elements: the coarser mesh
 # used for the error estimate has one layer less.
-ELEMENTS_PER_THIN_LAYER = FACTOR**-2
+ELEMENTS_PER_THIN_LAYER = QUAD_GRADING**-2
 
 
 def edge_sizes(problem: Problem) -> Array:
