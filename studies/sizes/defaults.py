@@ -22,7 +22,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import FINEST
 from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
-from .layers import depths_of_interfaces, truncation_beside
+from .layers import depths_of_interfaces, truncation_with_interfaces
 from .ring_edges import (
     QUAD_GRADING,
     RADIAL_ROUNDOFF,
@@ -214,7 +214,7 @@ def quad_sizes(problem: Problem) -> QuadSizes:
         "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
         "factor": QUAD_GRADING,
         "growth": chosen.growth or GROWTH,
-        "outer": chosen.truncation or truncation_beside(interfaces, truncation),
+        "outer": chosen.truncation or truncation_with_interfaces(interfaces, truncation),
         "edge_amplitude": fields.edge_amplitude,
         "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
         "interfaces": interfaces,

@@ -36,7 +36,7 @@ def depths_of_interfaces(problem: Problem) -> tuple[float, ...]:
     return () if problem.ground is None else tuple(problem.ground.depths.tolist())
 
 
-def truncation_beside(interfaces: Sequence[float], least: float) -> float:
+def truncation_with_interfaces(interfaces: Sequence[float], least: float) -> float:
     """Return the truncation radius that is large enough to avoid slivers at interfaces.
 
     Parameters

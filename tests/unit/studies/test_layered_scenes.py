@@ -11,7 +11,7 @@ from ringwear.studies.check.template import write_template
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.fem import half_space_mesh
 from ringwear.studies.problem.unit_names import kind_of
-from ringwear.studies.sizes.layers import truncation_beside
+from ringwear.studies.sizes.layers import truncation_with_interfaces
 from ringwear.studies.sizes.shared import discretised_alike
 from ringwear.studies.study.conduct import refuse_what_does_not_fit
 from ringwear.studies.study.options import Options
@@ -125,8 +125,8 @@ def test_a_template_of_layers_is_refused(tmp_path):
 
 
 def test_no_interface_nearly_touches_the_outer_boundary():
-    assert truncation_beside((0.5, 1.9, 2.6), 2.5) == 2.5
-    assert truncation_beside((2.2, 2.6), 2.5) == pytest.approx(3.25)
+    assert truncation_with_interfaces((0.5, 1.9, 2.6), 2.5) == 2.5
+    assert truncation_with_interfaces((2.2, 2.6), 2.5) == pytest.approx(3.25)
 
 
 @pytest.mark.gmsh
