@@ -44,7 +44,7 @@ def covering(problems: Sequence[Problem]) -> Problem:
     return replace(several, shared_amplitude=amplitude)
 
 
-def discretised_alike(problem: Problem) -> Hashable:
+def discretisation_key(problem: Problem) -> Hashable:
     """Return a key that is equal for problems with the same discretisation.
 
     It leaves out the amplitudes at ring edges, which may differ.
@@ -69,7 +69,7 @@ def groups(problems: Sequence[Problem]) -> list[list[int]]:
     worn_lengths = [float(problem.edge_amplitude.worn_length_slow.min()) for problem in problems]
     all_groups, open_groups = list[list[int]](), dict[Hashable, list[int]]()
     for index in np.argsort(worn_lengths, kind="stable").tolist():
-        kind = discretised_alike(problems[index])
+        kind = discretisation_key(problems[index])
         if (
             kind not in open_groups
             or worn_lengths[index] > max_length_ratio * worn_lengths[open_groups[kind][0]]
