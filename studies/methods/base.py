@@ -87,7 +87,7 @@ class Solution:
         return error[problem.checked] if DESCRIBED[name].dims[:1] == ("time",) else error
 
     @property
-    def greatest_of_all_errors(self) -> float:
+    def max_error(self) -> float:
         """The largest error of all quantities over all times."""
         return max(map(self.greatest_error, self.errors), default=0.0)
 

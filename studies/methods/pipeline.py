@@ -1,11 +1,8 @@
 """The common pipeline of all methods that compute a compliance.
 
-1. discretise: compliances on a fine and on a coarser discretisation (`ComplianceMethod.discretise`;
-sizes come from `studies/sizes/`)
-2. wear and sample: the wear history on each compliance, and the quantities of the problem
-(`evaluation.py`, `moving_evaluation.py`)
-3. estimate errors: difference of the two evaluations, times factors (`estimates.estimate_errors`,
-`error_factors.py`)
+- discretise, finely and coarsely: `ComplianceMethod.discretise`, with sizes from `studies/sizes/`
+- wear and sample on both compliances: `evaluation.py`, `moving_evaluation.py`
+- estimate errors by the difference of both, times factors: `estimates.py`, `error_factors.py`
 
 A flat punch under a force stays in full contact (`solve_in_full_contact`). Any other contact is
 marched in time (`solve_in_moving_contact`).
@@ -46,13 +43,12 @@ from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
 # Number of dense matrices of the size of the compliance that are in memory at once.
 DENSE_MATRICES = 14.0
-# Tension, over (rtol * largest pressure), that may be a mere discretisation error of full contact
-# on layers.
+# Tension, over (rtol * largest pressure), that may be a mere discretisation error on layers.
 MOST_TENSION = 10.0
 
 
 class ComplianceMethod(Method):
-    """A method that computes a compliance. Contact, wear and errors are computed as for all others.
+    """A method that computes a compliance; the rest of the pipeline is common to all such methods.
 
     A user's own method is a subclass with a `name` and `discretise`; an instance of it can be
     passed to `run`.
@@ -66,10 +62,7 @@ class ComplianceMethod(Method):
         """Return the compliance on a discretisation that suits the problem, and a coarser one."""
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:
-        """Return which sizes to leave out, if the scene sets sizes that only a flat punch can have.
-
-        Empty if the scene sets none.
-        """
+        """Return which sizes of the scene only a flat punch can have; empty if there are none."""
         return ""
 
     def refusal(self, problem: Problem) -> str:
@@ -141,7 +134,7 @@ class AnySpaceMethod(ComplianceMethod):
         """Return the compliance on a space, including layered ground if there are layers."""
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:
-        """Return which sizes to leave out, if the scene sets sizes of the radial mesh."""
+        """Return which sizes of the radial mesh to leave out; empty if the scene sets none."""
         message = (
             "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
         )
@@ -189,13 +182,10 @@ def solve_in_full_contact(
     with stages("estimating"):
         compliances = discretisation.compliance, discretisation.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
-        return [
-            _solve_one_in_full_contact(method, problem, discretisation, compliances)
-            for problem in problems
-        ]
+        return [_solve_one(method, problem, discretisation, compliances) for problem in problems]
 
 
-def _solve_one_in_full_contact(
+def _solve_one(
     method: ComplianceMethod,
     problem: Problem,
     discretisation: Discretised,
@@ -242,9 +232,7 @@ def solve_in_moving_contact(
     earlier: Solution | None = None,
     allowed_error: float = 0.0,
 ) -> Solution:
-    """Solve a punch whose contact opens, closes and spreads.
-
-    Its steady state is that of the flat punch.
+    """Solve a punch whose contact moves, and the steady state of the flat punch.
 
     Parameters
     ----------
@@ -296,9 +284,7 @@ def solve_each_in_moving_contact(
 
 
 Pipeline = Callable[[ComplianceMethod, Sequence[Problem], Stages], list[Solution]]
-"""A function that solves problems of one contact regime by any method that computes a compliance.
-
-"""
+"""A function that solves problems of one contact regime, by any such method."""
 PIPELINES: dict[ContactRegime, Pipeline] = {
     FULL_CONTACT: solve_in_full_contact,
     MOVING_CONTACT: solve_each_in_moving_contact,
@@ -318,11 +304,7 @@ def solve_steady_part(
     """
     if not problem.steady:
         return None
-    if (
-        earlier
-        and (reused := earlier.steady_part)
-        and reused.greatest_of_all_errors <= allowed_error
-    ):
+    if earlier and (reused := earlier.steady_part) and reused.max_error <= allowed_error:
         return reused
     flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
     return method.solve(replace(flat, loading=problem.loading.held_last), stages)
@@ -351,10 +333,7 @@ def fitted_starts(
         load, ground = load_at_start(problem), problem.ground
         return fit_presses(problem.profile, load, intervals, discretisation.fitted, ground), ()
     except RingwearError as error:
-        note = (
-            "the start could not be fitted to the edges of the contact, and is only as accurate as "
-            f"the march: {error}"
-        )
+        note = f"the start cannot be fitted, and is only as accurate as the march: {error}"
         return (), (note,)
 
 
@@ -412,11 +391,9 @@ def _join_steady_part(history: Solution, steady: Solution) -> Solution:
 def _join_errors(history: Solution, steady: Solution) -> dict[str, Array]:
     """Return the errors of numbers of the answer that have a part from each of two solutions."""
     shared = history.answers.keys() & steady.answers.keys()
-    error_estimates = history.errors, steady.errors
+    estimates = history.errors, steady.errors
     return {
-        name: np.where(
-            np.isnan(error_estimates[0][name]), error_estimates[1][name], error_estimates[0][name]
-        )
+        name: np.where(np.isnan(estimates[0][name]), estimates[1][name], estimates[0][name])
         for name in shared
-        if all(name in errors for errors in error_estimates)
+        if all(name in errors for errors in estimates)
     }

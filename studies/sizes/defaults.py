@@ -68,13 +68,11 @@ REFERENCE_RTOL = 1e-4
 TRIANGLE_SIZE_AT_RIM = 0.1
 # Least number of triangles across the outermost ring, and across the ring next to a hole.
 MIN_TRIANGLES_ACROSS_RING = 4
-# Size of triangles at a ring edge over the first sliding distance (non-dimensional). The result is
-# raised to the minimum that the next constant sets.
+# Size of triangles at a ring edge over the first sliding distance (non-dimensional).
 TRIANGLE_SIZE_PER_WORN_LENGTH = 0.5
-# The size that follows from the first sliding distance is at least rtol to this power, in a.
+# Lower limit of that size: rtol to this power, in a.
 MIN_WORN_LENGTH_POWER = 0.75
-# Size of triangles at a ring edge over the width of the narrower ring there, at rtol = 1
-# (extrapolated).
+# Size of triangles at a ring edge over the narrower ring's width, at rtol = 1 (extrapolated).
 TRIANGLE_SIZE_AT_RINGS = 10
 # Power of rtol in that size. Elements of degree 4 converge algebraically in their size, not
 # exponentially in a number of layers.
@@ -84,8 +82,7 @@ MAX_TRIANGLE_SIZE_AT_RINGS = 0.25
 # Growth of the size of triangles per distance from ring edges at REFERENCE_RTOL
 # (physics/test_size_rules.py).
 TRIANGLE_GROWTH = 0.7
-# Upper limit of that growth. With more, neighbouring triangles would differ too much in size to be
-# well shaped.
+# Upper limit of that growth, beyond which neighbouring triangles would be badly shaped.
 MAX_TRIANGLE_GROWTH = 0.9
 # Size of triangles at the centre at REFERENCE_RTOL, in a. Energies hardly depend on it, but people
 # look at the value of the solution there.
@@ -95,12 +92,11 @@ MAX_TRIANGLE_SIZE_AT_CENTRE = 0.5
 # Power of rtol in the size at the centre and in the growth: about 1/8, because energies of elements
 # of degree 4 converge with the power 8 of the size.
 TRIANGLE_SIZE_POWER = 0.115
-# Upper limit of the size of triangles over the truncation radius. Sides of a quarter of the
-# truncation radius cause a relative error of d0 of 2e-6 in degree 3 and of 1e-8 in degree 4; sides
-# of an eighth cause no error that was measurable.
+# Upper limit of the size of triangles over the truncation radius. With a quarter, the relative
+# error of d0 is 2e-6 in degree 3 and 1e-8 in degree 4; with an eighth, none.
 FAR_TRIANGLE_SIZE = 0.125
 # The same limit in degree 4 if rtol is above FINE_RTOL.
-FAR_TRIANGLE_SIZE_AT_HIGHEST_DEGREE = 0.25
+FAR_TRIANGLE_SIZE_DEGREE_4 = 0.25
 # Tolerance below which the relative error 1e-8 of d0 is no longer negligible.
 FINE_RTOL = 1e-6
 # Upper limit of the share of the energy that the truncation may lose (physics/test_size_rules.py,
@@ -113,17 +109,14 @@ STABLE_STEP_FRACTION = 0.5
 # Number of cells of the face at REFERENCE_RTOL if edges of the contact move. An edge is located to
 # within a cell (physics/test_contact_march.py::test_random_punches_respect_their_error_estimates).
 REFERENCE_CELLS = 150
-# Smallest number of cells. With fewer, an error estimate by half as many cells would be
-# meaningless.
+# Smallest number of cells. With fewer, half as many cells would give no valid error estimate.
 FEWEST_CELLS = 80
 # Largest number of cells. The number that a tenth of REFERENCE_RTOL would need takes minutes.
 MOST_CELLS = 300
-# Number of pressures up to which the cells of a shaped punch are refined. A march with more takes
-# half a minute.
+# Largest number of pressures of a refined shaped punch. A march with more takes half a minute.
 MAX_REFINED_PRESSURES = 800
-# Lower limit of (number of pressures / MAX_REFINED_PRESSURES) where the load varies. At every
-# change of the load the march begins anew with small steps, which costs about as much as so many
-# pressures.
+# Lower limit of (number of pressures / MAX_REFINED_PRESSURES) under varying loads: the march begins
+# anew with small steps at every change of the load, which costs about as much.
 MIN_PRESSURE_RATIO_UNDER_VARYING_LOADS = 0.5
 # Upper limit of the size of cells at ring edges, in a.
 MAX_CELL_SIZE_AT_EDGES = 1e-3
@@ -148,15 +141,10 @@ class QuadSizes(TypedDict):
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
     """Return the sizes of the radial mesh of the MDR and of boundary elements.
 
-    The keys are the arguments of `methods.spaces.radial_space`.
-
-    Notes
-    -----
-    - sizes at ring edges and at the rim: `ring_sizes` and `rim_size`, but at least `smallest_size`
-    - degrees: `pressure_degree` and `degree_of_modes`, rounded up, at most HIGHEST_DEGREE
-
-    A size or degree that the scene sets replaces the one here. Shown by
-    physics/test_five_rings.py::test_the_dial_of_the_mdr.
+    The keys are the arguments of `methods.spaces.radial_space`. Sizes at ring edges and at the rim
+    are those of `ring_sizes` and `rim_size`, but at least `smallest_size`. Degrees are those of
+    `pressure_degree` and `degree_of_modes`, rounded up. Values that the scene sets replace these.
+    Shown by physics/test_five_rings.py::test_the_dial_of_the_mdr.
     """
     chosen, grading = problem.mdr, problem.mdr.grading or RADIAL_GRADING
     fields = with_affordable_field_tolerance(problem, grading)
@@ -173,18 +161,17 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
 
 
 def missing_layers(problem: Problem, smallest: float) -> Array:
-    """Return how many layers of elements the mesh lacks at each time for the error estimate.
+    """Return how many layers of elements (T,) the mesh lacks at each time for the error estimate.
 
     Parameters
     ----------
-    problem : its `estimate_times` (T,) are those times
+    problem : its `estimate_times` are those times
     smallest : smallest element size that the method can use; 0 if there is no limit
 
-    Returns
-    -------
-    (T,) array
-        ``ln(wanted / smallest) / ln(QUAD_GRADING)`` with the smallest size `wanted` that `edge_sizes`
-        asks for if the history begins at that time; 0 if that is not below `smallest`.
+    Notes
+    -----
+    ``ln(wanted / smallest) / ln(QUAD_GRADING)``, but at least 0, with the smallest size `wanted` of
+    `edge_sizes` if the history begins at that time.
     """
     layers = np.zeros(len(problem.estimate_times))
     for index, time in enumerate(problem.estimate_times):
@@ -225,8 +212,7 @@ def quad_sizes(problem: Problem) -> QuadSizes:
 def quad_degree(problem: Problem) -> int:
     """Return the degree of the displacement on quadrilaterals.
 
-    It is the degree that the scene sets, or else the wanted one, limited to the degrees that the
-    elements have.
+    It is that of the scene, or else the wanted one, within the limits of the elements.
     """
     degree = int(np.clip(wanted_quad_degree(problem), LAYERED, DEGREES["quads"][-1]))
     return problem.fem.degree or degree
@@ -304,9 +290,7 @@ def triangle_sizes(problem: Problem) -> SizeField:
     across_rim = float(ring_edges[-1] - ring_edges[-2]) / MIN_TRIANGLES_ACROSS_RING
     scale = (rtol / REFERENCE_RTOL) ** TRIANGLE_SIZE_POWER
     highest = triangle_degree(problem) == DEGREES["gmsh"][-1]
-    far_size = (
-        FAR_TRIANGLE_SIZE_AT_HIGHEST_DEGREE if highest and rtol > FINE_RTOL else FAR_TRIANGLE_SIZE
-    )
+    far_size = FAR_TRIANGLE_SIZE_DEGREE_4 if highest and rtol > FINE_RTOL else FAR_TRIANGLE_SIZE
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
         rim_size=chosen.rim_size or min(TRIANGLE_SIZE_AT_RIM * rtol, across_rim),
@@ -338,9 +322,8 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
 def coarser_pole_orders(orders: tuple[int, ...]) -> tuple[int, ...]:
     """Return the orders of the poles of the coarser solution used for the error estimate.
 
-    It has one pole less. A solution with one pole is compared with two poles instead: without any
-    pole the boundary would be clamped, whose error is far greater than that of one pole (1.1 a/R,
-    not (a/R)^5).
+    It has one pole less. But one pole is compared with two, because without any the boundary would
+    be clamped: its error is 1.1 a/R, far greater than the (a/R)^5 of one pole.
     """
     return orders[:-1] if len(orders) > 1 else (0, 2)
 
@@ -348,10 +331,8 @@ def coarser_pole_orders(orders: tuple[int, ...]) -> tuple[int, ...]:
 def grid_step(problem: Problem, stability_limit: float) -> float:
     """Return the time step of the march on the uniform grid.
 
-    Notes
-    -----
-    It is the step of the scene, or else STABLE_STEP_FRACTION of the largest stable step; the
-    explicit march is unstable above that (`ringwear study march`).
+    It is the step of the scene, or else STABLE_STEP_FRACTION of the largest stable step (`ringwear
+    study march`).
     """
     if problem.mdr.step:
         return problem.mdr.step / problem.units.time
@@ -371,9 +352,8 @@ def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
     Notes
     -----
     For a shaped punch with n cells the tolerance is ``REFERENCE_RTOL (REFERENCE_CELLS / n)^2``,
-    with the largest and the smallest number of cells. The smaller tolerance is raised so that a
-    refinement has at most MAX_REFINED_PRESSURES pressures, because their number grows as
-    ``rtol^-1/2``.
+    with the largest and the smallest n. The number of pressures grows as ``rtol^-1/2``; the
+    smallest tolerance is raised so that a refinement has at most MAX_REFINED_PRESSURES of them.
     """
     if problem.full_contact:
         return FINEST, 1.0
@@ -397,10 +377,9 @@ def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
 
     Notes
     -----
-    There are ``REFERENCE_CELLS sqrt(REFERENCE_RTOL / rtol)`` cells, limited to FEWEST_CELLS and
-    MOST_CELLS, because edges of the contact are located to within a cell, and d is more accurate
-    than fields are. At ring edges cells are no larger than rtol, because pressures are singular
-    there. Shown by
+    There are ``REFERENCE_CELLS sqrt(REFERENCE_RTOL / rtol)`` cells, within FEWEST_CELLS and
+    MOST_CELLS: edges of the contact are located to within a cell, and d is more accurate than
+    fields are. At ring edges, where pressures are singular, cells are no larger than rtol. Shown by
     physics/test_contact_march.py::test_random_punches_respect_their_error_estimates.
     """
     wanted = REFERENCE_CELLS * (REFERENCE_RTOL / problem.rtol) ** 0.5
