@@ -63,8 +63,8 @@ class Interior:
     labels : names of the states, `t=...` and `steady`
     degree : degree of the displacement
     reach : (states,) radius of the contact; 1 if nothing touches
-    parts : (n, 2) inner and outer radii of the parts of the contact, for each state
-    errors : (states,) estimates of the largest error of each field, by its name, farther than
+    parts : for each state, (n, 2) inner and outer radii of the parts of the contact
+    errors : for each field, by its name, (states,) estimates of its largest error farther than
         `NEAR` from edges of contact and rings; displacements are relative to the indentation of a
         flat punch as wide as the contact, stresses to the mean pressure
     layers : (n,) index of the layer that each point belongs to, 0 without layers
@@ -105,8 +105,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     assert half_space is not None
     # `refinements`: how often each element is refined to show its polynomials; `highest`: highest
     # degree that is worth its cost; `ratio`: Poisson's ratio that replaces 1/2. Inside, the
-    # difference of that ratio to 1/2 is visible, but triangles lock the more the closer it is to
-    # 1/2.
+    # difference of that ratio to 1/2 is visible, but triangles lock more as it approaches 1/2.
     refinements, highest, ratio = 3, 14, 0.499999
     if len(half_space.solid.mesh.t) == 3:
         refinements, highest, ratio = 2, 4, 0.49999

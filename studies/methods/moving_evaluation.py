@@ -57,9 +57,9 @@ class MovingContact(Evaluation):
     ) -> None:
         super().__init__(problem, compliance)
         self.start = start
-        # Worn depth that each step may add as error, relative to the tolerance. The tolerance
-        # counts up to 1e-3 only: cells get no coarser beyond that, and steps would become too few
-        # to estimate their error.
+        # Error that each step may add to the worn depth: a part of the tolerance. Above 1e-3 the
+        # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
+        # but be too few to estimate their error.
         self._tolerance = 0.05 * step_tolerance_factor * min(problem.rtol, 1e-3)
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, the worn depth is small compared with the

@@ -57,7 +57,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
 
 
 def first_count(wear: RunningIn, march: str) -> int:
-    """Return the first number of steps: explicit ones are stable, implicit ones far longer."""
+    """Return the first number of steps: explicit steps are stable, implicit ones are far longer."""
     return int(np.ceil(TIME / (0.5 * wear.stability_limit()))) if march == "explicit" else 8
 
 

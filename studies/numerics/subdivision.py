@@ -25,9 +25,7 @@ Points = NDArray[np.complex128]
 LOG_POLAR = 0.6
 """Reach of log-polar coordinates about an edge and beyond the rim, over the radius of the edge."""
 BETWEEN_EDGES = 0.45
-"""Upper limit of that reach over the distance to the next edge, so that neighbours do not overlap.
-
-"""
+"""Upper limit of that reach over the distance to the next edge: neighbours do not overlap."""
 
 
 @cache

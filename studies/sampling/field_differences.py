@@ -15,7 +15,7 @@ from ..problem.quantities import error_name
 
 OVER_TIME = ("pressure", "profile", "displacement")
 IN_STEADY_STATE = ("steady_pressure", "steady_profile")
-# Smallest norm of a field over its largest norm over time; a smaller norm is only roundoff.
+# Lower limit of the norm of a field, over its largest norm over time: a smaller norm is roundoff.
 ROUNDOFF = 1e-9
 
 

@@ -63,8 +63,8 @@ def why_layers_are_not_meshed(problem: Problem) -> str:
         return ""
     if not problem.full_contact:
         return (
-            "fem meshes half_space.layers under flat punches in full contact only: leave it out of "
-            "methods, or give bem beside mdr"
+            "fem meshes half_space.layers under flat punches in full contact only: leave fem out "
+            "of methods, or use mdr and bem"
         )
     if fem.meshed_by != "quads":
         return (

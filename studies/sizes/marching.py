@@ -17,7 +17,7 @@ def steps_between(times: Array, step: float) -> Array:
 def why_too_many_steps(count: float, remedy: str, most: int = FULL_CONTACT.most_steps) -> str:
     """Return why a march of `count` steps is refused, with the remedy; empty if it is not."""
     return (
-        f"{count:.3g} steps are needed to the last time, more than {most}: {remedy}"
+        f"{count:.3g} steps are needed to reach the last time, more than {most}: {remedy}"
         if count > most
         else ""
     )

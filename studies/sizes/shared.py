@@ -35,8 +35,8 @@ def covering(problems: Sequence[Problem]) -> Problem:
     several = replace(first, rtol=rtol, times=distances, loading=Loading())
     amplitude = EdgeAmplitude(
         rtol,
-        np.min([each.worn_length_slow for each in amplitudes], axis=0),
-        np.max([each.ratio for each in amplitudes], axis=0),
+        np.min([edge.worn_length_slow for edge in amplitudes], axis=0),
+        np.max([edge.ratio for edge in amplitudes], axis=0),
         float(distances[-1]) / several.earliest if several.earliest else 1.0,
         np.max([problem.merged.kinks for problem in problems], axis=0),
         amplitudes[0].narrower_width,
