@@ -97,8 +97,8 @@ class Solution:
         For relaxation times it is the largest error of the slowest ones, which are compared between
         methods. Numbers of the answer that the method does not compute (NaN) are left out.
         """
-        shown = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
-        errors = self.errors[name][shown]
+        compared = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
+        errors = self.errors[name][compared]
         if name in ANSWER:
             # parts of the answer that the method does not compute
             errors = errors[~np.isnan(errors)]
@@ -219,8 +219,8 @@ class Method(ABC):
         """Return why the method cannot solve the problem, with the remedy; empty if it can."""
         if problem.ground is not None and not self.knows_layers:
             return f"{self.name} does not solve half_space.layers: leave it out of methods"
-        refused = flat_punches_only(self.name) if self.refused is None else self.refused
-        return next((refused[regime] for regime in problem.regimes if regime in refused), "")
+        reasons = flat_punches_only(self.name) if self.refused is None else self.refused
+        return next((reasons[regime] for regime in problem.regimes if regime in reasons), "")
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the scene sets the sizes of the method, which are then not changed."""

@@ -66,11 +66,11 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
     ring_edges, wear_coefficients = problem.merged
     force, speed = problem.loading.forces[-1], problem.loading.speeds[-1]
 
-    def sample(at: Problem | Face) -> Results:
+    def sample(grid: Problem | Face) -> Results:
         values: dict[str, Callable[[], Array]] = {
-            "steady_pressure": lambda: pressures[ring_of(ring_edges, at.radii)],
+            "steady_pressure": lambda: pressures[ring_of(ring_edges, grid.radii)],
             "steady_profile": lambda: np.maximum(
-                greatest - direct.displacement(ring_edges, pressures, at.radii, problem.ground),
+                greatest - direct.displacement(ring_edges, pressures, grid.radii, problem.ground),
                 0.0,
             ),
             "steady_displacement_max": lambda: np.asarray(greatest),

@@ -80,8 +80,8 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     SceneError
         if layers cannot be meshed as requested
     """
-    if refused := why_layers_are_not_meshed(problem):
-        raise SceneError(refused)
+    if reason := why_layers_are_not_meshed(problem):
+        raise SceneError(reason)
     try:
         return _mesh_with(problem, problem.fem.meshed_by)
     except MeshError as error:
@@ -176,8 +176,8 @@ class Fem(ComplianceMethod):
         Besides the reasons common to every `ComplianceMethod`, rings narrower than `NARROWEST`
         cannot be meshed.
         """
-        if refused := _refused_degree(problem) or why_layers_are_not_meshed(problem):
-            return refused
+        if reason := _refused_degree(problem) or why_layers_are_not_meshed(problem):
+            return reason
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST:
             return (

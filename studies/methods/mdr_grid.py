@@ -50,8 +50,8 @@ class MdrGrid(Method):
             return (
                 "mdr-grid solves full discs only: with punch.inner_radius leave it out of methods"
             )
-        if refused := super().refusal(problem):
-            return refused
+        if reason := super().refusal(problem):
+            return reason
         if not len(problem.times):
             return (
                 "mdr-grid marches in time and gives no steady state: give wear.times, or leave it "

@@ -67,8 +67,8 @@ class ComplianceMethod(Method):
 
     def refusal(self, problem: Problem) -> str:
         """Return why the method cannot solve the problem, with the remedy; empty if it can."""
-        if refused := super().refusal(problem):
-            return refused
+        if reason := super().refusal(problem):
+            return reason
         if not problem.full_contact and (reason := self.sizes_of_flat_punches(problem)):
             return reason
         if problem.march not in problem.load_regime.marches:
@@ -79,10 +79,10 @@ class ComplianceMethod(Method):
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
             remedy, most = "give a larger wear.step, or march = 'modal'", problem.contact.most_steps
-            if refused := why_too_many_steps(steps, remedy, most):
-                return refused
-        if not len(problem.times) and (refused := problem.load_regime.refused_without_times):
-            return refused
+            if reason := why_too_many_steps(steps, remedy, most):
+                return reason
+        if not len(problem.times) and (reason := problem.load_regime.refused_without_times):
+            return reason
         if problem.march not in problem.contact.marches:
             return (
                 f"wear.march = '{problem.march}' is not possible for {self.name} with an initial "
@@ -177,8 +177,8 @@ def solve_in_full_contact(
     method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
 ) -> list[Solution]:
     """Solve flat punches on the same rings; their histories are exact in time."""
-    several = len(problems) > 1
-    discretisation = method.discretise(covering(problems) if several else problems[0], stages)
+    is_batch = len(problems) > 1
+    discretisation = method.discretise(covering(problems) if is_batch else problems[0], stages)
     with stages("estimating"):
         compliances = discretisation.compliance, discretisation.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):

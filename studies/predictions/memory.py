@@ -58,9 +58,9 @@ def refuse_large(path: Path, data: "xarray.Dataset") -> None:
         with the size of the dataset and the limit
     """
     # the data are copied a few times after reading
-    most = machine_memory() * GIB / 8
-    if data.nbytes > most:
+    max_bytes = machine_memory() * GIB / 8
+    if data.nbytes > max_bytes:
         raise ValueError(
             f"its contents are {data.nbytes / 1e9:.3g} GB by its header (the file has "
-            f"{path.stat().st_size / 1e6:.3g} MB); give at most {most / 1e9:.2g} GB"
+            f"{path.stat().st_size / 1e6:.3g} MB); give at most {max_bytes / 1e9:.2g} GB"
         )

@@ -203,8 +203,8 @@ def plan(source: Source) -> list[str]:
     """
     scene = Scene.of(source)
     methods = methods_of(scene.methods)
-    if refused := refusals(scene, methods):
-        return [f"refused: {reason}" for reason in refused]
+    if reasons := refusals(scene, methods):
+        return [f"refused: {reason}" for reason in reasons]
     problem, probe = scene.problem, coarsen(scene).problem
     with threadpool_limits(1):
         costs = {name: predict_cost(entry, problem, probe) for name, entry in methods.items()}

@@ -56,8 +56,8 @@ def flat_answers(
         values["force_share"][0] = forces / forces.sum()
         values["indentation_start"][...] = flat.indentation + problem.profile.standoff
         values["running_in_time"][...] = wear.relaxation_times[0]
-        for name, left in problem.load_regime.parts_left.items():
-            values[name][...] = wear.time_until(left)
+        for name, remaining_part in problem.load_regime.parts_left.items():
+            values[name][...] = wear.time_until(remaining_part)
         sampler = Sampler(problem, wear.compliance.space)
         values["worn_volume"] = sampler.worn_volumes(ends)[-1]
         add_forces(values, problem, sampler.ring_forces(ends).sum(axis=1))
@@ -89,8 +89,8 @@ def moving_answers(
     add_forces(values, problem, forces.sum(axis=1))
     if not problem.loading.varies:
         values["time_to_full_contact"][...] = march.time_of_full_contact
-        for name, left in problem.load_regime.parts_left.items():
-            values[name][...] = _time_of_march(march, left)
+        for name, remaining_part in problem.load_regime.parts_left.items():
+            values[name][...] = _time_of_march(march, remaining_part)
         if problem.times[0] == 0:
             values["indentation_start"][...] = ends.indentation[0] + problem.profile.standoff
             total = forces[0].sum()
@@ -168,41 +168,44 @@ def merged_answers(history: Results, steady: Results) -> Results:
 
     A part that only one of them has is taken from that one.
     """
-    both = history.keys() & steady.keys()
-    parts = {name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in both}
+    shared = history.keys() & steady.keys()
+    parts = {
+        name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in shared
+    }
     return {name: value for name, value in (steady | history | parts).items() if name in ANSWER}
 
 
-def _time_of_march(march: Marched, part: float) -> float:
+def _time_of_march(march: Marched, wanted_part: float) -> float:
     """Return the time after which at most a given part of the running-in is left.
 
     It is NaN if that time is after the march.
     """
     from scipy.interpolate import PchipInterpolator  # few runs need it
 
-    times, left = march.remainder()
+    times, remaining = march.remainder()
     if np.isfinite(march.time_of_full_contact):
         # after full contact, the part that is left decays at least as fast as the slowest mode
         later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
-        left = np.append(left, march.remainder_later(later))
+        remaining = np.append(remaining, march.remainder_later(later))
         times = np.append(times, later)
     elif march.face.load.force is not None:
         # before full contact, it may cross zero more than once
         return float("nan")
-    left = np.abs(left) / np.abs(left).max()
-    last = np.flatnonzero(left > part)[-1]
+    remaining = np.abs(remaining) / np.abs(remaining).max()
+    last = np.flatnonzero(remaining > wanted_part)[-1]
     if last + 1 == len(times):
         return float("nan")
     # the logarithm is nearly linear in time between steps
     window = slice(max(last - 2, 0), last + 4)
-    logarithm = np.log(np.maximum(left[window], part * SMALLEST_RATIO) / part)
+    logarithm = np.log(np.maximum(remaining[window], wanted_part * SMALLEST_RATIO) / wanted_part)
     return float(PchipInterpolator(times[window], logarithm).roots(extrapolate=False)[-1])
 
 
 def _peak(press: FittedPress) -> float:
     """Return the largest pressure of an initial contact; NaN if a corner makes it infinite."""
     corners = [
-        not part.outer_free or (part.inner > 0 and not part.inner_free) for part in press.intervals
+        not interval.outer_free or (interval.inner > 0 and not interval.inner_free)
+        for interval in press.intervals
     ]
     if any(corners):
         return float("nan")

@@ -138,9 +138,9 @@ class Sampler:
         # space
         rings, space = self.problem.merged, self.space
         integral = history.profile / space.at_vertices(rings.wear_coefficients)
-        worn = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        volumes = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
         first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1]) - space.hollow
-        return np.asarray(np.add.reduceat(worn, first, axis=1))
+        return np.asarray(np.add.reduceat(volumes, first, axis=1))
 
     def worn_face(self, history: History) -> WornFace:
         """Return the worn face of a punch whose contact moves.
@@ -177,9 +177,9 @@ class Sampler:
         centre, standoff = self._centre, self.problem.profile.standoff
         face = self.worn_face(history)
 
-        def displacements(at: Array) -> Array:
-            carries = self.pressures(history, at) > 0
-            return face.displacements(_matrix(self.space, at.tobytes()), at, carries)
+        def displacements(places: Array) -> Array:
+            carries = self.pressures(history, places) > 0
+            return face.displacements(_matrix(self.space, places.tobytes()), places, carries)
 
         def slopes() -> Array:
             return face.slopes(_slopes(self.space), self.space.quadrature[0])
@@ -235,16 +235,16 @@ class Sampler:
 
         Entries beyond the last part at a time are NaN.
         """
-        parts = [
+        contact_parts = [
             worn_edges(self.space, contact, worn)
             for contact, worn in zip(history.contact, history.profile, strict=True)
         ]
         if history.pressed is not None:
             fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
             for row in np.flatnonzero(history.pressed.force):
-                parts[row] = fitted
-        edges = np.full((len(parts), 2 * max(map(len, parts), default=0)), np.nan)
-        for time, of_time in enumerate(parts):
+                contact_parts[row] = fitted
+        edges = np.full((len(contact_parts), 2 * max(map(len, contact_parts), default=0)), np.nan)
+        for time, of_time in enumerate(contact_parts):
             edges[time, : 2 * len(of_time)] = np.ravel(of_time)
         return edges
 

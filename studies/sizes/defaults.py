@@ -146,16 +146,16 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
     `pressure_degree` and `degree_of_modes`, rounded up. Values that the scene sets replace these.
     Shown by physics/test_five_rings.py::test_the_dial_of_the_mdr.
     """
-    chosen, grading = problem.mdr, problem.mdr.grading or RADIAL_GRADING
+    scene_sizes, grading = problem.mdr, problem.mdr.grading or RADIAL_GRADING
     fields = with_affordable_field_tolerance(problem, grading)
     modes = np.ceil(degree_of_modes(problem))
     degree = np.ceil(pressure_degree(fields, grading))
     smallest = smallest_size(problem, RADIAL_ROUNDOFF)
     return {
-        "degree": chosen.degree or min(int(degree), HIGHEST_DEGREE),
-        "degree_of_modes": chosen.degree or min(int(modes), HIGHEST_DEGREE),
-        "rim_size": chosen.rim_size or max(rim_size(problem, fields), smallest),
-        "ring_size": chosen.ring_size or np.maximum(ring_sizes(problem, fields), smallest),
+        "degree": scene_sizes.degree or min(int(degree), HIGHEST_DEGREE),
+        "degree_of_modes": scene_sizes.degree or min(int(modes), HIGHEST_DEGREE),
+        "rim_size": scene_sizes.rim_size or max(rim_size(problem, fields), smallest),
+        "ring_size": scene_sizes.ring_size or np.maximum(ring_sizes(problem, fields), smallest),
         "grading": grading,
     }
 
@@ -192,16 +192,16 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     `fem_smallest`. A size that the scene sets replaces the one here. Shown by
     physics/test_five_rings.py::test_the_dial_of_the_fem.
     """
-    chosen, fields = problem.fem, with_affordable_field_tolerance(problem, QUAD_GRADING)
+    scene_sizes, fields = problem.fem, with_affordable_field_tolerance(problem, QUAD_GRADING)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
-    truncation = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
+    truncation = TRUNCATION if scene_sizes.far_field == "boussinesq" else WIDER_TRUNCATION
     interfaces = depths_of_interfaces(problem)
     return {
-        "sizes": np.full(len(wanted), chosen.ring_size) if chosen.ring_size else wanted,
-        "rim_size": chosen.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
+        "sizes": np.full(len(wanted), scene_sizes.ring_size) if scene_sizes.ring_size else wanted,
+        "rim_size": scene_sizes.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
         "factor": QUAD_GRADING,
-        "growth": chosen.growth or GROWTH,
-        "outer": chosen.truncation or truncation_with_interfaces(interfaces, truncation),
+        "growth": scene_sizes.growth or GROWTH,
+        "outer": scene_sizes.truncation or truncation_with_interfaces(interfaces, truncation),
         "edge_amplitude": fields.edge_amplitude,
         "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
         "interfaces": interfaces,
@@ -286,17 +286,18 @@ def triangle_sizes(problem: Problem) -> SizeField:
     edges. The growth and the size at the centre are proportional to ``(rtol /
     REFERENCE_RTOL)^0.115``. Shown by physics/test_five_rings.py::test_the_dial_of_the_fem.
     """
-    rtol, chosen, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
+    rtol, scene_sizes, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
     across_rim = float(ring_edges[-1] - ring_edges[-2]) / MIN_TRIANGLES_ACROSS_RING
     scale = (rtol / REFERENCE_RTOL) ** TRIANGLE_SIZE_POWER
     highest = triangle_degree(problem) == DEGREES["gmsh"][-1]
     far_size = FAR_TRIANGLE_SIZE_DEGREE_4 if highest and rtol > FINE_RTOL else FAR_TRIANGLE_SIZE
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
-        rim_size=chosen.rim_size or min(TRIANGLE_SIZE_AT_RIM * rtol, across_rim),
-        ring_size=chosen.ring_size or tuple(float(size) for size in triangle_ring_sizes(problem)),
-        growth=chosen.growth or min(TRIANGLE_GROWTH * scale, MAX_TRIANGLE_GROWTH),
-        truncation=chosen.truncation or WIDER_TRUNCATION,
+        rim_size=scene_sizes.rim_size or min(TRIANGLE_SIZE_AT_RIM * rtol, across_rim),
+        ring_size=scene_sizes.ring_size
+        or tuple(float(size) for size in triangle_ring_sizes(problem)),
+        growth=scene_sizes.growth or min(TRIANGLE_GROWTH * scale, MAX_TRIANGLE_GROWTH),
+        truncation=scene_sizes.truncation or WIDER_TRUNCATION,
         centre_size=min(TRIANGLE_SIZE_AT_CENTRE * scale, MAX_TRIANGLE_SIZE_AT_CENTRE),
         far_size=far_size,
     )

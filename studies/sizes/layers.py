@@ -36,20 +36,20 @@ def depths_of_interfaces(problem: Problem) -> tuple[float, ...]:
     return () if problem.ground is None else tuple(problem.ground.depths.tolist())
 
 
-def truncation_with_interfaces(interfaces: Sequence[float], least: float) -> float:
+def truncation_with_interfaces(interfaces: Sequence[float], min_radius: float) -> float:
     """Return the truncation radius that is large enough to avoid slivers at interfaces.
 
     Parameters
     ----------
     interfaces : depths of the interfaces, in punch radii
-    least : smallest truncation radius, in punch radii
+    min_radius : smallest truncation radius, in punch radii
 
     Notes
     -----
     An interface that meets the outer arc near the axis would leave a sliver between them. The
     radius R is therefore increased until no interface is between ``MAX_INTERFACE_DEPTH R`` and R.
     """
-    outer = least
+    outer = min_radius
     for depth in sorted(interfaces):
         if MAX_INTERFACE_DEPTH * outer < depth < outer:
             outer = depth / MAX_INTERFACE_DEPTH

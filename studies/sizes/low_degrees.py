@@ -47,15 +47,17 @@ def low_degree_quad_sizes(problem: Problem) -> LowDegreeSizes:
     After halving, the sizes at ring edges and at the rim are those that the scene sets, or else
     those of triangles, which also have a low degree.
     """
-    chosen, scale = problem.fem, 2**LOW_DEGREE_HALVINGS
+    scene_sizes, scale = problem.fem, 2**LOW_DEGREE_HALVINGS
     rings, outermost = problem.merged, float(problem.merged.widths[-1])
-    at_edges = chosen.ring_size or triangle_ring_sizes(problem)
+    at_edges = scene_sizes.ring_size or triangle_ring_sizes(problem)
     at_rim = min(TRIANGLE_SIZE_AT_RIM * problem.rtol, outermost / MIN_TRIANGLES_ACROSS_RING)
-    truncation = TRUNCATION if chosen.far_field == "boussinesq" else WIDER_TRUNCATION
+    truncation = TRUNCATION if scene_sizes.far_field == "boussinesq" else WIDER_TRUNCATION
     return {
         "sizes": np.minimum(scale * at_edges, MAX_SIZE_PER_RING_WIDTH * rings.narrower),
-        "rim_size": min(scale * (chosen.rim_size or at_rim), MAX_SIZE_PER_RING_WIDTH * outermost),
+        "rim_size": min(
+            scale * (scene_sizes.rim_size or at_rim), MAX_SIZE_PER_RING_WIDTH * outermost
+        ),
         "factor": LOW_DEGREE_GRADING,
-        "growth": chosen.growth or LOW_DEGREE_GROWTH,
-        "outer": chosen.truncation or truncation,
+        "growth": scene_sizes.growth or LOW_DEGREE_GROWTH,
+        "outer": scene_sizes.truncation or truncation,
     }

@@ -14,10 +14,10 @@ def steps_between(times: Array, step: float) -> Array:
     return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
 
 
-def why_too_many_steps(count: float, remedy: str, most: int = FULL_CONTACT.most_steps) -> str:
+def why_too_many_steps(count: float, remedy: str, max_steps: int = FULL_CONTACT.most_steps) -> str:
     """Return why a march of `count` steps is refused, with the remedy; empty if it is not."""
     return (
-        f"{count:.3g} steps are needed to reach the last time, more than {most}: {remedy}"
-        if count > most
+        f"{count:.3g} steps are needed to reach the last time, more than {max_steps}: {remedy}"
+        if count > max_steps
         else ""
     )

@@ -32,16 +32,16 @@ def covering(problems: Sequence[Problem]) -> Problem:
     distances = np.unique(np.concatenate([problem.distances for problem in problems]))
     first, rtol = problems[0], min(problem.rtol for problem in problems)
     # at constant force and speed, times are sliding distances
-    several = replace(first, rtol=rtol, times=distances, loading=Loading())
+    combined = replace(first, rtol=rtol, times=distances, loading=Loading())
     amplitude = EdgeAmplitude(
         rtol,
         np.min([edge.worn_length_slow for edge in amplitudes], axis=0),
         np.max([edge.ratio for edge in amplitudes], axis=0),
-        float(distances[-1]) / several.earliest if several.earliest else 1.0,
+        float(distances[-1]) / combined.earliest if combined.earliest else 1.0,
         np.max([problem.merged.kinks for problem in problems], axis=0),
         amplitudes[0].narrower_width,
     )
-    return replace(several, shared_amplitude=amplitude)
+    return replace(combined, shared_amplitude=amplitude)
 
 
 def discretisation_key(problem: Problem) -> Hashable:
