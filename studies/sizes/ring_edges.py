@@ -24,8 +24,8 @@ SLOPE_SHARE_AT_RIM = 0.03
 # because the other rules require sizes as small as this one.
 PRESSURE_SHARE = 0.3
 # Element size at the rim, in a, over rtol. The relative error of pressures of the flat start is up
-# to 3 times that size, and that of its energy a tenth of it; `methods/error_factors.py` adds both
-# to the error estimates.
+# to 3 times that size, and that of its energy a tenth of it; error estimates are at least that
+# large (floors at the rim in `methods/error_factors.py`).
 START_SHARE = 0.03
 # Element size at a hole = size at the rim * this * width of the ring next to the hole, in a: the
 # singular pressure is confined to that ring (physics/test_hollow.py).
@@ -41,7 +41,8 @@ FEM_ROUNDOFF = 2e-22
 INCOMPRESSIBLE_ROUNDOFF = 2e-29
 # Highest Poisson's ratio that is modelled.
 HIGHEST_MODELLED_POISSON_RATIO = 0.49999
-# The same as FEM_ROUNDOFF, for dimensionality reduction and boundary elements, in a.
+# The same as FEM_ROUNDOFF for dimensionality reduction and boundary elements, in a, measured in the
+# same way.
 RADIAL_ROUNDOFF = 5e-27
 # rtol over the error that roundoff may cause in the smallest elements.
 ROUNDOFF_MARGIN = 3
