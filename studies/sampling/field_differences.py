@@ -200,7 +200,7 @@ def _root_mean_square(values: Array, weights: Array) -> Array:
 
 
 def _interpolated(radii: Array, other_radii: Array, other_values: Array) -> Array:
-    """Return values (T, R) interpolated linearly to other radii; NaN outside their range."""
+    """Return values (T, R) at `radii` by linear interpolation; NaN outside `other_radii`."""
     return np.array(
         [np.interp(radii, other_radii, row, np.nan, np.nan) for row in other_values]
     ).reshape(len(other_values), len(radii))
