@@ -7,7 +7,7 @@ from skfem import Mesh
 
 from ..meshes import bisection
 from ..meshes.by_gmsh import cell_triangles
-from ..meshes.by_gmsh.outline import Outline, truncation_beside
+from ..meshes.by_gmsh.outline import Outline, truncation_with_interfaces
 from ..meshes.by_gmsh.quads import graded
 from ..meshes.contact_cells import ContactCells
 from ..meshes.ground.ground import Ground
@@ -74,7 +74,7 @@ def fitted_half_space(
         float(sizes[-1]),
         factor=0.25,
         growth=0.8,
-        outer=truncation_beside(interfaces, NEAR_TRUNCATION),
+        outer=truncation_with_interfaces(interfaces, NEAR_TRUNCATION),
         edge_amplitude=root_amplitude,
         interfaces=interfaces,
         rigid=ground is not None and ground.rigid,
@@ -116,7 +116,7 @@ def even_half_space(
         mesh, outer = _triangles_by_bisection(cells, growth), FAR_TRUNCATION
     else:
         interfaces = tuple(ground.depths.tolist())
-        outer = truncation_beside(interfaces, NEAR_TRUNCATION)
+        outer = truncation_with_interfaces(interfaces, NEAR_TRUNCATION)
         outline = Outline.of_layers(outer, interfaces, ground.rigid)
         mesh = cell_triangles.mesh(cells, growth, outline)
     breakpoints, low_parts = contact_breakpoints(mesh, np.array(edges))

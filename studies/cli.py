@@ -189,7 +189,7 @@ def _mesh(options: argparse.Namespace) -> Status:
     with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
         from .figures.mesh import write_mesh
-        from .methods.fem import half_space_mesh
+        from .methods.fem_meshes import half_space_mesh
 
         chosen = half_space_mesh(scene.problem)
         write_mesh(scene, chosen.mesh, chosen.mesher, folder.hidden)

@@ -5,22 +5,27 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-# depth of the lowest interface within the mesh over the truncation radius, at most
-DEEPEST_LINE = 0.8
+# Largest depth of an interface within the mesh over the truncation radius.
+MAX_INTERFACE_DEPTH = 0.8
 
 
-def truncation_beside(interfaces: Sequence[float], least: float) -> float:
-    """Return a truncation radius, at least the one given, that no interface nearly touches.
+def truncation_with_interfaces(interfaces: Sequence[float], min_radius: float) -> float:
+    """Return the truncation radius that is large enough to avoid slivers at interfaces.
+
+    Parameters
+    ----------
+    interfaces : depths of the interfaces, in punch radii
+    min_radius : smallest truncation radius, in punch radii
 
     Notes
     -----
-    A line that meets the arc near the axis would leave a sliver: depths from ``DEEPEST_LINE R`` to
-    R make R greater.
+    An interface that meets the outer arc near the axis would leave a sliver between them. The
+    radius R is therefore increased until no interface is between ``MAX_INTERFACE_DEPTH R`` and R.
     """
-    outer = least
+    outer = min_radius
     for depth in sorted(interfaces):
-        if DEEPEST_LINE * outer < depth < outer:
-            outer = depth / DEEPEST_LINE
+        if MAX_INTERFACE_DEPTH * outer < depth < outer:
+            outer = depth / MAX_INTERFACE_DEPTH
     return outer
 
 

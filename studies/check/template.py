@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..methods.fem import half_space_mesh
+from ..methods.fem_meshes import half_space_mesh
 from ..problem.fields import over_time
 from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene

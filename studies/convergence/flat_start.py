@@ -37,7 +37,7 @@ from ..methods.evaluation import FullContact
 from ..numerics.core import FLAT, Discretised, condense, flat_d0_error
 from ..numerics.subdivision import subdivided, triangulated
 from ..problem.problem import Problem
-from ..sizes.defaults import FACTOR, GROWTH
+from ..sizes.defaults import GROWTH, QUAD_GRADING
 from ..study.levels import Family, Theory
 from ..tables import Row
 from .theories import (
@@ -69,7 +69,7 @@ XLABELS = {
 }
 """Sizes by the beginning of a family's name."""
 QUAD_DEGREES = range(4, 12)
-GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
+GAIN = ((1 + QUAD_GRADING**0.5) / (1 - QUAD_GRADING**0.5)) ** 2
 """Factor per degree on quadrilaterals, by theory."""
 
 
@@ -189,7 +189,7 @@ def by_quads(
     roundoff.
     """
     smallest = max(0.1 ** (degree + 1), least)
-    mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
+    mesh = graded(ring_edges, smallest, smallest, QUAD_GRADING, GROWTH, outer=2.5).mesh
     return condense(mesh, ring_edges, degree, poisson_ratio, 8, hollow)
 
 

@@ -24,7 +24,7 @@ from ..methods.base import Discretised
 from ..numerics.subdivision import subdivided, triangulated
 from ..problem.problem import Problem
 from ..progress import Stages
-from ..sizes.defaults import FACTOR, GROWTH
+from ..sizes.defaults import GROWTH, QUAD_GRADING
 from ..study.levels import Theory
 from . import theories
 from .flat_start import QUAD_DEGREES, RING_EDGE, ellipses
@@ -227,7 +227,7 @@ def layered_way(problem: Problem, degrees: Iterable[int]) -> Way:
 
     def make(degree: int) -> Mesh:
         smallest = max(0.1 ** (degree + 1), RING_EDGE)
-        return graded(edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
+        return graded(edges, smallest, smallest, QUAD_GRADING, GROWTH, outer=2.5).mesh
 
     def discretise(setting: int, stages: Stages) -> Discretised:
         poles = tuple(range(0, 16, 2))

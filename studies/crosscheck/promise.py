@@ -14,7 +14,7 @@ from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..sizes.degrees import field_accuracy
-from ..sizes.ring_edges import THIN, edge_sizes
+from ..sizes.ring_edges import ELEMENTS_PER_THIN_LAYER, edge_sizes
 
 # with edges of the contact within the face, these are resolved to a cell, whatever the accuracy
 AT_EDGES = (
@@ -80,7 +80,7 @@ def unresolved(
     if quantity in IN_LAYERS:
         wanted = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
-            if wanted < THIN * solution.smallest:
+            if wanted < ELEMENTS_PER_THIN_LAYER * solution.smallest:
                 return (
                     f"elements of {wanted:.0e} a would resolve the layers that wear has made by "
                     f"then, and the smallest of {method} are {solution.smallest:.0e} a; ask for "

@@ -1,1 +1,1 @@
-"""What happens inside the half-space: displacements and stresses below the punch."""
+"""Fields inside the half-space: displacements and stresses below the punch."""

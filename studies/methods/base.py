@@ -1,4 +1,4 @@
-"""What a method is, and what it says of a problem."""
+"""The interface of a method: what it has to provide, and the solution that it returns."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -27,27 +27,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What a method says of a problem.
+    """What a method has computed for a problem, with its error estimates.
 
     Parameters
     ----------
-    results : its quantities at the times and radii asked for; non-dimensional
-    checked : the same at some of the times, on the face of the punch: what is compared with other
-        methods
-    errors : relative, of each quantity and of each number of the answer in its norm, by the
-        method's own estimate
-    parts : of the indentation, by what causes it
-    unknowns, settings, notes : of what was solved
+    results : the quantities at the requested times and radii; non-dimensional
+    checked : the same at the times `problem.checked`, on the face of the punch; these are compared
+        with other methods
+    errors : relative error of each quantity, and of each number of the answer, in its norm, as the
+        method itself estimates it
+    parts : error estimate of the indentation, split by cause
+    unknowns, settings, notes : size of the system, sizes that were chosen, and texts for the user
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
-    smallest : least size of the elements that the method can have beside a ring edge
-    march : of a contact that opens, closes and spreads, if it is one
-    presses : its start, fitted to the edges of the contact, and a coarser one; empty if that failed
+    smallest : smallest element size at a ring edge that the method can use
+    march : the march of a contact that opens, closes and spreads, if the contact does that
+    presses : the initial contact, on pressure spaces fitted to its edges: a fine solution and a
+        coarser one; empty if there is none
     answers : the numbers of the answer
-    steady_part : the steady state of a shaped punch, which is solved by itself, if it has one
-    remedy : what would make it more accurate, if that is not a smaller `rtol`
-    limited_by_degree : quantities that become no more accurate by a smaller `rtol`, because its
-        elements have the highest degree that there is
+    steady_part : the steady state of a shaped punch, which is solved separately, if it has one
+    remedy : what would make the solution more accurate, if that is not a smaller `rtol`
+    limited_by_degree : quantities that a smaller `rtol` does not make more accurate, because the
+        elements already have their highest degree
     """
 
     results: Results
@@ -69,70 +70,73 @@ class Solution:
 
     @property
     def error_estimate(self) -> float:
-        """The method's own estimate of its relative error, of the indentation over all times."""
+        """The method's own estimate of the relative error of the indentation, over all times."""
         return float(sum(self.parts.values()))
 
     def beyond(self, rtol: float) -> dict[str, float]:
-        """Return the quantities whose estimated error exceeds an accuracy.
+        """Return the quantities whose estimated error exceeds `rtol`.
 
-        Each is returned with the greatest error that the method estimates for it.
+        The value for each is its largest estimated error.
         """
         errors = {name: self.greatest_error(name) for name in self.errors}
         return {name: error for name, error in errors.items() if error > rtol}
 
     def checked_error(self, problem: Problem, name: str) -> Array:
-        """Return the error of a quantity at the times that are checked."""
+        """Return the error of a quantity at the times `problem.checked`."""
         error = self.errors[name]
         return error[problem.checked] if DESCRIBED[name].dims[:1] == ("time",) else error
 
     @property
-    def greatest_of_all_errors(self) -> float:
-        """The greatest error of all quantities over all times."""
+    def max_error(self) -> float:
+        """The largest error of all quantities over all times."""
         return max(map(self.greatest_error, self.errors), default=0.0)
 
     def greatest_error(self, name: str) -> float:
-        """Return the greatest error of a quantity over all times.
+        """Return the largest error of a quantity over all times.
 
-        For relaxation times, it is the greatest error of the slowest ones, which are compared
-        between methods. Numbers of the answer that the method does not give have no error.
+        For relaxation times it is the largest error of the slowest ones, which are compared between
+        methods. Numbers of the answer that the method does not compute (NaN) are left out.
         """
-        shown = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
-        errors = self.errors[name][shown]
+        compared = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
+        errors = self.errors[name][compared]
         if name in ANSWER:
-            # a part that the method does not give has no error
+            # parts of the answer that the method does not compute
             errors = errors[~np.isnan(errors)]
         return float(np.max(errors, initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class Discretised:
-    """The half-space of a method, made ready for a problem.
+    """The discretised half-space of a method for a problem.
 
     Parameters
     ----------
     compliance : Compliance
-        On a pressure space that suits the problem (`pressure_spaces`), or on one of the method's
-        own.
+        On a pressure space that suits the problem (`pressure_spaces`), or on a space of the
+        method's own.
     coarser : () -> Compliance
-        The same, coarser in everything: the difference of the two is the error estimate.
+        Compute the compliance on a discretisation that is coarser in every respect. The difference
+        between the two solutions is the error estimate.
     unknowns : int
-        Size of the system behind the compliance; none but the pressures if it is 0.
+        Size of the system from which the compliance is condensed; 0 if the pressures are the only
+        unknowns.
     settings : dict
-        The sizes chosen, for the summary.
+        The sizes that were chosen, for the summary.
     half_space : HalfSpace, optional
-        Of finite elements.
+        The finite-element half-space.
     notes : tuple of str
-        What the user should know, such as a mesher replaced.
+        Texts for the user, such as that the mesher had to be replaced.
     fitted : pair of CompliancesOn, optional
-        Compliances on pressures fitted to the edges of a contact, of a higher and of a lower
-        degree, for the start of a shaped punch; without, it is as accurate as the march.
+        For the start of a shaped punch: functions that compute the compliance on pressures fitted
+        to the edges of the contact, of a higher and of a lower degree. Without them, the start is
+        only as accurate as the march.
     safety : float
-        What the difference to the coarser one is multiplied by, of flat punches.
+        For flat punches: the factor by which the difference to the coarser solution is multiplied.
     smallest : float
-        Least size of the elements that the method can have beside a ring edge, in punch radii.
+        Smallest element size at a ring edge that the method can use, in punch radii.
     limited_by_degree : frozenset of str
-        Quantities that become no more accurate by a smaller `rtol`, because its elements have the
-        highest degree that there is.
+        Quantities that a smaller `rtol` does not make more accurate, because the elements already
+        have their highest degree.
     """
 
     compliance: Compliance
@@ -148,12 +152,12 @@ class Discretised:
 
 
 class SystemSize(NamedTuple):
-    """How large the system is that a method solves for a problem.
+    """Size of the system that a method solves for a problem.
 
     Parameters
     ----------
-    unknowns : of the system behind the compliance
-    pressures : that the compliance is between
+    unknowns : unknowns of the system from which the compliance is condensed
+    pressures : size of the pressure space, and of the compliance matrix
     """
 
     unknowns: int
@@ -161,21 +165,22 @@ class SystemSize(NamedTuple):
 
 
 def flat_punches_only(name: str) -> dict[Regime, str]:
-    """Return what a method refuses that solves flat punches under a force only."""
-    reason = f"{name} knows flat punches under a force only: leave it out of methods"
+    """Return the refused regimes of a method that solves only flat punches under a force."""
+    reason = f"{name} solves only flat punches under a given force: leave it out of methods"
     return dict.fromkeys((MOVING_CONTACT, *FIXED_INDENTATIONS), reason)
 
 
 class Method(ABC):
-    """A way to solve the problem.
+    """A numerical method for the problem.
 
     Attributes
     ----------
-    name : as scenes call it
-    what : what it is, for people
-    lacks : `history` or `steady state`, if it does not give that, and why
-    refused : regimes of problems that it cannot solve, each with the reason and the remedy; all but
-        flat punches under a force if it is None
+    name : the name of the method in scenes
+    what : description for the user
+    lacks : reasons for which it does not compute the `history` or the `steady state`, by these
+        names
+    refused : regimes of problems that it cannot solve, each with the reason and the remedy; if
+        None, it solves only flat punches under a force
     knows_layers : whether it solves problems on layered ground
     """
 
@@ -187,68 +192,70 @@ class Method(ABC):
 
     @abstractmethod
     def solve(self, problem: Problem, stages: Stages) -> Solution:
-        """Return everything that a problem asks for."""
+        """Return the solution of a problem, with all quantities that the problem wants."""
 
     def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the solutions of several problems on the same ring edges and half-space.
 
-        A method that can compute once what they have in common does so here.
+        A method can override this to compute only once what these problems share.
         """
         return [self.solve(problem, stages) for problem in problems]
 
     def solve_again(
-        self, problem: Problem, before: Solution, allowed: float, stages: Stages
+        self, problem: Problem, earlier: Solution, allowed_error: float, stages: Stages
     ) -> Solution:
-        """Return a problem's solution by finer sizes than one before.
+        """Return the solution of a problem with finer sizes than those of an earlier solution.
 
         Parameters
         ----------
-        problem : with the accuracy that sizes follow
-        before : of which a method may keep what is accurate enough
-        allowed : relative error that what is kept may have
-        stages : tells of the progress
+        problem : the problem, with the tolerance from which sizes are chosen
+        earlier : the earlier solution; a method may reuse the parts of it that are accurate enough
+        allowed_error : relative error up to which a part may be reused
+        stages : reports the progress
         """
         return self.solve(problem, stages)
 
     def refusal(self, problem: Problem) -> str:
-        """Return why it cannot solve the problem at all, with the remedy; empty if it can."""
+        """Return why the method cannot solve the problem, with the remedy; empty if it can."""
         if problem.ground is not None and not self.knows_layers:
-            return f"{self.name} does not know half_space.layers: leave it out of methods"
-        refused = flat_punches_only(self.name) if self.refused is None else self.refused
-        return next((refused[regime] for regime in problem.regimes if regime in refused), "")
+            return f"{self.name} does not solve half_space.layers: leave it out of methods"
+        reasons = flat_punches_only(self.name) if self.refused is None else self.refused
+        return next((reasons[regime] for regime in problem.regimes if regime in reasons), "")
 
     def sizes_given(self, problem: Problem) -> bool:
-        """Return whether the user has given the sizes of the method, which then stay."""
+        """Return whether the scene sets the sizes of the method, which are then not changed."""
         return False
 
     def remedy(self, problem: Problem) -> str:
-        """Return what would make it more accurate, if that is not a smaller `rtol`."""
+        """Return what would make the method more accurate, if that is not a smaller `rtol`."""
         if self.sizes_given(problem):
             return f"the sizes given for {self.name} are too coarse; leave them out"
         return ""
 
     def modelling_errors(self, problem: Problem) -> dict[str, str]:
-        """Return what the method leaves out of the model of a problem, and what that costs."""
+        """Return what the method leaves out of the model, and the error that this causes."""
         return {}
 
     def step(self, problem: Problem) -> float | None:
-        """Return the step in time that it marches a problem in, if it is one length."""
+        """Return the length of its steps in time, if all steps have the same length."""
         return problem.step
 
     def system_size(self, problem: Problem) -> SystemSize:
-        """Return how large its system will be; closed forms have none."""
+        """Return the size of the system; methods in closed form have none."""
         return SystemSize(0, 0)
 
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers it keeps at once.
+        """Return about how many numbers the method keeps in memory at once.
 
         Parameters
         ----------
-        pressures : that suit the problem by the method of dimensionality reduction
+        problem : the problem
+        pressures : size of the pressure space that the method of dimensionality reduction would use
+            for it
         """
         return 0.0
 
 
 def method(name: str) -> Method:
-    """Return the method of that name; its file is imported only now."""
+    """Return the method of that name; its module is only imported now."""
     return import_module(f"ringwear.studies.methods.{name.replace('-', '_')}").METHOD

@@ -1,6 +1,6 @@
 """Boundary elements: the ring kernel of Eq. 19 on the radial mesh of the MDR.
 
-The method uses no identity of the MDR.
+No identity of the MDR is used, so that the two methods are independent.
 """
 
 from ...mdr import ring_kernel
@@ -11,13 +11,13 @@ from .pipeline import AnySpaceMethod
 
 
 class Bem(AnySpaceMethod):
-    """Boundary elements."""
+    """Boundary elements: the compliance is an integral of the ring kernel."""
 
     name = "bem"
     knows_layers = True
     what = (
-        "the half-space by boundary elements: the ring kernel of Eq. 19, no identity of the MDR "
-        "in it"
+        "the half-space by boundary elements: integrals of the ring kernel of Eq. 19, without any "
+        "identity of the MDR"
     )
 
     def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:

@@ -18,20 +18,20 @@ from .base import Method, Solution
 
 
 class Direct(Method):
-    """The steady state, to roundoff."""
+    """The steady state in closed form, accurate to roundoff."""
 
     name = "direct"
     knows_layers = True
     what = "the steady state by direct integration, in closed form"
-    lacks: ClassVar[dict[str, str]] = {"history": "direct integration knows the steady state only"}
+    lacks: ClassVar[dict[str, str]] = {"history": "direct integration gives the steady state only"}
     refused: ClassVar[Mapping[Regime, str]] = {
-        WEAR_ALONG_RADIUS: "direct integration knows pressures that are constant on rings, and "
-        "with punch.wear_coefficient along the radius none is: leave direct out of methods, or "
-        "give steps, or many rings",
+        WEAR_ALONG_RADIUS: "direct integration needs pressures that are constant on each ring, and "
+        "with punch.wear_coefficient along the radius they are not: leave direct out of methods, "
+        "or give steps, or many rings",
         **dict.fromkeys(
             FIXED_INDENTATIONS,
-            "direct knows steady states, and with load.indentation nothing presses in the end: "
-            "leave it out of methods",
+            "direct gives the steady state only, and with load.indentation nothing presses in the "
+            "end: leave it out of methods",
         ),
     }
 
@@ -42,7 +42,7 @@ class Direct(Method):
     def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the steady states of several problems on the same ring edges, in closed form."""
         ring_edges, ground = problems[0].merged.ring_edges, problems[0].ground
-        slopes = greatest = np.full(len(problems), np.nan)
+        slopes = max_displacements = np.full(len(problems), np.nan)
         wanted = {name for name in STEADY for problem in problems if problem.wants(name)}
         with stages("integrating"):
             pressures = [
@@ -51,25 +51,26 @@ class Direct(Method):
             ]
             columns = np.stack(pressures, axis=1)
             if "steady_rms_slope" in wanted:
-                of_face = problems[0].gradient_average, problems[0].inner_radius
-                slopes = direct.rms_slope(ring_edges, columns, *of_face, ground)
+                average = problems[0].gradient_average, problems[0].inner_radius
+                slopes = direct.rms_slope(ring_edges, columns, *average, ground)
             if wanted & {"steady_displacement_max", "steady_profile"}:
-                greatest = direct.greatest_displacement(ring_edges, columns, ground)
+                max_displacements = direct.greatest_displacement(ring_edges, columns, ground)
             return [
-                _solution(*of) for of in zip(problems, pressures, greatest, slopes, strict=True)
+                _solution(*arguments)
+                for arguments in zip(problems, pressures, max_displacements, slopes, strict=True)
             ]
 
 
 def _solution(problem: Problem, pressures: Array, greatest: float, slope: float) -> Solution:
-    """Return the steady state of ring pressures (N,); nan is what is not wanted."""
+    """Return the steady state for ring pressures (N,); NaN marks values that are not wanted."""
     ring_edges, wear_coefficients = problem.merged
     force, speed = problem.loading.forces[-1], problem.loading.speeds[-1]
 
-    def sample(at: Problem | Face) -> Results:
+    def sample(grid: Problem | Face) -> Results:
         values: dict[str, Callable[[], Array]] = {
-            "steady_pressure": lambda: pressures[ring_of(ring_edges, at.radii)],
+            "steady_pressure": lambda: pressures[ring_of(ring_edges, grid.radii)],
             "steady_profile": lambda: np.maximum(
-                greatest - direct.displacement(ring_edges, pressures, at.radii, problem.ground),
+                greatest - direct.displacement(ring_edges, pressures, grid.radii, problem.ground),
                 0.0,
             ),
             "steady_displacement_max": lambda: np.asarray(greatest),
@@ -78,21 +79,23 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
         }
         return {name: value() for name, value in values.items() if problem.wants(name)}
 
-    # a narrow ring of high pressure is the small difference of two discs
-    lost = float(np.abs(direct.pressure_steps(pressures)) @ ring_edges[1:])
-    # the mean displacement is at least that of the mean pressure at the rim (Betti)
-    roundoff = 1e-12 + 4 * np.finfo(float).eps * lost / float(
+    # cancellation: the displacement of a narrow ring of high pressure is the small difference of
+    # those of two discs
+    cancellation = float(np.abs(direct.pressure_steps(pressures)) @ ring_edges[1:])
+    # scale of the roundoff: the mean displacement is at least that of the mean pressure at the rim
+    # (Betti)
+    roundoff = 1e-12 + 4 * np.finfo(float).eps * cancellation / float(
         np.fmax(greatest, 4 / np.pi**2 * force)
     )
     results = sample(problem)
     errors = dict.fromkeys(results, np.asarray(roundoff))
-    # scalars need no radii, which take as long as they do
-    on_fields = {"steady_pressure", "steady_profile"} & results.keys()
-    checked = sample(problem.face) if on_fields else results
+    # without fields, sampling on the face would only compute the same scalars again
+    fields = {"steady_pressure", "steady_profile"} & results.keys()
+    checked = sample(problem.face) if fields else results
     answers = steady_answers(problem, checked)
     for name, value in answers.items():
-        stated = np.where(np.isnan(value), np.nan, roundoff)
-        errors[name] = stated[..., 0] if "ring" in ANSWER[name].dims else stated
+        estimate = np.where(np.isnan(value), np.nan, roundoff)
+        errors[name] = estimate[..., 0] if "ring" in ANSWER[name].dims else estimate
     return Solution(results, checked, errors, {"roundoff": roundoff}, answers=answers)
 
 

@@ -1,7 +1,8 @@
-"""Error estimates: the difference of a fine and a coarser evaluation, times a factor.
+"""Error estimates: the difference between a fine and a coarser evaluation, times a factor.
 
-The factors and floors are in `error_factors.py`; each kind of contact applies them in its own way
-(`Evaluation.estimate`).
+`estimate_errors` takes the differences. `Evaluation.estimate` multiplies each by its factor and
+raises it to its floor; each kind of contact does this in its own way. The factors and floors are in
+`error_factors.py`.
 """
 
 import numpy as np
@@ -12,47 +13,65 @@ from ..sampling.norms import answer_differences, differences, radial_weight
 from .error_factors import error_factor
 from .evaluation import Evaluation
 
-# fields that greatest values are taken from
-OF_FIELD = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
+# Quantities that are the maximum of a field, and that field.
+FIELD_OF_MAXIMUM = {"displacement_max": "displacement", "steady_displacement_max": "steady_profile"}
 
 
 def estimate_errors(
     fine: Evaluation, coarse: Evaluation
 ) -> tuple[dict[str, Array], dict[str, float]]:
-    """Return the relative error of each quantity in its norm, and parts of that of the indentation.
+    """Return the relative error of each quantity in its norm, and that of the indentation by cause.
 
-    Errors over time are those at the times asked for; parts are the greatest over all times, by
-    what causes them.
+    Parameters
+    ----------
+    fine, coarse : evaluations of the same problem on the fine and on the coarser discretisation
+
+    Returns
+    -------
+    errors : dict of arrays
+        Errors of quantities that depend on time are those at the requested times.
+    parts : dict of float
+        Largest error of the indentation over all times, by cause. At a fixed indentation: of the
+        normal force, over its first value.
     """
     problem = fine.problem
-    coarser, finer = (each.for_estimate(fine.estimate_times) for each in (coarse, fine))
-    missed = differences(coarser, finer, problem.face)
-    if "steady_rms_slope" in missed and "steady_profile" in missed:
-        missed["steady_rms_slope"] = np.maximum(
-            missed["steady_rms_slope"],
-            _square_of_slopes(problem, finer["steady_profile"], coarser["steady_profile"]),
+    coarse_results, fine_results = (
+        evaluation.results_for_estimate(fine.estimate_times) for evaluation in (coarse, fine)
+    )
+    quantity_differences = differences(coarse_results, fine_results, problem.face)
+    if "steady_rms_slope" in quantity_differences and "steady_profile" in quantity_differences:
+        quantity_differences["steady_rms_slope"] = np.maximum(
+            quantity_differences["steady_rms_slope"],
+            _mean_square_slope_difference(
+                problem, fine_results["steady_profile"], coarse_results["steady_profile"]
+            ),
         )
-    errors = {name: fine.estimate(name, difference) for name, difference in missed.items()}
-    part = error_factor("part of the field")
-    for name in fine.taken_from_field & errors.keys():
+    errors = {
+        name: fine.estimate(name, difference) for name, difference in quantity_differences.items()
+    }
+    part_of_field = error_factor("part of the field")
+    for name in fine.point_values & errors.keys():
         if "displacement" in errors:
-            errors[name] = np.maximum(errors[name], part * errors["displacement"])
-    compared = answer_differences(coarse.answers, fine.answers)
-    for name, difference in compared.items():
+            errors[name] = np.maximum(errors[name], part_of_field * errors["displacement"])
+    differences_of_answers = answer_differences(coarse.answers, fine.answers)
+    for name, difference in differences_of_answers.items():
         errors[name] = fine.estimate_answer(name, difference, errors)
-    if fine.sampler.by_fields:
-        for greatest in OF_FIELD.keys() & errors.keys():
-            errors[greatest] = np.maximum(errors[greatest], errors[OF_FIELD[greatest]])
+    if fine.sampler.maxima_from_fields:
+        for maximum in FIELD_OF_MAXIMUM.keys() & errors.keys():
+            errors[maximum] = np.maximum(errors[maximum], errors[FIELD_OF_MAXIMUM[maximum]])
     if "indentation_steady" in errors:
         errors["indentation_steady"] = errors["steady_displacement_max"]
-    indentation = fine.safety_of("indentation") * missed.get("indentation", np.zeros(1))
+    indentation = fine.safety_factor("indentation") * quantity_differences.get(
+        "indentation", np.zeros(1)
+    )
     parts = {"discretisation": float(np.max(indentation, initial=0.0))}
     if problem.indentation is not None:
-        # what was given has no error; the force decays, and is judged by the first
-        forces, first = finer["normal_force"], float(finer["normal_force"][0])
-        difference = np.abs(coarser["normal_force"] - forces).max()
+        # the indentation is given, and has no error; the force decays, so that its error is
+        # relative to the first force
+        forces, first = fine_results["normal_force"], float(fine_results["normal_force"][0])
+        difference = np.abs(coarse_results["normal_force"] - forces).max()
         difference /= max(first, np.finfo(float).tiny)
-        parts = {"force": fine.safety_of("indentation") * float(difference)}
+        parts = {"force": fine.safety_factor("indentation") * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
         marched, exact = (
             fine.sampler.history(history, on_face=True)
@@ -65,11 +84,11 @@ def estimate_errors(
     return errors, parts
 
 
-def _square_of_slopes(problem: Problem, profile: Array, coarser: Array) -> Array:
-    """Return the mean square of the difference of steady slopes over that of slopes.
+def _mean_square_slope_difference(problem: Problem, profile: Array, coarser: Array) -> Array:
+    """Return the mean square of the difference of steady slopes over the mean square of the slopes.
 
-    Roots of mean squares may differ by less, where the difference happens to be orthogonal to the
-    slope.
+    The difference of the two RMS slopes may be smaller than this, if the difference of the slopes
+    happens to be orthogonal to the slope.
 
     Parameters
     ----------
@@ -77,7 +96,12 @@ def _square_of_slopes(problem: Problem, profile: Array, coarser: Array) -> Array
     """
     face = problem.face
     weights = face.lengths * radial_weight(face.radii, problem.gradient_average, face.inner_radius)
-    slopes, wrong = (
+    squared_slope, squared_difference = (
         face.slopes(values)[0] ** 2 @ weights for values in (profile, profile - coarser)
     )
-    return np.divide(wrong, slopes, out=np.zeros_like(wrong), where=slopes > 0)
+    return np.divide(
+        squared_difference,
+        squared_slope,
+        out=np.zeros_like(squared_difference),
+        where=squared_slope > 0,
+    )

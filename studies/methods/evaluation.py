@@ -1,6 +1,9 @@
-"""A compliance, worn and sampled: everything that a problem asks of it.
+"""Evaluation of one compliance: the wear history on it, and all quantities that a problem wants.
 
-Flat punches under a force keep full contact, and are exact in time; any other contact is marched.
+`FullContact` evaluates flat punches under a force, which stay in full contact and are exact in
+time. `moving_evaluation.MovingContact` marches any other contact. The error estimate compares a
+fine and a coarser evaluation (`estimates.estimate_errors`); `Evaluation.estimate` multiplies their
+difference by a factor.
 """
 
 from abc import ABC, abstractmethod
@@ -23,19 +26,19 @@ from ..wear.full_contact import RunningIn
 from ..wear.history import History
 from .error_factors import error_factor
 
-# the first and the last of the times
+# Indices of the first and of the last of the times.
 ENDS = np.array([0, -1])
 
 
 class Evaluation(ABC):
-    """One compliance, worn and sampled."""
+    """The wear history on one compliance, and the quantities sampled from it."""
 
     wear: RunningIn | None = None
-    # greatest number of times whose fields are sampled at once
+    # Largest number of times whose fields are sampled at once.
     times_at_once: float = inf
-    # numbers that are values of the displacement at one place, whose differences cross zero now and
-    # then: their errors are at least a part of that of the field
-    taken_from_field: ClassVar[Set[str]] = frozenset()
+    # Quantities that are displacements at one place. Their differences cross zero now and then, so
+    # that their error is at least a part of the error of the whole field.
+    point_values: ClassVar[Set[str]] = frozenset()
 
     def __init__(self, problem: Problem, compliance: Compliance) -> None:
         self.problem, self.compliance = problem, compliance
@@ -44,55 +47,64 @@ class Evaluation(ABC):
     @property
     @abstractmethod
     def history(self) -> History:
-        """The history at the times asked for, by the march asked for."""
+        """The history at the requested times, by the requested march."""
 
     @property
     @abstractmethod
     def exact_in_time(self) -> History:
-        """The history at the times asked for, to the accuracy asked for in time."""
+        """The history at the requested times, as accurate in time as the tolerance requires."""
 
     @property
     @abstractmethod
     def estimate_times(self) -> Array:
-        """The times at which errors are estimated by the difference to a coarser evaluation."""
+        """The times at which the error is estimated by the difference to a coarser evaluation."""
 
     @abstractmethod
-    def for_estimate(self, times: Array) -> Results:
-        """Return the quantities that errors are estimated by, on the face of the punch."""
+    def results_for_estimate(self, times: Array) -> Results:
+        """Return the quantities on the face of the punch that the error estimate compares."""
 
     @abstractmethod
-    def safety_of(self, name: str) -> float:
-        """Return what the difference of a quantity to a coarser evaluation is multiplied by."""
+    def safety_factor(self, name: str) -> float:
+        """Return the factor on the difference of a quantity to a coarser evaluation."""
 
     @abstractmethod
     def estimate(self, name: str, difference: Array) -> Array:
-        """Return the error of a quantity by its differences to a coarser evaluation.
+        """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
-        At the times asked for: the greatest near each, for differences cross zero now and then in
-        time, where they say nothing.
+        The estimate at each requested time is the largest near that time, because differences cross
+        zero now and then and are meaningless there.
+
+        Parameters
+        ----------
+        name : name of the quantity
+        difference : relative difference, at `estimate_times` if the quantity depends on time
         """
 
     @property
     @abstractmethod
     def answers(self) -> Results:
-        """The numbers of the answer."""
+        """The numbers of the answer, by the requested march."""
 
     @property
     @abstractmethod
     def answers_exact_in_time(self) -> Results:
-        """The numbers of the answer, to the accuracy asked for in time."""
+        """The numbers of the answer, as accurate in time as the tolerance requires."""
 
     @abstractmethod
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
-        """Return the error of a number of the answer by its difference to a coarser evaluation.
+        """Return the error estimate of a number of the answer.
 
-        `errors` are those of the quantities at the times asked for.
+        Parameters
+        ----------
+        name : name of the number
+        difference : its relative difference to a coarser evaluation
+        errors : error estimates of the quantities at the requested times
         """
 
     @cached_property
     def results(self) -> Results:
-        """The quantities at the times and radii asked for."""
-        results, count = self._timeless(on_face=False), len(self.problem.times)
+        """The quantities at the requested times and radii."""
+        results, count = self._time_independent(on_face=False), len(self.problem.times)
         pieces = 1 + int(count // self.times_at_once)
         sampled = [
             self.sampler.history(self.history[piece])
@@ -105,11 +117,11 @@ class Evaluation(ABC):
 
     @cached_property
     def checked(self) -> Results:
-        """The quantities at the times that are checked, on the face of the punch.
+        """The quantities at the times `problem.checked`, on the face of the punch.
 
-        They are what is compared with another method.
+        These are compared with other methods.
         """
-        results = self._timeless_on_face
+        results = self._time_independent_on_face
         if len(self.problem.times):
             results = results | self.sampler.history(
                 self.history[self.problem.checked], on_face=True
@@ -117,27 +129,28 @@ class Evaluation(ABC):
         return results
 
     @cached_property
-    def _timeless_on_face(self) -> Results:
-        return self._timeless(on_face=True)
+    def _time_independent_on_face(self) -> Results:
+        return self._time_independent(on_face=True)
 
-    def _timeless(self, on_face: bool) -> Results:
-        """Return the quantities of no time."""
+    def _time_independent(self, on_face: bool) -> Results:
+        """Return the quantities that do not depend on time."""
         return {}
 
 
 class FullContact(Evaluation):
-    """A flat punch, by its relaxation modes or in the steps that are asked for.
+    """A flat punch in full contact, by its relaxation modes or in the requested time steps.
 
     Parameters
     ----------
-    problem, compliance : on a space that suits singular pressures at ring edges and rim
-    safety : what differences to a coarser one are multiplied by
-    smallest : least size of the elements that the method can have beside a ring edge
+    problem, compliance : the compliance on a space that suits singular pressures at ring edges and
+        rim
+    safety : factor on the difference to a coarser evaluation
+    smallest : smallest element size at a ring edge that the method can use, in punch radii
     """
 
-    # fields of a hundred thousand times at once would fill the memory; a march has few
+    # fields at 1e5 times at once would fill the memory; marches have few times
     times_at_once = 1024
-    taken_from_field = frozenset({"displacement_centre", "displacement_max"})
+    point_values = frozenset({"displacement_centre", "displacement_max"})
 
     def __init__(
         self,
@@ -147,8 +160,8 @@ class FullContact(Evaluation):
         smallest: float = 0.0,
     ) -> None:
         super().__init__(problem, compliance)
-        graded = prod(map(error_factor, problem.wear_regime.error_factors))
-        self.safety, self.smallest, self._graded = graded * safety, smallest, graded
+        wear_factor = prod(map(error_factor, problem.wear_regime.error_factors))
+        self.safety, self.smallest, self._wear_factor = wear_factor * safety, smallest, wear_factor
         wear_coefficients = problem.merged.wear_coefficients
         self.wear: RunningIn = RunningIn(
             compliance,
@@ -160,33 +173,33 @@ class FullContact(Evaluation):
 
     @cached_property
     def history(self) -> History:
-        """The history at the times asked for, by the march and the step asked for."""
+        """The history at the requested times, by the requested march and step."""
         problem = self.problem
         return self.wear.history(problem.times, problem.march, problem.step)
 
     @property
     def exact_in_time(self) -> History:
-        """The history at the times asked for, by relaxation modes: exact in time."""
+        """The history at the requested times, by relaxation modes, which are exact in time."""
         return self.wear.modal(self.problem.times)
 
     @property
     def estimate_times(self) -> Array:
-        """The times asked for, and some near them."""
+        """The requested times, and some near them."""
         return self.problem.estimate_times
 
-    def for_estimate(self, times: Array) -> Results:
-        """Return the quantities on the face of the punch at times, and those of no time.
+    def results_for_estimate(self, times: Array) -> Results:
+        """Return the quantities on the face at some times, and those that do not depend on time.
 
-        The history is that of the modes.
+        The history is that of the relaxation modes.
         """
-        results = self._timeless_on_face
+        results = self._time_independent_on_face
         if len(times):
             results = results | self.sampler.history(self.wear.modal(times), on_face=True)
         return results
 
-    def _timeless(self, on_face: bool) -> Results:
+    def _time_independent(self, on_face: bool) -> Results:
         problem, results = self.problem, Results()
-        # by itself, a relaxation time needs no history
+        # relaxation times need no history if the scene asks for them alone
         marched = len(problem.times) > 0
         if problem.wants("relaxation_time") and (marched or problem.quantities is not None):
             times = self.wear.relaxation_times if marched else self.wear.slowest_times
@@ -197,21 +210,21 @@ class FullContact(Evaluation):
 
     @cached_property
     def answers(self) -> Results:
-        """The numbers of the answer, by the march and the step asked for."""
+        """The numbers of the answer, by the requested march and step."""
         return self._answers(self.history[ENDS] if len(self.problem.times) else None)
 
     @property
     def answers_exact_in_time(self) -> Results:
-        """The numbers of the answer, by relaxation modes: exact in time."""
+        """The numbers of the answer, by relaxation modes, which are exact in time."""
         times = self.problem.times
         return self._answers(self.wear.modal(times[ENDS]) if len(times) else None)
 
     def _answers(self, ends: History | None) -> Results:
-        """Return the answer by the history at the first and the last time."""
-        return flat_answers(self.problem, self.wear, self._timeless_on_face, ends)
+        """Return the answer from the history at the first and at the last time."""
+        return flat_answers(self.problem, self.wear, self._time_independent_on_face, ends)
 
-    def safety_of(self, name: str) -> float:
-        """Return what differences to a coarser evaluation are multiplied by, for every quantity."""
+    def safety_factor(self, name: str) -> float:
+        """Return the factor on differences to a coarser evaluation, the same for every quantity."""
         return self.safety
 
     @cached_property
@@ -219,105 +232,118 @@ class FullContact(Evaluation):
         return missing_layers(self.problem, self.smallest)
 
     def estimate(self, name: str, difference: Array) -> Array:
-        """Return the error of a quantity by its differences to a coarser evaluation.
+        """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
-        The differences are multiplied by the safety factor. Quantities that are felt in thin layers
-        beside ring edges err by as much again for each layer that the mesh lacks, if the march is
-        by modes. At each time asked for, the error is the greatest at nearby times, because
-        differences cross zero now and then. No error is below the least error of the quantity.
+        - The factor is `safety_factor`.
+        - Quantities that depend on thin layers at ring edges get the same difference once more for
+          each layer that the mesh lacks, if the march is by modes.
+        - At each requested time, the error is the largest at nearby times, because differences
+          cross zero now and then.
+        - The error is at least the floor of the quantity.
         """
-        error = self.safety_of(name) * difference
+        error = self.safety_factor(name) * difference
         if name in IN_LAYERS and self.problem.march == "modal":
-            # the coarser one lacks one layer more, and each of them makes about the same difference
+            # the coarser mesh lacks one layer more than this one, and each layer makes about the
+            # same difference
             error = error * (1 + self._missing_layers)
         if DESCRIBED[name].dims[:1] == ("time",):
             grid, times = self.problem.estimate_times, self.problem.times[:, None]
             factor = error_factor("nearby times")
             near = (grid >= times / factor) & (grid <= times * factor)
             error = np.where(near, error, 0.0).max(axis=1)
-        return np.maximum(error, self._least_error(name))
+        return np.maximum(error, self._floor(name))
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
-        """Return the error of a number of the answer by its difference to a coarser evaluation.
+        """Return the error estimate of a number of the answer.
 
-        It is the difference times the safety factor, or the least error of that number if it is
-        greater.
+        It is the difference times the safety factor, but at least the floor of that number.
         """
-        return np.maximum(self.safety_of(name) * difference, self._least_error_of_answer(name))
+        return np.maximum(self.safety_factor(name) * difference, self._floor_of_answer(name))
 
-    def _least_error_of_answer(self, name: str) -> float:
-        """Return what a number of the answer is not known better than."""
-        chance = self._chance(name)
+    def _floor_of_answer(self, name: str) -> float:
+        """Return the smallest error that is reported for a number of the answer."""
+        floor = self._floor_by_chance(name)
         if name in ("indentation_start", "force_start"):
-            return max(chance, self._stiffness_at_rim)
+            return max(floor, self._start_error_at_rim)
         if name in ("pressure_min", "pressure_max"):
-            # the element at the rim moves the other functions that the start is sought among
-            return max(chance, error_factor("pressure at the rim") * self._rim_size)
+            # the element at the rim changes the coefficients of all other functions of the start
+            return max(floor, error_factor("pressure at the rim") * self._rim_size)
         if name in self.problem.load_regime.parts_left:
-            return max(chance, self._unknown_time(self.problem.load_regime.parts_left[name]))
-        return chance
+            return max(floor, self._time_error_by_start(self.problem.load_regime.parts_left[name]))
+        return floor
 
-    def _unknown_time(self, part: float) -> float:
-        """Return by how much a time at which a part of the running-in is left errs with the start.
+    def _time_error_by_start(self, remaining_part: float) -> float:
+        """Return the error of a running-in time (`time_to_90`, ...) that the flat start causes.
 
-        The whole change begins with the flat start, which errs because of the element at the rim.
-        The part that is left errs by as much, and the time by that over its rate of decay.
+        The whole change during running-in begins with the flat start, whose error comes from the
+        element at the rim. The part that is left has the same absolute error, and the time has that
+        error over its rate of decay.
         """
-        whole, time = self.wear.whole_change, self.wear.time_until(part)
-        if not (whole > 0 and time > 0):
+        whole_change, time = self.wear.whole_change, self.wear.time_until(remaining_part)
+        if not (whole_change > 0 and time > 0):
             return 0.0
-        start = whole if self.problem.indentation is not None else self.wear.flat.indentation
-        nearby = 1e-3
-        before, after = self.wear.modes.left(time * np.array([1 - nearby, 1 + nearby]))
-        decay = np.log(before / after) / (2 * nearby)
-        return float(self._stiffness_at_rim * start / whole / decay)
+        start = whole_change if self.problem.indentation is not None else self.wear.flat.indentation
+        relative_step = 1e-3
+        left_before, left_after = self.wear.modes.left(
+            time * np.array([1 - relative_step, 1 + relative_step])
+        )
+        decay = np.log(left_before / left_after) / (2 * relative_step)
+        return float(self._start_error_at_rim * start / whole_change / decay)
 
-    def _chance(self, name: str) -> float:
-        """Return by how much two computations may agree by chance, of sums over the elements."""
-        part = error_factor("floor of energies" if name in ENERGIES else "floor")
+    def _floor_by_chance(self, name: str) -> float:
+        """Return the difference below which two solutions may agree by chance.
+
+        It is at least the roundoff of sums over all elements.
+        """
+        part_of_rtol = error_factor("floor of energies" if name in ENERGIES else "floor")
         elements = len(self.compliance.space.degrees)
-        return max(self._graded * self.problem.rtol * part, 1e-14 * elements)
+        return max(self._wear_factor * self.problem.rtol * part_of_rtol, 1e-14 * elements)
 
     @property
     def _rim_size(self) -> float:
-        """Width of the element at the rim, or of that at a hole, if it is wider.
+        """Width of the element at the rim, or of the element at the hole if that is wider.
 
-        At both pressures are infinite.
+        The pressure is infinite at both.
         """
         space = self.compliance.space
         carrying = space.widths[space.degrees > 0]
         return float(max(carrying[-1], carrying[0] if space.hollow else 0.0))
 
     @property
-    def _unknown_rim_force(self) -> float:
-        """Part of the force that roundoff in the width of the element at the rim leaves unknown.
+    def _rim_force_roundoff(self) -> float:
+        """Error of the force, over the force, by roundoff in the width of the element at the rim.
 
-        That element carries the root of its width, which is known where low parts of radii are.
+        The force on that element is proportional to the root of its width. There is no such error
+        if the space stores the low parts of radii.
         """
         if self.compliance.space.low_parts is not None:
             return 0.0
         return float(np.finfo(float).eps / np.sqrt(self._rim_size))
 
     @property
-    def _stiffness_at_rim(self) -> float:
-        """By how much the flat start errs because of the element at the rim.
+    def _start_error_at_rim(self) -> float:
+        """Error of the indentation of the flat start that the element at the rim causes.
 
-        Measured: .06 to .11 of its size.
+        Measured: 0.06 to 0.11 of the width of that element.
         """
         at_rim = error_factor("stiffness at the rim") * self._rim_size
-        return at_rim + 0.1 * self._unknown_rim_force
+        return at_rim + 0.1 * self._rim_force_roundoff
 
-    def _least_error(self, name: str) -> Array | float:
-        """Return what a quantity is not known better than."""
-        least, size, unknown = self._chance(name), self._rim_size, self._unknown_rim_force
+    def _floor(self, name: str) -> Array | float:
+        """Return the smallest error that is reported for a quantity."""
+        floor, rim_size, roundoff = (
+            self._floor_by_chance(name),
+            self._rim_size,
+            self._rim_force_roundoff,
+        )
         at_start = {
-            "indentation": self._stiffness_at_rim,
-            "normal_force": self._stiffness_at_rim,
-            # it moves the other functions that the start is sought among
-            "pressure": error_factor("pressure at the rim") * size + unknown,
-            "ring_force": unknown,
+            "indentation": self._start_error_at_rim,
+            "normal_force": self._start_error_at_rim,
+            # the element at the rim changes the coefficients of all other functions
+            "pressure": error_factor("pressure at the rim") * rim_size + roundoff,
+            "ring_force": roundoff,
         }
         if name not in at_start:
-            return least
+            return floor
         pressed = self.problem.loading.pressed(self.problem.times) > 0
-        return np.where(pressed, max(at_start[name], least), least)
+        return np.where(pressed, max(at_start[name], floor), floor)

@@ -1,139 +1,47 @@
-"""The finite-element half-space at a wanted accuracy.
+"""The finite-element half-space of a problem, with sizes that suit its tolerance."""
 
-It is built on the mesh that is asked for, or on the one that suits the problem best.
-"""
-
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...fem.condensation import solver
-from ...meshes.errors import MeshError, SceneError
 from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
-from ..problem.sections import DEGREES, LAYERED
+from ..problem.sections import DEGREES
 from ..progress import Stages
 from ..sizes import defaults
 from ..sizes.layers import why_layers_are_not_meshed
-from ..sizes.low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
+from .fem_meshes import ChosenMesh, half_space_mesh
 from .pipeline import ComplianceMethod
 from .spaces import contact_cells
 
 if TYPE_CHECKING:
-    from skfem import Mesh
-
     from ...fem.half_space import HalfSpace
     from ...meshes.compliance import Compliance
     from ...meshes.ground.ground import Ground
-    from ...meshes.sizes import SizeField
 
 LOCKING = 0.49
 """Poisson's ratio above which linear elements are refused.
 
-At 0.499 linear triangles err by 19 per cent in d(t), and less is stated
-(tests/physics/test_low_degrees.py).
+At 0.499, linear triangles have an error of 19 per cent in d(t), and their error estimate is smaller
+than that (tests/physics/test_low_degrees.py).
 """
 DEGREE_ON_CELLS = 3
-"""Degree of triangles beneath contact that opens and spreads (`ringwear study convergence`)."""
+"""Degree of triangles under contact that opens and spreads (`ringwear study convergence`)."""
 LINEAR_HALVINGS = 2, 1
-"""Times that linear triangles beneath cells are halved, and those that they are held against."""
+"""How often linear triangles under cells are halved: in the fine mesh, and in the coarser one."""
 
-
-# growth of the size of triangles with the distance by default
-USUAL_GROWTH = 0.5
-# measured on the bundled scenes: unknowns of the finite elements for each pressure, 40 to 130, and
-# numbers of the sparse factor for each unknown, over the binary logarithm of their number
+# Default growth of the size of triangles per distance.
+DEFAULT_GROWTH = 0.5
+# Unknowns of the finite elements per pressure, and numbers of the sparse factor per unknown and per
+# log2(unknowns). Measured on the bundled scenes; the former was 40 to 130.
 UNKNOWNS_PER_PRESSURE, NUMBERS_PER_UNKNOWN = 90, 50
-
-
-@dataclass(frozen=True, eq=False)
-class ChosenMesh:
-    """The mesh of a problem.
-
-    Parameters
-    ----------
-    mesh : of scikit-fem, its boundaries named
-    mesher : what made it
-    coarser : () -> the same of a layer less, of larger triangles, or not halved as often
-    notes : what the user should know
-    halved : whether the coarser one has elements twice as large everywhere
-    """
-
-    mesh: Any
-    mesher: str
-    coarser: Callable[[], Any]
-    notes: tuple[str, ...] = ()
-    halved: bool = False
-
-
-def half_space_mesh(problem: Problem) -> ChosenMesh:
-    """Return the mesh of a problem.
-
-    By the mesher asked for, or by bisection where that cannot, with a note that says why.
-
-    Raises
-    ------
-    SceneError
-        if layers cannot be meshed as asked
-    """
-    if refused := why_layers_are_not_meshed(problem):
-        raise SceneError(refused)
-    try:
-        return _meshed(problem, problem.fem.meshed_by)
-    except MeshError as error:
-        # bisection knows no interfaces of layers
-        if problem.fem.meshed_by == "bisection" or problem.ground is not None:
-            raise
-        note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
-    return replace(_meshed(problem, "bisection"), notes=(note,))
-
-
-def _meshed(problem: Problem, mesher: str) -> ChosenMesh:
-    from ...meshes.by_gmsh.quads import graded
-
-    if problem.fem.degree and problem.fem.degree < (LAYERED if mesher == "quads" else 2):
-        return _halved(problem, mesher)
-    if mesher == "quads":
-        layered = graded(problem.merged.ring_edges, **defaults.quad_sizes(problem))
-        return ChosenMesh(layered.mesh, mesher, lambda: layered.coarser().mesh)
-    field, make = defaults.triangle_sizes(problem), _triangulation(mesher)
-    return ChosenMesh(make(field), mesher, lambda: make(field.coarser()))
-
-
-def _triangulation(mesher: str) -> "Callable[[SizeField], Mesh]":
-    from ...meshes import bisection
-    from ...meshes.by_gmsh import triangles
-
-    return triangles.mesh if mesher == "gmsh" else bisection.mesh
-
-
-def _halved(problem: Problem, mesher: str) -> ChosenMesh:
-    """Return a mesh for elements of a low degree: halved, and held against one halved once less.
-
-    There is no lower degree to hold them against, and other sizes at ring edges and rim would show
-    nothing of the large elements, which err most.
-    """
-    from ...meshes.by_gmsh.quads import graded
-    from ...meshes.half_space import halved
-
-    edges, count = problem.merged.ring_edges, LOW_DEGREE_HALVINGS
-    if mesher == "quads":
-        base = graded(edges, **low_degree_quad_sizes(problem)).mesh
-    else:
-        base = _triangulation(mesher)(defaults.triangle_sizes(problem))
-    return ChosenMesh(
-        halved(base, edges, count),
-        mesher,
-        lambda: halved(base, edges, count - 1),
-        halved=True,
-    )
 
 
 def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
@@ -144,7 +52,8 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
 
     quads = chosen.mesher == "quads"
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
-    # the field below is smoother: a fifth of the degree less costs nothing on the contact
+    # the field below the contact is smoother: lowering its degree by a fifth has no effect on the
+    # contact
     solid = AxisymmetricElasticity.on_ground(
         chosen.mesh, degree, problem.poisson_ratio, problem.ground, lowered_degrees=degree // 5
     )
@@ -156,8 +65,8 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
 class Fem(ComplianceMethod):
     """Finite elements, condensed to the contact.
 
-    The elements are scikit-fem's, contact pressures are Lagrange multipliers, and the far field is
-    Boussinesq's.
+    The elements are those of scikit-fem, contact pressures are Lagrange multipliers, and the far
+    field is Boussinesq's.
     """
 
     name = "fem"
@@ -168,13 +77,13 @@ class Fem(ComplianceMethod):
     )
 
     def refusal(self, problem: Problem) -> str:
-        """Return why the problem cannot be solved at all, with the remedy; empty if it can.
+        """Return why the method cannot solve the problem, with the remedy; empty if it can.
 
-        Besides what every `ComplianceMethod` refuses, rings narrower than `NARROWEST_RING` cannot
-        be meshed.
+        Besides the reasons common to every `ComplianceMethod`, rings narrower than `NARROWEST_RING`
+        cannot be meshed.
         """
-        if refused := _refused_degree(problem) or why_layers_are_not_meshed(problem):
-            return refused
+        if reason := _refused_degree(problem) or why_layers_are_not_meshed(problem):
+            return reason
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST_RING:
             return (
@@ -184,7 +93,7 @@ class Fem(ComplianceMethod):
         return super().refusal(problem)
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:
-        """Return what to leave out if the user has given more than the mesher and the degree."""
+        """Return which sizes to leave out, if the scene sets more than mesher and degree."""
         if not problem.fem.model_fields_set - {"mesher", "degree"}:
             return ""
         return (
@@ -193,48 +102,48 @@ class Fem(ComplianceMethod):
         )
 
     def sizes_given(self, problem: Problem) -> bool:
-        """Return whether the user has given sizes or degrees of the mesh."""
+        """Return whether the scene sets sizes or degrees of the mesh."""
         return problem.fem.given
 
     def remedy(self, problem: Problem) -> str:
-        """Return what would make it more accurate, if that is not a smaller `rtol`."""
+        """Return what would make the method more accurate, if that is not a smaller `rtol`."""
         if problem.fem.far_field == "fixed":
-            errs = "errs" if problem.ground else "errs by 1.1 a/R"
-            return f"the clamped boundary {errs}; far_field = 'boussinesq' does not"
+            error = "an error" if problem.ground else "an error of 1.1 a/R"
+            return f"the clamped boundary causes {error}; give far_field = 'boussinesq'"
         return super().remedy(problem)
 
     def modelling_errors(self, problem: Problem) -> dict[str, str]:
-        """Return what a clamped outer boundary costs, if the user asks for one."""
+        """Return the error that a clamped outer boundary causes, if the scene has one."""
         if problem.fem.far_field != "fixed":
             return {}
-        why = "the scene clamps the outer boundary: expect the indentation to err by 1.1 a/R"
+        why = "the scene clamps the outer boundary: the indentation has an error of 1.1 a/R"
         if problem.ground is not None:
-            why = "the scene clamps the outer boundary, on layers: expect the indentation to err"
+            why = "the scene clamps the outer boundary, on layers: the indentation has an error"
         return {"far field": why}
 
     def system_size(self, problem: Problem) -> SystemSize:
-        """Return how many unknowns and pressures the finite elements of a problem will have."""
+        """Return the number of unknowns and of pressures of the finite elements."""
         half_space = HALF_SPACES[problem.contact](problem)
         return SystemSize(half_space.unknowns, half_space.space.size)
 
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers its dense matrices and its sparse factor have."""
-        # triangles that grow more slowly with the depth than by default
-        slower = max(1.0, USUAL_GROWTH / (problem.fem.growth or USUAL_GROWTH))
+        """Return about how many numbers its dense matrices and its sparse factor contain."""
+        # ratio by which triangles grow more slowly with the depth than by default
+        slower = max(1.0, DEFAULT_GROWTH / (problem.fem.growth or DEFAULT_GROWTH))
         unknowns = UNKNOWNS_PER_PRESSURE * pressures * slower**2
         factor = NUMBERS_PER_UNKNOWN * unknowns * np.log2(unknowns)
         return super().numbers_in_memory(problem, pressures) + float(factor)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
-        """Return the half-space that suits a problem, condensed, and what makes a coarser one.
+        """Return the condensed half-space that suits a problem, and how to make a coarser one.
 
-        For a flat punch, elements are small at ring edges and rim; for any other, there are cells
-        over the face.
+        For a flat punch, elements are small at ring edges and at the rim. For any other punch, they
+        are small triangles below cells of the face.
         """
         return DISCRETISED[problem.contact](problem, stages)
 
 
-def _layered_half_space(problem: Problem) -> "HalfSpace":
+def _flat_half_space(problem: Problem) -> "HalfSpace":
     return half_space_on(problem, half_space_mesh(problem))
 
 
@@ -246,12 +155,12 @@ def _half_space_on_cells(problem: Problem) -> "HalfSpace":
 
 
 def _refused_degree(problem: Problem) -> str:
-    """Return why a degree that is given does not go with a problem, with the remedy."""
+    """Return why a degree that the scene sets is not possible, with the remedy; empty if it is."""
     degree = problem.fem.degree
     if degree == 1 and problem.poisson_ratio > LOCKING:
         return (
-            f"accuracy.fem.degree = 1 locks for Poisson's ratios above {LOCKING:g}, and no error "
-            "estimate shows it: give degree = 2 or more, or leave it out"
+            f"accuracy.fem.degree = 1 locks for Poisson's ratios above {LOCKING:g}, and the error "
+            "estimate does not show that: give degree = 2 or more, or leave it out"
         )
     on_triangles = problem.fem.mesher != "quads" and (degree or 1) in DEGREES["bisection"]
     if degree and not problem.full_contact and not on_triangles:
@@ -262,8 +171,8 @@ def _refused_degree(problem: Problem) -> str:
     return ""
 
 
-def _layered(problem: Problem, stages: Stages) -> Discretised:
-    """Return the half-space of a flat punch, small elements at ring edges and rim."""
+def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
+    """Return the half-space of a flat punch, with small elements at ring edges and at the rim."""
     from ...meshes.half_space import truncation
 
     fixed = problem.fem.far_field == "fixed"
@@ -291,22 +200,22 @@ def _layered(problem: Problem, stages: Stages) -> Discretised:
         lambda: _coarser_half_space(problem, chosen, half_space).compliance(),
         half_space.unknowns,
         settings,
-        # displacements and stresses inside are those of the clamped half-space, too
+        # so that displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
         chosen.notes,
-        # on triangles, whose degree is low, solutions of two sizes or degrees may miss the same
-        safety=error_factor(_kind_of_difference(chosen)),
-        smallest=_smallest(problem, chosen),
+        # triangles have a low degree: solutions of two sizes or degrees may share an error
+        safety=error_factor(_factor_name(chosen)),
+        smallest=_smallest_size(problem, chosen),
         limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
     )
 
 
 def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
-    """Return the quantities that elements of a degree know no better on a finer mesh.
+    """Return the quantities that a finer mesh of this degree does not make more accurate.
 
-    These are fields, if the degree is the highest that there is. Layers of quadrilaterals become
-    thinner all the same, and with them the errors of what is felt in layers; energies converge by
-    the size of triangles, too.
+    If the degree is the highest available, these are fields. Energies still become more accurate,
+    and on thinner layers of quadrilaterals also the quantities that depend on thin layers at ring
+    edges.
     """
     if degree < DEGREES[mesher][-1]:
         return frozenset()
@@ -314,18 +223,18 @@ def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
     return frozenset(DESCRIBED.keys() - refined_by_layers)
 
 
-def _kind_of_difference(chosen: ChosenMesh) -> str:
+def _factor_name(chosen: ChosenMesh) -> str:
     """Return the name of the factor on the difference to the coarser half-space."""
     if chosen.halved:
         return "flat punch on halved elements"
     return "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
 
 
-def _smallest(problem: Problem, chosen: ChosenMesh) -> float:
-    """Return the least size of elements beside a ring edge that a mesher is asked for.
+def _smallest_size(problem: Problem, chosen: ChosenMesh) -> float:
+    """Return the smallest element size at a ring edge that a mesher can use.
 
-    Triangles and elements that are halved, whose degree is low, are as small as they are, because
-    smaller ones would not help.
+    For triangles and for halved elements, which have a low degree, it is the size that the mesh
+    has, because smaller ones would not be more accurate.
     """
     from ...meshes.half_space import contact_radii
 
@@ -334,8 +243,8 @@ def _smallest(problem: Problem, chosen: ChosenMesh) -> float:
     return float(np.diff(contact_radii(chosen.mesh)).min())
 
 
-def _on_cells(problem: Problem, stages: Stages) -> Discretised:
-    """Return the half-space of a punch whose contact edges move, triangles on cells of its face."""
+def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
+    """Return the half-space of a punch whose contact edges move: triangles below cells."""
     from ...fem.contact_meshes import COARSER_GROWTH, even_half_space, fitted_half_space
 
     ratio, degree = problem.poisson_ratio, problem.fem.degree or DEGREE_ON_CELLS
@@ -365,41 +274,44 @@ def _on_cells(problem: Problem, stages: Stages) -> Discretised:
         coarser,
         half_space.unknowns,
         half_space=half_space,
-        # elements of a degree that is asked for have the start, too, not others of a high degree
+        # if the scene sets the degree, its elements also solve the start, instead of others of high
+        # degree
         fitted=None
         if problem.fem.degree
         else (partial(fitted, degree=8), partial(fitted, degree=7)),
     )
 
 
-def _coarser_half_space(problem: Problem, chosen: ChosenMesh, whole: "HalfSpace") -> "HalfSpace":
-    """Return the half-space that a half-space is compared with to estimate its error.
+def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace") -> "HalfSpace":
+    """Return the coarser half-space that is compared with a half-space to estimate its error.
 
-    It has a degree and a layer less, or larger triangles, and a pole less. What cannot be coarser
-    is compared with something better: a clamped boundary with poles, because it errs by far more
-    than one of them does, and degree 2 with degree 3 on the same mesh, because no multipliers are
-    stable on degree 1, and larger triangles of degree 2 may miss the same relaxation modes.
+    It has a degree, a layer and a pole less, or larger triangles instead of a layer less. Two cases
+    that cannot be coarser are compared with a better solution instead:
+
+    - a clamped boundary with a far field of poles, because its error is far greater than theirs
+    - degree 2 with degree 3 on the same mesh: no multipliers are stable on degree 1, and larger
+      triangles of degree 2 may miss the same relaxation modes
     """
     from ...fem.half_space import HalfSpace, pressure_space
 
     if chosen.halved:
-        # halving once less is coarse enough
-        solid = replace(whole.solid, mesh=chosen.coarser())
-    elif whole.solid.degree > 2:
-        solid = replace(whole.solid, degree=whole.solid.degree - 1, mesh=chosen.coarser())
+        # a mesh that is halved once less is coarse enough
+        solid = replace(fine.solid, mesh=chosen.coarser())
+    elif fine.solid.degree > 2:
+        solid = replace(fine.solid, degree=fine.solid.degree - 1, mesh=chosen.coarser())
     else:
-        solid = replace(whole.solid, degree=3)
+        solid = replace(fine.solid, degree=3)
     fixed = problem.fem.far_field == "fixed"
-    poles = whole.poles if fixed else defaults.coarser_pole_orders(whole.poles)
-    if problem.ground is not None and problem.ground.rigid and len(whole.poles) < 2:
-        # what a rigid base leaves beyond the mesh hardly matters
+    poles = fine.poles if fixed else defaults.coarser_pole_orders(fine.poles)
+    if problem.ground is not None and problem.ground.rigid and len(fine.poles) < 2:
+        # above a rigid base, the field beyond the mesh hardly matters
         poles = ()
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
     )
 
 
-HALF_SPACES = {FULL_CONTACT: _layered_half_space, MOVING_CONTACT: _half_space_on_cells}
-DISCRETISED = {FULL_CONTACT: _layered, MOVING_CONTACT: _on_cells}
+HALF_SPACES = {FULL_CONTACT: _flat_half_space, MOVING_CONTACT: _half_space_on_cells}
+DISCRETISED = {FULL_CONTACT: _discretise_flat, MOVING_CONTACT: _discretise_on_cells}
 
 METHOD = Fem()

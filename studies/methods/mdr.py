@@ -8,13 +8,13 @@ from .pipeline import AnySpaceMethod
 
 
 class Mdr(AnySpaceMethod):
-    """Exact for full contact, but for the pressure space."""
+    """Dimensionality reduction: exact for full contact, except for the pressure space."""
 
     name = "mdr"
     knows_layers = True
     what = (
-        "the half-space by dimensionality reduction, exact for full contact but for the pressure "
-        "space"
+        "the half-space by dimensionality reduction, exact for full contact except for the "
+        "pressure space"
     )
 
     def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:

@@ -1,6 +1,6 @@
-"""The paper's own algorithm beside the others.
+"""The paper's own algorithm.
 
-Springs on a uniform grid, explicit steps in time, no steady state.
+It has springs on a uniform grid and explicit steps in time, and gives no steady state.
 """
 
 from collections.abc import Mapping
@@ -18,79 +18,92 @@ from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import grid_step
-from ..sizes.marching import refused_steps, steps_between
+from ..sizes.marching import steps_between, why_too_many_steps
 from ..wear.history import History
 from .base import Method, Solution, SystemSize, flat_punches_only
 from .pipeline import DENSE_MATRICES
 
 
 class MdrGrid(Method):
-    """First order in the grid and in the step."""
+    """MDR on a uniform grid: first order in the grid spacing and in the time step."""
 
     name = "mdr-grid"
     what = "the paper's own algorithm: MDR on a uniform grid, in explicit steps"
     lacks: ClassVar[dict[str, str]] = {
-        "steady state": "the paper's algorithm marches towards it, and never arrives"
+        "steady state": "the paper's algorithm marches towards it, but never reaches it"
     }
     refused: ClassVar[Mapping[Regime, str]] = {
-        WEAR_ALONG_RADIUS: "mdr-grid knows wear that is constant on rings: leave it out of "
+        WEAR_ALONG_RADIUS: "mdr-grid needs wear that is constant on each ring: leave it out of "
         "methods, or give steps or many rings in place of punch.wear_coefficient along the radius",
-        VARYING_FORCE: "mdr-grid knows one force and one sliding speed: leave it out of methods, "
-        "or give load.normal_force and load.sliding_speed as numbers",
+        VARYING_FORCE: "mdr-grid needs a constant force and sliding speed: leave it out of "
+        "methods, or give load.normal_force and load.sliding_speed as numbers",
         **flat_punches_only("mdr-grid"),
     }
 
     def refusal(self, problem: Problem) -> str:
-        """Return why the problem cannot be solved at all, with the remedy; empty if it can.
+        """Return why the method cannot solve the problem, with the remedy; empty if it can.
 
-        The uniform grid is for full flat discs under one force and one sliding speed, with wear
-        coefficients that are constant on rings, at given times, and in a limited number of steps.
+        It solves full flat discs under a constant force and sliding speed, with wear coefficients
+        that are constant on rings, at given times, and in a limited number of steps.
         """
         if problem.inner_radius:
-            return "mdr-grid knows discs only: with punch.inner_radius leave it out of methods"
-        if refused := super().refusal(problem):
-            return refused
+            return (
+                "mdr-grid solves full discs only: with punch.inner_radius leave it out of methods"
+            )
+        if reason := super().refusal(problem):
+            return reason
         if not len(problem.times):
             return (
-                "mdr-grid marches in time and knows no steady state: give wear.times, or leave it "
+                "mdr-grid marches in time and gives no steady state: give wear.times, or leave it "
                 "out of methods"
             )
-        return refused_steps(
+        return why_too_many_steps(
             self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid"
         )
 
     def remedy(self, problem: Problem) -> str:
-        """Return what would make it more accurate."""
+        """Return what would make the method more accurate."""
         return f"{self.name} is of first order; give a finer accuracy.mdr.grid"
 
     def step(self, problem: Problem) -> float:
-        """Return the step of the explicit march, as the stability of many springs asks for."""
+        """Return the step of the explicit march, from the stability limit for many springs."""
         return grid_step(problem, 4 / np.pi / problem.mdr.grid)
 
     def system_size(self, problem: Problem) -> SystemSize:
-        """Return how many springs there are, and the approach."""
+        """Return the number of unknowns: one per spring, and the approach."""
         return SystemSize(problem.mdr.grid + 1, problem.mdr.grid + 1)
 
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers its dense matrices have."""
+        """Return about how many numbers its dense matrices contain."""
         return DENSE_MATRICES * float(problem.mdr.grid) ** 2
 
     def _steps(self, problem: Problem) -> float:
         return float(steps_between(problem.times, self._step(problem)).sum())
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
-        """Return the history on the grid, with errors by half as many springs and steps."""
+        """Return the history on the grid.
+
+        Errors are estimated by the difference to a solution with half as many springs and half as
+        many steps.
+        """
         count, step = problem.mdr.grid, self._step(problem)
         with stages("marching"):
-            sampler, history = _marched(problem, count, step)
+            sampler, history = _march(problem, count, step)
             results, fine = sampler.history(history), sampler.history(history, on_face=True)
             answers = {"worn_volume": sampler.worn_volumes(history[-1:])[0]}
         with stages("estimating"):
-            sampler, history = _marched(problem, count // 2, 2 * step)
-            missed = differences(sampler.history(history, on_face=True), fine, problem.face)
+            sampler, history = _march(problem, count // 2, 2 * step)
+            quantity_differences = differences(
+                sampler.history(history, on_face=True), fine, problem.face
+            )
             coarser = {"worn_volume": sampler.worn_volumes(history[-1:])[0]}
-            # what is of first order doubles; slopes and jumps at ring edges are of half that
-            errors = {name: 2.5 * _near(difference) for name, difference in missed.items()}
+            # An error of first order doubles on the coarser grid, so that it equals the difference.
+            # Slopes and jumps at ring edges converge with order 1/2: error = difference / (sqrt(2)
+            # - 1) = 2.4 difference.
+            errors = {
+                name: 2.5 * _largest_nearby(difference)
+                for name, difference in quantity_differences.items()
+            }
             for name, difference in answer_differences(coarser, answers).items():
                 errors[name] = 2.5 * difference
         parts = {"grid and step": float(errors["indentation"].max())}
@@ -105,8 +118,8 @@ class MdrGrid(Method):
         return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())
 
 
-def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, History]:
-    """Return the history on a grid, linear between its points, and what samples it."""
+def _march(problem: Problem, count: int, step: float) -> tuple[Sampler, History]:
+    """Return the history on a grid, linear between its points, and a sampler for it."""
     grid = UniformGrid(*problem.merged, count)
     space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
     history = History.in_full_contact(
@@ -115,8 +128,8 @@ def _marched(problem: Problem, count: int, step: float) -> tuple[Sampler, Histor
     return Sampler(problem, space), history
 
 
-def _near(difference: Array) -> Array:
-    """Return the greatest of each time and its neighbours: differences cross zero now and then."""
+def _largest_nearby(difference: Array) -> Array:
+    """Return the largest of each time and its neighbours, because differences cross zero."""
     return sliding_window_view(np.pad(difference, 1), 3).max(axis=1)
 
 

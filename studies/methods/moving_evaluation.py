@@ -1,4 +1,4 @@
-"""A compliance on cells, worn and sampled: a punch whose contact opens, closes and spreads."""
+"""Evaluation of a compliance on cells, for a punch whose contact opens, closes and spreads."""
 
 from dataclasses import replace
 from functools import cached_property
@@ -21,7 +21,7 @@ from .error_factors import error_factor
 from .evaluation import ENDS, Evaluation
 from .spaces import load_of
 
-# numbers of the answer that are a quantity at the first or at the last of the times
+# Numbers of the answer that are a quantity at the first (0) or at the last (-1) of the times.
 REPORTED_AT = {
     "indentation_start": ("indentation", 0),
     "force_start": ("normal_force", 0),
@@ -32,20 +32,20 @@ REPORTED_AT = {
 
 
 class MovingContact(Evaluation):
-    """A punch whose contact opens, closes and spreads, marched through the times asked for.
+    """A punch whose contact opens, closes and spreads, marched through the requested times.
 
     Parameters
     ----------
-    problem, compliance : on linear pressures over cells
-    start : a press of the unworn face that is fitted to the edges of the contact
-    step_tolerance_factor : how many times larger the error of a step in time may be
+    problem, compliance : the compliance on linear pressures over cells
+    start : the initial contact of the unworn face, on a pressure space fitted to its edges
+    step_tolerance_factor : factor on the error that a step in time may add
 
     Attributes
     ----------
-    marched : the march, in the steps asked for or in adaptive ones
+    marched : the march, in the requested steps or in adaptive ones
     """
 
-    # edges move, and seldom to the same place in a cell
+    # The edges of the contact move, and seldom to the same place in a cell of both meshes.
     safety = error_factor("moving contact")
 
     def __init__(
@@ -57,11 +57,13 @@ class MovingContact(Evaluation):
     ) -> None:
         super().__init__(problem, compliance)
         self.start = start
-        # of the accuracy asked for, that each step may add to the worn depth: cells do not get
-        # coarser than 1e-3 asks for, and steps, too few to tell their error by, would save nothing
+        # Error that each step may add to the worn depth: a part of the tolerance. Above 1e-3 the
+        # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
+        # but be too few to estimate their error.
         self._tolerance = 0.05 * step_tolerance_factor * min(problem.rtol, 1e-3)
         if np.ptp(problem.loading.forces):
-            # measured: while a force rises from zero, little has worn for how deep the punch is
+            # measured: while a force rises from zero, the worn depth is small compared with the
+            # indentation
             self._tolerance *= 0.02
         self._march = ContactMarch(
             compliance,
@@ -82,100 +84,105 @@ class MovingContact(Evaluation):
 
     @cached_property
     def exact_in_time(self) -> History:
-        """The history at the times asked for, in steps that suit the accuracy asked for."""
-        return self._started(self._marched_adaptively.history)
+        """The history at the requested times, in adaptive steps that suit the tolerance."""
+        return self._with_fitted_start(self._marched_adaptively.history)
 
     @cached_property
     def history(self) -> History:
-        """The history at the times asked for, in the steps asked for or in adaptive ones."""
-        return self._started(self.marched.history)
+        """The history at the requested times, in the requested steps or in adaptive ones."""
+        return self._with_fitted_start(self.marched.history)
 
-    def _started(self, history: History) -> History:
-        # what does not press yet just touches
-        resting = (history.distances == 0) & (history.force == 0)
-        history = replace(history, indentation=np.where(resting, 0.0, history.indentation))
+    def _with_fitted_start(self, history: History) -> History:
+        # a punch that does not press yet has the indentation of the first touch
+        unloaded = (history.distances == 0) & (history.force == 0)
+        history = replace(history, indentation=np.where(unloaded, 0.0, history.indentation))
         if self.start is None:
             return history
-        started = (history.distances == 0) & (history.force == history.force[0])
-        indentation = np.where(started, self.start.indentation, history.indentation)
+        at_start = (history.distances == 0) & (history.force == history.force[0])
+        indentation = np.where(at_start, self.start.indentation, history.indentation)
         pressed = Pressed(
             self.start,
-            np.where(started, self.start.force, 0.0),
-            np.where(started[:, None], 0.0, history.pressure),
+            np.where(at_start, self.start.force, 0.0),
+            np.where(at_start[:, None], 0.0, history.pressure),
         )
         return replace(history, indentation=indentation, pressed=pressed)
 
     @property
     def estimate_times(self) -> Array:
-        """The times that the march watches: those asked for, and some between."""
+        """The times that the march records: the requested ones, and some between them."""
         return self.marched.watched_times
 
-    def for_estimate(self, times: Array) -> Results:
-        """Return the quantities on the face of the punch at some of the times that are watched."""
+    def results_for_estimate(self, times: Array) -> Results:
+        """Return the quantities on the face of the punch at some of the recorded times."""
         rows = np.flatnonzero(np.isin(self.marched.watched_times, times))
-        return self.sampler.history(self._started(self.marched.watched[rows]), on_face=True)
+        return self.sampler.history(
+            self._with_fitted_start(self.marched.watched[rows]), on_face=True
+        )
 
     @cached_property
     def answers(self) -> Results:
-        """The numbers of the answer, by the march and the step asked for."""
+        """The numbers of the answer, by the requested march and step."""
         return moving_answers(self.problem, self.marched, self.start, self.history[ENDS])
 
     @property
     def answers_exact_in_time(self) -> Results:
-        """The numbers of the answer, in steps that suit the accuracy asked for."""
+        """The numbers of the answer, in adaptive steps that suit the tolerance."""
         ends = self.exact_in_time[ENDS]
         return moving_answers(self.problem, self._marched_adaptively, self.start, ends)
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
-        """Return the error of a number of the answer by its difference to a coarser evaluation.
+        """Return the error estimate of a number of the answer.
 
-        A number that is a quantity at the first or the last time has the error of that quantity.
-        The error of any other is its difference times its safety factor, or a floor if that is
-        greater.
+        A number that is a quantity at the first or at the last time has the error of that quantity.
+        The error of any other is its difference to a coarser evaluation times its factor, but at
+        least a floor.
         """
         if name in REPORTED_AT:
             quantity, row = REPORTED_AT[name]
             if quantity in errors:
                 return np.broadcast_to(errors[quantity][row], difference.shape)
-        least = {"contact_radius_start": 5e-8, "pressure_peak_start": 1e-12}
-        floor = least.get(name, error_factor("floor of moving contact") * self.problem.rtol)
-        # the step in which the last node begins to carry is another in both marches
-        step = error_factor("time to full contact") if name == "time_to_full_contact" else 1.0
-        return np.maximum(step * self.safety_of(name) * difference, floor)
+        floors = {"contact_radius_start": 5e-8, "pressure_peak_start": 1e-12}
+        floor = floors.get(name, error_factor("floor of moving contact") * self.problem.rtol)
+        # the last node begins to carry in different time steps of the two marches
+        time_factor = (
+            error_factor("time to full contact") if name == "time_to_full_contact" else 1.0
+        )
+        return np.maximum(time_factor * self.safety_factor(name) * difference, floor)
 
     def estimate(self, name: str, difference: Array) -> Array:
-        """Return the error of a quantity by its differences to a coarser evaluation.
+        """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
-        The differences are multiplied by the safety factor of the quantity. At each time asked for,
-        the error is the greatest among seven neighbouring times of the march, because differences
-        cross zero now and then; a start that is fitted to the edges of the contact keeps its own.
-        No error is below the least error of the quantity.
+        - The factor is `safety_factor`.
+        - At each requested time, the error is the largest among seven neighbouring times of the
+          march, because differences cross zero now and then. A start that is fitted to the edges of
+          the contact is left out of this.
+        - The error is at least the floor of the quantity.
         """
         times = self.estimate_times
-        error = self.safety_of(name) * difference
+        error = self.safety_factor(name) * difference
         later = (times > 0) | self._starts_on_cells
         if later.any():
-            among = np.pad(error[later], 3)
-            error[later] = sliding_window_view(among, 7).max(axis=1)
-        return np.maximum(error[np.isin(times, self.problem.times)], self._least_error(name))
+            padded = np.pad(error[later], 3)
+            error[later] = sliding_window_view(padded, 7).max(axis=1)
+        return np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
 
     @property
     def _starts_on_cells(self) -> bool:
-        """Whether what presses at the time 0 is not fitted to the edges of its contact."""
+        """Whether there is a contact at the time 0 that is not fitted to its edges."""
         return self.start is None and self.problem.loading.forces[0] > 0
 
-    def safety_of(self, name: str) -> float:
-        """Return what the difference of a quantity to a coarser evaluation is multiplied by.
+    def safety_factor(self, name: str) -> float:
+        """Return the factor on the difference of a quantity to a coarser evaluation.
 
-        The factor is larger for forces that decay at a given indentation, and another for energies
-        and volumes under one load.
+        It is larger for forces that decay at a given indentation, and smaller for energies and
+        volumes under one load.
         """
         if self._decays(name):
-            # forces at a given indentation go as no more than the square of the depth, and their
-            # errors stay while they decay
+            # at a given indentation, forces grow at most with the square of the depth, and their
+            # errors stay while the forces decay
             return error_factor("decaying force") * self.safety
-        # under one load energies and volumes are of second order and more in the cells, which makes
-        # a difference three times the error
+        # under one load, energies and volumes converge at least at second order in the cells, so
+        # that the difference is three times the error
         if name in self.problem.load_regime.second_order:
             return error_factor("moving contact, energies and volumes")
         return self.safety
@@ -183,54 +190,54 @@ class MovingContact(Evaluation):
     def _decays(self, name: str) -> bool:
         return name in self.problem.load_regime.decaying
 
-    def _least_error(self, name: str) -> Array:
-        """Return what a quantity is not known better than, at the times asked for."""
+    def _floor(self, name: str) -> Array:
+        """Return the smallest error (T,) that is reported for a quantity at the requested times."""
         later = self.problem.times > 0
         if self._starts_on_cells and name != "profile":
             later = np.ones_like(later)
-        # slopes of the unworn face are differences of heights; edges are sought to a few times
-        # their tolerance; at the start nothing has worn; and edges of the contact leave more to
-        # chance
+        # At the start nothing has worn: slopes of the unworn face are differences of heights, and
+        # edges are located to a few times the tolerance of their search. Later, edges of the
+        # contact make agreement by chance more likely.
         at_start = {"rms_slope": 1e-8, "contact_radius": 5e-8}.get(name, 1e-12)
         floor = error_factor("floor of moving contact") * self.problem.rtol
-        least = np.where(later, floor, at_start)
+        floors = np.where(later, floor, at_start)
         if name in ("profile", "displacement"):
-            # cells lose this of the bend of fields: where an edge stays in a cell of both meshes,
-            # their difference says nothing of it. Of punches drawn at random none penetrates by
-            # more than .23 of it where cells hold the face
-            lost = error_factor("lost bend") * self._lost_bends * self._per_depth
-            least = np.maximum(least, np.where(later | (name != "profile"), lost, 0.0))
+            # Linear functions lose this part of the bend of a field. If an edge stays in the same
+            # cell of both meshes, their difference does not show that. In random punches whose face
+            # the cells resolve, no penetration is above 0.23 of the bend.
+            lost_bend = error_factor("lost bend") * self._lost_bends * self._inverse_depth
+            floors = np.maximum(floors, np.where(later | (name != "profile"), lost_bend, 0.0))
         if name == "contact_radius":
-            # where both meshes have an edge in the same cell, their difference says nothing of it
-            return np.maximum(least, np.where(later, self._cells_at_edge, 0.0))
+            # the difference does not show the error if both meshes have the edge in the same cell
+            return np.maximum(floors, np.where(later, self._cells_at_edge, 0.0))
         if self._decays(name):
-            return error_factor("decaying force") * np.maximum(least, self._unresolved)
-        heights = DESCRIBED[name].norm == "indentation"
-        # the unworn face is given, and a press that is fitted to its edges integrates all of it
-        exact = name == "profile" or (name == "indentation" and self.start is not None)
-        by_cells = heights & (later | (not exact))
-        return np.where(by_cells, np.maximum(least, self._unresolved), least)
+            return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
+        is_height = DESCRIBED[name].norm == "indentation"
+        # the unworn face is given, and a start that is fitted to the edges integrates all of it
+        exact_start = name == "profile" or (name == "indentation" and self.start is not None)
+        by_cells = is_height & (later | (not exact_start))
+        return np.where(by_cells, np.maximum(floors, self._unresolved_height), floors)
 
     @cached_property
-    def _unresolved(self) -> Array:
-        """(T,) by how much heights differ from what cells hold, over the indentation."""
+    def _unresolved_height(self) -> Array:
+        """(T,) largest difference of the face from what cells resolve, over the indentation."""
         depth, space = float(self.history.indentation.max()), self.compliance.space
-        return unresolved_height(self.problem.profile, space, depth) * self._per_depth
+        return unresolved_height(self.problem.profile, space, depth) * self._inverse_depth
 
     @property
-    def _per_depth(self) -> Array:
-        """(T,) the inverse of the indentation, of which nothing is promised while that is zero."""
+    def _inverse_depth(self) -> Array:
+        """(T,) inverse of the indentation; 0 if that is zero, because nothing is promised then."""
         depth = self.history.indentation
         return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
     @cached_property
     def _lost_bends(self) -> Array:
-        """(T,) greatest bend of the worn face, or of the displacement, that cells lose."""
+        """(T,) largest bend of the worn face or the displacement that linear functions lose."""
         return self.sampler.worn_face(self.history).lost_bends
 
     @cached_property
     def _cells_at_edge(self) -> Array:
-        """(T,) size of the cell that the outermost edge of the contact lies in."""
+        """(T,) size of the cell that contains the outermost edge of the contact."""
         breakpoints = self.compliance.space.breakpoints
         radii = self.results["contact_radius"]
         cell = np.clip(np.searchsorted(breakpoints, radii), 1, len(breakpoints) - 1)
@@ -238,7 +245,7 @@ class MovingContact(Evaluation):
 
     @property
     def settings(self) -> dict[str, int]:
-        """How large the march was, for the summary."""
+        """Size of the march, for the summary."""
         space = self.compliance.space
         settings = {
             "cells": len(space.degrees),
@@ -250,11 +257,12 @@ class MovingContact(Evaluation):
         return settings
 
     def notes(self) -> list[str]:
-        """Say what the user should know of the cells."""
-        missed, cells = float(self._unresolved.max()), len(self.compliance.space.degrees)
-        if missed <= self.problem.rtol:
+        """Return a note for the user if the cells are too coarse for the face."""
+        unresolved, cells = float(self._unresolved_height.max()), len(self.compliance.space.degrees)
+        if unresolved <= self.problem.rtol:
             return []
         return [
-            f"the face is finer than the {cells} cells resolve: heights differ from what they hold "
-            f"by up to {missed:.1e} of the indentation; a smaller rtol makes more cells"
+            f"the face is finer than the {cells} cells resolve: its heights differ from those on "
+            f"the cells by up to {unresolved:.1e} of the indentation; a smaller rtol makes more "
+            "cells"
         ]

@@ -1,8 +1,8 @@
-"""The pressure spaces that suit a problem, and coarser ones.
+"""Pressure spaces that suit a problem, and coarser ones for the error estimate.
 
-A flat punch has singular pressures at ring edges and rim for early times: geometric layers of high
-degree. Where edges of the contact move, pressures jump at places that are not known beforehand:
-linear pressures on cells.
+A flat punch has singular pressures at ring edges and at the rim at early times; its space has
+geometric layers of high degree. If edges of the contact move, pressures jump at places that are not
+known beforehand; the space then has linear pressures on cells.
 """
 
 from collections.abc import Mapping
@@ -22,26 +22,26 @@ from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
-from ..sizes.layers import narrow_enough
+from ..sizes.layers import narrowed_for_layers
 from ..wear.unilateral import Interval, Load
 
-# strength of a kink of the wear coefficient (`Rings.kinks`) that asks for no layer
+# Strength of a kink of the wear coefficient (`Rings.kinks`) below which an edge needs no layer.
 WEAK_KINK = 0.1
-# part of the accuracy asked for by which smaller cells may change the start; cells do not get
-# coarser than the coarsest accuracy asks for
+# Change of the start by smaller cells that is tolerated, over rtol; and the largest rtol that
+# counts, because cells do not get coarser beyond it.
 START_TOLERANCE, COARSEST_RTOL = 0.2, 1e-3
 
 
 class PressureSpaces(NamedTuple):
-    """The pressure space that suits a problem, and one that is coarser in everything.
+    """The pressure space that suits a problem, and one that is coarser in every respect.
 
     Parameters
     ----------
     fine, coarse : the spaces
-    nested : whether the coarse one lies within the fine one, so that a compliance on it need not be
-        computed anew
-    smallest_sizes : the sizes that the fine one was made by, the smallest where each ring edge has
-        its own; empty of cells
+    nested : whether the coarse space is a subspace of the fine one; its compliance is then a
+        restriction and need not be computed anew
+    smallest_sizes : the sizes from which the fine space was made, the smallest where each ring edge
+        has its own; empty for cells
     """
 
     fine: PressureSpace
@@ -51,12 +51,12 @@ class PressureSpaces(NamedTuple):
 
 
 def choose_spaces(problem: Problem) -> PressureSpaces:
-    """Return the pressure spaces that suit the contact of a problem, and how they were made."""
+    """Return the pressure spaces that suit the contact of a problem."""
     return SPACES[problem.contact](problem)
 
 
 def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
-    """Return the pressure space that suits a problem, and one that is coarser in everything."""
+    """Return the pressure space that suits a problem, and one that is coarser in every respect."""
     spaces = choose_spaces(problem)
     return spaces.fine, spaces.coarse
 
@@ -77,12 +77,12 @@ SPACES = {FULL_CONTACT: _graded_spaces, MOVING_CONTACT: _spaces_of_cells}
 
 
 def load_of(problem: Problem) -> Load:
-    """Return the greatest load: the force, which is the unit, or the indentation that is given."""
+    """Return the largest load: the force, which is the unit, or the given indentation."""
     return Load(1.0) if problem.indentation is None else Load(None, problem.indentation)
 
 
 def load_at_start(problem: Problem) -> Load:
-    """Return the load at the time 0, or the greatest where that is none."""
+    """Return the load at the time 0, or the largest load if there is none at that time."""
     load = load_of(problem)
     return Load(float(problem.loading.forces[0]) or 1.0) if load.force else load
 
@@ -91,27 +91,38 @@ def load_at_start(problem: Problem) -> Load:
 def first_contact(
     problem: Problem, finer: float = 1.0
 ) -> tuple[tuple[Interval, ...], ContactCells]:
-    """Return where contact begins, and cells for it, the same for every method.
+    """Return the intervals of first contact, and cells for them, the same for every method.
 
-    It decides on the cells only: any method's compliance will do, and this one is quick.
+    They only determine the cells. For this, the compliance of any method is sufficient, and that of
+    dimensionality reduction is fast to compute.
+
+    Parameters
+    ----------
+    problem : the problem, with its tolerance
+    finer : factor on the number of cells
     """
     cells = cells_of(problem, finer)
-    load, on_ground = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
-    intervals, cells = find_first_contact(on_ground, problem.profile, load, cells)
+    load, compliance_on = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
+    intervals, cells = find_first_contact(compliance_on, problem.profile, load, cells)
     if not intervals:
-        raise SceneError("load.indentation presses on less than cells can be made for: give more")
+        raise SceneError(
+            "load.indentation makes a contact that is too small for cells: give a larger one"
+        )
     if finer == 1:
         tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
-        intervals, cells = refine_at_free_edges(on_ground, problem.profile, load, cells, tolerance)
+        intervals, cells = refine_at_free_edges(
+            compliance_on, problem.profile, load, cells, tolerance
+        )
     else:
-        # the same edges for both, so that their difference says what the size of cells costs
+        # the same edges as with finer = 1, so that the difference shows only the effect of the size
+        # of cells
         edges = first_contact(problem)[1].free_edges
         cells = replace(cells, free_edges=tuple(edge.scaled(1 / finer) for edge in edges))
     return intervals, cells
 
 
 def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
-    """Return cells over the face, small where contact begins, and half as many."""
+    """Return cells of the face, small where contact begins, and half as many cells."""
     return first_contact(problem)[1], first_contact(problem, 0.5)[1]
 
 
@@ -125,19 +136,18 @@ def radial_space(
 ) -> PressureSpace:
     """Return a graded space whose degrees rise away from the singular points.
 
-    In the largest elements the degrees are at least those that smooth modes need.
-
-    A ring narrower than the sizes still gets a layer at each of its edges, no wider than a tenth of
-    the ring. Where the wear coefficient has but a weak kink, it may have none.
+    In the largest elements the degrees are at least those that smooth modes need. At each of its
+    edges, a ring has a layer that is no wider than a tenth of the ring, even if the wanted sizes
+    are larger. An edge where the wear coefficient has only a weak kink may have none.
     """
     rings = problem.merged
-    widest = np.where(rings.kinks[:-1] < WEAK_KINK, 1.0, 0.1)
-    at_edges = np.minimum(ring_size, widest * rings.narrower)
+    max_part_of_ring = np.where(rings.kinks[:-1] < WEAK_KINK, 1.0, 0.1)
+    at_edges = np.minimum(ring_size, max_part_of_ring * rings.narrower)
     at_rim = min(rim_size, 0.1 * float(rings.widths[-1]))
     breakpoints, low_parts = exact_graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
     linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
     space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
-    space = narrow_enough(space, problem.ground)
+    space = narrowed_for_layers(space, problem.ground)
     return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
 
 
@@ -146,24 +156,32 @@ def degrees(
 ) -> Indices:
     """Return the degree of each element of a space.
 
-    It is the degree that the accuracy asks for, but at most `highest`: most where the amplitude of
-    high degrees is greatest, and lower elsewhere, but no lower than 2, nor than smooth modes ask
-    for: half as much in each layer, whose elements are several times smaller. It is 0 in a hole.
+    The degree is `highest` where the amplitude of high degrees is largest. Elsewhere it is lower,
+    as far as the amplitude allows, but at least 2 and at least the degree that smooth modes need.
+    That degree halves from layer to layer towards the edges, because the elements there are several
+    times smaller. In a hole the degree is 0.
+
+    Parameters
+    ----------
+    problem, space : the problem, and a space with the same elements
+    highest : highest degree of the pressure
+    grading : size ratio of neighbouring elements
+    of_modes : degree that smooth modes need on the largest elements
     """
     edges, ring = problem.merged.ring_edges, space.ring
     at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
-    # distances of the far ends of the elements from the edges of their rings
+    # distances of the far end of each element from both edges of its ring
     from_inner = np.where(ring > 0, space.distance(at_edges[ring], element + 1), np.inf)
     from_outer = space.distance(element, at_edges[ring + 1])
     nearest = np.where(from_outer <= from_inner, ring, ring - 1)
-    distance, half = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
+    distance, half_width = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
     fields = with_affordable_field_tolerance(problem, grading)
-    amplitude = fields.edge_amplitude(distance, half, nearest)
-    layer = np.log(np.minimum(distance / half, 1.0)) / np.log(grading)
-    least = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
-    # elements that can have the degree wanted of them have it, also where the highest is too low
+    amplitude = fields.edge_amplitude(distance, half_width, nearest)
+    layer = np.log(np.minimum(distance / half_width, 1.0)) / np.log(grading)
+    lowest = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
+    # If `highest` is below the wanted degree, elements whose own wanted degree is possible keep it.
     lacking = max(int(np.ceil(pressure_degree(fields, grading))) - highest, 0)
     reduction = degree_reduction(amplitude.max() / amplitude, grading)
-    lower = highest - np.maximum(reduction - lacking, 0)
-    raised = np.maximum(lower, np.minimum(least, max(highest, of_modes)))
-    return np.where((ring == 0) & problem.merged.hollow, 0, raised)
+    lowered = highest - np.maximum(reduction - lacking, 0)
+    final = np.maximum(lowered, np.minimum(lowest, max(highest, of_modes)))
+    return np.where((ring == 0) & problem.merged.hollow, 0, final)

@@ -1,1 +1,1 @@
-"""Studies of the numerics: orders, steps, boundaries, meshes, costs and limits."""
+"""Numerical studies of a single part of the method: time steps, and the outer boundary."""

@@ -1,4 +1,4 @@
-"""Finite elements condensed to a compliance, and what studies measure on it. Non-dimensional."""
+"""Finite elements condensed to a compliance, and the error of its flat start. Non-dimensional."""
 
 import numpy as np
 from skfem import Mesh
@@ -11,9 +11,9 @@ from ...meshes.radial import Array
 from ..wear.flat_contact import press_flat
 
 Discretised = tuple[Compliance, int]
-"""A compliance, and the number of unknowns behind it."""
+"""A compliance, and the number of unknowns from which it is condensed."""
 FLAT = np.array([0.0, 1.0])
-"""Edges of a punch of one ring."""
+"""Ring edges of a punch of one ring."""
 
 
 def condense(
@@ -24,9 +24,16 @@ def condense(
     poles: int,
     hollow: bool = False,
 ) -> Discretised:
-    """Condense the finite-element half-space on a mesh, with so many poles as its far field.
+    """Condense the finite-element half-space on a mesh to a compliance.
 
-    Of a hollow punch the first ring is the hole.
+    Parameters
+    ----------
+    mesh : mesh of the half-space
+    ring_edges : (N+1,) ring edges; for a hollow punch the first ring is the hole
+    degree : degree of the displacement
+    poisson_ratio : Poisson's ratio of the half-space
+    poles : number of poles of its far field
+    hollow : whether the punch is hollow
     """
     solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
     orders = tuple(range(0, 2 * poles, 2))

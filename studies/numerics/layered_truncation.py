@@ -16,7 +16,7 @@ import numpy as np
 from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.half_space import HalfSpace, pressure_space
 from ...mdr.flat_punch import flat_punch
-from ...meshes.by_gmsh.outline import truncation_beside
+from ...meshes.by_gmsh.outline import truncation_with_interfaces
 from ...meshes.by_gmsh.quads import graded
 from ...meshes.ground.ground import Ground
 from ...meshes.ground.line_energy import relative_stiffness
@@ -74,7 +74,7 @@ def move_outwards_on_layers(radii: tuple[float, ...], ground: Ground) -> Family:
     theory = {
         far_field(loads): Theory(order, DISCRETISATION_ERROR) for loads, order in enumerate(orders)
     }
-    outers = sorted({truncation_beside(interfaces, radius) for radius in radii})
+    outers = sorted({truncation_with_interfaces(interfaces, radius) for radius in radii})
     sizes = {outer: 1 / outer for outer in outers}
     return Family("layers", sizes, solve, theory, "$a/R$")
 

@@ -1,8 +1,9 @@
-"""Steps in time: orders of the explicit and the implicit march, and where the former blows up.
+"""Study of time steps: orders of the explicit and the implicit march, and the stability limit.
 
-Both march the compliance on which the modes are exact: their difference is the step's alone. The
-explicit march is stable below two over the greatest rate of relaxation: on the uniform grid of the
-paper with n springs that is about ``4/(pi n k)``. The modal march has no step.
+Both marches use the same compliance as the relaxation modes, which are exact in time. Their
+difference to the modes is therefore the error of the time steps alone. The explicit march is stable
+for steps below 2 / (largest relaxation rate). On the uniform grid of the paper with n springs, this
+limit is about ``4/(pi n k)``. The modal march has no time step.
 """
 
 from collections.abc import Iterable
@@ -24,27 +25,27 @@ from ..tables import Row
 from ..wear.full_contact import RunningIn
 
 TIME = 0.5
-"""When errors are taken, non-dimensional."""
+"""Time at which errors are computed, non-dimensional."""
 ERROR = "indentation error"
 LIMIT = "limit over 4/(pi n k), less 1"
 NO_GRID = (
-    "The paper's grid is left out: it knows full discs with one wear coefficient on each ring."
+    "The paper's grid is left out: it needs a full disc with one wear coefficient on each ring."
 )
 XLABEL = r"step $\Delta t$ over $a/(E^*k_{max}v_0)$"
 
 
 def conduct(scene: Scene, options: Options, record: Record) -> Study:
-    """Test several steps, and springs of the paper's grid."""
+    """Compute the errors of several time steps, and the stability limit of the paper's grid."""
     problem = replace(scene.problem, times=np.array([]))
-    # so coarse that the explicit march is stable in a few thousand steps
+    # the space is so coarse that the explicit march is stable in a few thousand steps
     space = radial_space(problem, degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
     wear = RunningIn(compliance(space), problem.merged.wear_coefficients)
-    given = [round(TIME * problem.units.time / step) for step in options.steps]
-    if options.steps and min(given) < 1:
+    requested_counts = [round(TIME * problem.units.time / step) for step in options.steps]
+    if options.steps and min(requested_counts) < 1:
         raise SceneError(f"--steps: give steps up to {TIME * problem.units.time:.3g}")
-    halved = 2 ** np.arange(4 if options.quick else 7)
+    factors = 2 ** np.arange(4 if options.quick else 7)
     marches = [
-        refine_step(wear, march, given or (first_count(wear, march) * halved).tolist())
+        refine_step(wear, march, requested_counts or (first_count(wear, march) * factors).tolist())
         for march in ("explicit", "implicit")
     ]
     label = f"relative error at $t$ = {TIME:g}"
@@ -56,12 +57,12 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
 
 
 def first_count(wear: RunningIn, march: str) -> int:
-    """Return the number of the first steps: stable explicit ones, implicit ones far beyond that."""
+    """Return the first number of steps: explicit steps are stable, implicit ones are far longer."""
     return int(np.ceil(TIME / (0.5 * wear.stability_limit()))) if march == "explicit" else 8
 
 
 def refine_step(wear: RunningIn, march: str, counts: Iterable[int]) -> Family:
-    """Return numbers of steps up to `TIME`, with errors of the indentation then."""
+    """Return numbers of steps up to `TIME`, with the errors of the indentation at that time."""
     times = np.array([TIME])
     exact = wear.modal(times).indentation[0]
 
@@ -74,7 +75,7 @@ def refine_step(wear: RunningIn, march: str, counts: Iterable[int]) -> Family:
 
 
 def refine_grid(problem: Problem, springs: tuple[int, ...]) -> Family:
-    """Return the paper's grids, with the limit of stability over what it is for many springs."""
+    """Return grids of the paper, with their stability limit relative to that for many springs."""
 
     def solve(count: int) -> Row:
         grid = UniformGrid(*problem.merged, count)

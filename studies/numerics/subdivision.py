@@ -1,8 +1,10 @@
 """Sequences of graded meshes: base triangles, subdivided into triangles or quadrilaterals.
 
-Points are complex numbers, radius and depth. Subdivision is in log-polar coordinates, the complex
-logarithm, about the rim, about every ring edge and far away: in these a graded mesh is uniform.
-Halved in plain coordinates, it approaches its order from below by a term in h; in these by h^2.
+Points are complex numbers: radius + i depth. Near the rim, near every ring edge and far away,
+triangles are subdivided in log-polar coordinates (the complex logarithm of the position relative to
+that place), in which a graded mesh is uniform. In plain coordinates, the observed order of
+convergence approaches its limit from below with an error of order h; in log-polar coordinates, of
+order h^2.
 """
 
 from functools import cache
@@ -24,12 +26,12 @@ Points = NDArray[np.complex128]
 LOG_POLAR = 0.6
 """Reach of log-polar coordinates about an edge and beyond the rim, over the radius of the edge."""
 BETWEEN_EDGES = 0.45
-"""The same over the distance to the next edge: neighbours do not overlap."""
+"""Upper limit of that reach over the distance to the next edge: neighbours do not overlap."""
 
 
 @cache
 def triangulated(field: SizeField) -> MeshTri:
-    """Mesh the quarter disc by gmsh, or by bisection where gmsh cannot."""
+    """Mesh the quarter disc with gmsh, or by bisection if gmsh fails."""
     try:
         return triangles.mesh(field)
     except MeshError:
@@ -45,17 +47,18 @@ def subdivided(
 ) -> Mesh:
     """Divide every triangle into ``count^2`` triangles, or into ``3 count^2`` quadrilaterals.
 
-    Neighbours compute the points between them from the same numbers in the same order, and so agree
-    on every digit.
+    Two neighbouring triangles compute the points on their common side from the same numbers in the
+    same order, so that these agree in every digit.
 
     Parameters
     ----------
-    mesh : triangles of the quarter disc, each ring edge a vertex
-    count : parts of each side of a triangle, or of each half of it
+    mesh : triangles of the quarter disc, with a vertex at each ring edge
+    count : number of parts into which each side of a triangle is divided, or each half of it for
+        quadrilaterals
     ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
-    into_quads : whether each triangle becomes three quadrilaterals, which meet at its middle
-    log_polar : whether the division is in log-polar coordinates about the rim, about every ring
-        edge and far away; it is in plain ones between them, or everywhere
+    into_quads : whether each triangle becomes three quadrilaterals that meet in its middle
+    log_polar : whether triangles near the rim, near ring edges and far away are divided in
+        log-polar coordinates; all others are divided in plain coordinates
 
     Raises
     ------
@@ -86,12 +89,12 @@ def _weights_of_triangles(count: int) -> tuple[Array, Indices]:
 def _weights_of_quads(count: int) -> tuple[Array, Indices]:
     """Return barycentric weights (l, 3) of points in a triangle, and its parts (4, 3 count^2).
 
-    Each corner of the triangle is a corner of one of the three quadrilaterals that are divided.
+    Each corner of the triangle is a corner of one of three quadrilaterals, which are then divided.
     """
     square = MeshQuad.init_tensor(*2 * [np.arange(count + 1.0)])
     i, j = square.p
-    # of the corner opposite the first side, and so on, times 6 count^2: integers, so that points
-    # on a side have the same weights from both of its triangles
+    # Weights of the three corners, times 6 count^2. They are integers, so that points on a side
+    # have the same weights from both of its triangles.
     second, third = 3 * i * (count - j) + 2 * i * j, 3 * j * (count - i) + 2 * i * j
     first = 6 * count**2 - second - third
     turns = [np.roll(np.stack([first, second, third], axis=1), turn, axis=1) for turn in range(3)]
@@ -104,9 +107,9 @@ def _weights_of_quads(count: int) -> tuple[Array, Indices]:
 def interpolate(
     vertices: Points, corners: Indices, weight: Array, ring_edges: Array = FLAT
 ) -> Points:
-    """Return points (m, l) by corners (m, 1, 3) and weights (l, 3).
+    """Return points (m, l) in triangles with corners (m, 1, 3), by weights (l, 3).
 
-    Where a point lies depends on corners of some weight alone.
+    A point depends only on those corners whose weight is not zero.
     """
     plain = np.sum(weight * vertices[corners], axis=-1)
     points = plain.copy()
@@ -117,22 +120,23 @@ def interpolate(
         reach = min(LOG_POLAR * edge, BETWEEN_EDGES * min(others[others > 0], default=np.inf))
         distance = np.abs(vertices - edge)
         centres.append((edge, distance, distance < reach))
-    for centre, distance, near in centres:
-        # a centre has no logarithm: the triangles at it are subdivided plainly
+    for centre, distance, within_reach in centres:
+        # the logarithm is infinite at a centre: triangles at it are subdivided in plain coordinates
         regular = ((distance[corners] > 0) | (weight == 0)).all(axis=-1)
-        part = regular * np.sum(weight * near[corners], axis=-1)
+        log_polar_part = regular * np.sum(weight * within_reach[corners], axis=-1)
         log = np.log(np.where(distance > 0, vertices - centre, 1.0))
-        points += part * (centre + np.exp(np.sum(weight * log[corners], axis=-1)) - plain)
-    # coordinates on the axis and the surface are exact zeros, and vertices stay where they are
+        points += log_polar_part * (centre + np.exp(np.sum(weight * log[corners], axis=-1)) - plain)
+    # points on the axis and on the surface have exact zeros, and vertices do not move
     points.real[plain.real == 0] = 0.0
     points.imag[plain.imag == 0] = 0.0
     return np.where(weight.max(axis=1) == 1, plain, points)
 
 
 def _interpolate_plainly(vertices: Points, corners: Indices, weight: Array) -> Points:
-    """Return points (m, l) by corners (m, 1, 3) and weights (l, 3), those between arc points on it.
+    """Return points (m, l) in triangles with corners (m, 1, 3), by weights (l, 3).
 
-    Where a point lies depends on corners of some weight alone.
+    Points between two corners on the outer arc are moved onto the arc. A point depends only on
+    those corners whose weight is not zero.
     """
     plain = np.sum(weight * vertices[corners], axis=-1)
     distance, outer = np.abs(vertices), np.abs(vertices).max()

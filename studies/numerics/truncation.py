@@ -1,14 +1,16 @@
-"""What the outer boundary costs: the flat start against ``a/R``, by far field and Poisson's ratio.
+"""Study of the outer boundary: error of the flat start against ``a/R``, by far field.
 
-A quarter disc of radius R is meshed. One condensation gives every far field: without its last row,
-the factor of the compliance belongs to the same half-space with one pole less, and at last to a
-clamped boundary. Values are over that of most poles on the same mesh, which errs by the
-discretisation alone: by the rim, and by nodal values that stand for the poles on the outer
-boundary.
+The error also depends on Poisson's ratio, so that several are tested.
 
-Theory: with n poles tied, the first one neglected falls as ``1/rho^(2n+1)``, and the energy that it
-has outside R as ``(a/R)^(4n+1)``: order 1, 5, 9, 13 for a clamped boundary and one, two, three
-poles. The next pole adds a term smaller by ``(a/R)^2``, so levels begin at R = 4 a.
+A quarter disc of radius R is meshed. One condensation gives all far fields: the last rows of the
+factor of the compliance belong to the poles. Without its last row, the factor belongs to the same
+half-space with one pole less; without all of them, to a clamped boundary. Errors are relative to
+the solution with most poles on the same mesh. The error of that solution is only the discretisation
+error: that of the rim, and that of the nodal values that represent the poles on the outer boundary.
+
+Theory: with n poles, the first neglected pole decays as ``1/rho^(2n+1)``, and its energy outside R
+as ``(a/R)^(4n+1)``. Hence the order is 1, 5, 9, 13 for a clamped boundary and for one, two, three
+poles. The next pole adds a term that is smaller by ``(a/R)^2``; levels therefore begin at R = 4 a.
 """
 
 from dataclasses import replace
@@ -27,7 +29,7 @@ from .layered_truncation import move_outwards_on_layers
 from .subdivision import triangulated
 
 FAR_FIELDS = {"fixed": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
-"""Far fields, and the orders of what they err by."""
+"""Far fields, and the orders of their errors."""
 
 RADII_ON_LAYERS = (1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 7.0, 10.0, 16.0)
 """Truncation radii on layers, in punch radii."""
@@ -35,7 +37,7 @@ LABEL = "truncation part of the relative error of $d_0$"
 
 
 def conduct(scene: Scene, options: Options, record: Record) -> Study:
-    """Test several R, far fields and Poisson's ratios."""
+    """Compute the errors of several R, far fields and Poisson's ratios."""
     radii = (4, 5, 6, 7, 8) if options.quick else (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024)
     ratios = {0.3} if options.quick else {0.0, 0.3, 0.4999, 0.5}
     if (ground := scene.problem.ground) is not None:
@@ -50,11 +52,11 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
 
 
 def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
-    """Return ever greater half-spaces."""
+    """Return half-spaces of increasing truncation radius."""
     roundoff = 1e-12
 
     def solve(outer: float) -> Row:
-        # the far field is wanted well resolved on the outer boundary, wherever that is
+        # elements are small enough everywhere on the outer boundary to resolve the far field
         disc = triangulated(SizeField((0.0, 1.0), 1e-7, 1e-7, 0.3, outer, far_size=0.06))
         compliance, unknowns = condense(disc, FLAT, 4, poisson_ratio, poles=6)
         return {"unknowns": unknowns} | far_field_errors(compliance, poles=6)
@@ -65,10 +67,15 @@ def move_outwards(radii: tuple[float, ...], poisson_ratio: float) -> Family:
 
 
 def far_field_errors(compliance: Compliance, poles: int) -> dict[str, float]:
-    """Return by how much the flat start of each far field is off that with all poles."""
-    clamped, best = len(compliance.factor) - poles, press_flat(compliance).indentation
+    """Return the relative error of the flat start with each far field, against all poles."""
+    rows_without_poles, reference = (
+        len(compliance.factor) - poles,
+        press_flat(compliance).indentation,
+    )
     errors = {}
     for count, far in enumerate(FAR_FIELDS):
-        fewer = replace(compliance, factor=compliance.factor[: clamped + count])
-        errors[far] = press_flat(fewer).indentation / best - 1
+        with_fewer_poles = replace(
+            compliance, factor=compliance.factor[: rows_without_poles + count]
+        )
+        errors[far] = press_flat(with_fewer_poles).indentation / reference - 1
     return errors

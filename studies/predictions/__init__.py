@@ -1,1 +1,1 @@
-"""What a run will take, in seconds and in memory, told before it runs."""
+"""Seconds and memory that a run will need, predicted before it starts."""

@@ -1,4 +1,4 @@
-"""About how much memory a run will need, before anything is meshed and any library loaded."""
+"""Prediction of the memory of a run, before anything is meshed or a library is loaded."""
 
 import os
 from pathlib import Path
@@ -13,15 +13,15 @@ if TYPE_CHECKING:
     import xarray
 
 GIB = 2.0**30
-# GiB that libraries take
+# Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 
 
 def predict_memory(scene: Scene) -> float:
     """Return about how many GiB a run will need.
 
-    They are for libraries, the matrices of each method, and fields over time. All methods have
-    about as many pressures as dimensionality reduction.
+    This is the sum of libraries, the matrices of each method, and fields over time. All methods
+    have about as many pressures as dimensionality reduction.
     """
     problem = scene.problem
     on_cells = not problem.full_contact and len(problem.times) > 0
@@ -32,35 +32,35 @@ def predict_memory(scene: Scene) -> float:
 
 
 def beyond_memory(needed: float, limit: float) -> str:
-    """Say why a run would not fit into so many GiB; empty if it fits."""
+    """Return why a run does not fit into `limit` GiB; empty if it fits."""
     if needed <= limit:
         return ""
     return (
-        f"about {needed:.2g} GiB are needed, and {limit:.2g} are allowed: ask for fewer "
+        f"about {needed:.2g} GiB are needed, and {limit:.2g} are allowed: give fewer "
         "punch.rings, wear.times and output.radii, or a greater accuracy.rtol, or give --memory "
         "GIB if there is more"
     )
 
 
 def machine_memory() -> float:
-    """Return the GiB of this machine."""
+    """Return the memory of this machine, in GiB."""
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
 
 
 def refuse_large(path: Path, data: "xarray.Dataset") -> None:
-    """Refuse a dataset that would not fit into the memory; it is opened, and not loaded yet.
+    """Raise if a dataset would not fit into memory; it is opened, but not loaded yet.
 
-    A compressed file may declare far more than it holds.
+    A compressed file may be far smaller than its contents.
 
     Raises
     ------
     ValueError
-        naming its size
+        with the size of the dataset and the limit
     """
-    # what is read is copied a few times
-    most = machine_memory() * GIB / 8
-    if data.nbytes > most:
+    # the data are copied a few times after reading
+    max_bytes = machine_memory() * GIB / 8
+    if data.nbytes > max_bytes:
         raise ValueError(
-            f"it declares {data.nbytes / 1e9:.3g} GB, and {path.stat().st_size / 1e6:.3g} MB are "
-            f"there; give at most {most / 1e9:.2g} GB"
+            f"its contents are {data.nbytes / 1e9:.3g} GB by its header (the file has "
+            f"{path.stat().st_size / 1e6:.3g} MB); give at most {max_bytes / 1e9:.2g} GB"
         )

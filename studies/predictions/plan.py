@@ -1,12 +1,13 @@
-"""What a run will take, before it runs.
+"""Prediction of the seconds that a run will need.
 
-Sizes are counted on the meshes that it will have. A method refines where its estimates fall short,
-which doubles the seconds or more. No probe foresees that, as estimates are often about as large as
-what is allowed. So a method that takes a few seconds is solved once, and its own estimate tells.
+System sizes are counted on the meshes of the run itself. A method whose error estimates are too
+large is solved again with finer sizes, which doubles the seconds or more. A coarse probe cannot
+predict whether that happens, because estimates are often about as large as the allowed error. A
+method that takes a few seconds is therefore solved once, and its own error estimate decides.
 
-Of others, a probe, the scene itself at a coarse accuracy, tells how long they take at least:
-seconds go with the sizes, a sparse factor as unknowns^1.5, dense algebra as pressures^2, and as
-pressures^3 once matrices are large, a march as its steps times pressures^2.
+For other methods, a probe gives a lower bound: the scene itself at a coarse tolerance. Seconds are
+scaled from the probe by system sizes: a sparse factor as unknowns^1.5, dense algebra as
+pressures^2, and as pressures^3 once matrices are large, a march as its steps times pressures^2.
 """
 
 import time
@@ -27,42 +28,42 @@ from ..sizes.defaults import tolerance_range
 from ..sizes.marching import steps_between
 from .memory import predict_memory
 
-# work up to which a method is solved at once, and seconds up to which it is after a probe
-LITTLE_WORK, MOST_SOLVED = 1.0, 5.0
-# an estimate of a probe over what it may be, below which full contact is expected to be accurate
-# enough at the accuracy asked for: over 20 scenes the ratio grew at most fivefold
-FAR_BELOW = 0.2
+# Predicted work up to which a method is solved at once, and predicted seconds up to which it is
+# solved after a probe.
+MAX_WORK_WITHOUT_PROBE, MAX_SECONDS_TO_SOLVE = 1.0, 5.0
+# Error estimate of a probe over the allowed error, below which a solution in full contact is
+# expected to need no refinement: over 20 scenes that ratio was at most five times as large at the
+# requested tolerance as in the probe.
+SAFE_ERROR_RATIO = 0.2
 
 
 class Cost(NamedTuple):
-    """What a method will take, in seconds of one processor.
+    """Predicted cost of a method, in seconds of one processor.
 
     Parameters
     ----------
-    first : until it has solved the problem once
-    refining : for solving it again by finer sizes; 0 if it will not
-    rtol : that these sizes follow
-    known : whether it is known if it will be refined
-    notes : that the method has given, such as a mesher replaced
+    first : seconds for the first solution
+    refining : seconds for solving again with finer sizes; 0 if that is not expected
+    rtol : tolerance from which the finer sizes are chosen
+    refinement_known : whether it is known if there will be a refinement
+    notes : notes of the method, such as that the mesher had to be replaced
     """
 
     first: float
     refining: float = 0.0
     rtol: float = 0.0
-    known: bool = True
+    refinement_known: bool = True
     notes: tuple[str, ...] = ()
 
     @property
     def total(self) -> float:
-        """Seconds in all, as far as they are known."""
+        """Seconds in all, as far as they can be predicted."""
         return self.first + self.refining
 
     def __str__(self) -> str:
-        """Return the seconds in words."""
-        if not self.known:
-            return (
-                f"{self.first:.2g} s or more: whether it is to be refined then, it tells as it runs"
-            )
+        """Return the seconds as text."""
+        if not self.refinement_known:
+            return f"{self.first:.2g} s or more: only the run shows whether a refinement is needed"
         if not self.refining:
             return f"about {self.first:.2g} s"
         return (
@@ -72,23 +73,24 @@ class Cost(NamedTuple):
 
 
 def _work_of_modes(problem: Problem, order: float) -> float:
-    # of a steady state, or of relaxation times alone, no modes are needed
+    # a steady state or relaxation times alone need no modes
     return (0.5 if len(problem.times) else 0.1) * order**2 * (1 + order / 3)
 
 
 def _work_of_steps(problem: Problem, order: float) -> float:
-    # the steps that suit rtol go as the third root of its inverse
+    # the number of adaptive steps grows as rtol^(-1/3)
     return float(0.15 * order**2 * problem.rtol ** (-1 / 3))
 
 
-# work of dense algebra, by a problem and thousands of its pressures
+# Functions that predict the work of dense algebra from a problem and its thousands of pressures.
 DENSE_WORK = {FULL_CONTACT: _work_of_modes, MOVING_CONTACT: _work_of_steps}
 
 
 def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
-    """Return about how much work a method has, in seconds on some machine, to a factor of five.
+    """Return about how much work a method has for a problem.
 
-    The ratio for two problems is better known. Its factors were measured on the bundled scenes.
+    The unit is about a second, to a factor of five. The ratio of the works of two problems is more
+    accurate. The constants were measured on the bundled scenes.
     """
     order, step = size.pressures / 1e3, method.step(problem)
     steps = float(steps_between(problem.times, step).sum()) if step else 0.0
@@ -97,9 +99,9 @@ def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
 
 
 def coarsen(scene: Scene) -> Scene:
-    """Return the probe of a scene: the same scene at a coarse accuracy.
+    """Return the probe of a scene: the same scene at a coarse tolerance.
 
-    If a flat punch has many rings, the probe has the inner ones only. If a time step is given, the
+    If a flat punch has many rings, the probe has only the inner ones. If a time step is given, the
     probe makes the first hundred steps.
     """
     problem, step, times = scene.problem, scene.wear.step, scene.wear.times
@@ -112,10 +114,10 @@ def coarsen(scene: Scene) -> Scene:
     if step is not None and times:
         times = [0.0, min(times[-1], 100 * step)]
     changes: dict[str, object] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
-    most = problem.contact.rings_of_probe
-    if most is not None and len(problem.wear_coefficients) > most:
-        edges = (problem.ring_edges[1 : most + 1] * problem.units.length).tolist()
-        coefficients = problem.wear_coefficients[:most] * problem.units.wear_coefficient
+    max_rings = problem.contact.rings_of_probe
+    if max_rings is not None and len(problem.wear_coefficients) > max_rings:
+        edges = (problem.ring_edges[1 : max_rings + 1] * problem.units.length).tolist()
+        coefficients = problem.wear_coefficients[:max_rings] * problem.units.wear_coefficient
         changes["punch"] = {
             "radius": edges[-1],
             "ring_edges": edges,
@@ -125,68 +127,74 @@ def coarsen(scene: Scene) -> Scene:
 
 
 def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
-    """Return what a method will take for a problem: by the problem itself if it is quick to solve.
+    """Return the predicted cost of a method for a problem.
 
-    Else by a probe, which is the same problem at a coarse accuracy.
+    If the problem is quick to solve, it is solved once. Otherwise the cost is scaled from that of
+    the probe, which is the same problem at a coarse tolerance.
     """
     _solve(method, _small_problem(problem))  # libraries are loaded, and not timed
     start = time.process_time()
     work = predict_work(method, problem, method.system_size(problem))
-    # where contact begins is located for that, and kept
+    # `system_size` locates the first contact, which is cached
     locating = time.process_time() - start
-    if work > LITTLE_WORK:
+    if work > MAX_WORK_WITHOUT_PROBE:
         seconds, solution = _solve(method, probe)
         seconds *= work / predict_work(method, probe, method.system_size(probe))
-        if seconds > MOST_SOLVED:
+        if seconds > MAX_SECONDS_TO_SOLVE:
             ratio = error_of_sizes(probe, solution) / allowed_error(probe)
-            known = method.sizes_given(problem) or (problem.full_contact and ratio < FAR_BELOW)
-            return Cost(seconds, known=known, notes=solution.notes)
+            known = method.sizes_given(problem) or (
+                problem.full_contact and ratio < SAFE_ERROR_RATIO
+            )
+            return Cost(seconds, refinement_known=known, notes=solution.notes)
     first, solution = _solve(method, problem)
     cost = _with_refinement(method, problem, solution, first)
     return cost._replace(first=locating + first)
 
 
 def _small_problem(problem: Problem) -> Problem:
-    """Return a problem that needs the libraries of another, and little else."""
+    """Return a problem that loads the same libraries as another, but needs little time."""
     fem = {"mesher": problem.fem.meshed_by}
     return Scene.load("flat_punch").changed({"accuracy": {"rtol": 0.1, "fem": fem}}).problem
 
 
 def _solve(method: Method, problem: Problem) -> tuple[float, Solution]:
-    """Return the seconds of a processor that a method takes to solve a problem once, and that."""
+    """Return the processor seconds that a method needs to solve a problem, and the solution."""
     start = time.process_time()
     solution = method.solve(problem, Stages(method.name))
     return time.process_time() - start, solution
 
 
 def _with_refinement(method: Method, problem: Problem, solution: Solution, first: float) -> Cost:
-    """Return what a method takes in all that has solved a problem once."""
+    """Return the predicted cost of a method that has solved a problem once in `first` seconds."""
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
     size = solution.march.space.size if solution.march else 0
-    least, most = tolerance_range(problem, size)
-    before = min(problem.rtol, most)
-    if error <= allowed or before <= least or method.sizes_given(problem):
+    finest, coarsest = tolerance_range(problem, size)
+    rtol = min(problem.rtol, coarsest)
+    if error <= allowed or rtol <= finest or method.sizes_given(problem):
         return Cost(first, notes=solution.notes)
-    finer = replace(problem, rtol=finer_rtol(before, error, allowed, least))
+    finer = replace(problem, rtol=finer_rtol(rtol, error, allowed, finest))
     sizes = method.system_size(finer), method.system_size(problem)
     if problem.full_contact:
-        works = [predict_work(method, *of) for of in zip((finer, problem), sizes, strict=True)]
+        works = [
+            predict_work(method, *arguments)
+            for arguments in zip((finer, problem), sizes, strict=True)
+        ]
         growth = works[0] / works[1]
     else:
-        # more cells and more steps; the start and the steady state are kept
+        # there are more cells and more steps; the start and the steady state are reused
         growth = (sizes[0].pressures / sizes[1].pressures) ** 2
     return Cost(first, first * growth, finer.rtol, notes=solution.notes)
 
 
 def plan(source: Source) -> list[str]:
-    """Say how large each method's system will be, and what it will take.
+    """Return text about the system size and the cost of each method.
 
-    Methods that take a few seconds are solved once, others at a coarse accuracy.
+    Methods that take a few seconds are solved once, others at a coarse tolerance.
 
     Parameters
     ----------
     source : Scene, str, Path or dict
-        What would be computed.
+        The scene that would be computed.
 
     Returns
     -------
@@ -195,23 +203,23 @@ def plan(source: Source) -> list[str]:
     """
     scene = Scene.of(source)
     methods = methods_of(scene.methods)
-    if refused := refusals(scene, methods):
-        return [f"refused: {reason}" for reason in refused]
+    if reasons := refusals(scene, methods):
+        return [f"refused: {reason}" for reason in reasons]
     problem, probe = scene.problem, coarsen(scene).problem
     with threadpool_limits(1):
         costs = {name: predict_cost(entry, problem, probe) for name, entry in methods.items()}
     sizes = {name: entry.system_size(problem) for name, entry in methods.items()}
     total = sum(cost.total for cost in costs.values())
     notes = dict.fromkeys(note for cost in costs.values() for note in cost.notes)
-    in_all = f"about {total:.2g} s"
-    if not all(cost.known for cost in costs.values()):
-        in_all = f"{total:.2g} s or more"
+    total_text = f"about {total:.2g} s"
+    if not all(cost.refinement_known for cost in costs.values()):
+        total_text = f"{total:.2g} s or more"
     return [
         *(
             f"{name}: {size.unknowns} unknowns, {size.pressures} pressures, {costs[name]}"
             for name, size in sizes.items()
         ),
-        f"in all: {in_all}, and a few for loading, files and figures",
+        f"in all: {total_text}, plus a few seconds for loading, files and figures",
         f"memory: about {predict_memory(scene):.2g} GiB",
         *(f"note: {note}" for note in notes if note.startswith("meshed by")),
     ]

@@ -18,7 +18,8 @@ from ...fem.error_indicator import fewest_with_share
 from ...meshes import bisection
 from ...meshes.by_gmsh.session import unavailable
 from ...meshes.sizes import SizeField
-from ..methods.fem import half_space_mesh, half_space_on
+from ..methods.fem import half_space_on
+from ..methods.fem_meshes import half_space_mesh
 from ..problem.problem import Problem
 from ..problem.sections import FemAccuracy
 from ..progress import Stages

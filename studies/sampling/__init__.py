@@ -1,1 +1,1 @@
-"""From histories to the quantities that are asked for, their norms, and the answer."""
+"""Quantities sampled from a wear history, their norms, and the numbers of the answer."""

@@ -1,12 +1,13 @@
-"""The numbers of the answer: what a user wants to know of a punch. Non-dimensional.
+"""The numbers of the answer: scalars, and numbers per ring, that summarise a run. Non-dimensional.
 
-Each evaluation of a compliance gives them, so that the difference of a fine and a coarse one tells
-by how much they err. Numbers that a scene does not have are left out; parts that a method does not
-give are NaN.
+They are computed from each evaluation of a compliance, so that the difference of a fine and a
+coarse evaluation estimates their error. Numbers that do not exist for a scene are left out; parts
+that a method does not compute are NaN.
 
-A displacement sensor on the holder of the punch shows its approach d(t), which rises in a straight
-line once the punch has run in. Times of running-in are taken from what ``d(t) - w t`` has still to
-rise, a sum of decaying exponentials with positive coefficients.
+A displacement sensor on the holder of the punch shows its approach d(t), which becomes a straight
+line once the punch has run in. Running-in times are defined by the part of ``d(t) - w t`` that is
+still to come, with the steady wear rate w. It is a sum of decaying exponentials with positive
+coefficients.
 """
 
 import numpy as np
@@ -21,8 +22,9 @@ from ..wear.history import History
 from .norms import Results
 from .sampler import Sampler
 
-# part of the worn way below which a time is found by the logarithm of what is left
-FLOOR_OF_LOGARITHM = 1e-3
+# Times of running-in are located on the logarithm of (part that is left / part wanted); this is the
+# smallest value of that ratio.
+SMALLEST_RATIO = 1e-3
 
 
 def empty_answers(problem: Problem) -> Results:
@@ -37,14 +39,14 @@ def empty_answers(problem: Problem) -> Results:
 def flat_answers(
     problem: Problem, wear: RunningIn, steady: Results, ends: History | None
 ) -> Results:
-    """Return the answer of a flat punch whose whole face carries.
+    """Return the answer of a flat punch in full contact.
 
     Parameters
     ----------
-    problem : what is asked for
+    problem : the problem
     wear : the running-in on a compliance
-    steady : its steady quantities on the face, those that are wanted
-    ends : its history at the first and at the last of the times, if there are any
+    steady : the steady quantities on the face, those that are wanted
+    ends : the history at the first and at the last of the times, if there are any
     """
     values = empty_answers(problem)
     if ends is not None:
@@ -54,13 +56,13 @@ def flat_answers(
         values["force_share"][0] = forces / forces.sum()
         values["indentation_start"][...] = flat.indentation + problem.profile.standoff
         values["running_in_time"][...] = wear.relaxation_times[0]
-        for name, left in problem.load_regime.parts_left.items():
-            values[name][...] = wear.time_until(left)
+        for name, remaining_part in problem.load_regime.parts_left.items():
+            values[name][...] = wear.time_until(remaining_part)
         sampler = Sampler(problem, wear.compliance.space)
         values["worn_volume"] = sampler.worn_volumes(ends)[-1]
-        put_forces(values, problem, sampler.ring_forces(ends).sum(axis=1))
-    put_steady(values, problem, steady)
-    return present(values)
+        add_forces(values, problem, sampler.ring_forces(ends).sum(axis=1))
+    add_steady_values(values, problem, steady)
+    return without_missing(values)
 
 
 def moving_answers(
@@ -73,9 +75,9 @@ def moving_answers(
 
     Parameters
     ----------
-    problem : what is asked for
+    problem : the problem
     march : the march through the times
-    start : the press at the start, if it is fitted to the edges of the contact
+    start : the initial contact, if it is fitted to the edges of the contact
     ends : the history at the first and at the last of the times
     """
     values = empty_answers(problem)
@@ -84,33 +86,33 @@ def moving_answers(
     if not problem.why_never_steady:
         values["running_in_time"][...] = march.face.slowest_time
     values["worn_volume"] = sampler.worn_volumes(ends)[-1]
-    put_forces(values, problem, forces.sum(axis=1))
+    add_forces(values, problem, forces.sum(axis=1))
     if not problem.loading.varies:
         values["time_to_full_contact"][...] = march.time_of_full_contact
-        for name, left in problem.load_regime.parts_left.items():
-            values[name][...] = _time_of_march(march, left)
+        for name, remaining_part in problem.load_regime.parts_left.items():
+            values[name][...] = _time_of_march(march, remaining_part)
         if problem.times[0] == 0:
             values["indentation_start"][...] = ends.indentation[0] + problem.profile.standoff
-            whole = forces[0].sum()
-            values["force_share"][0] = forces[0] / whole if whole > 0 else np.nan
+            total = forces[0].sum()
+            values["force_share"][0] = forces[0] / total if total > 0 else np.nan
     if start is not None:
         values["contact_radius_start"][...] = start.radius
         values["pressure_peak_start"][...] = _peak(start)
-    return present(values)
+    return without_missing(values)
 
 
 def steady_answers(problem: Problem, steady: Results) -> Results:
-    """Return the answer of a method that gives nothing but steady quantities on the face."""
+    """Return the answer of a method that computes only steady quantities on the face."""
     values = empty_answers(problem)
-    put_steady(values, problem, steady)
-    return present(values)
+    add_steady_values(values, problem, steady)
+    return without_missing(values)
 
 
-def put_steady(values: Results, problem: Problem, steady: Results) -> None:
-    """Put what the answer tells of the steady state into the answer.
+def add_steady_values(values: Results, problem: Problem, steady: Results) -> None:
+    """Add the numbers of the steady state to the answer.
 
-    Pressures may be infinite at the start, and have no closed form where the face is shaped: then
-    this is all that the answer tells of them.
+    Pressures of the start may be infinite, and have no closed form if the face is shaped. Then the
+    steady pressures are the only pressures in the answer.
     """
     if "steady_displacement_max" in steady:
         values["indentation_steady"] = steady["steady_displacement_max"]
@@ -122,77 +124,88 @@ def put_steady(values: Results, problem: Problem, steady: Results) -> None:
 
 
 def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
-    """Return the least and the greatest steady pressure on each ring of the scene."""
+    """Return the smallest and the largest steady pressure (N,) on each ring of the scene."""
     face, pressure = problem.face, steady["steady_pressure"]
     first = np.flatnonzero(np.diff(face.ring, prepend=-1))
     least, greatest = (extreme.reduceat(pressure, first) for extreme in (np.minimum, np.maximum))
     if problem.graded is not None:
-        # k p is one constant, and k is linear between the edges of the rings that are modelled: the
-        # extremes are at these, where the face has no radii
+        # k p is constant over the face, and k is linear between the edges of the modelled rings:
+        # the extremes are at these edges, where the face has no radii
         rate = np.sum(face.weights * pressure) / np.sum(face.areas)
         rings = problem.graded
         middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
         at_ends = rate / rings.ends
         ring = ring_of(problem.ring_edges, middles)
-        for number in range(len(least)):
-            least[number] = at_ends[:, ring == number].min()
-            greatest[number] = at_ends[:, ring == number].max()
+        for index in range(len(least)):
+            least[index] = at_ends[:, ring == index].min()
+            greatest[index] = at_ends[:, ring == index].max()
     return least, greatest
 
 
-def put_forces(values: Results, problem: Problem, forces: Array) -> None:
-    """Put the forces that the load does not give into the answer.
+def add_forces(values: Results, problem: Problem, forces: Array) -> None:
+    """Add the forces that the load does not prescribe to the answer.
 
-    The force of the start is known only if the start is among the times.
+    The force at the start is known only if the start is one of the times.
 
     Parameters
     ----------
+    values : the answer
+    problem : the problem
     forces : (2,) at the first and at the last of the times
     """
-    for name, place in problem.load_regime.forces_told.items():
+    for name, index in problem.load_regime.forces_told.items():
         if name != "force_start" or problem.times[0] == 0:
-            values[name][...] = forces[place]
+            values[name][...] = forces[index]
 
 
-def present(values: Results) -> Results:
-    """Return those numbers of which at least a part is given."""
+def without_missing(values: Results) -> Results:
+    """Return the answer without numbers that are NaN in all their parts."""
     return {name: value for name, value in values.items() if not np.isnan(value).all()}
 
 
-def joined(history: Results, steady: Results) -> Results:
-    """Return the answer of a history beside that of the steady state, each where it is given."""
-    both = history.keys() & steady.keys()
-    parts = {name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in both}
+def merged_answers(history: Results, steady: Results) -> Results:
+    """Return the answer of a history, completed by that of the steady state.
+
+    A part that only one of them has is taken from that one.
+    """
+    shared = history.keys() & steady.keys()
+    parts = {
+        name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in shared
+    }
     return {name: value for name, value in (steady | history | parts).items() if name in ANSWER}
 
 
-def _time_of_march(march: Marched, part: float) -> float:
-    """Return the time from which no more than a part is left; NaN if that is after the march."""
+def _time_of_march(march: Marched, wanted_part: float) -> float:
+    """Return the time after which at most a given part of the running-in is left.
+
+    It is NaN if that time is after the march.
+    """
     from scipy.interpolate import PchipInterpolator  # few runs need it
 
-    times, left = march.remainder()
+    times, remaining = march.remainder()
     if np.isfinite(march.time_of_full_contact):
-        # what is left decays, at least as fast as the slowest mode
+        # after full contact, the part that is left decays at least as fast as the slowest mode
         later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
-        left = np.append(left, march.remainder_later(later))
+        remaining = np.append(remaining, march.remainder_later(later))
         times = np.append(times, later)
     elif march.face.load.force is not None:
-        # it may cross zero, and come back
+        # before full contact, it may cross zero more than once
         return float("nan")
-    left = np.abs(left) / np.abs(left).max()
-    more = np.flatnonzero(left > part)[-1]
-    if more + 1 == len(times):
+    remaining = np.abs(remaining) / np.abs(remaining).max()
+    last = np.flatnonzero(remaining > wanted_part)[-1]
+    if last + 1 == len(times):
         return float("nan")
-    # its logarithm falls in nearly straight lines
-    near = slice(max(more - 2, 0), more + 4)
-    near_left = np.log(np.maximum(left[near], part * FLOOR_OF_LOGARITHM) / part)
-    return float(PchipInterpolator(times[near], near_left).roots(extrapolate=False)[-1])
+    # the logarithm is nearly linear in time between steps
+    window = slice(max(last - 2, 0), last + 4)
+    logarithm = np.log(np.maximum(remaining[window], wanted_part * SMALLEST_RATIO) / wanted_part)
+    return float(PchipInterpolator(times[window], logarithm).roots(extrapolate=False)[-1])
 
 
 def _peak(press: FittedPress) -> float:
-    """Return the greatest pressure of a press; NaN where a corner makes it infinite."""
+    """Return the largest pressure of an initial contact; NaN if a corner makes it infinite."""
     corners = [
-        not part.outer_free or (part.inner > 0 and not part.inner_free) for part in press.intervals
+        not interval.outer_free or (interval.inner > 0 and not interval.inner_free)
+        for interval in press.intervals
     ]
     if any(corners):
         return float("nan")

@@ -1,7 +1,7 @@
 """Differences of two reports in the fields along the radius, relative to the norms of the fields.
 
-A report holds quantities by name, in the scene's units, with its coordinates `time` and `radius`:
-what a method reports (`Result.reported`), or what was read from `results.nc`.
+A report maps names to quantities in the scene's units, and has the coordinates `time` and `radius`.
+It is either `Result.reported`, or read from `results.nc`.
 """
 
 from collections.abc import Mapping
@@ -15,25 +15,26 @@ from ..problem.quantities import error_name
 
 OVER_TIME = ("pressure", "profile", "displacement")
 IN_STEADY_STATE = ("steady_pressure", "steady_profile")
-# part of the largest norm below which there is no more than the roundoff of a field
+# Lower limit of the norm of a field, over its largest norm over time: a smaller norm is roundoff.
 ROUNDOFF = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class FieldDifference:
-    """By how much two reports differ in one field.
+    """Difference of two reports in one field.
 
     Parameters
     ----------
-    quantity : its name
-    times : (T,) times that both give, in the scene's units; infinite for the steady state
-    radii : (R,) radii at which both give it, in the scene's units
-    relative : (T, R) absolute differences over the norm of the field; NaN where one of the reports
-        has no finite value. Those of pressures are over the root mean square; while nothing has
-        worn, both have the weight of the norm, the root of ``1 - r^2/a^2`` (`Face.blunting`)
+    quantity : name of the field
+    times : (T,) times that both reports have, in the scene's units; infinite for the steady state
+    radii : (R,) radii at which both have a value, in the scene's units
+    relative : (T, R) absolute differences over the norm of the field; NaN if one of the reports has
+        no finite value. Differences of pressures are relative to the root mean square; while
+        nothing has worn, both are multiplied by the weight of the norm, the root of ``1 - r^2/a^2``
+        (`Face.blunting`)
     norms : (T,) norms of the difference over the norm of the field
-    first_error, second_error : (T,) errors that the reference and the other state of the field in
-        this norm; NaN where they state none
+    first_error, second_error : (T,) error estimates for the field in this norm, of the reference
+        and of the other report; NaN if there is none
     """
 
     quantity: str
@@ -46,7 +47,7 @@ class FieldDifference:
 
     @property
     def largest(self) -> tuple[int, int]:
-        """Indices of the time and of the radius where the difference is largest."""
+        """Indices of the time and of the radius at which the difference is largest."""
         place = np.unravel_index(np.nanargmax(self.relative), self.relative.shape)
         return int(place[0]), int(place[1])
 
@@ -60,9 +61,9 @@ class FieldComparison:
     reference, other : names of the reports; the differences are the other minus the reference
     fields : pressure, profile and displacement over time; if the reports share none of these, the
         steady pressure and the limiting profile
-    contact_edges : (T, E) radii of the edges of the contact at the common times, by the reference,
-        in the scene's units; E is 0 if the contact is all of the face
-    interpolated : whether the other is interpolated linearly to the radii of the reference
+    contact_edges : (T, E) radii of the edges of the contact at the common times, from the
+        reference, in the scene's units; E is 0 in full contact
+    interpolated : whether the other report is interpolated linearly to the radii of the reference
     """
 
     reference: str
@@ -78,21 +79,21 @@ def compare_fields(
     reference: Mapping[str, Array],
     other: Mapping[str, Array],
 ) -> FieldComparison:
-    """Return the differences of another report from a reference, in all fields that both give.
+    """Return the differences of another report from a reference, in all fields that both have.
 
     Parameters
     ----------
-    problem : that of the reference
-    names : of the reference and of the other
-    reference, other : reports, at times and radii of their own
+    problem : the problem of the reference
+    names : names of the reference and of the other report
+    reference, other : the reports; their times and radii may differ
 
     Notes
     -----
-    Norms are those of `studies/problem/quantities.py`, with integrals over the face by trapezoids
-    between the radii of the report.
+    Norms are those of `studies/problem/quantities.py`, with integrals over the face by the
+    trapezoidal rule between the radii of the report.
     """
     same = np.isclose(reference["time"][:, None], other["time"], rtol=1e-9, atol=0)
-    rows, their_rows = np.nonzero(same)
+    rows, other_rows = np.nonzero(same)
     radii = reference["radius"]
     interpolated = radii.shape != other["radius"].shape or not np.allclose(radii, other["radius"])
     fields: list[FieldDifference] = []
@@ -100,13 +101,16 @@ def compare_fields(
         for name in names_of_fields if not fields else ():
             if name not in reference or name not in other:
                 continue
-            values, their_values = (np.atleast_2d(report[name]) for report in (reference, other))
+            values, other_values = (np.atleast_2d(report[name]) for report in (reference, other))
             if name in OVER_TIME:
-                values, their_values = values[rows], their_values[their_rows]
+                values, other_values = values[rows], other_values[other_rows]
             if interpolated:
-                their_values = _interpolated(radii, other["radius"], their_values)
-            stated = _stated(reference, name, rows), _stated(other, name, their_rows)
-            fields += _difference(problem, name, reference, rows, values, their_values, stated)
+                other_values = _interpolated(radii, other["radius"], other_values)
+            estimates = (
+                _error_estimates(reference, name, rows),
+                _error_estimates(other, name, other_rows),
+            )
+            fields += _difference(problem, name, reference, rows, values, other_values, estimates)
     edges = reference.get("contact_edge", np.empty((len(reference["time"]), 0)))[rows]
     return FieldComparison(*names, tuple(fields), edges, interpolated)
 
@@ -117,34 +121,39 @@ def _difference(
     reference: Mapping[str, Array],
     rows: Indices,
     values: Array,
-    their_values: Array,
-    stated: tuple[Array, Array],
+    other_values: Array,
+    estimates: tuple[Array, Array],
 ) -> list[FieldDifference]:
-    """Return the difference in one field: none if no finite values meet, or all are zero.
+    """Return the difference in one field; empty if it has no common finite values, or all are zero.
 
     Parameters
     ----------
-    problem, name, reference : what is compared
-    rows : (T,) numbers of the times of the reference that the other gives, too
-    values, their_values : (T, R) at these times, or (1, R) of the steady state
-    stated : errors (T,) or (1,) that the reference and the other state
+    problem, name, reference : the problem, the name of the field and the reference report
+    rows : (T,) indices of the times of the reference that the other report has, too
+    values, other_values : (T, R) at these times, or (1, R) for the steady state
+    estimates : error estimates (T,) or (1,) of the reference and of the other report
     """
     over_time, units = name in OVER_TIME, problem.units
     with np.errstate(invalid="ignore"):
-        # pressures at the rim of a flat punch are infinite by both
-        gaps = np.abs(their_values - values)
+        # both pressures at the rim of a flat punch are infinite
+        gaps = np.abs(other_values - values)
     radii = reference["radius"] / units.length
     if "pressure" in name:
-        # they jump at ring edges, and have no value there
+        # pressures jump at ring edges, and have no value there
         jumps = np.isclose(radii[:, None], problem.merged.ring_edges[1:-1], 0, 1e-9)
         gaps[:, jumps.any(axis=1)] = np.nan
     compared = np.isfinite(gaps)
-    shown, at = compared.any(axis=1), compared.any(axis=0)
-    if not shown.any():
+    times_compared, radii_compared = compared.any(axis=1), compared.any(axis=0)
+    if not times_compared.any():
         return []
-    part = np.ix_(shown, at)
-    gaps, compared, values, radii = gaps[part], compared[part], values[part], radii[at]
-    times = reference["time"][rows][shown] if over_time else np.array([np.inf])
+    block = np.ix_(times_compared, radii_compared)
+    gaps, compared, values, radii = (
+        gaps[block],
+        compared[block],
+        values[block],
+        radii[radii_compared],
+    )
+    times = reference["time"][rows][times_compared] if over_time else np.array([np.inf])
     face = problem.sampled_face(radii)
     if "pressure" in name:
         if over_time:
@@ -154,26 +163,28 @@ def _difference(
         weights = face.weights * compared
         scale = _root_mean_square(values, weights)
     elif over_time:
-        scale = _depth(problem, reference)[rows][shown]
+        scale = _depth(problem, reference)[rows][times_compared]
     else:
         scale = np.atleast_1d(reference.get("steady_displacement_max", units.displacement))
     if not scale.max() > 0:
         return []
-    # where nothing presses, no more than roundoff is left
+    # if nothing presses, only roundoff is left
     relative = gaps / np.maximum(scale, ROUNDOFF * scale.max())[:, None]
     if "pressure" in name:
         norms = _root_mean_square(relative, weights)
     else:
         norms = np.nanmax(relative, axis=1)
-    errors = (error[shown] for error in stated)
-    return [FieldDifference(name, times, reference["radius"][at], relative, norms, *errors)]
+    errors = (error[times_compared] for error in estimates)
+    return [
+        FieldDifference(name, times, reference["radius"][radii_compared], relative, norms, *errors)
+    ]
 
 
 def _depth(problem: Problem, reference: Mapping[str, Array]) -> Array:
-    """Return what heights are relative to at each time: the indentation beyond the first touch.
+    """Return the height (T,) to which differences of heights are relative.
 
-    It is the greatest so far, because it comes back under a force that falls. If the report has no
-    indentation, it is F / (a E*).
+    It is the largest indentation so far beyond the first touch; "so far" because the indentation
+    decreases under a force that falls. If the report has no indentation, it is F / (a E*).
     """
     units = problem.units
     if "indentation" not in reference or np.isnan(reference["indentation"]).all():
@@ -183,20 +194,20 @@ def _depth(problem: Problem, reference: Mapping[str, Array]) -> Array:
 
 
 def _root_mean_square(values: Array, weights: Array) -> Array:
-    """Return the root mean square (T,) of values (T, R) by weights (T, R), zero where none is."""
+    """Return the weighted root mean square (T,) of values (T, R), by weights (T, R)."""
     squares = np.where(weights > 0, values, 0.0) ** 2
     return np.asarray(np.sqrt((weights * squares).sum(axis=1) / weights.sum(axis=1)))
 
 
-def _interpolated(radii: Array, their_radii: Array, their_values: Array) -> Array:
-    """Return values (T, R) at other radii, linear in between, NaN beyond the last of theirs."""
+def _interpolated(radii: Array, other_radii: Array, other_values: Array) -> Array:
+    """Return values (T, R) at `radii` by linear interpolation; NaN outside `other_radii`."""
     return np.array(
-        [np.interp(radii, their_radii, row, np.nan, np.nan) for row in their_values]
-    ).reshape(len(their_values), len(radii))
+        [np.interp(radii, other_radii, row, np.nan, np.nan) for row in other_values]
+    ).reshape(len(other_values), len(radii))
 
 
-def _stated(report: Mapping[str, Array], name: str, rows: Indices) -> Array:
-    """Return the errors that a report states of a field at some of its times; NaN if none."""
+def _error_estimates(report: Mapping[str, Array], name: str, rows: Indices) -> Array:
+    """Return the error estimates of a report for a field at some of its times; NaN if none."""
     if name not in OVER_TIME:
         return np.atleast_1d(report.get(error_name(name), np.nan))
     return report.get(error_name(name), np.full(len(report["time"]), np.nan))[rows]

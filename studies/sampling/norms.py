@@ -1,4 +1,4 @@
-"""Values of quantities, and their differences in the norms that these have."""
+"""Values of quantities, and relative differences of them in the norms of `problem.quantities`."""
 
 import numpy as np
 
@@ -6,14 +6,16 @@ from ...meshes.radial import Array
 from ..problem.face import Face
 from ..problem.quantities import ANSWER, QUANTITIES
 
-# quantities by name, with `time` where there is one; non-dimensional, dimensions as in `QUANTITIES`
+# Quantities by name, and `time` if there is one; non-dimensional, with the dimensions of
+# `QUANTITIES`.
 Results = dict[str, Array]
 
 
 def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
-    """Return the weight of a radial average at radii: over the radius, or over the area.
+    """Return the weight of an average over the face at some radii.
 
-    Of a face from an inner radius to 1; in a hole it is 0.
+    The average is over the radius (`line`) or over the area (`area`) of a face from `inner_radius`
+    to 1. The weight is 0 in a hole.
     """
     on_face = radii > inner_radius
     if average == "line":
@@ -22,17 +24,21 @@ def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
 
 
 def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
-    """Return the part that arrays of these shapes have in common.
+    """Return slices of the part that arrays of these shapes have in common.
 
-    Of relaxation times each method may know another number.
+    For example, methods may compute different numbers of relaxation times.
     """
     return tuple(slice(0, min(sizes)) for sizes in zip(*shapes, strict=True))
 
 
 def differences(results: Results, against: Results, face: Face) -> Results:
-    """Return the relative difference of every quantity that both have, in its norm.
+    """Return the relative difference of every quantity that both results have, in its norm.
 
-    Fields are those on the face of the punch.
+    Parameters
+    ----------
+    results, against : the results to compare, with fields on the face of the punch; differences are
+        relative to `against`
+    face : the face
     """
     return {
         name: _difference(name, results, against, face)
@@ -44,14 +50,14 @@ def differences(results: Results, against: Results, face: Face) -> Results:
 def answer_differences(answers: Results, against: Results) -> Results:
     """Return the relative difference of every number of the answer that both have, in its norm.
 
-    It is NaN where one of them does not give a number, as closed forms do not give the start.
+    It is NaN if one of them lacks the number; closed forms, for example, do not give the start.
     """
     compared = {}
     for name, quantity in ANSWER.items():
         if name not in answers or name not in against:
             continue
         value, reference = answers[name], against[name]
-        # the rim of a flat punch has an infinite pressure by every method
+        # every method has an infinite pressure at the rim of a flat punch: no difference
         same = np.isinf(value) & (value == reference)
         difference = np.abs(np.where(same, 0.0, value) - np.where(same, 0.0, reference))
         scale = np.abs(np.where(same, 1.0, reference))
@@ -67,8 +73,8 @@ def answer_differences(answers: Results, against: Results) -> Results:
 
 def _difference(name: str, results: Results, against: Results, face: Face) -> Array:
     value, reference = results[name], against[name]
-    both = common(value.shape, reference.shape)
-    value, reference = value[both], reference[both]
+    overlap = common(value.shape, reference.shape)
+    value, reference = value[overlap], reference[overlap]
     norm = QUANTITIES[name].norm
     if norm == "pressure":
         weights = face.weights
@@ -81,14 +87,14 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
     else:
         difference = np.abs(value - reference)
         dims = enumerate(QUANTITIES[name].dims)
-        over = tuple(axis for axis, dim in dims if dim in ("radius", "ring"))
-        difference = difference.max(axis=over, initial=0.0)
+        axes = tuple(axis for axis, dim in dims if dim in ("radius", "ring"))
+        difference = difference.max(axis=axes, initial=0.0)
         unit = np.ones(())
-        # the greatest so far: under a force that falls it comes back
+        # largest indentation so far, because it decreases under a force that falls
         beyond_touch = np.asarray(against.get("indentation", unit)) - face.standoff
         if beyond_touch.ndim:
             beyond_touch = np.maximum.accumulate(beyond_touch)
-        # at a fixed indentation it vanishes: what it was says how much little of it is
+        # largest force so far, because at a fixed indentation the force decays to zero
         force = np.asarray(against.get("normal_force", unit))
         if force.ndim:
             force = np.maximum.accumulate(force)

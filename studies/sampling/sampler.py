@@ -1,4 +1,4 @@
-"""From the history of a punch to the quantities that are asked for. Non-dimensional."""
+"""Sampling of all quantities of a problem from a wear history. Non-dimensional."""
 
 from collections.abc import Callable
 from functools import lru_cache
@@ -21,7 +21,7 @@ AVERAGES = ("line", "area")
 Values = dict[str, Callable[[], Array]]
 
 
-# problems on one space differ in wear and load, not in where they are sampled
+# cached, because problems on the same space are sampled at the same radii
 @lru_cache(maxsize=32)
 def _matrix(space: PressureSpace, radii: bytes, derivative: bool = False) -> csr_matrix:
     return space.matrix(np.frombuffer(radii), derivative)
@@ -39,9 +39,9 @@ def _slopes(space: PressureSpace) -> csr_matrix:
 
 @lru_cache(maxsize=8)
 def _samples(space: PressureSpace) -> Array:
-    """Return the radii at which functions of a space are sampled to find their greatest values.
+    """Return the radii at which functions of a space are sampled to find their maximum.
 
-    Each element has enough of them that a cubic finds the greatest value between them to nine
+    There are enough in each element that a cubic between two of them has the maximum to nine
     digits.
     """
     count = 3 * (space.top + 2)
@@ -51,12 +51,12 @@ def _samples(space: PressureSpace) -> Array:
 
 
 class Sampler:
-    """Turns coefficients on a pressure space into the quantities of a problem.
+    """Computes the quantities of a problem from coefficients on a pressure space.
 
     Parameters
     ----------
-    problem, space : of the coefficients
-    compliance : on that space; needed for fields of a contact that moves
+    problem, space : the problem, and the space of the coefficients
+    compliance : compliance on that space; needed for fields of a contact that moves
     """
 
     def __init__(
@@ -68,13 +68,13 @@ class Sampler:
         return self.problem.face.radii if on_face else self.problem.radii
 
     def _at(self, radii: Array, functions: Array, derivative: bool = False) -> Array:
-        """Return values (T, R), or slopes, at radii of (T, size) functions."""
+        """Return values (T, R), or slopes, at radii (R,) by coefficients (T, size)."""
         return np.asarray((_matrix(self.space, radii.tobytes(), derivative) @ functions.T).T)
 
     def _greatest(self, functions: Array) -> Array:
-        """Return the greatest value over the punch of each of (T, size) functions.
+        """Return the maximum (T,) over the punch of functions with coefficients (T, size).
 
-        It is the top of a cubic between two samples.
+        It is the maximum of the cubic between two samples that has their values and slopes.
         """
         radii, row = _samples(self.space), np.arange(len(functions))
         samples, slopes = self._at(radii, functions), self._at(radii, functions, derivative=True)
@@ -83,8 +83,8 @@ class Sampler:
         width = radii[left + 1] - radii[left]
         start, rise = samples[row, left], samples[row, left + 1] - samples[row, left]
         first, last = width * slopes[row, left], width * slopes[row, left + 1]
-        # start + first t + b t^2 + c t^3 with the end's value and slope; its top where the slope
-        # changes sign
+        # start + first t + b t^2 + c t^3, with the value and slope of the right sample at t = 1;
+        # its maximum is at t = top if the slope changes sign
         b, c = 3 * rise - 2 * first - last, first + last - 2 * rise
         inside = (first > 0) & (last < 0)
         root = np.sqrt(np.where(inside, b * b - 3 * c * first, 1.0))
@@ -92,25 +92,26 @@ class Sampler:
         return np.maximum(samples[row, best], start + top * (first + top * (b + top * c)))
 
     def _rms_slope(self, slopes: Array) -> Array:
-        """Return the root mean square (T,) of slopes at the points of quadrature (T, E Q)."""
+        """Return the root mean square (T,) of slopes (T, E Q) at Q points in each of E elements."""
         radii, lengths, _ = self.space.quadrature
-        of_face = self.problem.gradient_average, self.problem.inner_radius
-        weights = lengths * radial_weight(radii, *of_face)
-        # by points, not by a Gram matrix, which would sum the square of a constant over a small
-        # element to roundoff
+        average = self.problem.gradient_average, self.problem.inner_radius
+        weights = lengths * radial_weight(radii, *average)
+        # not by a Gram matrix: it would sum the square of a constant over a small element, which
+        # leaves only roundoff
         return np.asarray(np.sqrt(slopes**2 @ weights.ravel()))
 
     def pressures(self, history: History, radii: Array) -> Array:
-        """Return pressures (T, R) at radii, those of the start by functions of its own.
+        """Return pressures (T, R) at radii.
 
-        None is negative: what polynomials have below zero beside an edge is an artefact of theirs.
+        The start is sampled in its own space, if it has one. Negative values of polynomials next to
+        an edge are artefacts, and are replaced by zero.
         """
         if (pressed := history.pressed) is None:
             return np.maximum(self._at(radii, history.pressure), 0.0)
         pressures, rows = np.maximum(self._at(radii, pressed.rest), 0.0), pressed.force > 0
-        # at a rim they need not be finite
-        parts = pressed.force[rows] / pressed.start.force
-        pressures[rows] += np.outer(parts, pressed.start.pressure_at(radii))
+        # pressures of the start may be infinite at the rim
+        scale = pressed.force[rows] / pressed.start.force
+        pressures[rows] += np.outer(scale, pressed.start.pressure_at(radii))
         return pressures
 
     def ring_forces(self, history: History) -> Array:
@@ -119,34 +120,35 @@ class Sampler:
         on_rings = _ring_forces(self.space, ring_edges.tobytes()).T
         if (pressed := history.pressed) is None:
             return np.asarray(history.pressure @ on_rings)
-        parts = pressed.force / pressed.start.force
-        return pressed.rest @ on_rings + np.outer(parts, pressed.start.ring_forces(ring_edges))
+        scale = pressed.force / pressed.start.force
+        return pressed.rest @ on_rings + np.outer(scale, pressed.start.ring_forces(ring_edges))
 
     def worn_volumes(self, history: History) -> Array:
-        """Return what has worn off each ring (T, N)."""
+        """Return the volume worn off each ring (T, N)."""
         return WORN_VOLUMES[self.problem.contact](self, history)
 
     def worn_volumes_of_full_face(self, history: History) -> Array:
-        """Return what has worn off each ring (T, N) by the profile, which is in the space."""
+        """Return the volume worn off each ring (T, N), from the profile, which is in the space."""
         on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
         return np.asarray(history.profile @ on_rings.T)
 
     def worn_volumes_on_cells(self, history: History) -> Array:
-        """Return what has worn off each ring (T, N) by the integral of the pressure over time."""
-        # k times the time integral of the pressure, which alone is in the space
+        """Return the volume worn off each ring (T, N), from the time integral of the pressure."""
+        # the worn profile is k times the time integral of the pressure; only the latter is in the
+        # space
         rings, space = self.problem.merged, self.space
         integral = history.profile / space.at_vertices(rings.wear_coefficients)
-        worn = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        volumes = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
         first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1]) - space.hollow
-        return np.asarray(np.add.reduceat(worn, first, axis=1))
+        return np.asarray(np.add.reduceat(volumes, first, axis=1))
 
     def worn_face(self, history: History) -> WornFace:
-        """Return the face of a punch whose contact moves.
+        """Return the worn face of a punch whose contact moves.
 
         Raises
         ------
         ValueError
-            without a compliance
+            if there is no compliance
         """
         if self.compliance is None:
             raise ValueError("fields of a contact that moves need the compliance")
@@ -154,11 +156,11 @@ class Sampler:
 
     @property
     def _centre(self) -> Array:
-        """(1,) radius 0; of a hollow punch, the inner edge of its face."""
+        """(1,) radius of the centre, 0; for a hollow punch, the inner edge of its face."""
         return self.problem.ring_edges[:1]
 
     def fields_of_full_face(self, history: History, radii: Array) -> Values:
-        """Return the quantities that are made of the face, where all of it carries."""
+        """Return functions that compute the profile, displacement and slope in full contact."""
         centre, standoff = self._centre, self.problem.profile.standoff
         worn, depth = history.profile, history.indentation[:, None]
         displaced = depth * self.space.uniform - worn
@@ -171,13 +173,13 @@ class Sampler:
         }
 
     def fields_on_cells(self, history: History, radii: Array) -> Values:
-        """Return the quantities that are made of the face and the displacement under it."""
+        """Return functions that compute the profile, displacement and slope on cells."""
         centre, standoff = self._centre, self.problem.profile.standoff
         face = self.worn_face(history)
 
-        def displacements(at: Array) -> Array:
-            carries = self.pressures(history, at) > 0
-            return face.displacements(_matrix(self.space, at.tobytes()), at, carries)
+        def displacements(places: Array) -> Array:
+            carries = self.pressures(history, places) > 0
+            return face.displacements(_matrix(self.space, places.tobytes()), places, carries)
 
         def slopes() -> Array:
             return face.slopes(_slopes(self.space), self.space.quadrature[0])
@@ -191,13 +193,13 @@ class Sampler:
         }
 
     def history(self, history: History, on_face: bool = False) -> Results:
-        """Return the quantities that run over time.
+        """Return the quantities that depend on time.
 
         Parameters
         ----------
-        history : of T times
-        on_face : fields on the face of the punch, not at the radii of the output; only what can be
-            compared
+        history : history at T times
+        on_face : whether fields are at the radii of the face of the punch, not at those of the
+            output; then quantities that cannot be compared are left out
         """
         problem, radii, pressed = self.problem, self._radii(on_face), history.pressed
         values: Values = {
@@ -218,36 +220,36 @@ class Sampler:
             if not on_face:
                 values["contact"] = lambda: (self.pressures(history, radii) > 0).astype(float)
                 values["contact_edge"] = lambda: edges
-        # by these the errors of the others are measured
+        # the errors of other quantities are relative to these
         measures = ["indentation", "normal_force"]
-        if self.by_fields and problem.wants("displacement_max"):
+        if self.maxima_from_fields and problem.wants("displacement_max"):
             measures.append("displacement")
-        # where pressures may be infinite
-        infinite = history.distances == 0 if pressed is None else pressed.force > 0
+        # times at which pressures may be infinite
+        may_be_infinite = history.distances == 0 if pressed is None else pressed.force > 0
         wanted = self._wanted(values, *measures)
-        wanted |= {"time": history.distances, "pressed": np.asarray(infinite)}
+        wanted |= {"time": history.distances, "pressed": np.asarray(may_be_infinite)}
         return wanted
 
     def _edges(self, history: History) -> Array:
-        """Return the inner and outer radius of every part of the contact in turn (T, E).
+        """Return the inner and the outer radius of every part of the contact in turn (T, E).
 
-        Entries are nan where there are no more parts.
+        Entries beyond the last part at a time are NaN.
         """
-        parts = [
+        contact_parts = [
             worn_edges(self.space, contact, worn)
             for contact, worn in zip(history.contact, history.profile, strict=True)
         ]
         if history.pressed is not None:
             fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]
             for row in np.flatnonzero(history.pressed.force):
-                parts[row] = fitted
-        edges = np.full((len(parts), 2 * max(map(len, parts), default=0)), np.nan)
-        for time, of_time in enumerate(parts):
+                contact_parts[row] = fitted
+        edges = np.full((len(contact_parts), 2 * max(map(len, contact_parts), default=0)), np.nan)
+        for time, of_time in enumerate(contact_parts):
             edges[time, : 2 * len(of_time)] = np.ravel(of_time)
         return edges
 
     def steady(self, state: SteadyState, on_face: bool = False) -> Results:
-        """Return the quantities of the steady state of a unit force, under the load held last."""
+        """Return the steady quantities, from the state of a unit force, under the final load."""
         force, speed = self.problem.loading.forces[-1], self.problem.loading.speeds[-1]
         radii, displaced = self._radii(on_face), force * state.displacement[None]
         greatest = self._greatest(displaced)
@@ -259,16 +261,16 @@ class Sampler:
             "steady_wear_rate": lambda: np.asarray(force * speed * state.wear_rate),
         }
         measures = ["steady_displacement_max"]
-        if self.by_fields:
+        if self.maxima_from_fields:
             measures.append("steady_profile")
         return self._wanted(values, *measures)
 
     @property
-    def by_fields(self) -> bool:
-        """Whether greatest values are known no better than their fields.
+    def maxima_from_fields(self) -> bool:
+        """Whether maxima are only as accurate as their fields.
 
-        This is so for flat punches on spaces of degree 2 or less, where the differences of greatest
-        values often vanish.
+        This is so for flat punches on spaces of degree 2 or less: differences between the maxima of
+        two solutions often vanish there.
         """
         return self.problem.full_contact and self.space.top <= 2
 
@@ -280,7 +282,7 @@ class Sampler:
         }
 
 
-# what samples the face, by the contact of the problem
+# functions that sample the face, by the contact of the problem
 WORN_VOLUMES = {
     FULL_CONTACT: Sampler.worn_volumes_of_full_face,
     MOVING_CONTACT: Sampler.worn_volumes_on_cells,

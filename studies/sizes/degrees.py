@@ -1,6 +1,7 @@
-"""Degrees of the pressure, and the number of pressures, by the wanted accuracy.
+"""Polynomial degrees of the pressure, and the number of pressures, as functions of the tolerance.
 
-Constants name what shows them, a test under `tests/` or a study, where there is one.
+The comment on a constant names the test under `tests/` or the study that justifies it, if there is
+one.
 """
 
 from dataclasses import replace
@@ -12,73 +13,76 @@ from ...meshes.radial import Array
 from ...meshes.sizes import convergence
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES
-from .ring_edges import FACTOR, edge_sizes
+from .ring_edges import QUAD_GRADING, edge_sizes
 
-# lowest degree of the pressure: the coarser solution has a degree less, which has to be linear
+# Lowest degree of the pressure. The coarser solution used for the error estimate has a degree less,
+# and has to be at least linear.
 LOWEST_DEGREE = 2
-# part by which a degree may be lower than the estimate of the amplitude asks for, which is above
-# the amplitude itself
-RELAXED_PART = 0.1
-# the most that a degree is lowered by for this reason (physics/test_size_rules.py)
+# Share of the degree by which it may be lower than the amplitude estimate requires, because that
+# estimate is above the true amplitude.
+RELAXATION_RATIO = 0.1
+# Upper limit of that reduction, in degrees (physics/test_size_rules.py).
 MOST_RELAXED = 0.7
-# slowest modes that a history needs to the accuracy asked for, of which no relaxation time is told;
-# `degree_of_modes` was measured with so many of them on one ring
-MODES_OF_HISTORIES = 3
-# degree that three modes on one ring ask for at rtol = 1, measured as told in `degree_of_modes`
+# Number of slowest modes that have to meet the tolerance if relaxation times are not reported. The
+# constants of `degree_of_modes` were measured with so many modes on one ring.
+MODES_FOR_HISTORY = 3
+# Degree that three modes on one ring require at rtol = 1 (extrapolated); `degree_of_modes`
+# describes the measurement.
 DEGREE_OF_THREE_MODES = 2.8
-# degrees more for each digit of rtol, measured in the same way
+# Degrees to add per digit of rtol, from the same measurement.
 DEGREES_PER_DIGIT = 1.15
-# degrees more for each mode more on one ring, measured in the same way
+# Degrees to add per further mode on one ring, from the same measurement.
 DEGREES_PER_MODE = 1.5
-# greatest number of pressures: dense matrices of more take more than half a minute
+# Largest number of pressures. Dense matrices of more take more than half a minute.
 MOST_PRESSURES = 3500
-# coarsest relative accuracy of fields where only energies are wanted: energies err by its square,
-# and the coarser solution still has to be like the fine one to show its error
-COARSEST_FIELDS = 0.3
+# Largest tolerance of fields if only energies are wanted. The error of energies is the square of
+# that of fields, but the coarser solution must still resemble the fine one, or their difference
+# would not show the error.
+COARSEST_FIELD_RTOL = 0.3
 
 
 def pressure_degree(problem: Problem, ratio: float) -> float:
-    """Return the highest degree of the pressure that an accuracy asks for.
+    """Return the highest degree of the pressure that the tolerance requires.
 
     Parameters
     ----------
-    problem : with the accuracy of its fields
-    ratio : size of an element over that of its neighbour on the far side of an edge, below 1
+    problem : the problem, with the tolerance of its fields
+    ratio : size of an element over that of its neighbour farther from the edge, below 1
 
     Notes
     -----
-    An element one element away from a singular point errs by ``A rho^-p`` in the degree p, with the
-    amplitude A (`EdgeAmplitude`) and ``ln rho = convergence(ratio)``. Hence
+    On an element one element away from a singular point, a polynomial of degree p has the error ``A
+    rho^-p`` with the amplitude A (`EdgeAmplitude`) and ``ln rho = convergence(ratio)``. Hence
 
         p = ln(A / rtol) / ln rho
 
-    with the greatest amplitude on the elements in the middle of the rings, a little less by
-    `relaxed_degree`, and at least LOWEST_DEGREE. Shown by
+    with the largest amplitude on the elements in the middle of the rings. `relaxed_degree` lowers
+    this a little; the result is at least LOWEST_DEGREE. Shown by
     physics/test_orders.py::test_rings_on_quadrilaterals_by_the_degree.
     """
-    half, amplitude = problem.merged.widths / 2, problem.edge_amplitude
-    edges = np.arange(len(half))
+    half_width, amplitude = problem.merged.widths / 2, problem.edge_amplitude
+    edges = np.arange(len(half_width))
     greatest = max(
-        float(amplitude(half, half, edges).max()),
-        float(amplitude(half[1:], half[1:], edges[:-1]).max(initial=0.0)),
+        float(amplitude(half_width, half_width, edges).max()),
+        float(amplitude(half_width[1:], half_width[1:], edges[:-1]).max(initial=0.0)),
     )
     degree = relaxed_degree(np.log(greatest / problem.rtol) / convergence(ratio))
     return float(max(degree, LOWEST_DEGREE))
 
 
 def relaxed_degree(degree: Array | float) -> Array | float:
-    """Return degrees that are enough, a little below those that the amplitude asks for.
+    """Return degrees that are a little lower than the amplitude estimate requires, but sufficient.
 
     Notes
     -----
-    ``p - min(RELAXED_PART p, MOST_RELAXED)``, because the estimate of the amplitude is above the
-    amplitude itself. Shown by physics/test_size_rules.py.
+    ``p - min(RELAXATION_RATIO p, MOST_RELAXED)``: the estimate of the amplitude is above the true
+    amplitude. Shown by physics/test_size_rules.py.
     """
-    return degree - np.minimum(RELAXED_PART * degree, MOST_RELAXED)
+    return degree - np.minimum(RELAXATION_RATIO * degree, MOST_RELAXED)
 
 
 def degree_of_modes(problem: Problem) -> float:
-    """Return the degree that the slowest modes ask for on the ring that has most of them.
+    """Return the degree that the slowest modes require on the ring that has most of them.
 
     Notes
     -----
@@ -86,81 +90,92 @@ def degree_of_modes(problem: Problem) -> float:
 
         p = DEGREE_OF_THREE_MODES - DEGREES_PER_DIGIT log10(rtol) + DEGREES_PER_MODE (m - 3).
 
-    Relaxation times of a ring are about its width b over its wear coefficient, times 1, 1/2, 1/3,
-    ..., and on layers times the compliance of waves of that length: that tells which modes are
-    slowest. On thin layers these may all be on one ring. Measured: three relaxation times err by
-    1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all are of one ring, by 7e-5, 1e-7, 1e-10 in
-    degrees 4, 6, 8 if two are, by 2e-8 in degree 4 if each has one. So another mode on a ring asks
-    for 1.5 degrees more; with eight of them on one ring all eight err by less than .02 rtol, from
+    To find m, the relaxation times of a ring are approximated by its width b over its wear
+    coefficient, times 1, 1/2, 1/3, ...; on layers they are also multiplied by the relative
+    compliance to waves of that length. On thin layers the slowest modes may all be on one ring.
+
+    Measured errors of three relaxation times: 1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all
+    three modes are on one ring; 7e-5, 1e-7, 1e-10 in degrees 4, 6, 8 if two of them are; 2e-8 in
+    degree 4 if each mode has its own ring. Hence each further mode on a ring requires 1.5 degrees
+    more. With eight modes on one ring, the errors of all eight are below 0.02 rtol for rtol from
     1e-2 to 1e-6.
     """
     slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
-    count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_OF_HISTORIES
-    number = np.arange(1, count + 1)
-    times = slowest[:, None] / number
+    count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_FOR_HISTORY
+    mode_numbers = np.arange(1, count + 1)
+    times = slowest[:, None] / mode_numbers
     if problem.ground is not None:
-        # the half wave number n on a ring has the wave number n pi / b
-        waves = np.pi * number / problem.merged.widths[:, None]
+        # mode n of a ring of width b has the wave number n pi / b
+        waves = np.pi * mode_numbers / problem.merged.widths[:, None]
         compliance = relative_compliance(problem.ground, waves.ravel())
         times = times * compliance.reshape(times.shape)
-    most = (times >= np.sort(times, axis=None)[-count]).sum(axis=1).max()
+    modes_on_one_ring = (times >= np.sort(times, axis=None)[-count]).sum(axis=1).max()
     return float(
         DEGREE_OF_THREE_MODES
         - DEGREES_PER_DIGIT * np.log10(problem.rtol)
-        + DEGREES_PER_MODE * (most - MODES_OF_HISTORIES)
+        + DEGREES_PER_MODE * (modes_on_one_ring - MODES_FOR_HISTORY)
     )
 
 
 def pressure_count(problem: Problem, ratio: float) -> float:
-    """Return an estimate of how many pressures a graded mesh takes.
+    """Return an estimate of the number of pressures on a graded mesh.
 
     Parameters
     ----------
-    problem : with the accuracy of its fields
-    ratio : by which elements shrink towards every ring edge and the rim
+    problem : the problem, with the tolerance of its fields
+    ratio : size ratio of neighbouring elements towards every ring edge and the rim
 
     Notes
     -----
-    It is the sum of the degrees on all elements. Elements at the distance x from an edge have the
-    degree ``ln(A(x) / rtol) / ln rho`` of `pressure_degree`, down to the sizes of `edge_sizes`.
+    It is the sum of the degrees over all elements. An element at the distance x from an edge has
+    the degree ``ln(A(x) / rtol) / ln rho`` of `pressure_degree`; elements are as small as
+    `edge_sizes`.
     """
-    half, sizes, amplitude = problem.merged.widths / 2, edge_sizes(problem), problem.edge_amplitude
-    total, most = 0.0, pressure_degree(problem, ratio)
-    # on the inner side of each edge, and on the outer side of all but the rim
+    half_width, sizes, amplitude = (
+        problem.merged.widths / 2,
+        edge_sizes(problem),
+        problem.edge_amplitude,
+    )
+    total, highest = 0.0, pressure_degree(problem, ratio)
+    # elements on the inner side of each edge, then on the outer side of each edge but the rim
     for reach, size, edges in (
-        (half, sizes, np.arange(len(half))),
-        (half[1:], sizes[:-1], np.arange(len(half) - 1)),
+        (half_width, sizes, np.arange(len(half_width))),
+        (half_width[1:], sizes[:-1], np.arange(len(half_width) - 1)),
     ):
         distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
         edges = np.broadcast_to(edges[:, None], distance.shape)
         digits = np.log(amplitude(distance, reach[:, None], edges) / problem.rtol)
-        degrees = np.clip(relaxed_degree(digits / convergence(ratio)), LOWEST_DEGREE, most)
+        degrees = np.clip(relaxed_degree(digits / convergence(ratio)), LOWEST_DEGREE, highest)
         total += float(np.sum(degrees, where=distance > size[:, None]))
     return total
 
 
 def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
-    """Return the problem with the tolerance that its fields can have.
+    """Return the problem with `rtol` replaced by the tolerance that its fields are resolved to.
 
     Notes
     -----
-    Energies err by the square of the error of fields. If only energies are wanted, fields are
-    resolved to ``min(sqrt(rtol), COARSEST_FIELDS)``. With so many rings that there would be more
-    than MOST_PRESSURES pressures, the tolerance is doubled until there are not, up to
-    ``sqrt(rtol)``; dense matrices cost the third power of the pressures. Shown by
-    physics/test_promise.py::test_an_indentation_alone_reaches_a_fine_accuracy.
+    - Only energies are wanted: ``min(sqrt(rtol), COARSEST_FIELD_RTOL)``, because the error of
+      energies is the square of the error of fields.
+    - There are so many rings that more than MOST_PRESSURES pressures would be needed: the tolerance
+      is doubled until there are fewer, up to ``sqrt(rtol)``. The cost of dense matrices grows with
+      the third power of the number of pressures.
+
+    Shown by physics/test_promise.py::test_an_indentation_alone_reaches_a_fine_accuracy.
     """
-    fields = min(problem.rtol**0.5, COARSEST_FIELDS) if problem.energies_only else problem.rtol
-    fewer = replace(problem, rtol=fields)
-    while fewer.rtol < problem.rtol**0.5 and pressure_count(fewer, ratio) > MOST_PRESSURES:
-        fewer = replace(fewer, rtol=min(2 * fewer.rtol, problem.rtol**0.5))
-    return fewer
+    field_rtol = (
+        min(problem.rtol**0.5, COARSEST_FIELD_RTOL) if problem.energies_only else problem.rtol
+    )
+    relaxed = replace(problem, rtol=field_rtol)
+    while relaxed.rtol < problem.rtol**0.5 and pressure_count(relaxed, ratio) > MOST_PRESSURES:
+        relaxed = replace(relaxed, rtol=min(2 * relaxed.rtol, problem.rtol**0.5))
+    return relaxed
 
 
 def field_accuracy(problem: Problem) -> float:
-    """Return the relative accuracy that fields are resolved to.
+    """Return the relative tolerance that fields are resolved to on quadrilaterals.
 
-    It is the one asked for, unless only energies are wanted or there are too many rings
+    It is `rtol`, unless only energies are wanted or there are too many rings
     (`with_affordable_field_tolerance`).
     """
-    return with_affordable_field_tolerance(problem, FACTOR).rtol
+    return with_affordable_field_tolerance(problem, QUAD_GRADING).rtol

@@ -1,4 +1,4 @@
-"""Steps of a march in time, counted before any is made."""
+"""Number of steps of a march in time, counted before it begins."""
 
 import numpy as np
 
@@ -7,14 +7,17 @@ from ..problem.regimes import FULL_CONTACT
 
 
 def steps_between(times: Array, step: float) -> Array:
-    """Count the equal steps (T,) of at most `step` up to each time from the one before."""
+    """Return the number (T,) of equal steps, of at most `step`, from each time to the next.
+
+    The first is the number of steps from 0 to the first time.
+    """
     return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
 
 
-def refused_steps(count: float, remedy: str, most: int = FULL_CONTACT.most_steps) -> str:
-    """Return why so many steps will not be made, with the remedy; empty if they will."""
+def why_too_many_steps(count: float, remedy: str, max_steps: int = FULL_CONTACT.most_steps) -> str:
+    """Return why a march of `count` steps is refused, with the remedy; empty if it is not."""
     return (
-        f"{count:.3g} steps are needed to the last time, more than {most}: {remedy}"
-        if count > most
+        f"{count:.3g} steps are needed to reach the last time, more than {max_steps}: {remedy}"
+        if count > max_steps
         else ""
     )

@@ -1,7 +1,8 @@
-"""Sizes of elements beside ring edges and at the rim, by the wanted accuracy.
+"""Element sizes at ring edges and at the rim, as functions of the tolerance.
 
-Fields are singular there, so the smallest elements of every mesh are. Lengths are in punch radii.
-Constants name what shows them, a test under `tests/` or a study, where there is one.
+The solution is singular there, and the smallest elements of every mesh are there. Lengths are in
+punch radii a. The comment on a constant names the test under `tests/` or the study that justifies
+it, if there is one.
 """
 
 import numpy as np
@@ -9,89 +10,98 @@ import numpy as np
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 
-# size of a layer of quadrilaterals over that of the layer outside it: a degree more then lowers
-# errors of fields three times and those of energies nine times (`ringwear study convergence`)
-FACTOR = 0.25
-# share of rtol that the squared RMS slope may lose in the elements at an edge: it loses as much as
-# these elements are of what wear has smoothed, or of the ring
-# (physics/test_size_rules.py)
+# Size of a layer of quadrilaterals over that of the next layer away from the edge. One more degree
+# then lowers errors of fields by a factor of 3 and errors of energies by a factor of 9 (`ringwear
+# study convergence`).
+QUAD_GRADING = 0.25
+# Relative error of the squared RMS slope that the elements at an edge may cause, over rtol. That
+# error = element size / min(ring width, worn length) (physics/test_size_rules.py).
 SLOPE_SHARE = 0.1
-# the same at the rim, where the singularity never fades (the same test)
+# The same at the rim, where the singularity never fades (the same test).
 SLOPE_SHARE_AT_RIM = 0.03
-# size over the worn length, where rtol is 1: the mean square of the pressure loses the power 3/2 of
-# the size over the worn length. Five rings do not feel it alone, because the other rules ask for
-# sizes as small there
+# Element size over the worn length at rtol = 1 (extrapolated). The relative error of the mean
+# squared pressure is about (size / worn length)^(3/2). On five rings this rule alone has no effect,
+# because the other rules require sizes as small as this one.
 PRESSURE_SHARE = 0.3
-# size at the rim over rtol. Pressures of the flat start err by up to three times that size, and its
-# energy by a tenth of it: that is stated of them (`methods/error_factors.py`)
+# Element size at the rim, in a, over rtol. The relative error of pressures of the flat start is up
+# to 3 times that size, and that of its energy a tenth of it; error estimates are at least that
+# large (floors at the rim in `methods/error_factors.py`).
 START_SHARE = 0.03
-# sizes at a hole are to those at the rim as this many widths of the ring beside it to the radius,
-# for the singular pressure is confined to the ring (physics/test_hollow.py)
-WIDTHS_OF_RINGS_AT_HOLES = 3
-# relative error of the RMS slope by the roundoff of finite elements, times the size of the smallest
-# ones, in a: slopes of elements of size h err by roundoff / h. Measured by five rings on elements
-# of 1e-10 to 1e-24 a. It does not grow with the ratio of the wear coefficients: with ratios up to
-# 3e5, two and five rings lose less than 1e-26 on elements of 1e-20 a beside ring edges
+# Element size at a hole = size at the rim * this * width of the ring next to the hole, in a: the
+# singular pressure is confined to that ring (physics/test_hollow.py).
+HOLE_SIZE_PER_RING_WIDTH = 3
+# Relative error of the RMS slope by roundoff of finite elements, times the size of the smallest
+# elements, in a: slopes of elements of size h have the error FEM_ROUNDOFF / h. Measured on five
+# rings with elements of 1e-10 to 1e-24 a. It does not grow with the ratio of the wear coefficients:
+# with ratios up to 3e5, the error on two and five rings is below 1e-26 with elements of 1e-20 a at
+# ring edges.
 FEM_ROUNDOFF = 2e-22
-# the same for an incompressible solid, times (1 - 2 nu)^2, with which it grows: 3e-20 was measured
-# at 0.49999, which 1/2 is modelled as, and 9e-23 at 0.4999
+# The same for a nearly incompressible solid, times (1 - 2 nu)^2: the error grows as the inverse of
+# that. Measured: 3e-20 at nu = 0.49999, which replaces 1/2, and 9e-23 at 0.4999.
 INCOMPRESSIBLE_ROUNDOFF = 2e-29
-# greatest Poisson's ratio that is modelled
-GREATEST_MODELLED_RATIO = 0.49999
-# the same of dimensionality reduction and boundary elements, in a, measured in the same way
+# Highest Poisson's ratio that is modelled.
+HIGHEST_MODELLED_POISSON_RATIO = 0.49999
+# The same as FEM_ROUNDOFF for dimensionality reduction and boundary elements, in a, measured in the
+# same way.
 RADIAL_ROUNDOFF = 5e-27
-# times by which the error of roundoff in the smallest elements is kept below rtol
-MARGIN_OF_ROUNDOFF = 3
-# greatest size that this roundoff may ask for, in a: larger elements would lose more than it takes
-GREATEST_OF_SMALLEST = 1e-12
-# first time over the slowest relaxation time below which roundoff of the modes is felt, too
-# about the roundoff of a double
-EARLIEST_OF_MODES = 1e-16
-# a quantity is felt in layers that a mesh has, or its coarser one lacks, if they are thinner than
-# this many times its smallest elements: two layers of them
-THIN = FACTOR**-2
+# rtol over the error that roundoff may cause in the smallest elements.
+ROUNDOFF_MARGIN = 3
+# Upper limit, in a, of the smallest size that roundoff allows: with larger elements, the
+# discretisation error would exceed the roundoff that they avoid.
+MAX_ROUNDOFF_SIZE = 1e-12
+# First time over the slowest relaxation time below which roundoff of the relaxation modes matters
+# too; about the roundoff of a double.
+MODE_ROUNDOFF_TIME = 1e-16
+# Errors of quantities that depend on thin layers are not promised if (wanted element size /
+# smallest element size of a method) is below this. It is two layers of elements: the coarser mesh
+# used for the error estimate has one layer less.
+ELEMENTS_PER_THIN_LAYER = QUAD_GRADING**-2
 
 
 def edge_sizes(problem: Problem) -> Array:
-    """Return the wanted sizes (N,) at every ring edge but the centre, the rim last.
+    """Return the wanted element size (N,) at every ring edge except the centre; the rim is last.
 
     Notes
     -----
-    With the relative accuracy ``rtol``, the width b of the narrower ring beside an edge, or the
-    thickness of the first layer if that is less, and the lengths l_slow and l_fast over which wear
-    has smoothed the pressure on its two sides by the first time after the start, the size is the
-    least of three:
+    Let b be the width of the narrower ring at an edge (or the thickness of the first layer of the
+    ground, if that is less). Let l_slow and l_fast be the lengths over which wear has smoothed the
+    pressure on the two sides of the edge by the first time after the start. With ``s = min(1,
+    l_fast / b)``, the amplitude of the singularity (1 at the rim), the size is the minimum of
 
         SLOPE_SHARE rtol b,
         SLOPE_SHARE rtol min(l_slow, b) / s,
-        PRESSURE_SHARE l_slow (rtol / sqrt(s))^(2/3),      s = min(1, l_fast / b).
+        PRESSURE_SHARE l_slow (rtol / sqrt(s))^(2/3).
 
-    The first two keep the squared RMS slope: an element of this size holds as large a share of its
-    integral as it is of the length over which the slope varies. The third keeps the mean square of
-    the pressure, which varies by the power 3/2 of the distance. The amplitude s is that of the
-    singularity, and 1 at the rim. Where the wear coefficient has a kink and no step, pressures of
-    early times are a logarithm of the distance at most, with the amplitude of the kink, so that
-    ``sqrt(rtol) / kink`` of the ring is enough.
+    The first two bound the error of the squared RMS slope: an element of this size contributes the
+    share (size / length over which the slope varies) of its integral. The third bounds the error of
+    the mean squared pressure, because the pressure varies as the power 3/2 of the distance. At the
+    rim, SLOPE_SHARE_AT_RIM replaces SLOPE_SHARE in the second.
+
+    If the wear coefficient has a kink but no step at an edge, pressures of early times vary at most
+    as a logarithm of the distance, with the strength of the kink as amplitude. Then the size
+    ``min(1, sqrt(rtol) / kink) b`` is sufficient.
 
     Shown by physics/test_size_rules.py on rings and by
     physics/test_graded.py::test_methods_agree_and_errors_stated_are_above_the_true_ones on kinks;
-    `ringwear study tradeoff` shows what the accuracy costs.
+    `ringwear study tradeoff` shows the cost of a tolerance.
     """
-    rtol, narrower, worn = problem.rtol, problem.merged.narrower, problem.edge_amplitude
-    narrower = np.append(narrower, problem.merged.widths[-1])
+    rtol, widths, edge_amplitude = problem.rtol, problem.merged.narrower, problem.edge_amplitude
+    widths = np.append(widths, problem.merged.widths[-1])
     if problem.ground is not None:
-        narrower = np.minimum(narrower, problem.ground.first_thickness)
-    at_rim = np.arange(len(narrower)) == len(narrower) - 1
-    amplitude = np.where(at_rim, 1.0, np.minimum(1.0, worn.worn_length_fast / narrower))
+        widths = np.minimum(widths, problem.ground.first_thickness)
+    at_rim = np.arange(len(widths)) == len(widths) - 1
+    amplitude = np.where(at_rim, 1.0, np.minimum(1.0, edge_amplitude.worn_length_fast / widths))
     slope_share = np.where(at_rim, SLOPE_SHARE_AT_RIM, SLOPE_SHARE)
     sizes = np.minimum(
-        SLOPE_SHARE * rtol * narrower,
-        slope_share * rtol * np.minimum(worn.worn_length_slow, narrower) / amplitude,
+        SLOPE_SHARE * rtol * widths,
+        slope_share * rtol * np.minimum(edge_amplitude.worn_length_slow, widths) / amplitude,
     )
-    of_pressure = PRESSURE_SHARE * worn.worn_length_slow * (rtol / np.sqrt(amplitude)) ** (2 / 3)
-    sizes = np.minimum(sizes, of_pressure)
-    continuous = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * narrower
-    return np.asarray(np.where(problem.merged.smooth, np.maximum(sizes, continuous), sizes))
+    pressure_sizes = (
+        PRESSURE_SHARE * edge_amplitude.worn_length_slow * (rtol / np.sqrt(amplitude)) ** (2 / 3)
+    )
+    sizes = np.minimum(sizes, pressure_sizes)
+    kink_sizes = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * widths
+    return np.asarray(np.where(problem.merged.smooth, np.maximum(sizes, kink_sizes), sizes))
 
 
 def rim_size(problem: Problem, fields: Problem) -> float:
@@ -99,13 +109,13 @@ def rim_size(problem: Problem, fields: Problem) -> float:
 
     Parameters
     ----------
-    problem : with the accuracy asked for
-    fields : the same with the accuracy of its fields
+    problem : the problem with the requested tolerance
+    fields : the same problem with the tolerance of its fields
 
     Notes
     -----
-    It is the size of `edge_sizes` there, and at most ``START_SHARE rtol``: the pressure of the flat
-    start is infinite at the rim as a root. Shown by
+    It is the size of `edge_sizes` at the rim, but at most ``START_SHARE rtol``, because the
+    pressure of the flat start has an inverse square root singularity at the rim. Shown by
     physics/test_flat_punch.py::test_indentation_on_radial_meshes.
     """
     return float(min(edge_sizes(fields)[-1], START_SHARE * problem.rtol))
@@ -116,53 +126,54 @@ def ring_sizes(problem: Problem, fields: Problem) -> Array:
 
     Parameters
     ----------
-    problem : with the accuracy asked for
-    fields : the same with the accuracy of its fields
+    problem : the problem with the requested tolerance
+    fields : the same problem with the tolerance of its fields
 
     Notes
     -----
-    They are those of `edge_sizes`, rounded down to powers of two, because a mesher makes a size
-    field of each distinct value. At the edge of a hole, pressures of the flat start are infinite as
-    at the rim, so that the size is at most ``min(1, WIDTHS_OF_RINGS_AT_HOLES b)`` times `rim_size`,
-    with the width b of the ring beside the hole. Shown by physics/test_hollow.py.
+    They are those of `edge_sizes`, rounded down to powers of two, because a mesher makes one size
+    field per distinct value. At the edge of a hole the pressure of the flat start is infinite as at
+    the rim. There the size is at most ``min(1, HOLE_SIZE_PER_RING_WIDTH b)`` times `rim_size`, with
+    the width b of the ring next to the hole. Shown by physics/test_hollow.py.
     """
     sizes = edge_sizes(fields)[:-1]
     if problem.merged.hollow:
-        scale = min(1.0, WIDTHS_OF_RINGS_AT_HOLES * float(problem.merged.narrower[0]))
+        scale = min(1.0, HOLE_SIZE_PER_RING_WIDTH * float(problem.merged.narrower[0]))
         sizes[0] = min(sizes[0], rim_size(problem, fields) * scale)
     return np.asarray(2.0 ** np.floor(np.log2(sizes)))
 
 
 def smallest_size(problem: Problem, roundoff: float) -> float:
-    """Return the least size of elements beside a ring edge, so that roundoff costs a third of rtol.
+    """Return the smallest element size at a ring edge for which roundoff costs a third of rtol.
 
     Parameters
     ----------
-    problem : with its accuracy and its times
-    roundoff : of the method, `FEM_ROUNDOFF` or `RADIAL_ROUNDOFF`
+    problem : the problem, with its tolerance and its times
+    roundoff : constant of the method, `FEM_ROUNDOFF` or `RADIAL_ROUNDOFF`
 
     Notes
     -----
-    Slopes of elements of size h err by ``roundoff / h``, so that the size is ``MARGIN_OF_ROUNDOFF
-    roundoff / rtol``. Before ``EARLIEST_OF_MODES`` relaxation times, roundoff of the modes is felt,
-    which grows in small elements, too. Shown by
+    Slopes of elements of size h have the error ``roundoff / h``. Hence the size is
+    ``ROUNDOFF_MARGIN roundoff / rtol``. If the first time is below ``MODE_ROUNDOFF_TIME``
+    relaxation times, the roundoff of the modes matters, which also grows in small elements; the
+    size is then MAX_ROUNDOFF_SIZE. Shown by
     physics/test_promise.py::test_layers_thinner_than_the_roundoff_of_radii_are_resolved.
     """
-    slowest = float(problem.merged.ends.min())
-    if 0 < problem.earliest * slowest < EARLIEST_OF_MODES:
-        return GREATEST_OF_SMALLEST
-    return min(MARGIN_OF_ROUNDOFF * roundoff / problem.rtol, GREATEST_OF_SMALLEST)
+    slowest_rate = float(problem.merged.ends.min())
+    if 0 < problem.earliest * slowest_rate < MODE_ROUNDOFF_TIME:
+        return MAX_ROUNDOFF_SIZE
+    return min(ROUNDOFF_MARGIN * roundoff / problem.rtol, MAX_ROUNDOFF_SIZE)
 
 
 def fem_smallest(problem: Problem) -> float:
-    """Return the least size of finite elements beside a ring edge.
+    """Return the smallest size of finite elements at a ring edge.
 
     Notes
     -----
-    It is `smallest_size` with the greater of FEM_ROUNDOFF and ``INCOMPRESSIBLE_ROUNDOFF / (1 - 2
+    It is `smallest_size` with the maximum of FEM_ROUNDOFF and ``INCOMPRESSIBLE_ROUNDOFF / (1 - 2
     nu)^2``, because the stiffness against a change of volume multiplies roundoff. Shown by
     physics/test_promise.py::test_finite_elements_resolve_layers_of_slow_rings.
     """
-    compressibility = 1 - 2 * min(problem.poisson_ratio, GREATEST_MODELLED_RATIO)
+    compressibility = 1 - 2 * min(problem.poisson_ratio, HIGHEST_MODELLED_POISSON_RATIO)
     roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility**2)
     return smallest_size(problem, roundoff)

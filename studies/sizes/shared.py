@@ -1,10 +1,9 @@
-"""Problems on the same ring edges and half-space.
+"""One discretisation for several problems on the same ring edges and half-space.
 
-One discretisation serves every wear, load and time.
-
-A compliance knows nothing of wear, only its sizes do: those beside each edge follow the length that
-wear has blunted there by the earliest time. What all of several problems need is the least of them
-on the slower side, the greatest on the faster.
+Wear, load and times do not enter a compliance. They only enter the element sizes: these follow the
+length over which wear has smoothed the pressure at each ring edge by the first time. A
+discretisation that is fine enough for all problems takes, at each edge, the shortest of these
+lengths on the slower side and the longest on the faster side.
 """
 
 from collections.abc import Hashable, Sequence
@@ -18,34 +17,38 @@ from ..problem.problem import Problem
 
 
 def covering(problems: Sequence[Problem]) -> Problem:
-    """Return a problem to discretise for several: its sizes are as small as any of them needs.
+    """Return a problem whose discretisation is fine enough for all of several problems.
 
-    It is the first of them, with the least accuracy, the sliding distances and the amplitudes at
-    ring edges of all. At each edge these take the least length over which wear has smoothed the
-    pressure on the slower side, and the greatest ratio of the lengths on both sides.
+    It is the first problem, with the smallest tolerance of all, the sliding distances of all, and
+    amplitudes at ring edges that bound those of all: at each edge the shortest length over which
+    wear has smoothed the pressure on the slower side, and the largest ratio of the lengths on the
+    two sides.
 
     Parameters
     ----------
-    problems : with the same `merged.ring_edges`
+    problems : problems with the same `merged.ring_edges`
     """
     amplitudes = [problem.edge_amplitude for problem in problems]
     distances = np.unique(np.concatenate([problem.distances for problem in problems]))
     first, rtol = problems[0], min(problem.rtol for problem in problems)
     # at constant force and speed, times are sliding distances
-    several = replace(first, rtol=rtol, times=distances, loading=Loading())
+    combined = replace(first, rtol=rtol, times=distances, loading=Loading())
     amplitude = EdgeAmplitude(
         rtol,
-        np.min([each.worn_length_slow for each in amplitudes], axis=0),
-        np.max([each.ratio for each in amplitudes], axis=0),
-        float(distances[-1]) / several.earliest if several.earliest else 1.0,
+        np.min([edge.worn_length_slow for edge in amplitudes], axis=0),
+        np.max([edge.ratio for edge in amplitudes], axis=0),
+        float(distances[-1]) / combined.earliest if combined.earliest else 1.0,
         np.max([problem.merged.kinks for problem in problems], axis=0),
         amplitudes[0].narrower_width,
     )
-    return replace(several, shared_amplitude=amplitude)
+    return replace(combined, shared_amplitude=amplitude)
 
 
-def discretised_alike(problem: Problem) -> Hashable:
-    """Return what a discretisation depends on, but for the amplitudes at edges."""
+def discretisation_key(problem: Problem) -> Hashable:
+    """Return a key that is equal for problems with the same discretisation.
+
+    It leaves out the amplitudes at ring edges, which may differ.
+    """
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.poisson_ratio, problem.ground, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.contact
@@ -55,20 +58,23 @@ def discretised_alike(problem: Problem) -> Hashable:
 
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:
-    """Return the numbers of the problems in groups that share a discretisation.
+    """Return the indices of the problems in groups that share a discretisation.
 
-    Each group begins with the problem in which wear has smoothed the pressure at a ring edge over
-    the shortest length: it needs the smallest elements.
+    The first problem of each group is the one in which wear has smoothed the pressure at a ring
+    edge over the shortest length. It needs the smallest elements.
     """
-    # greatest ratio of the lengths that wear has blunted in problems that share a discretisation:
-    # pressures that the sharper needs cost the others their third power
-    widest = 100.0
-    sharpest = [float(problem.edge_amplitude.worn_length_slow.min()) for problem in problems]
-    parts, latest = list[list[int]](), dict[Hashable, list[int]]()
-    for number in np.argsort(sharpest, kind="stable").tolist():
-        kind = discretised_alike(problems[number])
-        if kind not in latest or sharpest[number] > widest * sharpest[latest[kind][0]]:
-            latest[kind] = []
-            parts.append(latest[kind])
-        latest[kind].append(number)
-    return parts
+    # Largest ratio of the shortest worn lengths within a group. More pressures than a problem needs
+    # cost it their third power.
+    max_length_ratio = 100.0
+    worn_lengths = [float(problem.edge_amplitude.worn_length_slow.min()) for problem in problems]
+    all_groups, open_groups = list[list[int]](), dict[Hashable, list[int]]()
+    for index in np.argsort(worn_lengths, kind="stable").tolist():
+        kind = discretisation_key(problems[index])
+        if (
+            kind not in open_groups
+            or worn_lengths[index] > max_length_ratio * worn_lengths[open_groups[kind][0]]
+        ):
+            open_groups[kind] = []
+            all_groups.append(open_groups[kind])
+        open_groups[kind].append(index)
+    return all_groups

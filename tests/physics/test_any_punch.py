@@ -228,7 +228,7 @@ def test_heights_that_do_not_fit_are_refused():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"methods": ["mdr-grid"]}, "mdr-grid|flat punches under a force|methods"),
+        ({"methods": ["mdr-grid"]}, "mdr-grid|flat punches under a given force|methods"),
         ({"wear": {"times": [0.0, 1.0], "march": "explicit", "step": 0.1}}, "explicit|implicit"),
         ({"accuracy": {"mdr": {"degree": 4}}}, "accuracy.mdr"),
         ({"methods": ["fem"], "accuracy": {"fem": {"truncation": 4.0}}}, "accuracy.fem"),

@@ -50,7 +50,7 @@ def force_at(problem, times):
 
 
 def test_the_uniform_grid_knows_no_fixed_indentation():
-    with pytest.raises(SceneError, match="mdr-grid knows flat punches under a force"):
+    with pytest.raises(SceneError, match="mdr-grid solves only flat punches under a given force"):
         run(held().changed(methods=["mdr-grid"]))
 
 

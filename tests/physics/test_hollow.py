@@ -210,7 +210,7 @@ def test_what_is_modelled_tells_of_the_hole():
         ({"punch__inner_radius": -0.1}, "inner_radius"),
         ({"punch__inner_radius": 1e-12}, "too small to tell"),
         ({"output__radii": [0.1, 0.5]}, "within the hole"),
-        ({"methods": ["mdr-grid"]}, "knows discs only"),
+        ({"methods": ["mdr-grid"]}, "solves full discs only"),
     ],
 )
 def test_what_cannot_be_is_refused(change, message):

@@ -49,9 +49,9 @@ def error_over_rtol(scene, name, quantity):
         (degrees, "MOST_RELAXED", 4, "early", "fem", "rms_slope"),
         (sizes, "SLOPE_AMPLITUDE", 0.01, "early", "fem", "rms_slope"),
         (defaults, "RADIAL_GRADING", 0.2, "early", "mdr", "pressure"),
-        (defaults, "ABOVE_PRESSURE", -0.5, "early", "fem", "pressure"),
+        (defaults, "EXTRA_DISPLACEMENT_DEGREES", -0.5, "early", "fem", "pressure"),
         (defaults, "GROWTH", 4, "early", "fem", "relaxation_time"),
-        (defaults, "NEGLIGIBLE", 1e7, "early", "fem", "rms_slope"),
+        (defaults, "MAX_TRUNCATION_LOSS", 1e7, "early", "fem", "rms_slope"),
         (defaults, "TRIANGLE_GROWTH", 4, "triangles", "fem", "relaxation_time"),
     ],
     ids=lambda part: part if isinstance(part, str) else "",
@@ -63,5 +63,5 @@ def test_a_quantity_errs_more_with_a_worse_constant(
     assert error <= 1
     monkeypatch.setattr(module, constant, factor * getattr(module, constant))
     # else it would bound the growth of triangles
-    monkeypatch.setattr(defaults, "GREATEST_GROWTH", np.inf)
+    monkeypatch.setattr(defaults, "MAX_TRIANGLE_GROWTH", np.inf)
     assert error_over_rtol(scene, name, quantity) > 3 * error

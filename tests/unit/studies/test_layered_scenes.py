@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from ringwear import Scene
-from ringwear.meshes.by_gmsh.outline import truncation_beside
+from ringwear.meshes.by_gmsh.outline import truncation_with_interfaces
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import areas
 from ringwear.studies.anchors.reading import Reading
 from ringwear.studies.check.template import write_template
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.fem import half_space_mesh
+from ringwear.studies.methods.fem_meshes import half_space_mesh
 from ringwear.studies.problem.unit_names import kind_of
-from ringwear.studies.sizes.shared import discretised_alike
+from ringwear.studies.sizes.shared import discretisation_key
 from ringwear.studies.study.conduct import refuse_what_does_not_fit
 from ringwear.studies.study.options import Options
 from ringwear.studies.sweep.axes import Sweep
@@ -60,7 +60,7 @@ def test_a_scene_of_layers_can_be_written_and_read():
 def test_one_key_of_a_layer_can_be_changed():
     changed = pad(half_space__layers__1__thickness=0.005)
     assert [layer.thickness for layer in changed.half_space.layers] == [0.001, 0.005]
-    assert discretised_alike(changed.problem) != discretised_alike(pad().problem)
+    assert discretisation_key(changed.problem) != discretisation_key(pad().problem)
     keys = {"half_space.layers.0.thickness": ["0.5 mm", "2 mm"]}
     sweep = Sweep.of({"base": PAD, "axes": keys})
     assert list(sweep.sizes) == ["thickness"]
@@ -131,8 +131,8 @@ def test_a_template_of_layers_is_refused(tmp_path):
 
 
 def test_no_interface_nearly_touches_the_outer_boundary():
-    assert truncation_beside((0.5, 1.9, 2.6), 2.5) == 2.5
-    assert truncation_beside((2.2, 2.6), 2.5) == pytest.approx(3.25)
+    assert truncation_with_interfaces((0.5, 1.9, 2.6), 2.5) == 2.5
+    assert truncation_with_interfaces((2.2, 2.6), 2.5) == pytest.approx(3.25)
 
 
 @pytest.mark.gmsh

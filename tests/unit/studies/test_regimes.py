@@ -99,6 +99,6 @@ def test_forces_are_quantities_where_they_are_not_one_number(load, missing):
 
 def test_methods_refuse_the_regimes_of_their_tables():
     varying, fixed = pressed_by(normal_force=RISING), pressed_by(indentation=1.0)
-    assert "one force" in method("mdr-grid").refusal(varying)
+    assert "constant force" in method("mdr-grid").refusal(varying)
     assert "nothing presses in the end" in method("direct").refusal(fixed)
     assert not method("mdr").refusal(varying)
