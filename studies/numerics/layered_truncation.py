@@ -64,11 +64,11 @@ def move_outwards_on_layers(radii: tuple[float, ...], ground: Ground) -> Family:
         half_space = HalfSpace(solid, pressure_space(solid, FLAT), loads).without_dependent_poles()
         compliance = half_space.compliance()
         clamped = len(compliance.factor) - len(half_space.poles)
-        row: Row = {"unknowns": half_space.unknowns}
+        errors = {}
         for count in range(len(half_space.poles) + 1):
             fewer = replace(compliance, factor=compliance.factor[: clamped + count])
-            row[far_field(count)] = press_flat(fewer).indentation / exact - 1
-        return row
+            errors[far_field(count)] = press_flat(fewer).indentation / exact - 1
+        return {"unknowns": half_space.unknowns} | errors
 
     orders = (np.nan,) if ground.rigid else ORDERS
     theory = {
