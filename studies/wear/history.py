@@ -55,7 +55,7 @@ class Pressed(NamedTuple):
     rest: Array
 
 
-class Moment(NamedTuple):
+class Instant(NamedTuple):
     """The state of the punch at one instant.
 
     Parameters

@@ -160,7 +160,7 @@ def test_a_disc_in_finite_elements_as_in_theory():
     ("part", "words"),
     [
         (Interval(0.0, 1.0), "more parts"),  # so wide, it would have to pull
-        (Interval(0.1, 0.5, True, True), "outermost edge alone"),
+        (Interval(0.1, 0.5, True, True), "other than its outermost one"),
     ],
 )
 def test_a_contact_of_another_kind_is_refused(part, words):
