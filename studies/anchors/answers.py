@@ -38,7 +38,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
             whole, doubt = float(steady[0]) - start, float(doubts[0])
             doubt += report.stated("indentation_start") * start
             doubt += report.stated("indentation_steady") * float(steady[0])
-        near = wear.modes.left(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
+        near = wear.modes.remaining_change(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
         decay = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
         stated = float(report.tolerance(name))
         tolerance = stated * decay + (doubt + 1e-12) / whole

@@ -268,7 +268,7 @@ class FullContact(Evaluation):
             return 0.0
         start = whole if self.problem.indentation is not None else self.wear.flat.indentation
         nearby = 1e-3
-        before, after = self.wear.modes.left(time * np.array([1 - nearby, 1 + nearby]))
+        before, after = self.wear.modes.remaining_change(time * np.array([1 - nearby, 1 + nearby]))
         decay = np.log(before / after) / (2 * nearby)
         return float(self._stiffness_at_rim * start / whole / decay)
 

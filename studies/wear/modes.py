@@ -97,7 +97,7 @@ class Modes:
     amplitudes: Array
     exact: int
 
-    def left(self, times: Array) -> Array:
+    def remaining_change(self, times: Array) -> Array:
         """Return the remaining change (T,) from the flat start to the steady state.
 
         The change is that of ``d(t) - w t`` with the steady wear rate w, or of ``d F(t)`` at a
@@ -112,7 +112,7 @@ class Modes:
 
         There is only one such time, because the remaining change decreases monotonically.
         """
-        total = float(self.left(np.zeros(1))[0])
+        total = float(self.remaining_change(np.zeros(1))[0])
         if not 0 < remaining < total:
             return float("nan")
         # the logarithm of a sum of decaying exponentials is convex, so Newton's method increases
