@@ -30,7 +30,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
         if report.fixed:
             whole, doubt = report.flat.indentation, 0.0
         elif report.graded:
-            whole, doubt = wear.whole_change, 0.0
+            whole, doubt = wear.total_change, 0.0
         else:
             moved = report.steady_displacement(report.face.radii)[None]
             steady, doubts = report.integrate(moved, report.steady_wear_rate / report.wear)

@@ -263,7 +263,7 @@ class FullContact(Evaluation):
         The whole change begins with the flat start, which errs because of the element at the rim.
         The part that is left errs by as much, and the time by that over its rate of decay.
         """
-        whole, time = self.wear.whole_change, self.wear.time_until(part)
+        whole, time = self.wear.total_change, self.wear.time_until(part)
         if not (whole > 0 and time > 0):
             return 0.0
         start = whole if self.problem.indentation is not None else self.wear.flat.indentation

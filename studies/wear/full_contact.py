@@ -191,7 +191,7 @@ class RunningIn:
         return self._reduce(self.compliance.factor.T).T
 
     @property
-    def whole_change(self) -> float:
+    def total_change(self) -> float:
         """The change of d(t) minus the steady wear, from the flat start to the steady state.
 
         At a fixed indentation it is ``d F(0)``. A space chosen for late times does not resolve the
@@ -206,7 +206,7 @@ class RunningIn:
 
     def time_until(self, fraction: float) -> float:
         """Return the time at which the remaining change falls to a fraction of the whole change."""
-        return self.modes.time_until(fraction * self.whole_change)
+        return self.modes.time_until(fraction * self.total_change)
 
     @property
     def share_of_modes(self) -> float:
