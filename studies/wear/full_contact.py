@@ -209,7 +209,7 @@ class RunningIn:
         return self.modes.time_until(fraction * self.total_change)
 
     @property
-    def share_of_modes(self) -> float:
+    def resolved_fraction(self) -> float:
         """The fraction of the flat start that the modes contain, in squares of displacements.
 
         It is 1 if no mode is missing.
