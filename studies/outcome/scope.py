@@ -11,7 +11,7 @@ from ..methods.base import Method, method
 from ..problem.problem import Problem
 from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
-from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading
+from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
 Methods = Mapping[str, Method]
 
@@ -131,7 +131,7 @@ def time_scale(scene: Scene) -> list[str]:
     # contact that spreads has a time scale of its own
     until = problem.load_regime.spreads_until
     if not problem.full_contact and until is not None:
-        start, end = map(written, spreading(problem))
+        start, end = map(written, spreading_times(problem))
         lines.append(f"contact spreads from about {start}{until.format(end=end)}")
     return lines + outside(problem, slowest)
 

@@ -45,13 +45,13 @@ def running_in(problem: Problem, counts: Sequence[float]) -> Array:
     slowest = slowest_relaxation_time(problem)
     if problem.full_contact or list(counts) != RUNNING_IN:
         return slowest * np.array(counts)
-    first_time, overlap_time = spreading(problem)
+    first_time, overlap_time = spreading_times(problem)
     return np.append(
         0.0, np.geomspace(first_time, overlap_time + RUNNING_IN[-1] * slowest, 2 * len(counts))
     )
 
 
-def spreading(problem: Problem) -> tuple[float, float]:
+def spreading_times(problem: Problem) -> tuple[float, float]:
     """Estimate when contact first spreads, and when all of the face carries, non-dimensional.
 
     Contact widens noticeably after wear by a hundredth of the first indentation d. That indentation
