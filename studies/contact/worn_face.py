@@ -103,7 +103,7 @@ class WornFace:
         return np.maximum(change, np.pad(change[:, 1:], ((0, 0), (0, 1))))
 
     @property
-    def lost_bends(self) -> Array:
+    def unresolved_bending(self) -> Array:
         """(T,) greatest change of slope times cell width, of the face or of the displacement.
 
         It measures what linear functions do not resolve. In cells whose face is computed from the

@@ -226,7 +226,7 @@ class MovingContact(Evaluation):
     @cached_property
     def _lost_bends(self) -> Array:
         """(T,) greatest bend of the worn face, or of the displacement, that cells lose."""
-        return self.sampler.worn_face(self.history).lost_bends
+        return self.sampler.worn_face(self.history).unresolved_bending
 
     @cached_property
     def _cells_at_edge(self) -> Array:
