@@ -76,7 +76,7 @@ def check_worn_volumes_of_profile(report: Reported) -> Rows:
     unworn = problem.profile(face.radii) + problem.profile.standoff
     # of a flat face that stands off its plane both have the standoff
     parts = face.areas * (report.solution.checked["profile"][-1] - unworn)
-    volumes, doubt = face.ring_sums(parts), DOUBT * face.integral_doubt(parts[None])[0]
+    volumes, doubt = face.ring_sums(parts), DOUBT * face.integral_error(parts[None])[0]
     whole = volumes.sum()
     if not whole > 0:
         return

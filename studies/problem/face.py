@@ -285,7 +285,7 @@ class Face:
             slopes.append(parts.reshape(values.shape) * rates)
         return slopes[0], slopes[1]
 
-    def integral_doubt(self, parts: Array) -> Array:
+    def integral_error(self, parts: Array) -> Array:
         """Return error estimates (T,) of integrals that are sums of `parts` (T, R) over the radii.
 
         Gauss quadrature is exact up to twice the degree of the polynomial. If Legendre coefficients
