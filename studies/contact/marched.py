@@ -95,7 +95,7 @@ class Marched:
         times, depth, force, _ = self.path.T
         return times, self.face.remainder(times, depth, force)
 
-    def remainder_later(self, times: Array) -> Array:
+    def remainder_in_full_contact(self, times: Array) -> Array:
         """Return the remaining change to the limit at times (T,) in full contact.
 
         Raises

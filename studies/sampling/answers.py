@@ -174,7 +174,7 @@ def _time_of_march(march: Marched, part: float) -> float:
     if np.isfinite(march.time_of_full_contact):
         # what is left decays, at least as fast as the slowest mode
         later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
-        left = np.append(left, march.remainder_later(later))
+        left = np.append(left, march.remainder_in_full_contact(later))
         times = np.append(times, later)
     elif march.face.load.force is not None:
         # it may cross zero, and come back
