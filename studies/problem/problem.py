@@ -220,7 +220,7 @@ class Problem:
     @property
     def quantities_missing(self) -> frozenset[str]:
         """Names of the quantities that do not exist for this contact and load."""
-        return self.contact.quantities_missing - self.load_regime.quantities_told
+        return self.contact.quantities_missing - self.load_regime.added_quantities
 
     @cached_property
     def time_to_wear_flat(self) -> float:

@@ -85,7 +85,7 @@ class LoadRegime:
     spreads_until : str or None
         Text about the end of the spreading of contact, with `{end}` for that time; None if the end
         cannot be predicted.
-    quantities_told : frozenset of str
+    added_quantities : frozenset of str
         Quantities that results contain even in full contact: forces and volumes that vary.
     parts_left : mapping of str to float
         Fraction of the running-in that remains at each of the times in the answer.
@@ -114,7 +114,7 @@ class LoadRegime:
     response: str
     shows_running_in: str
     spreads_until: str | None = " to {end}"
-    quantities_told: frozenset[str] = frozenset()
+    added_quantities: frozenset[str] = frozenset()
     parts_left: Mapping[str, float] = field(default_factory=dict)
     forces_told: Mapping[str, int] = field(default_factory=dict)
     decaying: frozenset[str] = frozenset()
@@ -217,7 +217,7 @@ FIXED_INDENTATION = LoadRegime(
     response="normal_force",
     shows_running_in="normal_force",
     spreads_until=" on",
-    quantities_told=frozenset({"normal_force", "ring_worn_volume"}),
+    added_quantities=frozenset({"normal_force", "ring_worn_volume"}),
     parts_left={"time_to_half_force": 0.5},
     forces_told={"force_start": 0, "force_end": -1},
     decaying=frozenset({"normal_force", "ring_force"}),
@@ -232,7 +232,7 @@ def _with_varying_load(regime: LoadRegime) -> LoadRegime:
     return replace(
         regime,
         spreads_until=None,
-        quantities_told=regime.quantities_told | {"normal_force"},
+        added_quantities=regime.added_quantities | {"normal_force"},
         parts_left={},
         second_order=frozenset(),
         modelled=(

@@ -76,7 +76,7 @@ def test_names_of_quantities_and_numbers_are_known():
         assert contact.quantities_missing <= QUANTITIES.keys()
         assert contact.numbers_due <= ANSWER.keys()
     for load in LOADS.values():
-        assert load.quantities_told | load.decaying <= QUANTITIES.keys()
+        assert load.added_quantities | load.decaying <= QUANTITIES.keys()
         assert {*load.parts_left, *load.forces_told} | load.numbers_missing <= ANSWER.keys()
 
 
