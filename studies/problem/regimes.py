@@ -89,7 +89,7 @@ class LoadRegime:
         Quantities that results contain even in full contact: forces and volumes that vary.
     parts_left : mapping of str to float
         Fraction of the running-in that remains at each of the times in the answer.
-    forces_told : mapping of str to int
+    reported_forces : mapping of str to int
         Forces in the answer, each with its index among the times.
     decaying : frozenset of str
         Quantities that decay during wear.
@@ -116,7 +116,7 @@ class LoadRegime:
     spreads_until: str | None = " to {end}"
     added_quantities: frozenset[str] = frozenset()
     parts_left: Mapping[str, float] = field(default_factory=dict)
-    forces_told: Mapping[str, int] = field(default_factory=dict)
+    reported_forces: Mapping[str, int] = field(default_factory=dict)
     decaying: frozenset[str] = frozenset()
     second_order: frozenset[str] = frozenset({*ENERGIES, "ring_worn_volume"})
     modelled: tuple[str, ...] = ()
@@ -219,7 +219,7 @@ FIXED_INDENTATION = LoadRegime(
     spreads_until=" on",
     added_quantities=frozenset({"normal_force", "ring_worn_volume"}),
     parts_left={"time_to_half_force": 0.5},
-    forces_told={"force_start": 0, "force_end": -1},
+    reported_forces={"force_start": 0, "force_end": -1},
     decaying=frozenset({"normal_force", "ring_force"}),
     no_steady_state="at a fixed indentation, wear continues until the pressure vanishes",
     refused_without_times="with load.indentation the pressure vanishes in the steady state, so "

@@ -149,7 +149,7 @@ def put_forces(values: Results, problem: Problem, forces: Array) -> None:
     ----------
     forces : (2,) at the first and at the last of the times
     """
-    for name, place in problem.load_regime.forces_told.items():
+    for name, place in problem.load_regime.reported_forces.items():
         if name != "force_start" or problem.times[0] == 0:
             values[name][...] = forces[place]
 
