@@ -22,7 +22,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
     wear, problem = report.solution.wear, report.problem
     if wear is None or not report.full:
         return
-    for name, part in problem.load_regime.parts_left.items():
+    for name, part in problem.load_regime.remaining_fractions.items():
         if not report.given(name):
             # the verdict is undecided then
             continue

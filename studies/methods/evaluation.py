@@ -253,8 +253,10 @@ class FullContact(Evaluation):
         if name in ("pressure_min", "pressure_max"):
             # the element at the rim moves the other functions that the start is sought among
             return max(chance, error_factor("pressure at the rim") * self._rim_size)
-        if name in self.problem.load_regime.parts_left:
-            return max(chance, self._unknown_time(self.problem.load_regime.parts_left[name]))
+        if name in self.problem.load_regime.remaining_fractions:
+            return max(
+                chance, self._unknown_time(self.problem.load_regime.remaining_fractions[name])
+            )
         return chance
 
     def _unknown_time(self, part: float) -> float:

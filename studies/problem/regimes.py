@@ -87,7 +87,7 @@ class LoadRegime:
         cannot be predicted.
     added_quantities : frozenset of str
         Quantities that results contain even in full contact: forces and volumes that vary.
-    parts_left : mapping of str to float
+    remaining_fractions : mapping of str to float
         Fraction of the running-in that remains at each of the times in the answer.
     reported_forces : mapping of str to int
         Forces in the answer, each with its index among the times.
@@ -115,7 +115,7 @@ class LoadRegime:
     shows_running_in: str
     spreads_until: str | None = " to {end}"
     added_quantities: frozenset[str] = frozenset()
-    parts_left: Mapping[str, float] = field(default_factory=dict)
+    remaining_fractions: Mapping[str, float] = field(default_factory=dict)
     reported_forces: Mapping[str, int] = field(default_factory=dict)
     decaying: frozenset[str] = frozenset()
     second_order: frozenset[str] = frozenset({*ENERGIES, "ring_worn_volume"})
@@ -129,7 +129,7 @@ class LoadRegime:
     @property
     def numbers_missing(self) -> frozenset[str]:
         """Names of the times of running-in that the answer does not contain."""
-        return TIMES_OF_RUNNING_IN - self.parts_left.keys()
+        return TIMES_OF_RUNNING_IN - self.remaining_fractions.keys()
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +209,7 @@ ONE_FORCE = LoadRegime(
     given="normal_force",
     response="indentation",
     shows_running_in="displacement_max",
-    parts_left={"time_to_90": 0.1, "time_to_99": 0.01},
+    remaining_fractions={"time_to_90": 0.1, "time_to_99": 0.01},
 )
 
 FIXED_INDENTATION = LoadRegime(
@@ -218,7 +218,7 @@ FIXED_INDENTATION = LoadRegime(
     shows_running_in="normal_force",
     spreads_until=" on",
     added_quantities=frozenset({"normal_force", "ring_worn_volume"}),
-    parts_left={"time_to_half_force": 0.5},
+    remaining_fractions={"time_to_half_force": 0.5},
     reported_forces={"force_start": 0, "force_end": -1},
     decaying=frozenset({"normal_force", "ring_force"}),
     no_steady_state="at a fixed indentation, wear continues until the pressure vanishes",
@@ -233,7 +233,7 @@ def _with_varying_load(regime: LoadRegime) -> LoadRegime:
         regime,
         spreads_until=None,
         added_quantities=regime.added_quantities | {"normal_force"},
-        parts_left={},
+        remaining_fractions={},
         second_order=frozenset(),
         modelled=(
             "load over time: linear between the given times, and wear is proportional to the "

@@ -54,7 +54,7 @@ def flat_answers(
         values["force_share"][0] = forces / forces.sum()
         values["indentation_start"][...] = flat.indentation + problem.profile.standoff
         values["running_in_time"][...] = wear.relaxation_times[0]
-        for name, left in problem.load_regime.parts_left.items():
+        for name, left in problem.load_regime.remaining_fractions.items():
             values[name][...] = wear.time_until(left)
         sampler = Sampler(problem, wear.compliance.space)
         values["worn_volume"] = sampler.worn_volumes(ends)[-1]
@@ -87,7 +87,7 @@ def moving_answers(
     put_forces(values, problem, forces.sum(axis=1))
     if not problem.loading.varies:
         values["time_to_full_contact"][...] = march.time_of_full_contact
-        for name, left in problem.load_regime.parts_left.items():
+        for name, left in problem.load_regime.remaining_fractions.items():
             values[name][...] = _time_of_march(march, left)
         if problem.times[0] == 0:
             values["indentation_start"][...] = ends.indentation[0] + problem.profile.standoff

@@ -77,7 +77,10 @@ def test_names_of_quantities_and_numbers_are_known():
         assert contact.numbers_due <= ANSWER.keys()
     for load in LOADS.values():
         assert load.added_quantities | load.decaying <= QUANTITIES.keys()
-        assert {*load.parts_left, *load.reported_forces} | load.numbers_missing <= ANSWER.keys()
+        assert {
+            *load.remaining_fractions,
+            *load.reported_forces,
+        } | load.numbers_missing <= ANSWER.keys()
 
 
 @pytest.mark.parametrize(
