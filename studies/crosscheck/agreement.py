@@ -124,7 +124,7 @@ def due(problem: Problem) -> set[str]:
     if not len(problem.times):
         names = {"relaxation_time"} & names if problem.quantities else set()
     else:
-        names |= problem.contact.numbers_due - problem.load_regime.numbers_missing
+        names |= problem.contact.compared_numbers - problem.load_regime.numbers_missing
     if problem.steady:
         names |= STEADY
     return {name for name in names if problem.wants(name)}

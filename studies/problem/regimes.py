@@ -35,7 +35,7 @@ class ContactRegime:
         What is not computed, with the reasons.
     quantities_missing : frozenset of str
         Quantities that do not exist in this regime under a constant force.
-    numbers_due : frozenset of str
+    compared_numbers : frozenset of str
         Numbers of the answer that a comparison of two methods must contain.
     marches : tuple of str
         Possible marches.
@@ -60,7 +60,7 @@ class ContactRegime:
     steady_state: str
     left_out: Mapping[str, str]
     quantities_missing: frozenset[str]
-    numbers_due: frozenset[str]
+    compared_numbers: frozenset[str]
     marches: tuple[str, ...]
     most_steps: int
     allowed_over_rtol: float
@@ -162,7 +162,7 @@ FULL_CONTACT = ContactRegime(
     # these are constant or redundant in full contact, in which the contact edges are those of the
     # face
     quantities_missing=frozenset(OF_PROFILES),
-    numbers_due=TIMES_OF_RUNNING_IN
+    compared_numbers=TIMES_OF_RUNNING_IN
     | {"running_in_time", "indentation_start", "force_share", "worn_volume"},
     marches=MARCHES,
     most_steps=2_000_000,  # each step is cheap: a product of matrices
@@ -193,7 +193,7 @@ MOVING_CONTACT = ContactRegime(
         OPERATORS: "compared only for flat punches",
     },
     quantities_missing=frozenset({"relaxation_time"}),
-    numbers_due=frozenset(),
+    compared_numbers=frozenset(),
     marches=("modal", "implicit"),
     most_steps=200_000,  # each step is a contact problem
     # half of the uncertainty that the difference of two methods may have

@@ -74,7 +74,7 @@ def test_every_table_has_every_regime():
 def test_names_of_quantities_and_numbers_are_known():
     for contact in (FULL_CONTACT, MOVING_CONTACT):
         assert contact.quantities_missing <= QUANTITIES.keys()
-        assert contact.numbers_due <= ANSWER.keys()
+        assert contact.compared_numbers <= ANSWER.keys()
     for load in LOADS.values():
         assert load.added_quantities | load.decaying <= QUANTITIES.keys()
         assert {
