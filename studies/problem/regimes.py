@@ -80,7 +80,7 @@ class LoadRegime:
         Quantity that the load prescribes, so that no method has an error in it.
     response : str
         Quantity that methods compute instead.
-    shows_running_in : str
+    running_in_quantity : str
         Quantity whose history shows the running-in.
     spreads_until : str or None
         Text about the end of the spreading of contact, with `{end}` for that time; None if the end
@@ -112,7 +112,7 @@ class LoadRegime:
 
     given: str
     response: str
-    shows_running_in: str
+    running_in_quantity: str
     spreads_until: str | None = " to {end}"
     added_quantities: frozenset[str] = frozenset()
     remaining_fractions: Mapping[str, float] = field(default_factory=dict)
@@ -208,14 +208,14 @@ MOVING_CONTACT = ContactRegime(
 ONE_FORCE = LoadRegime(
     given="normal_force",
     response="indentation",
-    shows_running_in="displacement_max",
+    running_in_quantity="displacement_max",
     remaining_fractions={"time_to_90": 0.1, "time_to_99": 0.01},
 )
 
 FIXED_INDENTATION = LoadRegime(
     given="indentation",
     response="normal_force",
-    shows_running_in="normal_force",
+    running_in_quantity="normal_force",
     spreads_until=" on",
     added_quantities=frozenset({"normal_force", "ring_worn_volume"}),
     remaining_fractions={"time_to_half_force": 0.5},
