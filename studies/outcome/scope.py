@@ -129,7 +129,7 @@ def time_scale(scene: Scene) -> list[str]:
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     # contact that spreads has a time scale of its own
-    until = problem.load_regime.spreads_until
+    until = problem.load_regime.spreading_end_text
     if not problem.full_contact and until is not None:
         start, end = map(written, spreading_times(problem))
         lines.append(f"contact spreads from about {start}{until.format(end=end)}")

@@ -82,7 +82,7 @@ class LoadRegime:
         Quantity that methods compute instead.
     running_in_quantity : str
         Quantity whose history shows the running-in.
-    spreads_until : str or None
+    spreading_end_text : str or None
         Text about the end of the spreading of contact, with `{end}` for that time; None if the end
         cannot be predicted.
     added_quantities : frozenset of str
@@ -113,7 +113,7 @@ class LoadRegime:
     given: str
     response: str
     running_in_quantity: str
-    spreads_until: str | None = " to {end}"
+    spreading_end_text: str | None = " to {end}"
     added_quantities: frozenset[str] = frozenset()
     remaining_fractions: Mapping[str, float] = field(default_factory=dict)
     reported_forces: Mapping[str, int] = field(default_factory=dict)
@@ -216,7 +216,7 @@ FIXED_INDENTATION = LoadRegime(
     given="indentation",
     response="normal_force",
     running_in_quantity="normal_force",
-    spreads_until=" on",
+    spreading_end_text=" on",
     added_quantities=frozenset({"normal_force", "ring_worn_volume"}),
     remaining_fractions={"time_to_half_force": 0.5},
     reported_forces={"force_start": 0, "force_end": -1},
@@ -231,7 +231,7 @@ def _with_varying_load(regime: LoadRegime) -> LoadRegime:
     """Return the variant of a load regime in which the force or the sliding speed varies."""
     return replace(
         regime,
-        spreads_until=None,
+        spreading_end_text=None,
         added_quantities=regime.added_quantities | {"normal_force"},
         remaining_fractions={},
         second_order=frozenset(),
