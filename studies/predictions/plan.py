@@ -112,7 +112,7 @@ def coarsen(scene: Scene) -> Scene:
     if step is not None and times:
         times = [0.0, min(times[-1], 100 * step)]
     changes: dict[str, object] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
-    most = problem.contact.rings_of_probe
+    most = problem.contact.most_probe_rings
     if most is not None and len(problem.wear_coefficients) > most:
         edges = (problem.ring_edges[1 : most + 1] * problem.units.length).tolist()
         coefficients = problem.wear_coefficients[:most] * problem.units.wear_coefficient

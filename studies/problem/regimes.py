@@ -45,7 +45,7 @@ class ContactRegime:
         Error that each method may state, relative to rtol.
     shared_keys : tuple of str
         Beginnings of keys in which scenes may differ and still share a discretisation.
-    rings_of_probe : int or None
+    most_probe_rings : int or None
         Greatest number of rings in the small problem that predicts the computing time; None for no
         limit.
     finest_rtol : float
@@ -65,7 +65,7 @@ class ContactRegime:
     most_steps: int
     allowed_over_rtol: float
     shared_keys: tuple[str, ...]
-    rings_of_probe: int | None
+    most_probe_rings: int | None
     finest_rtol: float
     cells_of_face: int
 
@@ -171,7 +171,7 @@ FULL_CONTACT = ContactRegime(
         *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
         *("load.", "wear.", "output.", "title"),
     ),
-    rings_of_probe=16,
+    most_probe_rings=16,
     finest_rtol=1e-8,
     cells_of_face=0,
 )
@@ -199,7 +199,7 @@ MOVING_CONTACT = ContactRegime(
     # half of the uncertainty that the difference of two methods may have
     allowed_over_rtol=2.0,
     shared_keys=(),
-    rings_of_probe=None,
+    most_probe_rings=None,
     finest_rtol=1e-5,
     # the pressure is steep at contact edges, which may be anywhere on the face
     cells_of_face=250,
