@@ -169,7 +169,7 @@ class Problem:
         if problem.why_never_steady:
             problem = replace(problem, steady=False)
         wanted = expand(output.quantities)
-        return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
+        return problem if wanted == GROUPS["all"] else problem.with_quantities(wanted)
 
     @cached_property
     def merged(self) -> Rings:
@@ -296,7 +296,7 @@ class Problem:
         narrower = np.append(self.merged.narrower, self.merged.widths[-1])
         return EdgeAmplitude(self.rtol, worn_length_slow, ratio, span, self.merged.kinks, narrower)
 
-    def asking_for(self, quantities: frozenset[str]) -> "Problem":
+    def with_quantities(self, quantities: frozenset[str]) -> "Problem":
         """Return the problem of these quantities, with times and steady state only if needed.
 
         Raises

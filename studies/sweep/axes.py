@@ -207,7 +207,7 @@ class Sweep:
     def problem(self, changes: TomlTable) -> Problem:
         """Return the problem of some changes, asking for what is to be kept and nothing else."""
         quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
-        return self.scene(changes).problem.asking_for(frozenset(quantities))
+        return self.scene(changes).problem.with_quantities(frozenset(quantities))
 
     def part(self, region: dict[str, slice]) -> "Sweep":
         """Return a box of the grid, a slice of each dimension, as a sweep of its own."""
@@ -342,4 +342,4 @@ def _checked_keep(
 
 def _given(problem: Problem) -> frozenset[str]:
     """Return the quantities that a problem has."""
-    return problem.asking_for(GROUPS["all"]).quantities or frozenset()
+    return problem.with_quantities(GROUPS["all"]).quantities or frozenset()

@@ -88,7 +88,7 @@ class Ways:
         """Yield a family for each group of quantities and each method or march that gives it."""
         for group, quantities in ASKED.items():
             try:
-                alone = self.problem.asking_for(quantities)
+                alone = self.problem.with_quantities(quantities)
             except SceneError:
                 # the scene has none of them
                 continue
@@ -144,7 +144,7 @@ class Ways:
         if not solvable or not any(map(alone.wants, given)):
             return {}
         reference = self.references[other_theory(NAIVE)]
-        only = alone.asking_for(frozenset(name for name in given if alone.wants(name)))
+        only = alone.with_quantities(frozenset(name for name in given if alone.wants(name)))
         return {
             f"{cells} elements": partial(
                 measure.measure_naive,

@@ -97,7 +97,7 @@ def test_forces_are_quantities_where_they_are_not_one_number(load, missing):
     problem = pressed_by(**load)
     assert problem.quantities_missing - {"contact", "contact_edge"} == missing
     with pytest.raises(SceneError, match="has none of them"):
-        problem.asking_for(frozenset(missing))
+        problem.with_quantities(frozenset(missing))
 
 
 def test_methods_refuse_the_regimes_of_their_tables():
