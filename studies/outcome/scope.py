@@ -79,8 +79,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["history"] = alone if scene.wear.times else "the scene gives no times"
     if never := problem.load_regime.no_steady_state:
         reasons["steady state"] = never
-    elif scene.wear.steady and problem.why_never_steady:
-        reasons["steady state"] = problem.why_never_steady
+    elif scene.wear.steady and problem.reason_not_steady:
+        reasons["steady state"] = problem.reason_not_steady
     elif not problem.steady:
         reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
     for name, entry in methods.items():

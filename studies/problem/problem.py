@@ -166,7 +166,7 @@ class Problem:
             loading=Loading.over_time(load.pressing, load.sliding, time),
             ground=ground,
         )
-        if problem.why_never_steady:
+        if problem.reason_not_steady:
             problem = replace(problem, steady=False)
         wanted = expand(output.quantities)
         return problem if wanted == GROUPS["all"] else problem.with_quantities(wanted)
@@ -235,7 +235,7 @@ class Problem:
         return float((heights.max() - means) / self.merged.at(between) @ areas)
 
     @cached_property
-    def why_never_steady(self) -> str:
+    def reason_not_steady(self) -> str:
         """The reason why no steady state under a force is reported; empty if there is one."""
         if self.indentation is not None:
             return ""
@@ -313,7 +313,7 @@ class Problem:
             raise SceneError(
                 f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
                 "give wear.times for a history, steady = true for a steady state"
-                + (f" (which is {self.why_never_steady})" if self.why_never_steady else "")
+                + (f" (which is {self.reason_not_steady})" if self.reason_not_steady else "")
             )
         history = bool(wanted & HISTORIES)
         times, march = (self.times, self.march) if history else (self.times[:0], "modal")

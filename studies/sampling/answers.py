@@ -81,7 +81,7 @@ def moving_answers(
     values = empty_answers(problem)
     sampler = Sampler(problem, march.space)
     forces = sampler.ring_forces(ends)
-    if not problem.why_never_steady:
+    if not problem.reason_not_steady:
         values["running_in_time"][...] = march.face.slowest_time
     values["worn_volume"] = sampler.worn_volumes(ends)[-1]
     put_forces(values, problem, forces.sum(axis=1))
