@@ -86,10 +86,10 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     if refused := why_layers_are_not_meshed(problem):
         raise SceneError(refused)
     try:
-        return _meshed(problem, problem.fem.meshed_by)
+        return _meshed(problem, problem.fem.chosen_mesher)
     except MeshError as error:
         # bisection knows no interfaces of layers
-        if problem.fem.meshed_by == "bisection" or problem.ground is not None:
+        if problem.fem.chosen_mesher == "bisection" or problem.ground is not None:
             raise
         note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
     return replace(_meshed(problem, "bisection"), notes=(note,))

@@ -106,7 +106,7 @@ def coarsen(scene: Scene) -> Scene:
     fem = problem.fem.model_dump(include={"far_field"}, exclude_unset=True)
     accuracy = {
         "rtol": max(problem.rtol, 1e-2),
-        "fem": fem | {"mesher": problem.fem.meshed_by},
+        "fem": fem | {"mesher": problem.fem.chosen_mesher},
         "mdr": {"grid": min(problem.mdr.grid, 100)},
     }
     if step is not None and times:
@@ -148,7 +148,7 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
 
 def _small_problem(problem: Problem) -> Problem:
     """Return a problem that needs the libraries of another, and little else."""
-    fem = {"mesher": problem.fem.meshed_by}
+    fem = {"mesher": problem.fem.chosen_mesher}
     return Scene.load("flat_punch").changed({"accuracy": {"rtol": 0.1, "fem": fem}}).problem
 
 

@@ -325,16 +325,16 @@ class FemAccuracy(Sizes):
 
     @model_validator(mode="after")
     def _check_degree(self) -> Self:
-        if self.degree is not None and self.degree not in DEGREES[self.meshed_by]:
-            degrees = DEGREES[self.meshed_by]
+        if self.degree is not None and self.degree not in DEGREES[self.chosen_mesher]:
+            degrees = DEGREES[self.chosen_mesher]
             raise ValueError(
-                f"degree = {self.degree} is not possible with mesher = '{self.meshed_by}': give "
-                f"{degrees[0]} to {degrees[-1]}"
+                f"degree = {self.degree} is not possible with mesher = '{self.chosen_mesher}': "
+                f"give {degrees[0]} to {degrees[-1]}"
             )
         return self
 
     @property
-    def meshed_by(self) -> str:
+    def chosen_mesher(self) -> str:
         """The mesher of the scene, or else the one that suits the polynomial degree."""
         quads = self.degree is None or self.degree >= LAYERED
         return self.mesher or ("quads" if quads else "gmsh")

@@ -56,7 +56,7 @@ def why_layers_are_not_meshed(problem: Problem) -> str:
             "fem meshes half_space.layers under flat punches in full contact only: leave it out of "
             "methods, or give bem beside mdr"
         )
-    if fem.meshed_by != "quads":
+    if fem.chosen_mesher != "quads":
         return (
             "half_space.layers are meshed in quadrilaterals only: leave out accuracy.fem.mesher, "
             f"and give accuracy.fem.degree = {LAYERED} or more, or neither"
