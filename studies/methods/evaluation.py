@@ -14,7 +14,7 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
+from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
@@ -227,7 +227,7 @@ class FullContact(Evaluation):
         differences cross zero now and then. No error is below the least error of the quantity.
         """
         error = self.safety_of(name) * difference
-        if name in IN_LAYERS and self.problem.march == "modal":
+        if name in LAYER_QUANTITIES and self.problem.march == "modal":
             # the coarser one lacks one layer more, and each of them makes about the same difference
             error = error * (1 + self._missing_layers)
         if DESCRIBED[name].dims[:1] == ("time",):

@@ -14,7 +14,7 @@ from ...fem.condensation import solver
 from ...meshes.errors import MeshError, SceneError
 from ...meshes.sizes import NARROWEST
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
+from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES, LAYERED
 from ..progress import Stages
@@ -314,7 +314,7 @@ def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
     """
     if degree < DEGREES[mesher][-1]:
         return frozenset()
-    refined_by_layers = {*ENERGIES, *(IN_LAYERS if mesher == "quads" else ())}
+    refined_by_layers = {*ENERGIES, *(LAYER_QUANTITIES if mesher == "quads" else ())}
     return frozenset(DESCRIBED.keys() - refined_by_layers)
 
 

@@ -31,7 +31,7 @@ ENERGIES = (
 )
 # quantities of a flat punch that depend on the thin layers near ring edges, in which wear has
 # smoothed the pressure
-IN_LAYERS = ("rms_slope", "pressure")
+LAYER_QUANTITIES = ("rms_slope", "pressure")
 
 
 @dataclass(frozen=True)
