@@ -13,8 +13,8 @@ from ..problem.quantities import (
     ANSWER,
     DESCRIBED,
     ERROR,
+    MOVING_CONTACT_QUANTITIES,
     NORMS,
-    OF_PROFILES,
     QUANTITIES,
     STATES,
     STEPS,
@@ -70,7 +70,11 @@ def tabulate(
         "step": longest("step_time"),
     }
     # not every run has these
-    optional = {*OF_PROFILES, *STEPS, *(name for name, of in ANSWER.items() if not of.always)}
+    optional = {
+        *MOVING_CONTACT_QUANTITIES,
+        *STEPS,
+        *(name for name, of in ANSWER.items() if not of.always),
+    }
     table = dict[str, Quantity]()
     for name, quantity in (QUANTITIES | STEPS | ANSWER).items():
         if name in optional and not any(name in given for given in reported):

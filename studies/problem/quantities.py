@@ -121,7 +121,13 @@ NORMS = {
     "of radius b",
 }
 # quantities that exist only if contact may open, close or spread (with exceptions in `LoadRegime`)
-OF_PROFILES = ("normal_force", "ring_worn_volume", "contact_radius", "contact", "contact_edge")
+MOVING_CONTACT_QUANTITIES = (
+    "normal_force",
+    "ring_worn_volume",
+    "contact_radius",
+    "contact",
+    "contact_edge",
+)
 QUANTITIES = {
     "pressure": Quantity(
         ("time", "radius"), "pressure", "contact pressure p(r, t), never below zero", "pressure"

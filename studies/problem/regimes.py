@@ -9,7 +9,7 @@ cannot solve is a table from regimes to reasons (`Method.refused`).
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from .quantities import ENERGIES, OF_PROFILES
+from .quantities import ENERGIES, MOVING_CONTACT_QUANTITIES
 
 # possible values of `Problem.march`
 MARCHES = ("modal", "implicit", "explicit")
@@ -161,7 +161,7 @@ FULL_CONTACT = ContactRegime(
     },
     # these are constant or redundant in full contact, in which the contact edges are those of the
     # face
-    quantities_missing=frozenset(OF_PROFILES),
+    quantities_missing=frozenset(MOVING_CONTACT_QUANTITIES),
     compared_numbers=TIMES_OF_RUNNING_IN
     | {"running_in_time", "indentation_start", "force_share", "worn_volume"},
     marches=MARCHES,
