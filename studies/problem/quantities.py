@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 # smallest relative accuracy that can be requested
-FINEST = 1e-9
+FINEST_RTOL = 1e-9
 # description of the error of a quantity, with its name and its norm
 ERROR = "relative error of {}, the method's own estimate: {}"
 # number of relaxation times, from the slowest on, that are accurate to rtol and compared
