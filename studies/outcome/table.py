@@ -25,7 +25,7 @@ from ..problem.unit_names import NO_UNIT, UnitNames
 from ..sampling.norms import Results, common
 from ..scene.scene import Scene
 from ..versions import versions
-from ..wear.modes import SHOWN
+from ..wear.modes import SHOWN_RELAXATION_TIMES
 
 Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 
@@ -64,7 +64,7 @@ def tabulate(
         "time": len(problem.times),
         "radius": len(problem.radii),
         "ring": len(problem.wear_coefficients),
-        "mode": SHOWN,
+        "mode": SHOWN_RELAXATION_TIMES,
         "state": len(STATES),
         "edge": longest("contact_edge"),
         "step": longest("step_time"),

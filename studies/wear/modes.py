@@ -24,7 +24,7 @@ from ..problem.loading import Loading, State
 # relative error of the history and of the slowest relaxation times by the Krylov projection
 KRYLOV_TOLERANCE = 1e-13
 # greatest number of relaxation times in results
-SHOWN = 20
+SHOWN_RELAXATION_TIMES = 20
 
 
 class BandedCholesky:
@@ -236,19 +236,25 @@ def every_mode(
 
 
 def slowest_times(energy: Array, weights: Array | None) -> Array:
-    """Return the `SHOWN` slowest relaxation times (m,), or all of them if there are fewer.
+    """Return the `SHOWN_RELAXATION_TIMES` slowest relaxation times (m,), or all of them if there are fewer.
 
     The parameters are those of `every_mode`.
     """
     forceless = _forceless_compliance(energy, _reflection_axis(weights))
     size = len(forceless)
-    if size <= 4 * SHOWN:
-        return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN])
+    if size <= 4 * SHOWN_RELAXATION_TIMES:
+        return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN_RELAXATION_TIMES])
     # by default ARPACK starts from a random vector
     return np.asarray(
-        np.sort(eigsh(forceless, SHOWN, which="LA", v0=np.ones(size), return_eigenvectors=False))[
-            ::-1
-        ]
+        np.sort(
+            eigsh(
+                forceless,
+                SHOWN_RELAXATION_TIMES,
+                which="LA",
+                v0=np.ones(size),
+                return_eigenvectors=False,
+            )
+        )[::-1]
     )
 
 
