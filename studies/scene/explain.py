@@ -114,7 +114,7 @@ def kind_instead(profile: object) -> str:
         return "is missing"
     if (advice := OTHER_KINDS.get(str(kind).lower())) is not None:
         return advice
-    return f"there is no kind {kind!r}{question(str(kind), KINDS_OF_PROFILES)}"
+    return f"there is no kind {kind!r}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
 
 
 def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARITY) -> str:
@@ -127,7 +127,7 @@ def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARIT
     return by_lower[matches[0]] if matches else ""
 
 
-def question(word: str, words: Iterable[str]) -> str:
+def did_you_mean(word: str, words: Iterable[str]) -> str:
     """Return the question whether the most similar word is meant; empty if none is similar."""
     near = nearest(word, words)
     return f": did you mean '{near}'?" if near else ""
@@ -201,10 +201,10 @@ def _in_plain_words(fault: ErrorDetails) -> str:
         return "should be a table with a kind"
     if fault["type"] == "literal_error":
         words = re.findall(r"'(.*?)'", fault["ctx"]["expected"])
-        suggestion = question(str(fault["input"]), words)
+        suggestion = did_you_mean(str(fault["input"]), words)
         return f"should be one of {', '.join(words)}{suggestion}"
     if fault["type"] == "list_type":
-        return f"should be a list{question(str(fault['input']), ['running-in'])}"
+        return f"should be a list{did_you_mean(str(fault['input']), ['running-in'])}"
     message = fault["msg"].removeprefix("Value error, ").replace("0.000000001", "1e-9")
     if fault["type"] == "value_error":
         return message

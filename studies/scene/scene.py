@@ -28,7 +28,7 @@ from ..problem.sections import (
 )
 from ..problem.unit_names import without_quantities
 from ..registry import METHODS
-from .explain import explain, keys_of, place_of, question, shown
+from .explain import did_you_mean, explain, keys_of, place_of, shown
 from .keys import dotted, listed, set_key, without_alternatives
 from .sources import line_of, text_of
 
@@ -47,7 +47,7 @@ OTHER_CALLS = {
 def check_method(method: str) -> str:
     """Refuse the name of a method that is not registered."""
     if method not in METHODS:
-        raise ValueError(f"no method '{method}'{question(method, METHODS)}")
+        raise ValueError(f"no method '{method}'{did_you_mean(method, METHODS)}")
     return method
 
 

@@ -31,7 +31,7 @@ from ...meshes.errors import SceneError
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
-from ..scene.explain import nearest, question
+from ..scene.explain import did_you_mean, nearest
 from ..scene.keys import without_alternatives
 from ..scene.scene import Scene
 from ..scene.sources import bundled
@@ -333,7 +333,7 @@ def _checked_keep(
         strange = next((str(name) for name in keep if str(name) not in computed), "")
         raise SceneError(
             f"keep = {keep!r} names what is no quantity of such punches"
-            f"{question(strange, computed) if strange else ':'} give a list of "
+            f"{did_you_mean(strange, computed) if strange else ':'} give a list of "
             f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )
