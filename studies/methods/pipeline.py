@@ -304,7 +304,7 @@ def steady_part(
     if before and (kept := before.steady_part) and kept.greatest_of_all_errors <= allowed:
         return kept
     flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-    return method.solve(replace(flat, loading=problem.loading.held_last), stages)
+    return method.solve(replace(flat, loading=problem.loading.final), stages)
 
 
 def fitted_starts(

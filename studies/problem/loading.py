@@ -80,7 +80,7 @@ class Loading:
         return bool((np.diff(self.forces) >= 0).all())
 
     @property
-    def held_last(self) -> "Loading":
+    def final(self) -> "Loading":
         """A constant loading with the force and speed of the last knot."""
         return Loading(np.zeros(1), self.forces[-1:], self.speeds[-1:])
 
