@@ -203,7 +203,7 @@ class Face:
         return 2 * np.pi * self.radii * self.lengths
 
     @property
-    def blunting(self) -> Array:
+    def edge_weights(self) -> Array:
         """(R,) factors ``1 - r^2``, times ``1 - b / r`` if there is a hole of radius b.
 
         With them, the square of the pressure of a flat punch is integrable.

@@ -30,7 +30,7 @@ class FieldDifference:
     radii : (R,) radii at which both give it, in the scene's units
     relative : (T, R) absolute differences over the norm of the field; NaN where one of the reports
         has no finite value. Those of pressures are over the root mean square; while nothing has
-        worn, both have the weight of the norm, the root of ``1 - r^2/a^2`` (`Face.blunting`)
+        worn, both have the weight of the norm, the root of ``1 - r^2/a^2`` (`Face.edge_weights`)
     norms : (T,) norms of the difference over the norm of the field
     first_error, second_error : (T,) errors that the reference and the other state of the field in
         this norm; NaN where they state none
@@ -149,7 +149,7 @@ def _difference(
     if "pressure" in name:
         if over_time:
             unworn = problem.loading.at(times / units.time).distance == 0
-            blunting = np.where(unworn[:, None], np.sqrt(face.blunting), 1.0)
+            blunting = np.where(unworn[:, None], np.sqrt(face.edge_weights), 1.0)
             gaps, values = gaps * blunting, np.where(compared, values, 0.0) * blunting
         weights = face.weights * compared
         scale = _root_mean_square(values, weights)
