@@ -321,5 +321,5 @@ class FullContact(Evaluation):
         }
         if name not in at_start:
             return least
-        pressed = self.problem.loading.pressed(self.problem.times) > 0
+        pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0
         return np.where(pressed, max(at_start[name], least), least)

@@ -125,7 +125,7 @@ class Loading:
         segments = self.segments
         return np.cumsum([0.0, *segments.slid]), np.cumsum([0.0, *segments.work])
 
-    def pressed(self, times: Array) -> Array:
+    def force_rise_at_rest(self, times: Array) -> Array:
         """Return the increase of the force (T,) since the punch last slid; 0 while it slides."""
         state, (distances, _) = self.at(times), self._integrals
         # the first knot with the same sliding distance, if there is one

@@ -256,7 +256,7 @@ class RunningIn:
         state = self.loading.at(times)
         # force applied since the punch last slid: its k p still jumps at ring edges, so this part
         # of the pressure is that of the flat start instead of a sum of modes
-        force_rise = self.loading.pressed(times)
+        force_rise = self.loading.force_rise_at_rest(times)
         amplitudes = amplitudes - np.outer(force_rise, self.modes.amplitudes)
         zero, forces = np.zeros(self.compliance.space.size), state.force - force_rise
         history = self._steady_plus_modes(state.distance, amplitudes, forces, state.work, zero)
