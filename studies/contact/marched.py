@@ -27,9 +27,9 @@ class Marched:
     instants : tuple of Instant
         States at the start and after each adaptive step; or at the requested times, if the march
         takes equal steps.
-    watched_times : (W,) array
+    estimate_times : (W,) array
         Times at which errors are estimated: the requested times and some between.
-    watched : History
+    estimate_history : History
         History at these times.
     face : FullFace
         The punch in full contact.
@@ -45,8 +45,8 @@ class Marched:
 
     times: Array
     instants: tuple[Instant, ...]
-    watched_times: Array
-    watched: History
+    estimate_times: Array
+    estimate_history: History
     face: FullFace
     path: Array
     full_since: Instant | None = None
@@ -55,7 +55,7 @@ class Marched:
     @cached_property
     def history(self) -> History:
         """The history at the requested times."""
-        return self.watched[np.flatnonzero(np.isin(self.watched_times, self.times))]
+        return self.estimate_history[np.flatnonzero(np.isin(self.estimate_times, self.times))]
 
     @property
     def between(self) -> History:

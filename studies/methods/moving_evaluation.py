@@ -108,12 +108,14 @@ class MovingContact(Evaluation):
     @property
     def estimate_times(self) -> Array:
         """The times that the march watches: those asked for, and some between."""
-        return self.marched.watched_times
+        return self.marched.estimate_times
 
     def for_estimate(self, times: Array) -> Results:
         """Return the quantities on the face of the punch at some of the times that are watched."""
-        rows = np.flatnonzero(np.isin(self.marched.watched_times, times))
-        return self.sampler.history(self._started(self.marched.watched[rows]), on_face=True)
+        rows = np.flatnonzero(np.isin(self.marched.estimate_times, times))
+        return self.sampler.history(
+            self._started(self.marched.estimate_history[rows]), on_face=True
+        )
 
     @cached_property
     def answers(self) -> Results:
