@@ -199,7 +199,7 @@ class Fem(ComplianceMethod):
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the user has given sizes or degrees of the mesh."""
-        return problem.fem.given
+        return problem.fem.given_by_user
 
     def remedy(self, problem: Problem) -> str:
         """Return what would make it more accurate, if that is not a smaller `rtol`."""

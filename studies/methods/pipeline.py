@@ -139,11 +139,11 @@ class AnySpaceMethod(ComplianceMethod):
         leave_out = (
             "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
         )
-        return leave_out if problem.mdr.given else ""
+        return leave_out if problem.mdr.given_by_user else ""
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the user has given the sizes of the radial mesh."""
-        return problem.mdr.given
+        return problem.mdr.given_by_user
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance on the space that suits a problem, and what makes a coarser one."""

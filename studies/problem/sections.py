@@ -303,7 +303,7 @@ class Sizes(Section):
     ring_size: Size | None = optional("element size at ring edges in a, 1e-12 to 0.5")
 
     @property
-    def given(self) -> bool:
+    def given_by_user(self) -> bool:
         """Whether the user has given sizes or degrees, which are then not changed."""
         sizes = {"rim_size", "ring_size", "growth", "grading", "degree"}
         return bool(self.model_fields_set & sizes)
