@@ -141,7 +141,7 @@ class Problem:
         if load.indentation is not None:
             approach = punch.approach(load.indentation, ring_edges)
             force = length * modulus * approach / unit_indentation
-        time = length / modulus / fastest / load.sliding.greatest
+        time = length / modulus / fastest / load.speed_over_time.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = punch.unworn(ring_edges, units.displacement)
         if graded:
@@ -163,7 +163,7 @@ class Problem:
             profile=profile,
             graded=graded,
             indentation=None if load.indentation is None else unit_indentation,
-            loading=Loading.over_time(load.pressing, load.sliding, time),
+            loading=Loading.over_time(load.load_over_time, load.speed_over_time, time),
             ground=ground,
         )
         if problem.reason_not_steady:

@@ -226,12 +226,12 @@ class LoadSection(Section):
         return self
 
     @property
-    def pressing(self) -> OverTime:
+    def load_over_time(self) -> OverTime:
         """The force or mean pressure over time; 1, which has no effect, for an indentation."""
         return over_time(self.normal_force or self.mean_pressure or 1.0)
 
     @property
-    def sliding(self) -> OverTime:
+    def speed_over_time(self) -> OverTime:
         """The sliding speed over time."""
         return over_time(self.sliding_speed)
 
@@ -242,7 +242,7 @@ class LoadSection(Section):
         """
         face = np.pi * (radius - inner_radius) * (radius + inner_radius)
         area = face if self.normal_force is None else 1.0
-        return 0.0 if self.indentation is not None else self.pressing.greatest * area
+        return 0.0 if self.indentation is not None else self.load_over_time.greatest * area
 
 
 class WearSection(Section):
