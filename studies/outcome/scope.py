@@ -30,7 +30,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     if len(problem.times) and not all(entry.lacks for entry in methods.values()):
         contact, way = problem.contact, f"by steps of {problem.march} Euler"
         if problem.march == "modal":
-            way = contact.way
+            way = contact.march_description
         lines += contact.modelled
         lines.append(f"history: {len(problem.times)} times from {contact.start}, {way}")
     if scene.half_space.punch_youngs_modulus is not None:

@@ -25,7 +25,7 @@ class ContactRegime:
     ----------
     start : str
         Description of the first state of a history.
-    way : str
+    march_description : str
         Description of how the modal march proceeds in time.
     modelled : tuple of str
         Sentences about additional features of the model.
@@ -55,7 +55,7 @@ class ContactRegime:
     """
 
     start: str
-    way: str
+    march_description: str
     modelled: tuple[str, ...]
     steady_state: str
     left_out: Mapping[str, str]
@@ -152,7 +152,7 @@ TIMES_OF_RUNNING_IN = frozenset({"time_to_90", "time_to_99", "time_to_half_force
 
 FULL_CONTACT = ContactRegime(
     start="the flat start",
-    way="exact in time, by its relaxation modes",
+    march_description="exact in time, by its relaxation modes",
     modelled=(),
     steady_state="",
     left_out={
@@ -178,7 +178,7 @@ FULL_CONTACT = ContactRegime(
 
 MOVING_CONTACT = ContactRegime(
     start="the unworn face",
-    way="in implicit steps of second order, chosen from rtol",
+    march_description="in implicit steps of second order, chosen from rtol",
     modelled=(
         "inequalities: pressure >= 0, gap >= 0, and one of them is zero at each point; contact "
         "opens, closes and spreads",
