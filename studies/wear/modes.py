@@ -236,7 +236,7 @@ def every_mode(
 
 
 def slowest_times(energy: Array, weights: Array | None) -> Array:
-    """Return the `SHOWN_RELAXATION_TIMES` slowest relaxation times (m,), or all of them if there are fewer.
+    """Return the `SHOWN_RELAXATION_TIMES` slowest relaxation times (m,), or fewer if there are not as many.
 
     The parameters are those of `every_mode`.
     """
@@ -245,17 +245,9 @@ def slowest_times(energy: Array, weights: Array | None) -> Array:
     if size <= 4 * SHOWN_RELAXATION_TIMES:
         return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN_RELAXATION_TIMES])
     # by default ARPACK starts from a random vector
-    return np.asarray(
-        np.sort(
-            eigsh(
-                forceless,
-                SHOWN_RELAXATION_TIMES,
-                which="LA",
-                v0=np.ones(size),
-                return_eigenvectors=False,
-            )
-        )[::-1]
-    )
+    count, start = SHOWN_RELAXATION_TIMES, np.ones(size)
+    times = eigsh(forceless, count, which="LA", v0=start, return_eigenvectors=False)
+    return np.asarray(np.sort(times)[::-1])
 
 
 def _reflection_axis(weights: Array | None) -> Array | None:
