@@ -135,7 +135,7 @@ def find_first_contact(
         while not (
             with_refinements := _refine_narrow_parts(cells, narrow_parts, most_cells)
         ) and len(narrow_parts) > len(free_intervals):
-            # refine only the deeper half: once these parts carry, others may not touch
+            # refine only the deeper half: once these parts carry load, others may not touch
             del narrow_parts[(len(narrow_parts) + len(free_intervals)) // 2 :]
         if with_refinements is None:
             # a rough face: its parts are too many or too narrow for `most_cells` cells

@@ -48,8 +48,8 @@ from .sections import (
     WearSection,
 )
 
-# greatest sliding distance until all of the face carries, over the last requested distance or the
-# running-in distance, whichever is greater; beyond it, the steady state counts as out of reach
+# greatest sliding distance until full contact, over the last requested distance or the running-in
+# distance, whichever is greater; beyond it, the steady state counts as out of reach
 MOST_TIME_TO_WEAR_FLAT = 1e3
 # greatest numbers of times at which fields are compared, and at which errors are estimated
 MOST_COMPARED_TIMES, MOST_ESTIMATE_TIMES = 40, 60
@@ -226,8 +226,8 @@ class Problem:
     def time_to_wear_flat(self) -> float:
         """Sliding distance in which the greatest force wears the face flat.
 
-        It is ``int (max f - f) / k dA / F``; for a sphere, ``a^4 = 4 R k F t / pi``. After it,
-        about all of the face carries.
+        It is ``int (max f - f) / k dA / F``; for a sphere, ``a^4 = 4 R k F t / pi``. Contact
+        becomes full at about this distance.
         """
         radii, heights = self.profile.sampled()
         between, areas = (radii[1:] + radii[:-1]) / 2, np.pi * np.diff(radii**2)
@@ -241,11 +241,11 @@ class Problem:
             return ""
         last_force, last_speed = self.loading.forces[-1], self.loading.speeds[-1]
         if not last_force or not last_speed:
-            reason = "nothing presses" if not last_force else "the punch stands still"
-            return f"in the end {reason}, and the face wears no more"
+            reason = "the force is 0" if not last_force else "the punch stands still"
+            return f"in the end {reason}, and the face no longer wears"
         if self.full_contact or not self.earliest:
             return ""
-        # running-in takes about the slowest relaxation time, that of the slowest material
+        # running-in takes about the slowest relaxation time, 1 / least wear coefficient
         running_in = 1 / float(self.merged.ends[1].min())
         if self.time_to_wear_flat <= MOST_TIME_TO_WEAR_FLAT * max(
             float(self.distances[-1]), running_in

@@ -44,8 +44,8 @@ class PunchSection(Section):
     )
     inner_radius: Annotated[NotNegative, Unit("length")] = Field(
         default=0.0,
-        description="the radius of the hole of a hollow punch, below that of the first ring; 0 for "
-        "a full one",
+        description="the radius of the hole of a hollow punch, less than the outer radius of the "
+        "first ring; 0 for a punch without a hole",
     )
     rings: int | None = optional(
         "the number of rings, 1 or more; not needed for one material", ge=1, le=100_000

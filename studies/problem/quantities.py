@@ -240,7 +240,7 @@ ANSWER = {
         "each",
     ),
     "force_share": Quantity(
-        ("state", "ring"), "share", "part of the normal force that each ring carries", "share"
+        ("state", "ring"), "share", "fraction of the normal force on each ring", "share"
     ),
     "worn_volume": Quantity(
         ("ring",), "volume", "worn volume of each ring at the last of the times", "volume"

@@ -213,7 +213,7 @@ class LoadSection(Section):
         "the normal force over the area of the face, positive, or { times = [...], values = [...] }"
     )
     indentation: Annotated[Positive, Unit("length")] | None = optional(
-        "the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
+        "the fixed indentation d of the unworn face plane; the force then decays during wear"
     )
     sliding_speed: Annotated[Varying, Unit("wear_rate")] = Field(
         default=1.0,

@@ -276,14 +276,14 @@ class RunningIn:
         worn: Array,
         force: float,
     ) -> History:
-        """Return the exact history of a shaped face while all of it carries.
+        """Return the exact history of a shaped face in full contact.
 
         Parameters
         ----------
         distances : (T,) array
             Sliding distances, not below `start`.
         start : float
-            Sliding distance from which all of the face carries.
+            Sliding distance from which contact is full.
         work_at_start : float
             Integral of the force over the sliding distance until `start`.
         unworn, worn : (size,) arrays

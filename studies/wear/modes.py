@@ -236,7 +236,7 @@ def every_mode(
 
 
 def slowest_times(energy: Array, weights: Array | None) -> Array:
-    """Return the `SHOWN_RELAXATION_TIMES` slowest relaxation times (m,), or fewer if there are not as many.
+    """Return at most `SHOWN_RELAXATION_TIMES` relaxation times (m,), the slowest ones.
 
     The parameters are those of `every_mode`.
     """
@@ -374,6 +374,6 @@ def _modes_above_roundoff(relaxation: Array, earliest: float) -> slice:
 def _with_amplitudes(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
     """Return the modes with their amplitudes in the flat start; the slowest comes first.
 
-    The parameters are those of `Modes`, and `moments` (n,) is that of `every_mode`.
+    The parameters are those of `Modes`, and `moments` (n,) are those of `every_mode`.
     """
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)

@@ -1,8 +1,8 @@
 """Predict the time scale of running-in before a run: the slowest relaxation time of a coarse MDR.
 
 The slowest mode has a long wavelength, so a few elements in each ring represent it. A face that is
-not flat first wears until all of it carries, which happens about when the rigid overlap (all that
-protrudes from the flat face) has worn off.
+not flat first wears until all of it is in contact, which happens about when the rigid overlap (all
+that protrudes from the flat face) has worn off.
 """
 
 from collections.abc import Callable, Sequence
@@ -52,12 +52,12 @@ def running_in(problem: Problem, counts: Sequence[float]) -> Array:
 
 
 def spreading_times(problem: Problem) -> tuple[float, float]:
-    """Estimate when contact first spreads, and when all of the face carries, non-dimensional.
+    """Estimate when contact first spreads, and when it becomes full, non-dimensional.
 
     Contact widens noticeably after wear by a hundredth of the first indentation d. That indentation
     is about the solution of ``2 d sqrt(A / pi) = F`` with the area A of the face below the plane at
-    depth d. Under a force, all of the face carries after `Problem.time_to_wear_flat`. Under a fixed
-    indentation the second time is 0, because nothing has to wear except by the relaxation modes.
+    depth d. Under a force, contact becomes full at about `Problem.time_to_wear_flat`. Under a fixed
+    indentation the second time is 0, because the relaxation modes alone determine the running-in.
     """
     radii, heights = problem.profile.sampled()
     areas = np.pi * np.diff(radii**2)
