@@ -198,8 +198,8 @@ def _solve(
     infinite |= {0.0: False, radius: not last.outer_free}
     for part in intervals:
         # at a kink the pressure behaves as x log x; unresolved, it changes ring forces by 2e-4
-        near = NEAREST_KINK * (part.outer - part.inner)
-        kinks = [kink for kink in profile.kinks if part.inner + near < kink < part.outer - near]
+        margin = NEAREST_KINK * (part.outer - part.inner)
+        kinks = [kink for kink in profile.kinks if part.inner + margin < kink < part.outer - margin]
         infinite |= dict.fromkeys(kinks if len(kinks) <= MOST_KINKS else (), False)
     edges = sorted(infinite)
     compliance = compliance_on(

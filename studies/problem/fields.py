@@ -111,9 +111,9 @@ class OverTime(Section):
         return max(self.values)
 
 
-def over_time(given: "float | OverTime") -> OverTime:
+def over_time(value: "float | OverTime") -> OverTime:
     """Return a constant or a varying number as an `OverTime`."""
-    return given if isinstance(given, OverTime) else OverTime(times=[0.0], values=[given])
+    return value if isinstance(value, OverTime) else OverTime(times=[0.0], values=[value])
 
 
 class ProfileSection(Section):

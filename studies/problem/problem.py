@@ -168,8 +168,8 @@ class Problem:
         )
         if problem.reason_not_steady:
             problem = replace(problem, steady=False)
-        wanted = expand(output.quantities)
-        return problem if wanted == GROUPS["all"] else problem.with_quantities(wanted)
+        requested = expand(output.quantities)
+        return problem if requested == GROUPS["all"] else problem.with_quantities(requested)
 
     @cached_property
     def merged(self) -> Rings:
@@ -304,21 +304,21 @@ class Problem:
         SceneError
             if the scene has none of these quantities
         """
-        wanted = quantities - self.quantities_missing
+        requested = quantities - self.quantities_missing
         if not len(self.times):
-            wanted -= HISTORIES
+            requested -= HISTORIES
         if not self.steady:
-            wanted -= STEADY
-        if not wanted:
+            requested -= STEADY
+        if not requested:
             raise SceneError(
                 f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
                 "give wear.times for a history, steady = true for a steady state"
                 + (f" (which is {self.reason_not_steady})" if self.reason_not_steady else "")
             )
-        history = bool(wanted & HISTORIES)
+        history = bool(requested & HISTORIES)
         times, march = (self.times, self.march) if history else (self.times[:0], "modal")
-        steady = bool(wanted & STEADY)
-        return replace(self, quantities=wanted, times=times, march=march, steady=steady)
+        steady = bool(requested & STEADY)
+        return replace(self, quantities=requested, times=times, march=march, steady=steady)
 
     def wants(self, quantity: str) -> bool:
         """Return whether a quantity is requested."""

@@ -86,11 +86,11 @@ class InitialProfile:
         """(N-1,) step of the height, outwards, at each ring edge between centre and rim."""
         return np.diff(self.recess)
 
-    def sampled(self, *more: float) -> tuple[Array, Array]:
-        """Return many radii in every ring, with edges, kinks and `more`, and the heights there."""
-        within, kinks = np.linspace(0.0, 1.0, 501), np.array([*self.kinks, *more])
+    def sampled(self, *extra_radii: float) -> tuple[Array, Array]:
+        """Return many radii in every ring, with edges, kinks and extra ones, and the heights."""
+        fractions, kinks = np.linspace(0.0, 1.0, 501), np.array([*self.kinks, *extra_radii])
         parts = [
-            np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])
+            np.union1d(a + (b - a) * fractions, kinks[(kinks > a) & (kinks < b)])
             for a, b in pairwise(self.ring_edges)
         ]
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]

@@ -293,17 +293,17 @@ def expand(names: Iterable[str]) -> frozenset[str]:
     ValueError
         if a name is neither a quantity nor a group
     """
-    wanted = frozenset[str]()
+    expanded = frozenset[str]()
     for name in names:
         if name not in GROUPS and name not in QUANTITIES:
-            near = difflib.get_close_matches(name.lower(), QUANTITIES, 1)
-            meant = f": did you mean '{near[0]}'? Else" if near else ";"
+            matches = difflib.get_close_matches(name.lower(), QUANTITIES, 1)
+            meant = f": did you mean '{matches[0]}'? Else" if matches else ";"
             raise ValueError(
                 f"no quantity '{name}'{meant} give some of {', '.join(QUANTITIES)}, or the groups "
                 f"{', '.join(GROUPS)}"
             )
-        wanted |= GROUPS.get(name, {name})
-    return wanted
+        expanded |= GROUPS.get(name, {name})
+    return expanded
 
 
 def error_name(name: str) -> str:

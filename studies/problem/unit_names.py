@@ -342,13 +342,13 @@ def _split(quantity: str) -> tuple[str, str]:
 
 def nearest_unit(unit: str, kind: str) -> str:
     """Return the question whether a similar unit is meant; empty if none is similar."""
-    known = {name.lower(): name for name in SI[kind]}
-    near = known.get(unit.lower())
-    if near is None and _size_in_si(unit.lower(), kind) is not None:
-        near = unit.lower()
-    if near is None:
-        near = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
-    return f"did you mean '{near}'? Else " if near else ""
+    by_lower = {name.lower(): name for name in SI[kind]}
+    match = by_lower.get(unit.lower())
+    if match is None and _size_in_si(unit.lower(), kind) is not None:
+        match = unit.lower()
+    if match is None:
+        match = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
+    return f"did you mean '{match}'? Else " if match else ""
 
 
 def _digits(number: float) -> int:

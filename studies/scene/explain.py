@@ -129,8 +129,8 @@ def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARIT
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
     """Return the question whether the most similar word is meant; empty if none is similar."""
-    near = nearest(word, words)
-    return f": did you mean '{near}'?" if near else ""
+    match = nearest(word, words)
+    return f": did you mean '{match}'?" if match else ""
 
 
 def explain(error: ValidationError, scene: type[Section]) -> str:
@@ -163,8 +163,8 @@ def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]
         return f"unknown key {key}: {_in_place_of(str(fault['loc'][-1]), section, scene)}"
     if kind == "missing":
         missing = [key_of(item) for item in errors if item["type"] == "missing"]
-        one = len(missing) == 1 and description
-        keys = f" {key}; give {description}" if one else f"s {', '.join(missing)}"
+        single = len(missing) == 1 and description
+        keys = f" {key}; give {description}" if single else f"s {', '.join(missing)}"
         return (
             f"missing key{keys}; a scene needs, for example, punch = {{ radius = 1.0, rings = 5, "
             "wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, load "
@@ -223,8 +223,8 @@ def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> 
         return instead
     names = keys_of(section)
     known_keys = f"the keys here are {', '.join(names)}"
-    near = place_of(unknown, section, scene)
-    return f"did you mean {near}? Else {known_keys}" if near else known_keys
+    match = place_of(unknown, section, scene)
+    return f"did you mean {match}? Else {known_keys}" if match else known_keys
 
 
 def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
@@ -241,14 +241,14 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
         for name, info in scene.model_fields.items()
         if isinstance(info.annotation, type) and issubclass(info.annotation, Section)
     }
-    for table, others in tables.items():
-        if word in others:
+    for table, keys in tables.items():
+        if word in keys:
             return f"{table}.{word}"
-    if near := nearest(word, names):
-        return near
-    for table, others in tables.items():
-        if near := nearest(word, others, LEAST_SIMILARITY_ELSEWHERE):
-            return f"{table}.{near}"
+    if match := nearest(word, names):
+        return match
+    for table, keys in tables.items():
+        if match := nearest(word, keys, LEAST_SIMILARITY_ELSEWHERE):
+            return f"{table}.{match}"
     return ""
 
 

@@ -182,7 +182,7 @@ class Scene(Section, metaclass=SceneType):
             scene = cls.from_table(dict(scene)) if isinstance(scene, Mapping) else cls.load(scene)
         names = {"methods": methods, "output__quantities": quantities}
         changes: dict[str, object] = {
-            key: listed(of) for key, of in names.items() if of is not None
+            key: listed(value) for key, value in names.items() if value is not None
         }
         if rtol is not None:
             changes["accuracy__rtol"] = rtol
@@ -266,17 +266,17 @@ class Scene(Section, metaclass=SceneType):
         """
         if not isinstance(keys or {}, Mapping):
             raise SceneError(f"changed({shown(keys)}): write changed({{'punch.rings': 3}})")
-        given = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
-        for key, value in given.items():
+        values = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
+        for key, value in values.items():
             if key.partition(".")[0] not in keys_of(Scene) and (
-                near := place_of(key, Scene, Scene)
+                suggestion := place_of(key, Scene, Scene)
             ):
                 raise SceneError(
-                    f"a scene has no key {key!r}: write changed({{{near!r}: {shown(value)}}}), or "
-                    f"changed({near.replace('.', '__')}={shown(value)})"
+                    f"a scene has no key {key!r}: write changed({{{suggestion!r}: "
+                    f"{shown(value)}}}), or changed({suggestion.replace('.', '__')}={shown(value)})"
                 )
-        table = without_alternatives(self.table(), set(given))
-        for key, value in given.items():
+        table = without_alternatives(self.table(), set(values))
+        for key, value in values.items():
             set_key(table, key.split("."), value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
@@ -315,8 +315,8 @@ class Scene(Section, metaclass=SceneType):
                 return super().__getattr__(name)
             if hasattr(type(self), name):  # a property that raised AttributeError
                 return object.__getattribute__(self, name)
-            near = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
-            hint = "see dir(scene)" if near == "scene." else f"write {near}"
+            call = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
+            hint = "see dir(scene)" if call == "scene." else f"write {call}"
             raise AttributeError(f"a scene has no {name!r}: {hint}")
 
     @cached_property

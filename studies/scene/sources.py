@@ -29,12 +29,11 @@ def text_of(source: str | Path) -> str:
     except ValueError as error:
         raise SceneError(f"{error} that holds a scene") from None
     except OSError as error:
-        near = "" if path.is_dir() else nearest(str(source), bundled())
-        meant = f"did you mean {near}? Else " if near else ""
+        match = "" if path.is_dir() else nearest(str(source), bundled())
+        suggestion = f"did you mean {match}? Else " if match else ""
         raise SceneError(
-            f"{source or repr(source)}: {str(error.strerror).lower()}; {meant}give a scene file, "
-            f"or one of "
-            f"{', '.join(bundled())}"
+            f"{source or repr(source)}: {str(error.strerror).lower()}; {suggestion}give a scene "
+            f"file, or one of {', '.join(bundled())}"
         ) from None
 
 
@@ -42,8 +41,8 @@ def line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
     """Return the line of an error in TOML text, and an example of correct lines."""
     place = re.search(r"at line (\d+)", str(error))
     line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
-    there = f" in {shown(line)}" if line else ""
-    return f"{there}; give lines such as radius = 1.0, each key once, texts in quotes"
+    location = f" in {shown(line)}" if line else ""
+    return f"{location}; give lines such as radius = 1.0, each key once, texts in quotes"
 
 
 def bundled() -> list[str]:

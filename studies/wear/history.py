@@ -155,12 +155,12 @@ class History:
             pressed=Pressed(start, forces, self.pressure),
         )
 
-    def __getitem__(self, which: Indices | slice) -> "History":
+    def __getitem__(self, index: Indices | slice) -> "History":
         """Return the history at some of its times, given by their indices or a slice."""
         pressed = self.pressed
         if pressed is not None:
-            pressed = pressed._replace(force=pressed.force[which], rest=pressed.rest[which])
-        arrays = {name: getattr(self, name)[which] for name in TIME_ARRAYS}
+            pressed = pressed._replace(force=pressed.force[index], rest=pressed.rest[index])
+        arrays = {name: getattr(self, name)[index] for name in TIME_ARRAYS}
         return replace(self, **arrays, pressed=pressed)
 
     def then(self, later: "History") -> "History":
