@@ -254,7 +254,8 @@ class Problem:
         time = self.time_to_wear_flat / last_force / last_speed * self.units.time
         return (
             f"out of reach: all of the face would be in contact only after about t = {time:.2g}; "
-            "the steady state of the part in contact until then is not computed, but the history is"
+            "the steady state of the part in contact until then is not computed; the history is "
+            "valid"
         )
 
     @property
@@ -313,7 +314,7 @@ class Problem:
             raise SceneError(
                 f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
                 "give wear.times for a history, steady = true for a steady state"
-                + (f" (which is {self.reason_not_steady})" if self.reason_not_steady else "")
+                + (f" (not available: {self.reason_not_steady})" if self.reason_not_steady else "")
             )
         history = bool(requested & HISTORIES)
         times, march = (self.times, self.march) if history else (self.times[:0], "modal")
@@ -331,7 +332,7 @@ class Problem:
 
     @cached_property
     def radii(self) -> Array:
-        """Radii of the output: the user's, or a grid that is dense near ring edges not on them."""
+        """Radii of the output: the user's, or a grid that is dense near ring edges."""
         if self.output_radii is not None:
             return self.output_radii
         count = max(8, 320 // len(self.wear_coefficients))

@@ -83,8 +83,8 @@ class LoadRegime:
     running_in_quantity : str
         Quantity whose history shows the running-in.
     spreading_end_text : str or None
-        Text about the end of the spreading of contact, with `{end}` for that time; None if the end
-        cannot be predicted.
+        Text that follows "contact spreads from about ..." and states the end, with `{end}` for its
+        time; None if the times cannot be predicted.
     added_quantities : frozenset of str
         Quantities that results contain even in full contact: forces and volumes that vary.
     remaining_fractions : mapping of str to float
@@ -236,7 +236,7 @@ def _with_varying_load(regime: LoadRegime) -> LoadRegime:
         remaining_fractions={},
         second_order=frozenset(),
         modelled=(
-            "load over time: linear between the given times, and wear is proportional to the "
+            "load over time: linear between the given times, and wear is integrated over the "
             "sliding distance; the steady state is that of the last force and speed, and "
             "relaxation times are those at the greatest speed",
         ),
