@@ -66,7 +66,7 @@ class RunningIn:
     indentation : float, optional
         Fixed indentation instead of the force 1. The pressure then decays to zero.
     loading : Loading
-        Force, which never falls, and sliding speed over time. Only `modal` uses it.
+        Force, which never falls, and sliding speed over time, for `modal`.
     """
 
     compliance: Compliance
@@ -205,7 +205,7 @@ class RunningIn:
         return float(self.steady.pressure @ self.steady.moments) - self.flat.indentation
 
     def time_until(self, fraction: float) -> float:
-        """Return the time at which the remaining change falls to a fraction of the whole change."""
+        """Return the time at which the remaining change falls to a fraction of `total_change`."""
         return self.modes.time_until(fraction * self.total_change)
 
     @property
@@ -336,7 +336,10 @@ class RunningIn:
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def stability_limit(self) -> float:
-        """Return the greatest stable step of the explicit march: twice the shortest time."""
+        """Return the greatest stable step of the explicit march.
+
+        It is twice the shortest relaxation time.
+        """
         return float(2 * self.relaxation_times[-1])
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
