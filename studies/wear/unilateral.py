@@ -141,13 +141,15 @@ class BorderedSystem:
         self._enters = contact[self.changed]
         if len(self.changed):
             borders = [factor.border(node) for node in self.changed.tolist()]
-            self._columns, self._solved = (
+            self._columns, self._column_solutions = (
                 np.stack(parts, axis=1) for parts in zip(*borders, strict=True)
             )
             # rows and columns of entering nodes; the bordering block of leaving nodes is zero
             entering_pairs = np.outer(self._enters, self._enters)
             block = factor.matrix[np.ix_(self.changed, self.changed)] * entering_pairs
-            self._schur = lu_factor(block - self._columns.T @ self._solved, check_finite=False)
+            self._schur = lu_factor(
+                block - self._columns.T @ self._column_solutions, check_finite=False
+            )
 
     def solve(self, moments: Array) -> Array:
         """Return pressures (n,) with given moments (n,) in contact, zero elsewhere."""
@@ -160,7 +162,7 @@ class BorderedSystem:
             np.where(self._enters, moments[self.changed], 0.0) - self._columns.T @ factor_solution
         )
         border_values = lu_solve(self._schur, right, check_finite=False)
-        pressures[nodes] = factor_solution - self._solved @ border_values
+        pressures[nodes] = factor_solution - self._column_solutions @ border_values
         pressures[self.changed] = np.where(self._enters, border_values, 0.0)
         return pressures
 
@@ -185,17 +187,17 @@ class Contact:
         self._system: BorderedSystem | None = None
         self._weights_solution = np.empty(0)
 
-    def _system_for(self, contact: Mask, anew: bool = False) -> BorderedSystem:
-        """Return the system of a contact and store it; `anew` forces a new factorisation."""
+    def _system_for(self, contact: Mask, refactorise: bool = False) -> BorderedSystem:
+        """Return the system of a contact and store it; `refactorise` forces a new factorisation."""
         last, last_contact = self._system, self._contact
         if (
             last is not None
             and last_contact is not None
-            and not anew
+            and not refactorise
             and np.array_equal(contact, last_contact)
         ):
             return last
-        factor = None if last is None or anew else last.factor
+        factor = None if last is None or refactorise else last.factor
         if factor is None or np.count_nonzero(contact != factor.contact) > MOST_CHANGES:
             factor = Factor(self.matrix, contact)
         system = BorderedSystem(factor, contact)
@@ -203,8 +205,8 @@ class Contact:
         self._weights_solution = system.solve(self.weights)
         return system
 
-    def _solved(
-        self, moments: Array, load: Load, contact: Mask, anew: bool = False
+    def _solve_for_contact(
+        self, moments: Array, load: Load, contact: Mask, refactorise: bool = False
     ) -> tuple[Array, Array, float]:
         """Return pressure, gap and indentation for exactly the given contact.
 
@@ -213,7 +215,7 @@ class Contact:
         if not contact.any():
             indentation = float(load.indentation or 0.0)
             return np.zeros(len(contact)), moments - indentation * self.weights, indentation
-        system, weights = self._system_for(contact, anew), self.weights
+        system, weights = self._system_for(contact, refactorise), self.weights
         moments_solution, weights_solution = system.solve(moments), self._weights_solution
         if load.force is None:
             indentation = float(load.indentation or 0.0)
@@ -234,7 +236,7 @@ class Contact:
             gap = self.matrix @ pressure + moments - indentation * weights
             roundoff = np.abs(moments) + abs(indentation) * weights
             if (np.abs(gap) > BORDERED_TOLERANCE * roundoff)[contact].any():
-                return self._solved(moments, load, contact, anew=True)
+                return self._solve_for_contact(moments, load, contact, refactorise=True)
         return pressure, gap, indentation
 
     def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:
@@ -263,7 +265,7 @@ class Contact:
         if load.force is not None:
             contact = self._not_empty(contact, moments)
         for count in range(1, 4000):
-            pressure, gap, indentation = self._solved(moments, load, contact)
+            pressure, gap, indentation = self._solve_for_contact(moments, load, contact)
             # bound on the roundoff in a gap that is zero
             roundoff = 1e-15 * (np.abs(moments) + abs(indentation) * self.weights)
             violations = np.where(contact, pressure < 0, gap < -roundoff)
