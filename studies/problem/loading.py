@@ -57,10 +57,7 @@ class Loading:
 
     @classmethod
     def over_time(cls, force: OverTime, speed: OverTime, unit: float) -> "Loading":
-        """Return the loading of a force and a speed over time.
-
-        `unit` is the unit of time of the loading, in that of the arguments.
-        """
+        """Return the loading of a force and a speed over time, with times divided by `unit`."""
         if len(force.times) == len(speed.times) == 1:
             return cls()
         times = np.unique([0.0, *force.times, *speed.times])
@@ -105,11 +102,9 @@ class Loading:
         rise, speed_rise = (slope[knot] * duration for slope in self._slopes)
         speed_sum = 2 * speed + speed_rise
         bend = np.divide(speed_rise, speed_sum, out=np.zeros(len(duration)), where=speed_sum > 0)
-        slid, work = (
-            duration * speed_sum / 2,
-            duration * (force * speed_sum / 2 + rise * (speed / 2 + speed_rise / 3)),
-        )
-        distance, work = distances[knot] + slid, works[knot] + work
+        slid = duration * speed_sum / 2
+        segment_work = duration * (force * speed_sum / 2 + rise * (speed / 2 + speed_rise / 3))
+        distance, work = distances[knot] + slid, works[knot] + segment_work
         return State(force + rise, distance, work, knot, rise, slid, bend)
 
     @cached_property
