@@ -22,7 +22,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
     wear, problem = report.solution.wear, report.problem
     if wear is None or not report.full:
         return
-    for name, part in problem.load_regime.parts_left.items():
+    for name, part in problem.load_regime.remaining_fractions.items():
         if not report.given(name):
             # the verdict is undecided then
             continue
@@ -30,7 +30,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
         if report.fixed:
             whole, doubt = report.flat.indentation, 0.0
         elif report.graded:
-            whole, doubt = wear.whole_change, 0.0
+            whole, doubt = wear.total_change, 0.0
         else:
             moved = report.steady_displacement(report.face.radii)[None]
             steady, doubts = report.integrate(moved, report.steady_wear_rate / report.wear)
@@ -38,7 +38,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
             whole, doubt = float(steady[0]) - start, float(doubts[0])
             doubt += report.stated("indentation_start") * start
             doubt += report.stated("indentation_steady") * float(steady[0])
-        near = wear.modes.left(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
+        near = wear.modes.remaining_change(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
         decay = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
         stated = float(report.tolerance(name))
         tolerance = stated * decay + (doubt + 1e-12) / whole
@@ -76,7 +76,7 @@ def check_worn_volumes_of_profile(report: Reported) -> Rows:
     unworn = problem.profile(face.radii) + problem.profile.standoff
     # of a flat face that stands off its plane both have the standoff
     parts = face.areas * (report.solution.checked["profile"][-1] - unworn)
-    volumes, doubt = face.ring_sums(parts), DOUBT * face.integral_doubt(parts[None])[0]
+    volumes, doubt = face.ring_sums(parts), DOUBT * face.integral_error(parts[None])[0]
     whole = volumes.sum()
     if not whole > 0:
         return

@@ -14,7 +14,7 @@ def check_forces(report: Reported) -> Rows:
     if not report.fixed:
         error = np.maximum(report.errors("ring_force")[0], EXACT)
         yield Row("ring forces add up to F", whole, report.forces, error)
-    doubt = DOUBT * report.face.integral_doubt(parts)
+    doubt = DOUBT * report.face.integral_error(parts)
     # contact may lie between the radii of the face
     doubt[(parts > 0).sum(axis=1) < POINTS] = np.inf
     doubt += report.tolerance("pressure") * np.maximum(whole, np.finfo(float).tiny)

@@ -97,4 +97,4 @@ def check_modes(report: Reported) -> Rows:
         value = report.take("running_in_time")
         yield Row("running-in time of the answer", value, times[0], EXACT)
     if report.later.any():
-        yield Row("modes add up to the flat start", wear.share_of_modes, 1.0, EXACT)
+        yield Row("modes add up to the flat start", wear.resolved_fraction, 1.0, EXACT)

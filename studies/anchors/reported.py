@@ -181,4 +181,4 @@ class Reported:
     def integrate(self, values: Array, weights: Array | float = 1.0) -> tuple[Array, Array]:
         """Return integrals (T,) of values (T, R) over the face, and by how much they may be off."""
         parts = values * weights * self.face.areas
-        return parts.sum(axis=1), DOUBT * self.face.integral_doubt(parts)
+        return parts.sum(axis=1), DOUBT * self.face.integral_error(parts)

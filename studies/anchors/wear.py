@@ -94,7 +94,7 @@ def check_ring_volumes(report: Reported) -> Rows:
         passed.append(weights @ sampler.ring_forces(wear.modal(at)))
     profile, depth = report.take("profile")[report.later], report.take("indentation")[report.later]
     volumes = face.ring_sums(face.areas * profile)
-    doubt = DOUBT * face.integral_doubt(profile * face.areas)
+    doubt = DOUBT * face.integral_error(profile * face.areas)
     scale = volumes[1:].sum(axis=1)
     stated = report.errors("profile", "ring_force").max(axis=0)[report.later]
     stated = (stated[1:] + stated[:-1]) * report.area * (depth[1:] + depth[:-1])

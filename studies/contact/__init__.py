@@ -1,1 +1,1 @@
-"""Contact that opens, closes and spreads while the punch wears."""
+"""Wear of punches whose contact opens, closes and spreads."""

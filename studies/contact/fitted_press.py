@@ -1,16 +1,15 @@
-"""Static contact on a mesh fitted to its edges.
+"""Solve static contact on a mesh that is fitted to the contact edges. Non-dimensional.
 
-High degrees, graded to where the pressure is singular.
+The mesh has high polynomial degrees and is graded towards singularities of the pressure. The
+contact is one or more intervals of the radius. Their edges are fixed: they are corners of the punch
+face with infinite pressure. Only the outermost edge may be free. There the pressure falls to zero
+as a square root, and the stress intensity, which the coefficient of the pressure at the edge
+measures, vanishes. If the edges are given, the problem is linear: ``A p = d b - m``. The condition
+at the free edge gives d, and the load is one equation for the radius of that edge.
 
-The contact is one or more intervals of the radius. Their edges are fixed, corners of the punch face
-at which the pressure is infinite, but for the outermost, which may be free: there the pressure
-falls to zero as a root, and the stress intensity vanishes, which the coefficient of the pressure at
-the edge measures. With the edges given, all is linear: ``A p = d b - m``. The coefficient at a free
-edge gives d, and the load is one equation for the radius.
-
-The half-space has no length of its own: the compliance on a disc of radius c is ``c^3`` times that
-of the unit disc under the same intervals, scaled. Of a sphere or a cone one compliance serves every
-radius. Layers have a length, and another compliance for each radius. Non-dimensional.
+A homogeneous half-space has no intrinsic length: the compliance on a disc of radius c is ``c^3``
+times that of the unit disc with scaled intervals. One compliance is therefore enough for all radii
+of a sphere or a cone. With layers, each radius needs another compliance.
 """
 
 from collections.abc import Callable
@@ -31,15 +30,15 @@ from ..wear.unilateral import Interval, Load
 from .moments import moments
 
 Intervals = tuple[Interval, ...]
-# (edges from 0 to 1 that every pressure space must be broken at, which of them the pressure is
-# infinite at, layers in units of the outermost edge, if there are any) -> compliance
+# function of (edges from 0 to 1 at which every pressure space has breakpoints, whether the pressure
+# is infinite at each, layers in units of the outermost edge or None) that returns the compliance
 CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...], Ground | None], Compliance]
 
-# of the search for the radius of a free edge: steps, the first over the width of what may hold it,
-# and the last over the radius
+# secant search for the radius of a free edge: greatest number of steps, length of the first step
+# over the width of the bracket, and greatest length of the last step over the radius
 MOST_SECANTS, FIRST_STEP, RADIUS_TOLERANCE = 60, 1e-3, 1e-7
-# kinks of the face that the mesh is fitted to: no nearer to an edge of the contact than this part
-# of its width, and no more than this in a part
+# the mesh is fitted to kinks of the face whose distance from a contact edge, over the width of that
+# part of the contact, is at least NEAREST_KINK; to none in a part with more than MOST_KINKS
 NEAREST_KINK, MOST_KINKS = 1e-6, 4
 
 
@@ -50,47 +49,54 @@ def fit_presses(
     compliances: tuple[CompliancesOn, CompliancesOn],
     ground: Ground | None = None,
 ) -> tuple[FittedPress, FittedPress]:
-    """Press an unworn punch on pressures of a higher and of a lower degree.
+    """Press an unworn punch with pressures of a higher and of a lower polynomial degree.
 
     Parameters
     ----------
-    profile, load : of the punch
-    intervals : where it touches, about
-    compliances : of the higher degree, and of the lower, which shows what it errs by
-    ground : layers, if there are any
+    profile : InitialProfile
+        Unworn face.
+    load : Load
+        Force or indentation.
+    intervals : tuple of Interval
+        Approximate parts of the contact.
+    compliances : tuple of two callables
+        Return the compliances of the higher degree, and of the lower one for the error estimate.
+    ground : Ground, optional
+        Layers, if there are any.
 
     Raises
     ------
     SolverError
-        if an edge within the contact is free, or its radius is not found
+        if an edge other than the outermost is free, if the radius of the free edge is not found, or
+        if a pressure is clearly negative
     """
     if not intervals:
-        raise SolverError("nothing touches that cells could feel")
+        raise SolverError("there is no contact, or it is too small for the cells")
     *_, outermost = edges = [
         free for part in intervals for free in (part.inner_free, part.outer_free)
     ]
     if any(edges[:-1]):
-        raise SolverError("it ends where the face is smooth, and not at its outermost edge alone")
+        raise SolverError("the contact has a free edge other than its outermost one")
     slope = None
     if outermost:
-        rough, slope = fit_press(profile, load, intervals, _roughly, ground)
+        rough, slope = fit_press(profile, load, intervals, _rough_compliance, ground)
         intervals = rough.intervals
-    # in turn, each from where the last found the edge
+    # each search for the edge starts from the result of the previous one
     coarse, slope = fit_press(profile, load, intervals, compliances[1], ground, slope)
     fine, _ = fit_press(profile, load, coarse.intervals, compliances[0], ground, slope)
     for press in (fine, coarse):
         radii, _, _ = press.space.quadrature
         pressure = press.space.matrix(radii.ravel()) @ press.pressure
-        # beyond what polynomials do at edges
+        # polynomials may be slightly negative at edges; this is more
         if pressure.min() < -1e-3 * press.force / (np.pi * press.radius**2):
             raise SolverError("the contact has more parts than were found")
     return fine, coarse
 
 
-def _roughly(
+def _rough_compliance(
     edges: tuple[float, ...], infinite: tuple[bool, ...], ground: Ground | None
 ) -> Compliance:
-    """Return a compliance that takes no time, by which the edge is sought first."""
+    """Return a cheap, inaccurate compliance for the first search for the edge."""
     space = fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges)))
     return energy.compliance(space, ground)
 
@@ -103,15 +109,27 @@ def fit_press(
     ground: Ground | None = None,
     slope: float | None = None,
 ) -> tuple[FittedPress, float | None]:
-    """Press an unworn punch, and find its outermost edge from a start near it, if that is free.
+    """Press an unworn punch; if the outermost edge is free, find its radius by secant steps.
 
-    Returns by how much the load is missed for how much that edge is, too, and takes it from where
-    it is about the same.
+    Parameters
+    ----------
+    profile, load, intervals, ground
+        See `fit_presses`; `intervals` contain the first guess of the radius.
+    on_edges : callable
+        Returns the compliance.
+    slope : float, optional
+        Derivative of the load error with respect to the radius, from a similar problem.
+
+    Returns
+    -------
+    FittedPress
+    float or None
+        The derivative of the load error; None if no edge is free.
 
     Raises
     ------
     SolverError
-        if it is not found: the contact is of another kind than the start
+        if the radius is not found, because the contact has other parts than `intervals`
     """
     *inner, last = intervals
     compliance_on, radius = lru_cache(on_edges), last.outer
@@ -120,8 +138,8 @@ def fit_press(
         parts = (*inner, replace(last, outer=float(outer)))
         return _solve(profile, load, parts, compliance_on, ground)
 
-    def miss(outer: float) -> float:
-        """Return by how much the load is missed, in a power that is linear of a sphere."""
+    def load_error(outer: float) -> float:
+        """Return the relative error of the load, in a power that is linear in a sphere's radius."""
         press = solve(outer, None)
         if load.force is None:
             return float(np.sqrt(press.indentation / float(load.indentation or 1.0)) - 1)
@@ -129,29 +147,29 @@ def fit_press(
 
     if not last.outer_free:
         return solve(radius, load), None
-    # The load grows with the radius, but beyond a kink of the face in another way, and short of it
-    # there may be none: the secants of one side say nothing of the other.
+    # The load increases with the radius, but differently on the two sides of a kink of the face,
+    # and inside the kink it may be zero. Secants from one side are therefore useless on the other.
     low = max([last.inner, *(kink for kink in profile.kinks if kink < radius)])
-    high, step, last_miss = 1.0, 0.0, 0.0
+    high, step, last_error = 1.0, 0.0, 0.0
     for _ in range(MOST_SECANTS):
-        missed = miss(radius)
+        error = load_error(radius)
         if step:
-            slope = (missed - last_miss) / step
+            slope = (error - last_error) / step
         elif slope is None:
             nearby = radius - FIRST_STEP * (radius - low)
-            slope = (missed - miss(nearby)) / (radius - nearby)
-        if missed < 0:
+            slope = (error - load_error(nearby)) / (radius - nearby)
+        if error < 0:
             low = radius
         else:
-            # at the kink the load may be too large already
+            # if the load is too large even at the kink, the edge is inside it
             low, high = (low if low < radius else last.inner), radius
-        secant = -missed / slope if slope > 0 else np.inf
+        secant = -error / slope if slope > 0 else np.inf
         # secants converge faster than linearly: the error is far below the last step
         if abs(secant) <= RADIUS_TOLERANCE * radius:
-            # d by the load, of which an edge a little off takes nothing in the first order
+            # d follows from the load, in which the error of the edge is of second order
             return solve(radius + secant, load), slope
         step = secant if low < radius + secant < high else (low + high) / 2 - radius
-        radius, last_miss = radius + step, missed
+        radius, last_error = radius + step, error
     raise SolverError("the edge of the contact was not found")
 
 
@@ -162,9 +180,15 @@ def _solve(
     compliance_on: CompliancesOn,
     ground: Ground | None,
 ) -> FittedPress:
-    """Return the press whose contact has these edges.
+    """Return the solution of the linear problem in which the contact has the given edges.
 
-    If no load is given, its indentation d is the one at which the outermost edge is free.
+    If no load is given, the indentation is the one at which the pressure vanishes at the outermost
+    edge.
+
+    Raises
+    ------
+    SolverError
+        if the edges cross or leave the punch, or if the compliance is not positive definite
     """
     last = intervals[-1]
     radius = last.outer
@@ -173,9 +197,9 @@ def _solve(
     infinite = {edge: True for part in intervals for edge in (part.inner, part.outer)}
     infinite |= {0.0: False, radius: not last.outer_free}
     for part in intervals:
-        # the pressure goes as x log x at a kink, which ring forces would feel by 2e-4
-        near = NEAREST_KINK * (part.outer - part.inner)
-        kinks = [kink for kink in profile.kinks if part.inner + near < kink < part.outer - near]
+        # at a kink the pressure behaves as x log x; unresolved, it changes ring forces by 2e-4
+        margin = NEAREST_KINK * (part.outer - part.inner)
+        kinks = [kink for kink in profile.kinks if part.inner + margin < kink < part.outer - margin]
         infinite |= dict.fromkeys(kinks if len(kinks) <= MOST_KINKS else (), False)
     edges = sorted(infinite)
     compliance = compliance_on(
@@ -186,24 +210,25 @@ def _solve(
     space = compliance.space
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
     inside = [(middle > part.inner) & (middle < part.outer) for part in intervals]
-    carries = np.setdiff1d(space.dofs[np.any(inside, axis=0)], space.size)
-    weights = space.weights[carries] * radius**2
-    of_profile = moments(profile, space, radius)[carries] * radius**2
+    loaded = np.setdiff1d(space.dofs[np.any(inside, axis=0)], space.size)
+    weights = space.weights[loaded] * radius**2
+    profile_moments = moments(profile, space, radius)[loaded] * radius**2
     try:
-        factor = cho_factor(compliance.matrix[np.ix_(carries, carries)] * radius**3)
+        factor = cho_factor(compliance.matrix[np.ix_(loaded, loaded)] * radius**3)
     except np.linalg.LinAlgError as error:
         raise SolverError(
             f"the compliance of the contact is not positive definite: {error}"
         ) from error
-    by_weights, by_moments = cho_solve(factor, weights), cho_solve(factor, of_profile)
+    weights_solution = cho_solve(factor, weights)
+    moments_solution = cho_solve(factor, profile_moments)
     if load is None:
-        # the last function is the hat at the outermost edge
-        indentation = by_moments[-1] / by_weights[-1]
+        # the last basis function is the hat function at the outermost edge
+        indentation = moments_solution[-1] / weights_solution[-1]
     elif load.force is not None:
-        indentation = (load.force + weights @ by_moments) / (weights @ by_weights)
+        indentation = (load.force + weights @ moments_solution) / (weights @ weights_solution)
     else:
         indentation = load.indentation or 0.0
     pressure = np.zeros(space.size)
-    pressure[carries] = indentation * by_weights - by_moments
-    force = float(weights @ pressure[carries])
+    pressure[loaded] = indentation * weights_solution - moments_solution
+    force = float(weights @ pressure[loaded])
     return FittedPress(space, pressure, float(indentation), force, intervals)

@@ -1,7 +1,7 @@
-"""A shaped punch once all of its face carries: the rest is linear, and exact in time.
+"""Compute the history of a shaped punch once all of its face is in contact.
 
-The modes of the pencil (A, K) give ``A p' = d' b - K p`` at any time, as those of a flat punch do
-(`full_contact.py`).
+From then on the problem is linear. The modes of the pencil (A, K) solve ``A p' = d' b - K p``
+exactly at any time, as for a flat punch (`full_contact.py`).
 """
 
 from dataclasses import dataclass, replace
@@ -13,24 +13,31 @@ from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..wear.full_contact import RunningIn
-from ..wear.history import History, Moment
+from ..wear.history import History, Instant
 from ..wear.unilateral import Load
 
-# instants after the last time asked for at which contact has to stay full
+# number of additional times, between the beginning of full contact and the last requested time, at
+# which the pressure is checked to be positive
 INSTANTS = 64
 
 
 @dataclass(frozen=True, eq=False)
 class FullFace:
-    """The face of a shaped punch, all of which carries.
+    """The face of a shaped punch in full contact.
 
     Parameters
     ----------
-    compliance : on a space of degree 1
-    wear_coefficients : (N,) or (2, N) of the rings of that space
-    moments : (size,) of the initial profile
-    load : greatest force, or indentation
-    loading : part of that force, and the sliding speed, over time
+    compliance : Compliance
+        Compliance on a space of degree 1.
+    wear_coefficients : (N,) or (2, N) array
+        Wear coefficient of each ring of that space; or those at the inner and outer edge of each
+        ring, linear between.
+    moments : (size,) array
+        Moments of the initial profile.
+    load : Load
+        Greatest force, or indentation.
+    loading : Loading
+        Force over the greatest force, and sliding speed, over time.
     """
 
     compliance: Compliance
@@ -41,7 +48,7 @@ class FullFace:
 
     @cached_property
     def running_in(self) -> RunningIn:
-        """The modes in which the pressure tends to its steady state."""
+        """The relaxation modes and the steady state of the full face."""
         return RunningIn(
             self.compliance,
             self.wear_coefficients,
@@ -54,38 +61,41 @@ class FullFace:
         """The slowest relaxation time."""
         return float(self.running_in.slowest_times[0])
 
-    def history_since(self, since: Moment, times: Array) -> History:
-        """Return the history at times after a moment, if contact stays full."""
-        force = 1.0 if self.load.force is None else since.press.force
-        worn = self.compliance.space.mass(self.wear_coefficients) @ since.integral
+    def history_since(self, start: Instant, times: Array) -> History:
+        """Return the history at times (T,) after `start`, provided that contact stays full."""
+        force = 1.0 if self.load.force is None else start.press.force
+        worn = self.compliance.space.mass(self.wear_coefficients) @ start.integral
         return self.running_in.from_full_contact(
-            self.loading.at(times).distance, since.distance, since.work, self.moments, worn, force
+            self.loading.at(times).distance, start.distance, start.work, self.moments, worn, force
         )
 
-    def history_if_full(self, since: Moment, times: Array) -> History | None:
-        """Return the history at times if contact stays full from a moment on; None otherwise.
+    def history_if_full(self, start: Instant, times: Array) -> History | None:
+        """Return the history at times (T,) if contact stays full after `start`; otherwise None.
 
-        After these times the history has `INSTANTS` more, between that moment and the last time.
-        There, it holds the times themselves in place of their sliding distances.
+        The history also contains `INSTANTS` additional times between `start` and the last time,
+        appended after the requested ones. For these, `distances` holds the times instead of the
+        sliding distances.
         """
-        slowed, after = float(self.loading.speeds[-1]), times - since.time
-        fastest = float(self.running_in.relaxation_times[-1]) / slowed
-        # contact is full while no pressure is negative
-        between = since.time + np.geomspace(min(fastest, after[0]), after[-1], INSTANTS)
-        history = self.history_since(since, np.append(times, between))
+        final_speed, elapsed = float(self.loading.speeds[-1]), times - start.time
+        fastest_time = float(self.running_in.relaxation_times[-1]) / final_speed
+        # contact stays full if no pressure becomes negative
+        check_times = start.time + np.geomspace(
+            min(fastest_time, elapsed[0]), elapsed[-1], INSTANTS
+        )
+        history = self.history_since(start, np.append(times, check_times))
         if history.pressure.min() < 0:
             return None
-        distances = np.append(history.distances[: len(times)], between)
+        distances = np.append(history.distances[: len(times)], check_times)
         return replace(history, distances=distances)
 
     def remainder(self, times: Array, indentation: Array, force: Array) -> Array:
-        """Return how far the punch is from where wear tends to, at times (T,).
+        """Return the remaining change to the steady state at times (T,).
 
-        By the approach less steady wear, which may cross that, or by the force at a fixed
-        indentation.
+        Under a force it is ``d(t) - w t`` minus its limit, with the steady wear rate w; it may
+        change its sign. At a fixed indentation it is the force.
         """
         if self.load.force is None:
             return force
-        greatest, steady = self.load.force, self.running_in.steady
-        limit = steady.pressure @ (greatest * steady.moments + self.moments)
-        return np.asarray(indentation - greatest * steady.wear_rate * times - limit)
+        force_scale, steady = self.load.force, self.running_in.steady
+        limit = steady.pressure @ (force_scale * steady.moments + self.moments)
+        return np.asarray(indentation - force_scale * steady.wear_rate * times - limit)

@@ -1,9 +1,10 @@
-"""The march of a punch whose contact opens, closes and spreads. Non-dimensional.
+"""March a punch whose contact opens, closes and spreads in time. Non-dimensional.
 
-Each step solves contact and wear together (`stages.py`), in lengths that suit a tolerance
-(`step_control.py`). Steps end where the load bends, and where it changes at a stop the punch is
-pressed anew. Once all of the face carries, the rest is linear, and modes give it exactly at any
-time (`full_face.py`). What a march yields is a value (`marched.py`).
+Each step solves contact and wear together (`stages.py`), and the step length follows a tolerance
+(`step_control.py`). Steps end at the knots of the load. If the force changes while the punch does
+not slide, the contact problem is solved again without wear. Once all of the face is in contact, the
+problem is linear, and relaxation modes solve it exactly at any time (`full_face.py`). The result of
+a march is a `Marched` (`marched.py`).
 """
 
 import numpy as np
@@ -14,27 +15,27 @@ from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..problem.regimes import MOVING_CONTACT
 from ..sizes.marching import steps_between
-from ..wear.history import History, Moment, Steps
+from ..wear.history import History, Instant, Steps
 from ..wear.unilateral import Load
 from .full_face import FullFace
-from .marched import Marched, history_of, path_row
+from .marched import Marched, history_of_instants, path_row
 from .stages import ContactStages
 from .step_control import StepControl
 
-# part of the first force below which, at a fixed indentation, nothing presses but roundoff
-SPENT = 1e-12
-# part of the distance until a time that is roundoff
+# at a fixed indentation, a force below this fraction of the first force is roundoff
+NEGLIGIBLE_FORCE = 1e-12
+# a remaining distance below this fraction of the total distance is roundoff
 ROUNDOFF = 1e-14
-# steps after which a moment is watched for estimates of errors, where the load varies
-WATCHED_EVERY = 12
+# under a varying load, errors are estimated after every so many accepted steps
+STEPS_BETWEEN_ESTIMATES = 12
 
 
 class ContactMarch:
     """Compute the wear of a shaped punch in steps, while contact opens, closes and spreads.
 
     A `ContactMarch` combines a `Compliance` of piecewise linear pressures, wear coefficients, the
-    moments of the face and a load. `adaptive` marches in steps that suit a tolerance, `implicit`
-    in equal ones. The paraboloid below has worn by the volume k F t at every time.
+    moments of the face and a load. `adaptive` takes steps that follow a tolerance, `implicit` takes
+    equal steps. In the example, the worn volume of a paraboloid is k F t at every time.
 
     >>> from ringwear.mdr import energy
     >>> from ringwear.meshes.pressure_space import PressureSpace
@@ -47,15 +48,16 @@ class ContactMarch:
     Parameters
     ----------
     compliance : Compliance
-        On a space of degree 1.
+        Compliance on a space of degree 1.
     wear_coefficients : (N,) or (2, N) array
-        Of the rings of that space; or at the inner and outer edge of each, linear between.
+        Wear coefficient of each ring of that space; or those at the inner and outer edge of each
+        ring, linear between.
     moments : (size,) array
-        Of the initial profile.
+        Moments of the initial profile.
     load : Load
         Greatest force, or indentation.
     loading : Loading, optional
-        Part of that force, and the sliding speed, over time.
+        Force over the greatest force, and sliding speed, over time; constant if not given.
     """
 
     def __init__(
@@ -70,14 +72,15 @@ class ContactMarch:
         self._stages = ContactStages(self.face)
 
     def adaptive(self, times: Array, tolerance: float) -> Marched:
-        """March in steps of second order that suit a tolerance, until contact is full.
+        """March in steps of second order that follow a tolerance, until contact is full.
 
         Parameters
         ----------
         times : (T,) array
-            Increasing; a step ends on each.
+            Increasing times; a step ends on each.
         tolerance : float
-            Root mean square error of the worn depth that a step may add, over the indentation.
+            Root mean square error of the worn depth that a step may add, over the greatest
+            indentation so far.
 
         Returns
         -------
@@ -87,66 +90,72 @@ class ContactMarch:
         Raises
         ------
         SceneError
-            If it takes too many steps.
+            if the march takes too many steps
         """
         stages, face = self._stages, self.face
         load, loading = face.load, face.loading
-        before = now = stages.unworn()
-        spent = SPENT * now.press.force if load.force is None else 0.0
-        # after each step; at the times asked for and after some steps between
-        moments, watched, iterations = [now], list[Moment](), list[int]()
+        previous = current = stages.press_unworn()
+        negligible_force = NEGLIGIBLE_FORCE * current.press.force if load.force is None else 0.0
+        # `instants`: after each step; `watched`: at the requested times and after some steps
+        instants, watched, iterations = [current], list[Instant](), list[int]()
         events = np.union1d(times, loading.times[loading.times < times[-1]])
         distances = loading.at(events).distance
         control = StepControl(tolerance, float(distances[-1]))
 
-        def marched(full_since: Moment | None = None, full: History | None = None) -> Marched:
-            """Return what the march has yielded, with the history in full contact after it."""
+        def result(full_since: Instant | None = None, full: History | None = None) -> Marched:
+            """Return the result of the march, continued by a history in full contact if given."""
             steps = Steps(control.taken, control.rejected, tuple(iterations))
-            history, then = history_of(watched, face, steps), times[:0]
+            history, later_times = history_of_instants(watched, face, steps), times[:0]
             later = None
             if full is not None:
-                then = times[times >= event]
-                history, later = history.then(full[: len(then)]), full[len(then) :]
-            at = np.append([moment.time for moment in watched], then)
-            rows = [path_row(moment.time, moment.press, stages.weights) for moment in moments]
+                later_times = times[times >= event]
+                history, later = history.then(full[: len(later_times)]), full[len(later_times) :]
+            result_times = np.append([instant.time for instant in watched], later_times)
+            rows = [path_row(instant.time, instant.press, stages.weights) for instant in instants]
             path = np.array(rows)
-            return Marched(times, tuple(moments), at, history, face, path, full_since, later)
+            return Marched(
+                times, tuple(instants), result_times, history, face, path, full_since, later
+            )
 
-        for event, until in zip(events, distances, strict=True):
+        for event, end_distance in zip(events, distances, strict=True):
             knot = max(int(np.searchsorted(loading.times, event)) - 1, 0)
-            carried, work = stages.at(float(event))
-            while (left := until - now.distance) > ROUNDOFF * until:
-                if max(now.press.force, carried.force or 0.0) <= spent:
+            load_at_event, work = stages.at(float(event))
+            while (remaining := end_distance - current.distance) > ROUNDOFF * end_distance:
+                if max(current.press.force, load_at_event.force or 0.0) <= negligible_force:
                     break
-                if knot == len(loading.times) - 1 and now.press.contact.all():
-                    full = face.history_if_full(now, times[times >= event])
+                if knot == len(loading.times) - 1 and current.press.contact.all():
+                    full = face.history_if_full(current, times[times >= event])
                     if full is not None:
-                        return marched(now, full)
-                dt = control.next_towards(left)
-                time = loading.time_at(now.distance + dt, knot) if dt < left else float(event)
-                middle, after, error = stages.two_stages(dt, time, before, now)
-                iterations += (middle.press.iterations, after.press.iterations)
-                if control.accepts(dt, error, after.press.indentation):
-                    before, now = middle, after
-                    moments.append(now)
-                    further = not watched or time > 2 * watched[-1].time
-                    # where loads vary, late times have as much to show as early ones
-                    in_turn = loading.varies and control.taken % WATCHED_EVERY == 0
-                    if dt < left and (further or in_turn):
-                        watched.append(now)
+                        return result(current, full)
+                dt = control.next_towards(remaining)
+                time = (
+                    loading.time_at(current.distance + dt, knot) if dt < remaining else float(event)
+                )
+                middle, following, error = stages.solve_two_stages(dt, time, previous, current)
+                iterations += (middle.press.iterations, following.press.iterations)
+                if control.accepts(dt, error, following.press.indentation):
+                    previous, current = middle, following
+                    instants.append(current)
+                    doubled = not watched or time > 2 * watched[-1].time
+                    # under a varying load, late times matter as much as early ones
+                    due = loading.varies and control.taken % STEPS_BETWEEN_ESTIMATES == 0
+                    if dt < remaining and (doubled or due):
+                        watched.append(current)
                 if control.taken + control.rejected > MOVING_CONTACT.most_steps:
                     raise SceneError(
                         f"the march took more than {MOVING_CONTACT.most_steps} steps to a sliding "
-                        f"distance of {now.distance:.3g}: give a larger rtol"
+                        f"distance of {current.distance:.3g}: give a larger rtol"
                     )
-            if carried.force is not None and now.press.force != carried.force:
-                before = now = now._replace(press=stages.pressed(now.integral, carried))
-            now = now._replace(time=float(event), distance=float(until), work=work)
-            if event > moments[-1].time:
-                moments.append(now)
+            if load_at_event.force is not None and current.press.force != load_at_event.force:
+                previous = current = current._replace(
+                    press=stages.press_worn(current.integral, load_at_event)
+                )
+            current = current._replace(time=float(event), distance=float(end_distance), work=work)
+            if event > instants[-1].time:
+                instants.append(current)
             if event in times:
-                watched.append(now)
-        return marched()
+                watched.append(current)
+        return result()
 
     def implicit(self, times: Array, step: float) -> Marched:
         """March by implicit Euler in equal steps of at most `step` between output times.
@@ -154,7 +163,7 @@ class ContactMarch:
         Raises
         ------
         SceneError
-            If it would take too many steps.
+            if the march would take too many steps
         """
         counts = steps_between(times, step).astype(int)
         if counts.sum() > MOVING_CONTACT.most_steps:
@@ -163,21 +172,23 @@ class ContactMarch:
                 "give a larger wear.step"
             )
         stages, face = self._stages, self.face
-        before = now = stages.unworn()
-        states, moments, iterations = list[Moment](), [now], list[int]()
-        path = [path_row(0.0, now.press, stages.weights)]
+        previous = current = stages.press_unworn()
+        states, instants, iterations = list[Instant](), [current], list[int]()
+        path = [path_row(0.0, current.press, stages.weights)]
         for time, count, length in zip(times, counts, np.diff(times, prepend=0.0), strict=True):
             dt = length / max(count, 1)
             for _ in range(count):
-                distance = now.distance + dt
-                after = stages.stage(dt, distance, now.integral, face.load, before, now)
-                iterations.append(after.press.iterations)
-                before, now = now, after
-                path.append(path_row(now.distance, now.press, stages.weights))
-            now = now._replace(time=float(time), distance=float(time))
-            states.append(now)
+                distance = current.distance + dt
+                following = stages.solve_stage(
+                    dt, distance, current.integral, face.load, previous, current
+                )
+                iterations.append(following.press.iterations)
+                previous, current = current, following
+                path.append(path_row(current.distance, current.press, stages.weights))
+            current = current._replace(time=float(time), distance=float(time))
+            states.append(current)
             if time > 0:
-                moments.append(now)
+                instants.append(current)
         steps = Steps(int(counts.sum()), iterations=tuple(iterations))
-        history = history_of(states, face, steps)
-        return Marched(times, tuple(moments), times, history, face, np.array(path))
+        history = history_of_instants(states, face, steps)
+        return Marched(times, tuple(instants), times, history, face, np.array(path))

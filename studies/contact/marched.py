@@ -1,4 +1,4 @@
-"""What a march of a contact that opens, closes and spreads has yielded: a value."""
+"""Hold the result of a march of a punch whose contact opens, closes and spreads."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -8,67 +8,81 @@ import numpy as np
 
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
-from ..wear.history import History, Moment, Steps
+from ..wear.history import History, Instant, Steps
 from ..wear.unilateral import Press
 from .full_face import FullFace
 
-# part of the face that may be missing from the area of contact by roundoff
-WHOLE = 1 - 1e-12
+# contact area over that of the face from which contact counts as full; the difference is roundoff
+FULL_AREA = 1 - 1e-12
 
 
 @dataclass(frozen=True, eq=False)
 class Marched:
-    """A march of a punch whose contact opens, closes and spreads.
+    """The result of a march of a punch whose contact opens, closes and spreads.
 
     Parameters
     ----------
-    times : (T,) asked for
-    moments : at the start and, in adaptive steps, after each of them; else at the times asked for
-    watched_times : (W,) the times asked for, and some between, where errors are estimated
-    watched : the history at these
-    face : what the punch does once all of its face carries
-    path : (S, 4) time, indentation, force, and area of contact over that of the face, at the start
-        and after each step
-    full_since : the step since which all of the face carries for good, if there is one
-    later : from then on, the history after the steps, at 64 times in place of sliding distances
+    times : (T,) array
+        Requested times.
+    instants : tuple of Instant
+        States at the start and after each adaptive step; or at the requested times, if the march
+        takes equal steps.
+    estimate_times : (W,) array
+        Times at which errors are estimated: the requested times and some between.
+    estimate_history : History
+        History at these times.
+    face : FullFace
+        The punch in full contact.
+    path : (S, 4) array
+        Time, indentation, force, and contact area over that of the face, at the start and after
+        each step.
+    full_since : Instant, optional
+        State after the step from which all of the face stays in contact, if there is one.
+    later : History, optional
+        History in full contact after the steps, at 64 times. Its `distances` are these times
+        instead of sliding distances.
     """
 
     times: Array
-    moments: tuple[Moment, ...]
-    watched_times: Array
-    watched: History
+    instants: tuple[Instant, ...]
+    estimate_times: Array
+    estimate_history: History
     face: FullFace
     path: Array
-    full_since: Moment | None = None
+    full_since: Instant | None = None
     later: History | None = None
 
     @cached_property
     def history(self) -> History:
-        """The history at the times asked for."""
-        return self.watched[np.flatnonzero(np.isin(self.watched_times, self.times))]
+        """The history at the requested times."""
+        return self.estimate_history[np.flatnonzero(np.isin(self.estimate_times, self.times))]
 
     @property
     def between(self) -> History:
-        """The history at every step, and in full contact after them; times for distances."""
-        history = history_of(self.moments, self.face)
-        history = replace(history, distances=np.array([moment.time for moment in self.moments]))
+        """The history after every step, continued in full contact.
+
+        Its `distances` are times instead of sliding distances.
+        """
+        history = history_of_instants(self.instants, self.face)
+        history = replace(history, distances=np.array([instant.time for instant in self.instants]))
         return history if self.later is None else history.then(self.later)
 
     @property
     def space(self) -> PressureSpace:
-        """The cells that the punch is marched on."""
+        """The pressure space of the march."""
         return self.face.compliance.space
 
     @cached_property
     def time_of_full_contact(self) -> float:
-        """When all of the face began to carry for good; NaN if it never did.
+        """The time from which all of the face stays in contact; NaN if there is none.
 
-        Steps end before and after; the area of contact grows in a straight line in between.
+        It lies between the ends of two steps and is found by extrapolating the contact area
+        linearly from the last two steps in partial contact.
         """
         if self.full_since is None:
             return np.nan
         times, _, _, areas = self.path.T
-        partial = np.flatnonzero(areas < WHOLE)
+        partial = np.flatnonzero(areas < FULL_AREA)
         if len(partial) < 2 or partial[-1] + 1 == len(times):
             return self.full_since.time
         last = partial[-1]
@@ -77,12 +91,12 @@ class Marched:
         return float(min(times[last] + ahead, times[last + 1]))
 
     def remainder(self) -> tuple[Array, Array]:
-        """Return the times of the steps (S,), and how far the punch is from its limit at each."""
+        """Return the times of the steps (S,), and the remaining change to the limit then (S,)."""
         times, depth, force, _ = self.path.T
         return times, self.face.remainder(times, depth, force)
 
-    def remainder_later(self, times: Array) -> Array:
-        """Return how far the punch is from its limit at times (T,) after contact is full.
+    def remainder_in_full_contact(self, times: Array) -> Array:
+        """Return the remaining change to the limit at times (T,) in full contact.
 
         Raises
         ------
@@ -96,30 +110,40 @@ class Marched:
 
 
 def path_row(time: float, press: Press, weights: Array) -> tuple[float, float, float, float]:
-    """Return time, indentation, force, and area of contact over that of the face.
+    """Return a row of `Marched.path`: time, indentation, force, and relative contact area.
 
     Parameters
     ----------
-    weights : (size,) areas of the nodes
+    time : float
+        Time of the row.
+    press : Press
+        Solution of the contact problem.
+    weights : (size,) array
+        Area of each node.
     """
     area = float(weights[press.contact].sum() / weights.sum())
     return time, press.indentation, press.force, area
 
 
-def history_of(moments: Sequence[Moment], face: FullFace, steps: Steps | None = None) -> History:
-    """Return the history of a punch at some moments.
+def history_of_instants(
+    instants: Sequence[Instant], face: FullFace, steps: Steps | None = None
+) -> History:
+    """Return the history that consists of the states at T instants.
 
     Parameters
     ----------
-    moments : T of them
-    face : of the punch
-    steps : how the march went
+    instants : sequence of Instant
+        States of the punch.
+    face : FullFace
+        Face of the punch.
+    steps : Steps, optional
+        Statistics of the march.
     """
     space = face.compliance.space
-    integrals = np.reshape([moment.integral for moment in moments], (-1, space.size))
-    presses = [moment.press for moment in moments]
+    integrals = np.reshape([instant.integral for instant in instants], (-1, space.size))
+    presses = [instant.press for instant in instants]
     return History(
-        np.array([moment.distance for moment in moments]),
+        np.array([instant.distance for instant in instants]),
         np.reshape([press.pressure for press in presses], integrals.shape),
         integrals * space.at_vertices(face.wear_coefficients),
         np.array([press.indentation for press in presses]),

@@ -1,6 +1,6 @@
-"""Moments of a profile against the pressures of a space.
+"""Compute the moments of a profile, which represent the punch face in contact problems.
 
-All that contact knows of the punch face, and what they miss.
+The height that the elements of a space cannot resolve is computed, too.
 """
 
 from typing import NamedTuple
@@ -20,50 +20,69 @@ def moments(profile: InitialProfile, space: PressureSpace, radius: float = 1.0) 
 
     Parameters
     ----------
-    profile : of the punch
-    space : on the face, or on a disc within it as its own unit disc
-    radius : of that disc; areas are those of the unit disc
+    profile : InitialProfile
+        Heights of the punch face.
+    space : PressureSpace
+        Space on the face, or on a smaller disc that is scaled to the unit disc.
+    radius : float
+        Radius of that disc. The integrals are over the unit disc.
     """
-    at = _points(profile, space, radius)
-    values = shapes(at.local, space.top)
-    parts = np.einsum("eq,eqi->ei", 2 * np.pi * at.radii * at.weights * at.heights, values)
-    out = np.zeros(space.size + 1)
-    np.add.at(out, space.dofs[at.element], parts)
-    return out[:-1]
+    points = _points(profile, space, radius)
+    values = shapes(points.local, space.top)
+    parts = np.einsum(
+        "eq,eqi->ei", 2 * np.pi * points.radii * points.weights * points.heights, values
+    )
+    result = np.zeros(space.size + 1)
+    np.add.at(result, space.dofs[points.element], parts)
+    return result[:-1]
 
 
 def unresolved_height(profile: InitialProfile, space: PressureSpace, depth: float) -> float:
-    """Return by how much the face differs from a parabola on any element that can touch.
+    """Return the greatest difference between the face and its best parabola on any element.
 
-    Indentations under one force differ by no more than the two faces do: the elements see a face
-    that is smooth in each.
+    The parabolas are least-squares fits. The elements represent a face that is smooth in each. The
+    indentations of two faces under the same force differ by at most the difference of the faces, so
+    the result bounds the error of the indentation.
 
     Parameters
     ----------
-    profile : of the punch
-    space : on the face
-    depth : indentation that elements whose heights are all greater do not feel
+    profile : InitialProfile
+        Heights of the punch face.
+    space : PressureSpace
+        Space on the face.
+    depth : float
+        Elements on which all heights are greater than this indentation cannot touch and are
+        ignored.
     """
-    at, count = _points(profile, space, 1.0), len(space.degrees)
-    legendre = legvander(at.local, 2)
-    # lengths of elements are two in the local coordinate
-    lengths = np.diff(space.breakpoints)[at.element, None]
+    points, count = _points(profile, space, 1.0), len(space.degrees)
+    legendre = legvander(points.local, 2)
+    # in the local coordinate, elements have length 2
+    lengths = np.diff(space.breakpoints)[points.element, None]
     parts = np.einsum(
-        "eq,eqj->ej", at.weights / lengths * at.heights, legendre * (2 * np.arange(3) + 1)
+        "eq,eqj->ej", points.weights / lengths * points.heights, legendre * (2 * np.arange(3) + 1)
     )
     parabolas = np.zeros((count, 3))
-    np.add.at(parabolas, at.element, parts)
-    missed = np.abs(at.heights - np.einsum("eqj,ej->eq", legendre, parabolas[at.element]))
+    np.add.at(parabolas, points.element, parts)
+    missed = np.abs(points.heights - np.einsum("eqj,ej->eq", legendre, parabolas[points.element]))
     least = np.full(count, np.inf)
-    np.minimum.at(least, at.element, at.heights.min(axis=1))
-    touched = (least[at.element] <= depth) & (space.degrees[at.element] > 0)
+    np.minimum.at(least, points.element, points.heights.min(axis=1))
+    touched = (least[points.element] <= depth) & (space.degrees[points.element] > 0)
     return float(missed.max(axis=1)[touched].max(initial=0.0))
 
 
 class _Points(NamedTuple):
-    """Gauss points of pieces of elements.
+    """Q Gauss points in each of P pieces of elements.
 
-    Element (P,), and (P, Q) radii, coordinates within it, weights of dr, heights.
+    Parameters
+    ----------
+    element : (P,) array of int
+        Index of the element of each piece.
+    radii, local : (P, Q) arrays
+        Radii, and coordinates from -1 to 1 within the element.
+    weights : (P, Q) array
+        Weights of ``dr``.
+    heights : (P, Q) array
+        Heights of the profile.
     """
 
     element: Indices
@@ -74,17 +93,17 @@ class _Points(NamedTuple):
 
 
 def _points(profile: InitialProfile, space: PressureSpace, radius: float) -> _Points:
-    """Return Gauss points between breakpoints, kinks and ring edges."""
+    """Return Gauss points on the pieces between breakpoints, kinks and ring edges."""
     edges = np.concatenate([profile.ring_edges, profile.kinks]) / radius
     cuts = np.union1d(space.breakpoints, edges[(edges > 0) & (edges < 1)])
-    # more than a polynomial of its degree needs: heights may be anything
+    # more points than polynomials of that degree need, because heights may be any function
     node, weight = unit_gauss(space.top + 8)
     width = np.diff(cuts)[:, None]
     element = np.searchsorted(space.breakpoints, cuts[:-1], side="right") - 1
     radii = cuts[:-1, None] + width * node
-    left, whole = space.breakpoints[element, None], np.diff(space.breakpoints)[element, None]
-    # by coordinates within the elements: by radii, those of small ones would lose digits
-    local = 2 * (cuts[:-1, None] - left + width * node) / whole - 1
+    start, size = space.breakpoints[element, None], np.diff(space.breakpoints)[element, None]
+    # computed from coordinates within the element: radii have too few digits in small elements
+    local = 2 * (cuts[:-1, None] - start + width * node) / size - 1
     ring = np.broadcast_to(
         ring_of(profile.ring_edges, radius * (cuts[:-1] + cuts[1:]) / 2)[:, None], radii.shape
     )

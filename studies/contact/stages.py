@@ -1,17 +1,19 @@
-"""The stages of a step in which contact and wear are coupled: an inequality each.
+"""Solve the stages of a step that couples contact and wear: each is a contact problem.
 
-With H the time integral of the pressure, what has worn is ``k H``, and its moments are ``K H`` with
-the mass matrix K of weight k. At every time
+With H the integral of the pressure over the sliding distance, the worn depth is ``k H``, and its
+moments are ``K H`` with the mass matrix K of weight k. At every time
 
-    g = A p + K H + m - d b >= 0,      p >= 0,      p . g = 0,      H' = p,      b . p = F, or d as
-    given.
+    g = A p + K H + m - d b >= 0,      p >= 0,      p . g = 0,      H' = p,
 
-Two stages of a stiffly accurate diagonally implicit Runge-Kutta method of second order (Alexander,
-SIAM J. Numer. Anal. 14 (1977) 1006), ``gamma = 1 - 1/sqrt(2)``: each is a contact problem with the
-matrix ``A + gamma h K``. Weights add up, so that the worn volume is the force times time to
-roundoff, whatever the steps; where the force varies, the first stage takes as much as makes it so.
-The error of a step is that of its quadrature of the wear against the parabola through the pressures
-at its start and its stages. Implicit Euler is the method of one stage.
+and ``b . p = F``, or d is given.
+
+A step is a stiffly accurate, diagonally implicit Runge-Kutta method of second order with two stages
+(Alexander, SIAM J. Numer. Anal. 14 (1977) 1006), ``gamma = 1 - 1/sqrt(2)``. Each stage is a contact
+problem with the matrix ``A + gamma h K``. The weights of the stages sum to 1, so the worn volume
+equals the integral of the force over the distance to roundoff, for any steps. If the force varies,
+the force of the first stage is chosen such that this holds. The error of a step is estimated as the
+difference between its quadrature of the wear and the integral of the parabola through the pressures
+at its start and its stages. The method with one stage is implicit Euler.
 """
 
 from functools import lru_cache
@@ -19,24 +21,25 @@ from functools import lru_cache
 import numpy as np
 
 from ...meshes.radial import Array
-from ..wear.history import Moment
+from ..wear.history import Instant
 from ..wear.unilateral import Contact, Load, Mask, Press
 from .full_face import FullFace
 
-# of Alexander's method: the part of a step that each of its two stages solves for
+# diagonal coefficient of Alexander's method: implicit part of each stage, over the step
 GAMMA = 1 - np.sqrt(0.5)
-# contact problems of stages that are kept with their factors: neighbouring steps share one
-KEPT_CONTACTS = 6
-# how far ahead contact is predicted, over the step before, in the logarithm of distance
-FARTHEST_AHEAD = 1.5
+# number of contact problems stored with their factors; successive steps of equal length share one
+STORED_CONTACTS = 6
+# greatest extrapolation of the contact, in log(distance) and over the previous step
+MOST_EXTRAPOLATION = 1.5
 
 
 class ContactStages:
-    """The contact problems of a punch that wears, ready to be solved for any length of a step.
+    """The contact problems of the stages of a step of any length.
 
     Parameters
     ----------
-    face : of the punch, with its compliance, wear coefficients, profile and load
+    face : FullFace
+        Face of the punch with its compliance, wear coefficients, profile and load.
     """
 
     def __init__(self, face: FullFace) -> None:
@@ -44,78 +47,117 @@ class ContactStages:
         space = face.compliance.space
         self.weights = space.weights
         self.wear = space.mass(face.wear_coefficients)
-        # a norm of worn depths: their root mean square over the face
+        # matrix of the norm of worn depths k H: their mean square over the face
         self._norm = space.mass(face.wear_coefficients**2) / np.pi
         dense, matrix = self.wear.toarray(), face.compliance.matrix
-        self._contact = lru_cache(maxsize=KEPT_CONTACTS)(
+        self._contact = lru_cache(maxsize=STORED_CONTACTS)(
             lambda dt: Contact(matrix + dt * dense, space.weights)
         )
 
     def at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then.
 
-        An indentation stays.
+        A given indentation is constant.
         """
         face = self.face
         state, force = face.loading.at(np.array([time])), face.load.force
         load = face.load if force is None else Load(float(state.force[0] * force))
         return load, (force or 1.0) * float(state.work[0])
 
-    def unworn(self) -> Moment:
-        """Return the unworn punch, pressed on."""
+    def press_unworn(self) -> Instant:
+        """Return the state of the unworn punch at the time 0."""
         press = self._contact(0.0).press(self.face.moments, self.at(0.0)[0])
-        return Moment(0.0, 0.0, press, np.zeros(len(self.weights)))
+        return Instant(0.0, 0.0, press, np.zeros(len(self.weights)))
 
-    def pressed(self, integral: Array, load: Load) -> Press:
-        """Return the worn punch under a load, at an integral of the pressure over distance."""
+    def press_worn(self, integral: Array, load: Load) -> Press:
+        """Return the contact of the worn punch under a load.
+
+        `integral` (size,) is the integral H of the pressure over the sliding distance.
+        """
         return self._contact(0.0).press(self.face.moments + self.wear @ integral, load)
 
-    def stage(
-        self, dt: float, distance: float, integral: Array, load: Load, before: Moment, now: Moment
-    ) -> Moment:
-        """Return the state at a distance, from the integral without its own part of length `dt`."""
-        press = self._contact(dt).press(
-            self.face.moments + self.wear @ integral, load, _predicted(before, now, distance)
-        )
-        return Moment(np.nan, distance, press, integral + dt * press.pressure)
-
-    def two_stages(
-        self, dt: float, time: float, before: Moment, now: Moment
-    ) -> tuple[Moment, Moment, float]:
-        """Return the stage within a step, the state after it, and the error of the worn depth.
+    def solve_stage(
+        self,
+        dt: float,
+        distance: float,
+        integral: Array,
+        load: Load,
+        previous: Instant,
+        current: Instant,
+    ) -> Instant:
+        """Solve one implicit stage and return the state at its distance.
 
         Parameters
         ----------
-        dt : sliding distance of the step
-        time : at its end
-        before, now : the moments before the last step, and before this one
+        dt : float
+            Sliding distance for which the pressure of this stage acts.
+        distance : float
+            Sliding distance of the stage.
+        integral : (size,) array
+            Integral of the pressure without the contribution of this stage.
+        load : Load
+            Load at the stage.
+        previous, current : Instant
+            Two earlier states, from which the contact is predicted.
+        """
+        press = self._contact(dt).press(
+            self.face.moments + self.wear @ integral,
+            load,
+            _predict_contact(previous, current, distance),
+        )
+        return Instant(np.nan, distance, press, integral + dt * press.pressure)
+
+    def solve_two_stages(
+        self, dt: float, time: float, previous: Instant, current: Instant
+    ) -> tuple[Instant, Instant, float]:
+        """Return the first stage of a step, the state after it, and the error of the worn depth.
+
+        The error is the root mean square over the face.
+
+        Parameters
+        ----------
+        dt : float
+            Sliding distance of the step.
+        time : float
+            Time at its end.
+        previous, current : Instant
+            An earlier state, and the state at the beginning of the step.
         """
         load, work = self.at(time)
-        first, part = load, GAMMA * dt
-        if load.force is not None and load.force != now.press.force:
-            # what both stages wear is the integral of the force
-            rest = work - now.work - part * load.force
-            first = Load(max(rest / (dt - part), 0.0))
-        middle = self.stage(part, now.distance + part, now.integral, first, before, now)
-        integral = now.integral + (dt - part) * middle.press.pressure
-        after = self.stage(part, now.distance + dt, integral, load, now, middle)
-        after = after._replace(time=time, work=work)
-        pressures = np.array([moment.press.pressure for moment in (now, middle, after)])
-        # weights of the parabola through the start and the two stages, less those of the method
+        first_load, stage_distance = load, GAMMA * dt
+        if load.force is not None and load.force != current.press.force:
+            # choose the force of the first stage such that both wear by the integral of the force
+            stage_work = work - current.work - stage_distance * load.force
+            first_load = Load(max(stage_work / (dt - stage_distance), 0.0))
+        middle = self.solve_stage(
+            stage_distance,
+            current.distance + stage_distance,
+            current.integral,
+            first_load,
+            previous,
+            current,
+        )
+        integral = current.integral + (dt - stage_distance) * middle.press.pressure
+        following = self.solve_stage(
+            stage_distance, current.distance + dt, integral, load, current, middle
+        )
+        following = following._replace(time=time, work=work)
+        pressures = np.array([instant.press.pressure for instant in (current, middle, following)])
+        # weights of the integral of the parabola, minus those of the method
         second = 1 / (6 * GAMMA * (1 - GAMMA))
         third = 0.5 - GAMMA * second
         weights = np.array([1 - second - third, second - (1 - GAMMA), third - GAMMA])
-        wrong = dt * weights @ pressures
-        return middle, after, float(np.sqrt(max(wrong @ (self._norm @ wrong), 0.0)))
+        defect = dt * weights @ pressures
+        return middle, following, float(np.sqrt(max(defect @ (self._norm @ defect), 0.0)))
 
 
-def _predicted(before: Moment, now: Moment, distance: float) -> Mask:
-    """Return which nodes will carry if pressures and gaps go on as they went."""
-    ahead = 0.0
-    if now.distance > before.distance > 0:
-        # edges of the contact slow down, even in the logarithm of distance
-        further = np.log(distance / now.distance)
-        ahead = min(further / np.log(now.distance / before.distance), FARTHEST_AHEAD)
-    pressure = now.press.pressure + ahead * (now.press.pressure - before.press.pressure)
-    gap = now.press.gap + ahead * (now.press.gap - before.press.gap)
-    return np.where(now.press.contact, pressure > 0, gap < 0)
+def _predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:
+    """Return the nodes (size,) in contact, by extrapolation of pressures and gaps."""
+    factor = 0.0
+    if current.distance > previous.distance > 0:
+        # edges of the contact become slower, even as functions of log(distance): limit the factor
+        log_ratio = np.log(distance / current.distance)
+        factor = min(log_ratio / np.log(current.distance / previous.distance), MOST_EXTRAPOLATION)
+    pressure = current.press.pressure + factor * (current.press.pressure - previous.press.pressure)
+    gap = current.press.gap + factor * (current.press.gap - previous.press.gap)
+    return np.where(current.press.contact, pressure > 0, gap < 0)

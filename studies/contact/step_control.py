@@ -1,57 +1,61 @@
-"""How long the steps of a march are.
+"""Choose the step lengths of a march from a tolerance.
 
-Steps suit a tolerance: the error of a step of second order grows as its third power. They go by
-powers of the root of two, so that neighbouring ones share a matrix and its factor. A step ends on
-every time asked for.
+The error of a step of second order is proportional to the third power of its length. Lengths are
+powers of sqrt(2), so that successive steps often share a matrix and its factor. A step ends at
+every requested time.
 """
 
 import numpy as np
 
-# part of the distance that is slid in the first step
-FIRST = 1e-6
-# of the step that would just meet the tolerance, the part that is taken next
-CAUTION = 0.8
-# how much longer a step may be than the one before it
-GROWTH = 4.0
-# the least error over the tolerance that a longer step is sought by
-LEAST = 1e-12
+# length of the first step over the total sliding distance
+FIRST_STEP = 1e-6
+# length of the next step over that which would just meet the tolerance
+SAFETY = 0.8
+# greatest ratio of successive step lengths
+MOST_GROWTH = 4.0
+# lower bound on the error over the tolerance, from which the next length is computed
+LEAST_RELATIVE_ERROR = 1e-12
 
 
 class StepControl:
-    """Choose steps whose errors suit a tolerance, by the error of the step before.
+    """Choose step lengths whose errors meet a tolerance, from the error of the last step.
 
     Parameters
     ----------
-    tolerance : error of the worn depth that a step may add, over the greatest indentation so far
-    distance : that is slid in all
+    tolerance : float
+        Error of the worn depth that a step may add, over the greatest indentation so far.
+    distance : float
+        Total sliding distance.
     """
 
     def __init__(self, tolerance: float, distance: float) -> None:
         self.tolerance = tolerance
-        self.step = _quantised(FIRST * distance) if distance else 1.0
-        self.deepest = float(np.finfo(float).tiny)
+        self.step = _round_down(FIRST_STEP * distance) if distance else 1.0
+        self.greatest_indentation = float(np.finfo(float).tiny)
         self.taken = self.rejected = 0
 
-    def next_towards(self, left: float) -> float:
-        """Return a step that ends on a time asked for or leaves at least half of the way to it."""
-        if self.step >= left * (1 - 1e-9):
-            return left
-        return min(self.step, left / 2)
+    def next_towards(self, remaining: float) -> float:
+        """Return the next step: all of the remaining distance to a time, or at most half of it."""
+        if self.step >= remaining * (1 - 1e-9):
+            return remaining
+        return min(self.step, remaining / 2)
 
     def accepts(self, dt: float, error: float, indentation: float) -> bool:
         """Judge a step by its error, count it, and choose the length of the next one."""
-        self.deepest = max(self.deepest, abs(indentation))
-        relative = error / (self.tolerance * self.deepest)
-        longer = _quantised(dt * min(GROWTH, CAUTION * max(relative, LEAST) ** (-1 / 3)))
+        self.greatest_indentation = max(self.greatest_indentation, abs(indentation))
+        relative = error / (self.tolerance * self.greatest_indentation)
+        next_step = _round_down(
+            dt * min(MOST_GROWTH, SAFETY * max(relative, LEAST_RELATIVE_ERROR) ** (-1 / 3))
+        )
         if relative > 1:
-            self.rejected, self.step = self.rejected + 1, longer
+            self.rejected, self.step = self.rejected + 1, next_step
             return False
         self.taken += 1
-        # a step cut short by an output time says nothing against the longer ones
-        self.step = max(self.step, longer) if dt < self.step else longer
+        # if an output time cut this step short, keep the longer length planned before
+        self.step = max(self.step, next_step) if dt < self.step else next_step
         return True
 
 
-def _quantised(step: float) -> float:
-    """Return the power of the root of two at or below a step."""
+def _round_down(step: float) -> float:
+    """Return the greatest power of sqrt(2) that does not exceed a step."""
     return float(2.0 ** (np.floor(2 * np.log2(step)) / 2))

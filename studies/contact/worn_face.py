@@ -1,11 +1,11 @@
-"""The face of a punch whose contact moves, and the displacement of the half-space under it.
+"""Evaluate the face of a punch whose contact moves, and the displacement of the half-space.
 
-What has worn is ``k H`` with the time integral H of the pressure. On cells H is linear, and it is
-found by moments: at single points the face keeps ripples of the size of ``h^2 f0''`` and of the
-variation of k within a cell, long after wear has smoothed it. Well inside the contact there is a
-better way: the face follows the half-space, ``f = d - u``, and the displacement u of the pressure
-is smooth. Beside a free edge, u bends more than the face does, and the worn depth is the better
-one. Non-dimensional.
+Non-dimensional. The worn depth is ``k H`` with the integral H of the pressure over the sliding
+distance. H is linear on each cell and determined by moments. At single points, the face ``f0 + k
+H`` therefore has ripples of the size of ``h^2 f0''`` and of the variation of k within a cell, even
+after wear has smoothed the true face. Well inside the contact, the displacement is more accurate:
+the face follows the half-space, ``f = d - u``, and u is smooth. Near a free edge, u has more
+curvature than the worn depth, so the worn depth is more accurate there.
 """
 
 from collections.abc import Callable
@@ -23,8 +23,8 @@ from ..wear.history import History
 from ..wear.unilateral import Mask
 from .moments import moments
 
-# cells between an edge of the contact and where the face is taken from the displacement: its
-# projection on linear functions rings over about so many
+# number of cells between an edge of the contact and the cells whose face is computed from the
+# displacement; the projection of u on linear functions oscillates over about that many cells
 CELLS_FROM_EDGES = 4
 
 
@@ -33,9 +33,12 @@ class WornFace:
 
     Parameters
     ----------
-    profile : of the unworn face
-    compliance : on continuous piecewise linear pressures
-    history : of the march
+    profile : InitialProfile
+        Unworn face.
+    compliance : Compliance
+        Compliance on continuous piecewise linear pressures.
+    history : History
+        History of the march.
     """
 
     def __init__(self, profile: InitialProfile, compliance: Compliance, history: History) -> None:
@@ -46,8 +49,8 @@ class WornFace:
     def displacement(self) -> Array:
         """(T, size) coefficients of the displacement of the half-space.
 
-        By the pressure; where nothing has worn yet, by ``u = d - f + gap``, which is exact on any
-        face, and needs no pressure that may be infinite.
+        They are computed from the pressure. Before any wear they are computed from ``u = d - f +
+        gap`` instead, which is exact for any face and avoids pressures that may be infinite.
         """
         history, project = self.history, self._project
         by_pressure = project(self.compliance.matrix @ history.pressure.T).T
@@ -66,48 +69,55 @@ class WornFace:
 
     @cached_property
     def follows_half_space(self) -> Mask:
-        """(T, E) in which cells the face is taken from the displacement, ``f = d - u``.
+        """(T, E) whether the face is computed from the displacement in each cell, ``f = d - u``.
 
-        These are well inside the contact, and u bends less in them than the worn depth does: linear
-        functions miss as much of either as it bends.
+        Such cells are well inside the contact, and u changes its slope less there than the worn
+        depth does. The interpolation error of linear functions is proportional to that change.
         """
-        # the axis, the edge of a hole and the rim are no free edges
+        # the axis, the edge of a hole and the rim are not free edges
         contact = np.pad(self.history.contact, ((0, 0), (0, 1)), constant_values=True)
         touches = contact[:, self.space.dofs].all(axis=2)
-        apart = np.pad(~touches, ((0, 0), (CELLS_FROM_EDGES, CELLS_FROM_EDGES)))
+        outside = np.pad(~touches, ((0, 0), (CELLS_FROM_EDGES, CELLS_FROM_EDGES)))
         window = 2 * CELLS_FROM_EDGES + 1
-        near_edge = sliding_window_view(apart, window, axis=1).any(axis=2)
-        worn, displaced = map(self._bends, (self.history.profile, self.displacement))
+        near_edge = sliding_window_view(outside, window, axis=1).any(axis=2)
+        worn, displaced = map(self._bending, (self.history.profile, self.displacement))
         return self._has_worn[:, None] & ~near_edge & (displaced < worn)
 
-    def _bends(self, functions: Array) -> Array:
-        """Return by how much functions change their slope at the ends of each cell (T, E).
+    def _bending(self, functions: Array) -> Array:
+        """Return the change of slope of functions (T, size) at the ends of each cell (T, E).
 
-        The functions are (T, size). The change at each end is multiplied by the width of the wider
-        cell there, and the greater of both ends is returned.
+        The change at each end is multiplied by the width of the wider of the two cells there. The
+        result is the greater value of both ends.
         """
         space = self.space
         width = np.diff(space.breakpoints)
-        # in a hole there is nothing to bend
+        # the additional entry is for the cells of a hole, which have no unknowns
         functions = np.pad(functions, ((0, 0), (0, 1)))
         slope = (functions[:, space.dofs[:, 1]] - functions[:, space.dofs[:, 0]]) / width
-        # at the axis the next cell is the same on the other side
+        # at the axis the next cell is the mirror image
         change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1]))
-        # at ring edges fields may have kinks, which cells do not lose
+        # fields may have kinks at ring edges; these are breakpoints, so no accuracy is lost there
         same_ring = np.diff(space.ring) == 0
         wider = np.where(same_ring, np.maximum(width[1:], width[:-1]), 0.0)
         change = change * np.append(width[0], wider)
         return np.maximum(change, np.pad(change[:, 1:], ((0, 0), (0, 1))))
 
     @property
-    def lost_bends(self) -> Array:
-        """(T,) greatest bend of the face, or of the displacement, that linear functions miss."""
-        worn, displaced = map(self._bends, (self.history.profile, self.displacement))
+    def unresolved_bending(self) -> Array:
+        """(T,) greatest change of slope times cell width, of the face or of the displacement.
+
+        It measures what linear functions do not resolve. In cells whose face is computed from the
+        displacement, the worn depth is ignored.
+        """
+        worn, displaced = map(self._bending, (self.history.profile, self.displacement))
         worn = np.where(self.follows_half_space, 0.0, worn)
         return np.asarray(np.maximum(worn, displaced).max(axis=1))
 
     def heights(self, at_radii: csr_matrix, radii: Array) -> Array:
-        """Return heights of the face (T, R) at radii, by the matrix of the basis there."""
+        """Return heights of the face (T, R) at radii (R,).
+
+        `at_radii` (R, size) is the matrix of the basis functions at these radii.
+        """
         worn = self.profile(radii) + (at_radii @ self.history.profile.T).T
         cells = np.searchsorted(self.space.breakpoints, radii, side="right") - 1
         follows = self.follows_half_space[:, np.minimum(cells, len(self.space.degrees) - 1)]
@@ -117,17 +127,17 @@ class WornFace:
     def slopes(self, at_points: csr_matrix, radii: Array) -> Array:
         """Return the slopes of the face (T, E Q) at Q points in each of E cells.
 
-        `at_points` is the matrix of the slopes of the basis at these points, `radii` (E, Q) are
-        their radii.
+        `at_points` is the matrix of the slopes of the basis functions at these points, and `radii`
+        (E, Q) are their radii.
         """
         worn = self.profile.slope(radii.ravel()) + (at_points @ self.history.profile.T).T
         follows = np.repeat(self.follows_half_space, radii.shape[1], axis=1)
         return np.where(follows, -(at_points @ self.displacement.T).T, worn)
 
     def displacements(self, at_radii: csr_matrix, radii: Array, carries: Mask) -> Array:
-        """Return displacements (T, R) at radii of which some carry (T, R).
+        """Return displacements (T, R) at radii (R,); `carries` (T, R) says which are in contact.
 
-        Before any wear, u = d - f there, which needs no projection.
+        Before any wear, the displacement in contact is u = d - f, which needs no projection.
         """
         touches = carries & ~self._has_worn[:, None]
         touching = self.history.indentation[:, None] - self.profile(radii)

@@ -23,7 +23,7 @@ from ..methods.moving_evaluation import MovingContact
 from ..methods.pipeline import fitted_starts
 from ..methods.spaces import first_contact
 from ..problem.problem import Problem
-from ..problem.quantities import FINEST
+from ..problem.quantities import FINEST_RTOL
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
@@ -103,7 +103,7 @@ class FlatPunch(ContactKind):
 
     def reference(self, problem: Problem, finer: float, stages: Stages) -> Evaluation:
         """Return MDR at the finest accuracy."""
-        finest = replace(problem, rtol=FINEST, mdr=MdrAccuracy())
+        finest = replace(problem, rtol=FINEST_RTOL, mdr=MdrAccuracy())
         return self.evaluate(problem, MDR.discretise(finest, stages).compliance)
 
     def evaluate(self, problem: Problem, compliance: Compliance) -> Evaluation:

@@ -102,7 +102,7 @@ def error(measure: Measure, values: Results, exact: Results, face: Face) -> floa
         value, reference = np.ravel(values[name])[0], np.ravel(exact[name])[0]
         return float(value / reference - 1)
     if name == FLAT_PRESSURE:
-        weights = face.weights * face.blunting
+        weights = face.weights * face.edge_weights
         wrong = weights @ (values[name] - exact[name]) ** 2
         return float(np.sqrt(wrong / (weights @ exact[name] ** 2)))
     if name == STRESSES:

@@ -31,7 +31,7 @@ from ..problem.quantities import (
     ANSWER,
     COMPARED_MODES,
     DESCRIBED,
-    FINEST,
+    FINEST_RTOL,
     QUANTITIES,
     STEADY,
 )
@@ -124,7 +124,7 @@ def due(problem: Problem) -> set[str]:
     if not len(problem.times):
         names = {"relaxation_time"} & names if problem.quantities else set()
     else:
-        names |= problem.contact.numbers_due - problem.load_regime.numbers_missing
+        names |= problem.contact.compared_numbers - problem.load_regime.numbers_missing
     if problem.steady:
         names |= STEADY
     return {name for name in names if problem.wants(name)}
@@ -207,7 +207,7 @@ def remedy(problem: Problem, blamed: str, solution: Solution, error: float) -> s
         return solution.remedy
     if problem.march != "modal":
         return "the step is too long; march = 'modal' has none"
-    if rtol < FINEST:
+    if rtol < FINEST_RTOL:
         return f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it"
     return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..methods.base import Solution
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
+from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..sizes.degrees import field_accuracy
 from ..sizes.ring_edges import ELEMENTS_PER_THIN_LAYER, edge_sizes
 
@@ -77,7 +77,7 @@ def unresolved(
         return words if quantity in (*AT_EDGES, *BY_CELLS) else ""
     # what is asked for before is not felt any more
     first = int(problem.checked[at]) if DESCRIBED[quantity].dims[:1] == ("time",) else 0
-    if quantity in IN_LAYERS:
+    if quantity in LAYER_QUANTITIES:
         wanted = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
             if wanted < ELEMENTS_PER_THIN_LAYER * solution.smallest:

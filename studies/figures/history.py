@@ -36,7 +36,7 @@ def draw_history(result: Outcome) -> Figure:
     worn = result.coordinates["time"] > 0
     times = result.coordinates["time"][worn]
     # results of others may tell no more than how deep the punch is
-    rising = result.scene.problem.load_regime.shows_running_in, "indentation"
+    rising = result.scene.problem.load_regime.running_in_quantity, "indentation"
     names = max(rising, key=lambda name: len(result.by_method(name))), "rms_slope"
     first, between = result.between
     rows = min(2, len(result.by_method("rms_slope")))

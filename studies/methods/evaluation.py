@@ -17,7 +17,7 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
+from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
@@ -242,7 +242,7 @@ class FullContact(Evaluation):
         - The error is at least the floor of the quantity.
         """
         error = self.safety_factor(name) * difference
-        if name in IN_LAYERS and self.problem.march == "modal":
+        if name in LAYER_QUANTITIES and self.problem.march == "modal":
             # the coarser mesh lacks one layer more than this one, and each layer makes about the
             # same difference
             error = error * (1 + self._missing_layers)
@@ -268,8 +268,10 @@ class FullContact(Evaluation):
         if name in ("pressure_min", "pressure_max"):
             # the element at the rim changes the coefficients of all other functions of the start
             return max(floor, error_factor("pressure at the rim") * self._rim_size)
-        if name in self.problem.load_regime.parts_left:
-            return max(floor, self._time_error_by_start(self.problem.load_regime.parts_left[name]))
+        if name in self.problem.load_regime.remaining_fractions:
+            return max(
+                floor, self._time_error_by_start(self.problem.load_regime.remaining_fractions[name])
+            )
         return floor
 
     def _time_error_by_start(self, remaining_part: float) -> float:
@@ -279,12 +281,12 @@ class FullContact(Evaluation):
         element at the rim. The part that is left has the same absolute error, and the time has that
         error over its rate of decay.
         """
-        whole_change, time = self.wear.whole_change, self.wear.time_until(remaining_part)
+        whole_change, time = self.wear.total_change, self.wear.time_until(remaining_part)
         if not (whole_change > 0 and time > 0):
             return 0.0
         start = whole_change if self.problem.indentation is not None else self.wear.flat.indentation
         relative_step = 1e-3
-        left_before, left_after = self.wear.modes.left(
+        left_before, left_after = self.wear.modes.remaining_change(
             time * np.array([1 - relative_step, 1 + relative_step])
         )
         decay = np.log(left_before / left_after) / (2 * relative_step)
@@ -345,5 +347,5 @@ class FullContact(Evaluation):
         }
         if name not in at_start:
             return floor
-        pressed = self.problem.loading.pressed(self.problem.times) > 0
+        pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0
         return np.where(pressed, max(at_start[name], floor), floor)

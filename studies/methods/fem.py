@@ -9,7 +9,7 @@ import numpy as np
 from ...fem.condensation import solver
 from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, IN_LAYERS
+from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES
 from ..progress import Stages
@@ -103,7 +103,7 @@ class Fem(ComplianceMethod):
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the scene sets sizes or degrees of the mesh."""
-        return problem.fem.given
+        return problem.fem.given_by_user
 
     def remedy(self, problem: Problem) -> str:
         """Return what would make the method more accurate, if that is not a smaller `rtol`."""
@@ -219,7 +219,7 @@ def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
     """
     if degree < DEGREES[mesher][-1]:
         return frozenset()
-    refined_by_layers = {*ENERGIES, *(IN_LAYERS if mesher == "quads" else ())}
+    refined_by_layers = {*ENERGIES, *(LAYER_QUANTITIES if mesher == "quads" else ())}
     return frozenset(DESCRIBED.keys() - refined_by_layers)
 
 

@@ -51,10 +51,10 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
     if reason := why_layers_are_not_meshed(problem):
         raise SceneError(reason)
     try:
-        return _mesh_with(problem, problem.fem.meshed_by)
+        return _mesh_with(problem, problem.fem.chosen_mesher)
     except MeshError as error:
         # bisection cannot mesh interfaces of layers
-        if problem.fem.meshed_by == "bisection" or problem.ground is not None:
+        if problem.fem.chosen_mesher == "bisection" or problem.ground is not None:
             raise
         note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
     return replace(_mesh_with(problem, "bisection"), notes=(note,))

@@ -110,13 +110,13 @@ class MovingContact(Evaluation):
     @property
     def estimate_times(self) -> Array:
         """The times that the march records: the requested ones, and some between them."""
-        return self.marched.watched_times
+        return self.marched.estimate_times
 
     def results_for_estimate(self, times: Array) -> Results:
         """Return the quantities on the face of the punch at some of the recorded times."""
-        rows = np.flatnonzero(np.isin(self.marched.watched_times, times))
+        rows = np.flatnonzero(np.isin(self.marched.estimate_times, times))
         return self.sampler.history(
-            self._with_fitted_start(self.marched.watched[rows]), on_face=True
+            self._with_fitted_start(self.marched.estimate_history[rows]), on_face=True
         )
 
     @cached_property
@@ -233,7 +233,7 @@ class MovingContact(Evaluation):
     @cached_property
     def _lost_bends(self) -> Array:
         """(T,) largest bend of the worn face or the displacement that linear functions lose."""
-        return self.sampler.worn_face(self.history).lost_bends
+        return self.sampler.worn_face(self.history).unresolved_bending
 
     @cached_property
     def _cells_at_edge(self) -> Array:

@@ -138,11 +138,11 @@ class AnySpaceMethod(ComplianceMethod):
         message = (
             "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
         )
-        return message if problem.mdr.given else ""
+        return message if problem.mdr.given_by_user else ""
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the scene sets the sizes of the radial mesh."""
-        return problem.mdr.given
+        return problem.mdr.given_by_user
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the compliance on the space that suits the problem, and a coarser one."""
@@ -307,7 +307,7 @@ def solve_steady_part(
     if earlier and (reused := earlier.steady_part) and reused.max_error <= allowed_error:
         return reused
     flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
-    return method.solve(replace(flat, loading=problem.loading.held_last), stages)
+    return method.solve(replace(flat, loading=problem.loading.final), stages)
 
 
 def fitted_starts(

@@ -11,7 +11,7 @@ from ..methods.base import Method, method
 from ..problem.problem import Problem
 from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
-from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading
+from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
 Methods = Mapping[str, Method]
 
@@ -30,7 +30,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     if len(problem.times) and not all(entry.lacks for entry in methods.values()):
         contact, way = problem.contact, f"by steps of {problem.march} Euler"
         if problem.march == "modal":
-            way = contact.way
+            way = contact.march_description
         lines += contact.modelled
         lines.append(f"history: {len(problem.times)} times from {contact.start}, {way}")
     if scene.half_space.punch_youngs_modulus is not None:
@@ -79,8 +79,8 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["history"] = alone if scene.wear.times else "the scene gives no times"
     if never := problem.load_regime.no_steady_state:
         reasons["steady state"] = never
-    elif scene.wear.steady and problem.why_never_steady:
-        reasons["steady state"] = problem.why_never_steady
+    elif scene.wear.steady and problem.reason_not_steady:
+        reasons["steady state"] = problem.reason_not_steady
     elif not problem.steady:
         reasons["steady state"] = alone if scene.wear.steady else "the scene says steady = false"
     for name, entry in methods.items():
@@ -129,9 +129,9 @@ def time_scale(scene: Scene) -> list[str]:
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     # contact that spreads has a time scale of its own
-    until = problem.load_regime.spreads_until
+    until = problem.load_regime.spreading_end_text
     if not problem.full_contact and until is not None:
-        start, end = map(written, spreading(problem))
+        start, end = map(written, spreading_times(problem))
         lines.append(f"contact spreads from about {start}{until.format(end=end)}")
     return lines + outside(problem, slowest)
 

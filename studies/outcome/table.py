@@ -13,8 +13,8 @@ from ..problem.quantities import (
     ANSWER,
     DESCRIBED,
     ERROR,
+    MOVING_CONTACT_QUANTITIES,
     NORMS,
-    OF_PROFILES,
     QUANTITIES,
     STATES,
     STEPS,
@@ -25,7 +25,7 @@ from ..problem.unit_names import NO_UNIT, UnitNames
 from ..sampling.norms import Results, common
 from ..scene.scene import Scene
 from ..versions import versions
-from ..wear.modes import SHOWN
+from ..wear.modes import SHOWN_RELAXATION_TIMES
 
 Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 
@@ -64,13 +64,17 @@ def tabulate(
         "time": len(problem.times),
         "radius": len(problem.radii),
         "ring": len(problem.wear_coefficients),
-        "mode": SHOWN,
+        "mode": SHOWN_RELAXATION_TIMES,
         "state": len(STATES),
         "edge": longest("contact_edge"),
         "step": longest("step_time"),
     }
     # not every run has these
-    optional = {*OF_PROFILES, *STEPS, *(name for name, of in ANSWER.items() if not of.always)}
+    optional = {
+        *MOVING_CONTACT_QUANTITIES,
+        *STEPS,
+        *(name for name, of in ANSWER.items() if not of.always),
+    }
     table = dict[str, Quantity]()
     for name, quantity in (QUANTITIES | STEPS | ANSWER).items():
         if name in optional and not any(name in given for given in reported):

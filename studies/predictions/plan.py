@@ -108,13 +108,13 @@ def coarsen(scene: Scene) -> Scene:
     fem = problem.fem.model_dump(include={"far_field"}, exclude_unset=True)
     accuracy = {
         "rtol": max(problem.rtol, 1e-2),
-        "fem": fem | {"mesher": problem.fem.meshed_by},
+        "fem": fem | {"mesher": problem.fem.chosen_mesher},
         "mdr": {"grid": min(problem.mdr.grid, 100)},
     }
     if step is not None and times:
         times = [0.0, min(times[-1], 100 * step)]
     changes: dict[str, object] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
-    max_rings = problem.contact.rings_of_probe
+    max_rings = problem.contact.most_probe_rings
     if max_rings is not None and len(problem.wear_coefficients) > max_rings:
         edges = (problem.ring_edges[1 : max_rings + 1] * problem.units.length).tolist()
         coefficients = problem.wear_coefficients[:max_rings] * problem.units.wear_coefficient
@@ -153,7 +153,7 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
 
 def _small_problem(problem: Problem) -> Problem:
     """Return a problem that loads the same libraries as another, but needs little time."""
-    fem = {"mesher": problem.fem.meshed_by}
+    fem = {"mesher": problem.fem.chosen_mesher}
     return Scene.load("flat_punch").changed({"accuracy": {"rtol": 0.1, "fem": fem}}).problem
 
 

@@ -1,1 +1,1 @@
-"""What is asked: the sections of a scene, and the non-dimensional problem that they pose."""
+"""The tables of a scene, and the non-dimensional problem that they define."""

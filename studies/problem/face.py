@@ -1,11 +1,9 @@
-"""The face of the punch: its rings, and many radii.
+"""Define the rings of a punch, and the radii of its face at which fields are compared.
 
-Norms of fields, and what follows from fields there. Non-dimensional.
-
-Between its breakpoints the face has as many Gauss points as a polynomial of degree seven. Values at
-them can so be interpolated and differentiated; the last coefficients of the polynomial say how far
-that is to be trusted. At the rim, and at a hole, the points follow the root of the distance, in
-which pressures of a flat punch are smooth.
+Non-dimensional. Each element between two breakpoints of the face has `POINTS` Gauss points. Values
+at these are interpolated and differentiated by a polynomial of degree ``POINTS - 1``, whose last
+Legendre coefficients estimate the error. In the elements at the rim and at a hole, the variable is
+the square root of the distance from that edge, in which pressures of a flat punch are smooth.
 """
 
 from collections.abc import Callable
@@ -18,16 +16,24 @@ from numpy.polynomial.legendre import legder, legval, legvander
 
 from ...meshes.radial import Array, Indices, alternating_edges, gauss, ring_of, values_on_rings
 
+# Gauss points in each element of a face
 POINTS = 8
 
 
 class Rings(NamedTuple):
-    """Rings of a punch: (N+1,) edges up to 1, and (N,) wear coefficients over the greatest.
+    """Rings of a punch.
 
-    Where wear is graded, (2, N) at the inner and outer edge of each ring, linear between. The edges
-    begin at 0, or at the hole of a hollow punch. What is modelled begins at 0: there a hole is a
-    first ring that wears infinitely fast, so that it never carries in the steady state, and has no
-    pressures at any time.
+    The edges begin at 0, or at the hole of a hollow punch. In the rings that are modelled
+    (`with_hole`) they always begin at 0; a hole is then the first ring, with an infinite wear
+    coefficient, so that its steady pressure is zero. It has no pressure unknowns at any time.
+
+    Parameters
+    ----------
+    ring_edges : (N+1,) array
+        Edges up to the rim at 1.
+    wear_coefficients : (N,) or (2, N) array
+        Wear coefficient of each ring, over the greatest one. If wear is graded, those at the inner
+        and outer edge of each ring, linear between.
     """
 
     ring_edges: Array
@@ -35,37 +41,45 @@ class Rings(NamedTuple):
 
     @classmethod
     def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
-        """Return rings of two materials in turn from the centre, by ``h2/h1`` and ``k2/k1``."""
+        """Return rings of two materials that alternate from the centre.
+
+        The ratios are ``h2/h1`` of the widths and ``k2/k1`` of the wear coefficients.
+        """
         coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
         return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
 
     @classmethod
     def graded(cls, radii: Array, values: Array, ring_edges: Array) -> "Rings":
-        """Return rings in which a table of wear coefficients is linear, and at most doubles.
+        """Return rings on which a table of wear coefficients is linear and at most doubles.
+
+        In the innermost ring of a full punch, it changes by a factor of at most 2^0.1.
 
         Parameters
         ----------
-        radii : (M,) not decreasing, two equal ones at a step
-        values : (M,) wear coefficients there, those of the ends beyond
-        ring_edges : (N+1,) other edges
+        radii : (M,) array
+            Radii that do not decrease; two equal ones are a step.
+        values : (M,) array
+            Wear coefficients at these radii, constant beyond the ends.
+        ring_edges : (N+1,) array
+            Ring edges of the scene, which are edges of the result, too.
         """
-        more, first = np.setdiff1d(ring_edges, radii), ring_edges[0]
+        new_edges, inner_edge = np.setdiff1d(ring_edges, radii), ring_edges[0]
         while True:
-            places = np.searchsorted(radii, more)
-            values = np.insert(values, places, np.interp(more, radii, values))
-            radii = np.insert(radii, places, more)
-            # anything narrower is a step
-            wide = np.diff(radii) > 1e-9
-            # on the axis it is a cone, beside which pressures are a logarithm
+            places = np.searchsorted(radii, new_edges)
+            values = np.insert(values, places, np.interp(new_edges, radii, values))
+            radii = np.insert(radii, places, new_edges)
+            # narrower intervals count as steps
+            wide_enough = np.diff(radii) > 1e-9
+            # a slope on the axis is a conical point, near which the pressure is logarithmic
             steep = np.abs(np.diff(np.log2(values))) > np.where(radii[:-1] > 0, 1.0, 0.1)
-            more = (radii[:-1] + np.diff(radii) / 2)[wide & steep]
-            if not len(more):
+            new_edges = (radii[:-1] + np.diff(radii) / 2)[wide_enough & steep]
+            if not len(new_edges):
                 break
-        # a hole is no part of the punch
-        wide &= radii[:-1] >= first
-        linear = np.stack([values[:-1], values[1:]])[:, wide]
-        edges = np.array([first, *radii[:-1][wide][1:], 1.0])
-        return cls(edges, linear if np.ptp(linear, axis=0).any() else linear[0])
+        # omit what lies in the hole
+        wide_enough &= radii[:-1] >= inner_edge
+        end_values = np.stack([values[:-1], values[1:]])[:, wide_enough]
+        edges = np.array([inner_edge, *radii[:-1][wide_enough][1:], 1.0])
+        return cls(edges, end_values if np.ptp(end_values, axis=0).any() else end_values[0])
 
     @property
     def ends(self) -> Array:
@@ -74,16 +88,16 @@ class Rings(NamedTuple):
 
     @property
     def linear(self) -> bool:
-        """Whether wear is graded."""
+        """Whether wear coefficients are linear on rings instead of constant."""
         return self.wear_coefficients.ndim == 2
 
     @property
     def hollow(self) -> bool:
-        """Whether the first ring stands for a hole."""
+        """Whether the first ring represents a hole."""
         return bool(np.isinf(self.ends[0, 0]))
 
     def with_hole(self) -> "Rings":
-        """Return the rings from the axis on, the hole first if there is one."""
+        """Return the rings from the axis on; a hole becomes the first ring."""
         if self.ring_edges[0] == 0:
             return self
         wear = np.insert(self.wear_coefficients, 0, np.inf, axis=-1)
@@ -91,23 +105,23 @@ class Rings(NamedTuple):
 
     @property
     def smooth(self) -> Array:
-        """(N,) whether wear is continuous at each edge but the centre, if it is graded."""
+        """(N,) whether graded wear is continuous at each edge except the centre."""
         inner, outer = self.ends
         return np.append((outer[:-1] == inner[1:]) & self.linear, False)
 
     @property
     def kinks(self) -> Array:
-        """(N,) how strong the kink of the wear coefficient is at each edge but the centre.
+        """(N,) strength of the kink of the wear coefficient at each edge except the centre.
 
-        Where wear is continuous it is the root of the change of its slope over the narrower ring
-        beside the edge, over the coefficient there, and 1 at the most; elsewhere it is 1.
+        At edges where the coefficient k is continuous, it is ``sqrt(|change of slope| * width /
+        k)`` with the width of the narrower adjacent ring, and at most 1. At steps it is 1.
         """
         inner, outer = self.ends
         # a hole has no slope
         slopes = np.where(np.isinf(inner), 0.0, outer - np.where(np.isinf(inner), 0.0, inner))
         slopes = np.where(np.isinf(inner), 0.0, slopes / self.widths)
         changes = np.abs(np.diff(slopes)) * self.narrower / outer[:-1]
-        # the estimate of the error sees a part of it only where layers grow with the root
+        # square root: with layers chosen from it, the error estimate detects part of the effect
         strengths = np.sqrt(np.minimum(np.append(changes, 1.0), 1.0))
         return np.where(self.smooth, strengths, 1.0)
 
@@ -118,15 +132,15 @@ class Rings(NamedTuple):
 
     @property
     def narrower(self) -> Array:
-        """(N-1,) width of the narrower ring beside each edge between centre and rim."""
+        """(N-1,) width of the narrower ring next to each edge between centre and rim."""
         return np.minimum(self.widths[:-1], self.widths[1:])
 
     def at(self, radii: Array) -> Array:
-        """Wear coefficient at each radius."""
+        """Return the wear coefficient at each radius."""
         return values_on_rings(*self, radii, ring_of(self.ring_edges, radii))
 
     def merged(self) -> "Rings":
-        """Return the rings with neighbours of equal wear as one: what has to be modelled."""
+        """Return rings in which neighbours of equal, constant wear coefficients are merged."""
         if self.linear:
             return self
         changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
@@ -135,15 +149,18 @@ class Rings(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """Radii that fields are compared at.
+    """Radii at which fields are compared, with the weights of their norms.
 
     Parameters
     ----------
-    breakpoints : (n+1,) from 0, or from the hole, to 1, ring edges among them
-    ring_edges : (N+1,) of the rings
-    wear_at : wear coefficients by radii
-    standoff : what displacements and heights are measured beyond: the indentation at the first
-        touch
+    breakpoints : (n+1,) array
+        Ends of elements, from 0 or from the hole to 1; ring edges are among them.
+    ring_edges : (N+1,) array
+        Edges of the rings.
+    wear_at : callable
+        Returns wear coefficients at radii.
+    standoff : float
+        Indentation at the first touch. Displacements and heights are measured from there.
     """
 
     breakpoints: Array
@@ -162,7 +179,7 @@ class Face:
 
     @cached_property
     def radii(self) -> Array:
-        """(R,) radii, increasing."""
+        """(R,) radii of the Gauss points, increasing."""
         inner, size = self.breakpoints[:-1, None], np.diff(self.breakpoints)[:, None]
         radii = inner + size * (1 + self._local) / 2
         radii[-1] = 1 - size[-1] * ((1 - self._local) / 2) ** 2
@@ -172,7 +189,7 @@ class Face:
 
     @cached_property
     def lengths(self) -> Array:
-        """(R,) the part ``dr`` of the radius that each stands for."""
+        """(R,) quadrature weights ``dr``."""
         size = np.diff(self.breakpoints)[:, None]
         lengths = size * gauss(POINTS)[1] / 2
         lengths[-1] *= 1 - self._local
@@ -182,48 +199,58 @@ class Face:
 
     @cached_property
     def areas(self) -> Array:
-        """(R,) the part ``dA`` of the face that each stands for."""
+        """(R,) quadrature weights ``dA = 2 pi r dr``."""
         return 2 * np.pi * self.radii * self.lengths
 
     @property
-    def blunting(self) -> Array:
-        """(R,) factors that make the square of a flat punch's pressure finite at its edges."""
-        of_rim = (1 - self.radii) * (1 + self.radii)
+    def edge_weights(self) -> Array:
+        """(R,) factors ``1 - r^2``, times ``1 - b / r`` if there is a hole of radius b.
+
+        With them, the square of the pressure of a flat punch is integrable.
+        """
+        rim_factor = (1 - self.radii) * (1 + self.radii)
         if not self.inner_radius:
-            return np.asarray(of_rim)
-        return np.asarray(of_rim * (self.radii - self.inner_radius) / self.radii)
+            return np.asarray(rim_factor)
+        return np.asarray(rim_factor * (self.radii - self.inner_radius) / self.radii)
 
     @cached_property
     def ring(self) -> Indices:
-        """(R,) number of the ring that each is on."""
+        """(R,) index of the ring of each radius."""
         return ring_of(self.ring_edges, self.radii)
 
     @cached_property
     def wear(self) -> Array:
-        """(R,) wear coefficient of each."""
+        """(R,) wear coefficient at each radius."""
         return self.wear_at(self.radii)
 
     @cached_property
     def weights(self) -> Array:
-        """(R,) ``k dA``: what norms of pressures are taken by."""
+        """(R,) weights ``k dA`` of norms of pressures."""
         return self.wear * self.areas
 
     def ring_sums(self, values: Array) -> Array:
-        """Return the sum (T, N) over each ring of (T, R) values."""
+        """Return the sums (T, N) of values (T, R) over each ring."""
         starts = np.flatnonzero(np.diff(self.ring, prepend=-1))
         return np.asarray(np.add.reduceat(values, starts, axis=-1))
 
     def _coefficients(self, values: Array) -> Array:
-        """Return Legendre coefficients (POINTS, ..., n) of (..., R) values in each element."""
+        """Return Legendre coefficients (POINTS, ..., n) of values (..., R) in each element."""
         inverse = np.linalg.inv(legvander(self._local, POINTS - 1))
         by_element = values.reshape(*values.shape[:-1], -1, POINTS)
         return np.moveaxis(by_element @ inverse.T, -1, 0)
 
     def interpolate(self, values: Array, radii: Array) -> tuple[Array, Array]:
-        """Return (T, M) values at radii (M,) off the rim, and estimates (T, M) of their errors.
+        """Interpolate `values` (T, R) to radii (M,), and estimate the errors.
 
-        The values are interpolated from `values` (T, R). An estimate is the sum of the absolute
-        values of the last two Legendre coefficients in the element.
+        The radii may not lie on the rim.
+
+        Returns
+        -------
+        (T, M) array
+            Interpolated values.
+        (T, M) array
+            Error estimates: sums of the absolute values of the last two Legendre coefficients in
+            the element.
         """
         element = np.clip(
             np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.breakpoints) - 2
@@ -234,16 +261,17 @@ class Face:
         local[at_rim] = 1 - 2 * np.sqrt((1 - radii[at_rim]) / size[at_rim])
         if self.inner_radius:
             at_hole = element == 0
-            apart = np.maximum(radii[at_hole] - self.inner_radius, 0.0)
-            local[at_hole] = 2 * np.sqrt(apart / size[at_hole]) - 1
+            distance = np.maximum(radii[at_hole] - self.inner_radius, 0.0)
+            local[at_hole] = 2 * np.sqrt(distance / size[at_hole]) - 1
         coefficients = self._coefficients(values)[..., element]
         values = np.einsum("j...m,mj->...m", coefficients, legvander(local, POINTS - 1))
         return values, np.abs(coefficients[-2:]).sum(axis=0)
 
     def slopes(self, values: Array) -> tuple[Array, Array]:
-        """Return (T, R) derivatives along the radius of (T, R) values, and less accurate ones.
+        """Return radial derivatives (T, R) of values (T, R), and less accurate ones (T, R).
 
-        The second ones leave out the last two Legendre coefficients of each element.
+        The second array omits the last two Legendre coefficients of each element. The difference
+        of both estimates the error.
         """
         coefficients = self._coefficients(values)
         rates = 2 / np.repeat(np.diff(self.breakpoints), POINTS)
@@ -257,12 +285,12 @@ class Face:
             slopes.append(parts.reshape(values.shape) * rates)
         return slopes[0], slopes[1]
 
-    def integral_doubt(self, parts: Array) -> Array:
-        """Return estimates (T,) of the errors of integrals that are sums of parts over the radii.
+    def integral_error(self, parts: Array) -> Array:
+        """Return error estimates (T,) of integrals that are sums of `parts` (T, R) over the radii.
 
-        `parts` (T, R) are the parts, one for each radius. Gauss's rule is exact up to twice the
-        degree. If Legendre coefficients fall at a constant rate, the coefficient of that degree is
-        the square of the last one over the greatest one.
+        Gauss quadrature is exact up to twice the degree of the polynomial. If Legendre coefficients
+        decay geometrically, the coefficient of twice the degree is about the square of the last
+        coefficient, divided by the greatest one.
         """
         weights = np.tile(gauss(POINTS)[1], len(self.breakpoints) - 1)
         coefficients = np.abs(self._coefficients(parts / weights))
@@ -272,13 +300,14 @@ class Face:
 
 @dataclass(frozen=True, eq=False)
 class SampledFace(Face):
-    """The face at radii that somebody gives, its breakpoints.
+    """The face at given radii, which are its breakpoints.
 
-    Each stands for the area from half-way to its neighbours, as in the rule of trapezoids.
+    The area of each radius reaches half-way to its neighbours, as in the trapezoidal rule.
 
     Parameters
     ----------
-    hole : radius of the hole; 0 if there is none. The given radii may begin beyond it
+    hole : float
+        Radius of the hole; 0 if there is none. The given radii may begin outside of it.
     """
 
     hole: float = 0.0
@@ -290,12 +319,12 @@ class SampledFace(Face):
 
     @cached_property
     def radii(self) -> Array:
-        """(R,) radii that are given, increasing."""
+        """(R,) given radii, increasing."""
         return self.breakpoints
 
     @cached_property
     def areas(self) -> Array:
-        """(R,) area of the face that each radius stands for."""
+        """(R,) area of the face assigned to each radius."""
         inner, outer = self.radii[:-1], self.radii[1:]
         between = np.concatenate([self.radii[:1], (inner + outer) / 2, self.radii[-1:]])
         return np.pi * np.diff(between**2) if len(inner) else np.ones(1)

@@ -1,4 +1,4 @@
-"""What the tables of the scene file are made of: kinds of numbers, and kinds of profiles."""
+"""Define the types of numbers and of profiles in the tables of a scene."""
 
 import os
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-# nested tables as TOML has them: values are of any kind until a scene has checked them
+# nested tables as read from TOML; values have any type until a scene validates them
 TomlTable = dict[str, Any]
 Height = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
@@ -30,7 +30,7 @@ def check_increasing(values: list[float]) -> list[float]:
 
 
 def check_range(value: float) -> float:
-    """Refuse what leaves the range of double precision in products of a few such values."""
+    """Refuse values whose products with a few others could leave the range of double precision."""
     if not value > 0:
         raise ValueError(f"{value} must be positive")
     if not 1e-40 <= value <= 1e40:
@@ -39,7 +39,7 @@ def check_range(value: float) -> float:
 
 
 def check_not_negative(value: float) -> float:
-    """Refuse what is neither 0 nor a positive number in the range of `check_range`."""
+    """Refuse values that are neither 0 nor in the range of `check_range`."""
     if not value >= 0:
         raise ValueError(f"{value} must be 0 or positive")
     return check_range(value) if value else value
@@ -52,17 +52,17 @@ Increasing = Annotated[list[NotNegative], AfterValidator(check_increasing)]
 
 @dataclass(frozen=True)
 class Unit:
-    """The unit of a scene key, beside its type: ``Annotated[float, Unit("length")]``.
+    """The unit of a scene key, declared with its type: ``Annotated[float, Unit("length")]``.
 
-    The unit of a list is that of each number in it, and the unit of a table over times or radii is
-    that of its `values`. `kind` is a key of `SI` in `unit_names.py`.
+    For a list it is the unit of each number, and for a table over times or radii that of its
+    `values`. `kind` is a key of `SI` in `unit_names.py`.
     """
 
     kind: Literal["length", "force", "pressure", "time", "wear_rate", "wear_coefficient"]
 
 
 def optional(description: str, **limits: Any) -> Any:
-    """Return a key that may be left out, and then is None."""
+    """Define a key that may be omitted and then is None."""
     return Field(default=None, description=description, **limits)
 
 
@@ -70,24 +70,24 @@ class Section(BaseModel):
     """A table of the scene file: frozen, strictly typed, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
-    # its name in a scene, with a dot, for messages
+    # name of the table in a scene, with a trailing dot, for messages
     prefix: ClassVar[str] = ""
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Say how to make another scene."""
+        """Raise AttributeError, with the call that returns a changed scene."""
         raise AttributeError(
             f"a scene does not change: write scene.changed({{'{self.prefix}{name}': {value!r}}}) "
             "for another one"
         )
 
     def check_one_of(self, *names: str) -> None:
-        """Refuse more than one of the keys, or none of them."""
+        """Raise ValueError unless exactly one of the keys is given."""
         if sum(getattr(self, name) is not None for name in names) != 1:
-            raise ValueError(f"give one of {', '.join(names)}, and not two")
+            raise ValueError(f"give one of {', '.join(names)}, and only one")
 
 
 class OverTime(Section):
-    """A number that varies: linear between times, constant before the first and after the last."""
+    """A number over time: linear between times, constant before the first and after the last."""
 
     times: Annotated[Increasing, Unit("time")] = Field(
         min_length=1, description="increasing times, 0 or later"
@@ -111,9 +111,9 @@ class OverTime(Section):
         return max(self.values)
 
 
-def over_time(given: "float | OverTime") -> OverTime:
-    """Return a number that may vary as one that does."""
-    return given if isinstance(given, OverTime) else OverTime(times=[0.0], values=[given])
+def over_time(value: "float | OverTime") -> OverTime:
+    """Return a constant or a varying number as an `OverTime`."""
+    return value if isinstance(value, OverTime) else OverTime(times=[0.0], values=[value])
 
 
 class ProfileSection(Section):
@@ -125,7 +125,7 @@ class ProfileSection(Section):
         return []
 
     def check_fit(self, punch_radius: float, inner_radius: float) -> None:
-        """Refuse what does not fit the punch, which may be hollow."""
+        """Raise ValueError if the profile does not fit the punch, which may be hollow."""
 
 
 class Parabola(ProfileSection):
@@ -198,7 +198,7 @@ class RoundedRim(ProfileSection):
 
 
 class Ball(ProfileSection):
-    """A ball to all digits; `parabola` is what is usual for small contacts."""
+    """A ball with its exact circular section; a `parabola` is the usual approximation."""
 
     kind: Literal["ball"]
     ball_radius: Annotated[Positive, Unit("length")] = Field(
@@ -210,7 +210,8 @@ class Ball(ProfileSection):
         if self.ball_radius < punch_radius:
             raise ValueError(
                 f"profile.ball_radius = {self.ball_radius:g} is below punch.radius = "
-                f"{punch_radius:g}: a ball is no wider than that; give a smaller punch.radius"
+                f"{punch_radius:g}, but a ball is not wider than its radius; give a smaller "
+                "punch.radius"
             )
 
     def height_over(self, punch_radius: float) -> Height:
@@ -223,7 +224,7 @@ class Ball(ProfileSection):
 
 
 class Truncated(ProfileSection):
-    """A face that is flat inside a radius, with a kink there."""
+    """A face that is flat inside a radius, at which the slope jumps."""
 
     flat_radius: Annotated[Positive, Unit("length")] = Field(
         description="the radius b inside which the face is flat"
@@ -271,7 +272,7 @@ class TruncatedParaboloid(Truncated):
 
 
 class Concave(ProfileSection):
-    """A dish: it touches at the rim first."""
+    """Heights f = h (1 - r^2/a^2) of a dish, which touches at the rim first."""
 
     kind: Literal["concave"]
     depth: Annotated[Positive, Unit("length")] = Field(
@@ -284,13 +285,13 @@ class Concave(ProfileSection):
 
 
 class HeightTable(ProfileSection):
-    """Monotone cubics through given points (Fritsch and Carlson): smooth, without overshoot."""
+    """Heights interpolated by monotone cubics (Fritsch and Carlson): smooth, without overshoot."""
 
     kind: Literal["table"]
     radii: Annotated[Increasing, Unit("length")] = Field(
         min_length=2,
-        description="increasing radii from 0 to punch.radius, with heights; or a file of both; a "
-        "step of the face is a ring edge with a recess",
+        description="increasing radii from 0 to punch.radius, with heights; or a file of both; "
+        "for a step of the face, use a ring edge with a recess",
     )
     heights: Annotated[list[NotNegative], Unit("length")] = Field(
         description="a height, 0 or more, for each of the radii"
@@ -299,11 +300,11 @@ class HeightTable(ProfileSection):
     @model_validator(mode="before")
     @classmethod
     def _read_file(cls, table: TomlTable) -> TomlTable:
-        """Replace the file by its numbers: the scene is complete without it."""
+        """Replace the file by its numbers, so that the scene is complete without the file."""
         if "file" not in table:
             return table
         if "radii" in table or "heights" in table:
-            raise ValueError("give either file, or radii and heights, and not both")
+            raise ValueError("give either file, or radii and heights, but not both")
         radii, heights = read_table(Path(str(table["file"])))
         return {"kind": "table", "radii": radii, "heights": heights}
 
@@ -346,7 +347,7 @@ class WearTable(Section):
     )
 
     def check_fit(self, punch_radius: float) -> None:
-        """Refuse what does not fit the punch."""
+        """Raise ValueError if radii and values do not match or do not fit the punch."""
         radii = self.radii
         if len(self.values) != len(radii) or sorted(radii) != radii or radii[-1] > punch_radius:
             raise ValueError(
@@ -355,7 +356,7 @@ class WearTable(Section):
             )
 
 
-# what a key may be given as, by the name that messages leave out
+# types of values by the names that pydantic inserts into locations of errors; messages omit these
 KINDS: dict[str, type[Section]] = {
     "number": Section,
     "graded": WearTable,
@@ -373,19 +374,19 @@ KINDS: dict[str, type[Section]] = {
 
 
 def refuse_device(path: Path) -> None:
-    """Refuse what is no file and may have no end, such as /dev/zero; pipes end.
+    """Refuse a device such as /dev/zero, which may have no end; pipes and /dev/null are allowed.
 
     Raises
     ------
     ValueError
-        naming it
+        with the path
     """
     if path.is_char_device() and not path.samefile(os.devnull):
         raise ValueError(f"'{path}' is a device, which may have no end: give a file")
 
 
 def read_table(path: Path) -> list[list[float]]:
-    """Return two columns of numbers; a first line without numbers is a heading."""
+    """Return the two columns of a text file; a first line without numbers is a heading."""
     refuse_device(path)
     try:
         rows = np.genfromtxt(path, delimiter=",", encoding="utf-8", ndmin=2)

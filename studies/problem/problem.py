@@ -1,9 +1,8 @@
-"""The non-dimensional problem.
+"""Define the non-dimensional problem that all methods solve.
 
-Punch radius, plane strain modulus, force and ``a / (E* k_max v0)`` are 1.
-
-Everything is computed in these units and scaled at the door only; their sizes in the scene's own
-units are kept here.
+The units are the punch radius a, the plane strain modulus E*, the greatest force F and the time ``a
+/ (E* k_max v0)`` with the greatest wear coefficient and sliding speed. Everything is computed in
+these units; only input and output are scaled, by the unit sizes that a `Problem` stores.
 """
 
 from dataclasses import dataclass, field, replace
@@ -49,43 +48,42 @@ from .sections import (
     WearSection,
 )
 
-# times that running-in, and the times asked for, may take until all of the face carries: where it
-# takes more, its steady state is out of reach
-OUT_OF_REACH = 1e3
-# times at which whole fields are compared, and by which errors are estimated
-MOST_CHECKED, MOST_ESTIMATED = 40, 60
+# greatest sliding distance until full contact, over the last requested distance or the running-in
+# distance, whichever is greater; beyond it, the steady state counts as out of reach
+MOST_TIME_TO_WEAR_FLAT = 1e3
+# greatest numbers of times at which fields are compared, and at which errors are estimated
+MOST_COMPARED_TIMES, MOST_ESTIMATE_TIMES = 40, 60
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """What the methods solve. Change it by `dataclasses.replace`.
+    """The non-dimensional problem that methods solve. Vary it with `dataclasses.replace`.
 
     Parameters
     ----------
-    rings : as the scene gives them, with harmonic means where wear is graded; `merged` is what has
-        to be modelled
+    rings : rings of the scene, with harmonic means of graded wear coefficients; the rings that are
+        modelled are `merged`
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
-    poisson_ratio : of the half-space; the greatest of layers
+    poisson_ratio : of the half-space; the greatest one if there are layers
+    rtol : requested relative accuracy
+    march, step : march in time, and its step, which is None for the modal march
+    gradient_average : "line" or "area", the average in the RMS slope (Eq. 18)
+    output_radii : radii of the output; None for a grid that shows every ring
+    fem, mdr : sizes and degrees given by the user
+    units : sizes of the units, in units of the scene
+    profile : unworn face
+    indentation : fixed indentation beyond the first touch; None under a force. The unit of force is
+        then the force on a flat punch at that indentation
+    compared_on : radii at which fields are compared; None for radii chosen for this problem
+    graded : rings on which the wear coefficient is linear; None if it is constant on `rings`
+    quantities : names of the requested quantities; None for all that the times and the steady state
+        allow. Sizes and error estimates take only these into account
+    loading : force and speed over time, relative to their greatest values; the last values
+        determine the steady state
+    shared_amplitude : `edge_amplitude` for several problems that share a discretisation
+        (`studies/sizes/shared.py`); None to compute it for this problem
     ground : layers; None for a homogeneous half-space
-    rtol : relative accuracy wanted
-    march, step : how to go through time; `step` is None for the modal march
-    gradient_average : `line` or `area`, of Eq. 18
-    output_radii : None for a grid that shows every ring
-    fem, mdr : sizes that the user has given
-    units : sizes of the units
-    profile : of the unworn face
-    compared_on : radii over the punch that fields are compared at; None for those that suit the
-        problem
-    indentation : beyond the first touch, held fixed in place of the force, which then is what a
-        flat punch would take; None under a force
-    graded : rings between the edges of which wear is linear; None if it is constant on `rings`
-    quantities : names of those wanted; None for all that go with times and steady state. Sizes and
-        estimates serve these alone
-    loading : force and speed over time; their greatest values are those of the units, those held
-        last make the steady state
-    shared_amplitude : `edge_amplitude` of several problems that share a discretisation
-        (`studies/sizes/shared.py`); None for its own
     """
 
     rings: Rings
@@ -119,17 +117,17 @@ class Problem:
         accuracy: AccuracySection,
         output: OutputSection,
     ) -> "Problem":
-        """Return the problem that the tables of a scene pose."""
+        """Return the problem that the tables of a scene define."""
         length, hole = punch.radius, punch.inner_radius / punch.radius
         if punch.ring_edges is None:
-            along = alternating_edges(punch.rings or 1, punch.width_ratio)
-            ring_edges = hole + (1 - hole) * along
+            unit_edges = alternating_edges(punch.rings or 1, punch.width_ratio)
+            ring_edges = hole + (1 - hole) * unit_edges
         else:
             ring_edges = np.array([punch.inner_radius, *punch.ring_edges]) / length
         ring_edges[-1] = 1.0
         coefficients, graded = np.array(punch.coefficients), None
         if not punch.table:
-            # two alternate from the centre
+            # two coefficients alternate from the centre
             coefficients = np.resize(coefficients, len(ring_edges) - 1)
         fastest = float(coefficients.max())
         coefficients = coefficients / fastest
@@ -143,7 +141,7 @@ class Problem:
         if load.indentation is not None:
             approach = punch.approach(load.indentation, ring_edges)
             force = length * modulus * approach / unit_indentation
-        time = length / modulus / fastest / load.sliding.greatest
+        time = length / modulus / fastest / load.speed_over_time.greatest
         units = Units(length, modulus, force, time, fastest)
         profile = punch.unworn(ring_edges, units.displacement)
         if graded:
@@ -165,19 +163,20 @@ class Problem:
             profile=profile,
             graded=graded,
             indentation=None if load.indentation is None else unit_indentation,
-            loading=Loading.over_time(load.pressing, load.sliding, time),
+            loading=Loading.over_time(load.load_over_time, load.speed_over_time, time),
             ground=ground,
         )
-        if problem.why_never_steady:
+        if problem.reason_not_steady:
             problem = replace(problem, steady=False)
-        wanted = expand(output.quantities)
-        return problem if wanted == GROUPS["all"] else problem.asking_for(wanted)
+        requested = expand(output.quantities)
+        return problem if requested == GROUPS["all"] else problem.with_quantities(requested)
 
     @cached_property
     def merged(self) -> Rings:
-        """Rings that have to be modelled.
+        """The rings that are modelled; a hole is the first one.
 
-        A recess ends at its ring's edge even if the next wears as fast. A hole is a first ring.
+        In full contact, neighbours of equal wear are merged. On shaped faces they are not, because
+        recesses end at ring edges.
         """
         rings = self.graded or self.rings
         return (rings.merged() if self.full_contact else rings).with_hole()
@@ -189,46 +188,46 @@ class Problem:
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face carries at all times.
+        """Whether all of the face is in contact at all times.
 
-        A flat punch at a fixed indentation, or under a force that never falls, keeps contact,
-        unless stiff layers bend away from it; any other may lose it. Without a history there is the
-        steady state, in which all of the face carries.
+        A flat punch at a fixed indentation, or under a force that never falls, stays in full
+        contact, unless stiff layers bend away from it. Any other punch may lose contact. If no
+        history is requested, layers do not matter, because contact is full in the steady state.
         """
         keeps = self.ground is None or not len(self.times) or presses_everywhere(self.ground)
         return self.profile.flat and self.loading.rising and keeps
 
     @property
     def contact(self) -> ContactRegime:
-        """Full contact or moving contact, with all that differs between them."""
+        """The regime of contact: full or moving."""
         return FULL_CONTACT if self.full_contact else MOVING_CONTACT
 
     @property
     def load_regime(self) -> LoadRegime:
-        """The kind of load: a force or an indentation, constant or not, with all that differs."""
+        """The regime of the load: a force or an indentation, constant or varying."""
         return LOADS[self.indentation is not None, self.loading.varies]
 
     @property
     def wear_regime(self) -> WearRegime:
-        """Wear that is constant on rings or varies along the radius, with all that differs."""
+        """The regime of wear: coefficients constant on rings, or varying along the radius."""
         return WEAR_ALONG_RADIUS if self.merged.linear else WEAR_ON_RINGS
 
     @property
     def regimes(self) -> tuple[Regime, ...]:
-        """Its regimes of wear, contact and load, in the order in which they are refused."""
+        """The regimes of wear, contact and load, in the order in which methods may refuse them."""
         return self.wear_regime, self.contact, self.load_regime
 
     @property
     def quantities_missing(self) -> frozenset[str]:
-        """Names of the quantities that its contact does not have under its load."""
-        return self.contact.quantities_missing - self.load_regime.quantities_told
+        """Names of the quantities that do not exist for this contact and load."""
+        return self.contact.quantities_missing - self.load_regime.added_quantities
 
     @cached_property
     def time_to_wear_flat(self) -> float:
-        """Sliding distance by which the greatest force wears off all that stands out of the face.
+        """Sliding distance in which the greatest force wears the face flat.
 
-        It is ``int (max f - f) / k dA / F``; of a sphere, ``a^4 = 4 R k F t / pi``. Then about all
-        of the face carries.
+        It is ``int (max f - f) / k dA / F``; for a sphere, ``a^4 = 4 R k F t / pi``. Contact
+        becomes full at about this distance.
         """
         radii, heights = self.profile.sampled()
         between, areas = (radii[1:] + radii[:-1]) / 2, np.pi * np.diff(radii**2)
@@ -236,51 +235,57 @@ class Problem:
         return float((heights.max() - means) / self.merged.at(between) @ areas)
 
     @cached_property
-    def why_never_steady(self) -> str:
-        """Why there is no steady state to tell, although a force presses; empty if there is one."""
+    def reason_not_steady(self) -> str:
+        """The reason why no steady state under a force is reported; empty if there is one."""
         if self.indentation is not None:
             return ""
         last_force, last_speed = self.loading.forces[-1], self.loading.speeds[-1]
         if not last_force or not last_speed:
-            what = "nothing presses" if not last_force else "the punch stands still"
-            return f"in the end {what}, and the face wears no more"
+            reason = "the force is 0" if not last_force else "the punch stands still"
+            return f"in the end {reason}, and the face no longer wears"
         if self.full_contact or not self.earliest:
             return ""
-        # running-in takes about the slowest relaxation time, that of the slowest material
+        # running-in takes about the slowest relaxation time, 1 / least wear coefficient
         running_in = 1 / float(self.merged.ends[1].min())
-        if self.time_to_wear_flat <= OUT_OF_REACH * max(float(self.distances[-1]), running_in):
+        if self.time_to_wear_flat <= MOST_TIME_TO_WEAR_FLAT * max(
+            float(self.distances[-1]), running_in
+        ):
             return ""
         time = self.time_to_wear_flat / last_force / last_speed * self.units.time
         return (
-            f"out of reach: all of the face would carry from about t = {time:.2g} on only, and the "
-            "steady state of the part that carries until then is not known; the history is right"
+            f"out of reach: all of the face would be in contact only after about t = {time:.2g}; "
+            "the steady state of the part in contact until then is not computed; the history is "
+            "valid"
         )
 
     @property
     def ring_edges(self) -> Array:
-        """(N+1,) edges of the rings of the scene, from 0, or from the hole, to 1."""
+        """(N+1,) edges of the rings of the scene, from the axis or the hole to the rim at 1."""
         return self.rings.ring_edges
 
     @property
     def wear_coefficients(self) -> Array:
-        """(N,) wear coefficients of these rings over the greatest, harmonic means where graded."""
+        """(N,) wear coefficients of these rings over the greatest; harmonic means if graded."""
         return self.rings.wear_coefficients
 
     @cached_property
     def distances(self) -> Array:
-        """(T,) sliding distance by each time: the time itself at constant speed."""
+        """(T,) sliding distance until each time; at constant speed it equals the time."""
         if not len(self.times):
             return self.times
         return self.loading.at(self.times).distance
 
     @property
     def earliest(self) -> float:
-        """The first sliding distance after the start; 0 without any."""
+        """The first positive sliding distance; 0 if there is none."""
         return float(min(self.distances[self.distances > 0], default=0.0))
 
     @property
     def edge_amplitude(self) -> EdgeAmplitude:
-        """Of the pressures that are asked for, by what wear has blunted: sizes go by it."""
+        """Amplitude of high polynomial degrees near ring edges, from which sizes are chosen.
+
+        It depends on the lengths over which wear has smoothed the pressure at the earliest time.
+        """
         if self.shared_amplitude is not None:
             return self.shared_amplitude
         (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
@@ -292,103 +297,104 @@ class Problem:
         narrower = np.append(self.merged.narrower, self.merged.widths[-1])
         return EdgeAmplitude(self.rtol, worn_length_slow, ratio, span, self.merged.kinks, narrower)
 
-    def asking_for(self, quantities: frozenset[str]) -> "Problem":
-        """Return the problem of these quantities alone: no times or steady state but for them.
+    def with_quantities(self, quantities: frozenset[str]) -> "Problem":
+        """Return the problem of these quantities, with times and steady state only if needed.
 
         Raises
         ------
         SceneError
-            if the scene has none of them
+            if the scene has none of these quantities
         """
-        wanted = quantities - self.quantities_missing
+        requested = quantities - self.quantities_missing
         if not len(self.times):
-            wanted -= HISTORIES
+            requested -= HISTORIES
         if not self.steady:
-            wanted -= STEADY
-        if not wanted:
+            requested -= STEADY
+        if not requested:
             raise SceneError(
                 f"output.quantities = {', '.join(sorted(quantities))}: the scene has none of them; "
                 "give wear.times for a history, steady = true for a steady state"
-                + (f" (which is {self.why_never_steady})" if self.why_never_steady else "")
+                + (f" (not available: {self.reason_not_steady})" if self.reason_not_steady else "")
             )
-        history = bool(wanted & HISTORIES)
+        history = bool(requested & HISTORIES)
         times, march = (self.times, self.march) if history else (self.times[:0], "modal")
-        steady = bool(wanted & STEADY)
-        return replace(self, quantities=wanted, times=times, march=march, steady=steady)
+        steady = bool(requested & STEADY)
+        return replace(self, quantities=requested, times=times, march=march, steady=steady)
 
     def wants(self, quantity: str) -> bool:
-        """Return whether a quantity is wanted."""
+        """Return whether a quantity is requested."""
         return self.quantities is None or quantity in self.quantities
 
     @property
     def energies_only(self) -> bool:
-        """Whether nothing but energies is wanted, which converge twice as fast as fields do."""
+        """Whether only energies are requested, which converge twice as fast as fields."""
         return self.quantities is not None and self.quantities <= set(ENERGIES)
 
     @cached_property
     def radii(self) -> Array:
-        """Radii of the output: the user's, or a grid that is dense near ring edges, not on them."""
+        """Radii of the output: the user's, or a grid that is dense near ring edges."""
         if self.output_radii is not None:
             return self.output_radii
         count = max(8, 320 // len(self.wear_coefficients))
-        within = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
+        fractions = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
         inner, outer = self.ring_edges[:-1, None], self.ring_edges[1:, None]
-        radii = (inner + (outer - inner) * within).ravel()
+        radii = (inner + (outer - inner) * fractions).ravel()
         return radii if self.inner_radius else np.concatenate([[0.0], radii])
 
     @cached_property
     def face(self) -> Face:
-        """Radii that crowd at ring edges and at the rim, as the layers of the earliest time do."""
+        """Radii at which fields are compared, dense near ring edges as needed at the first time."""
         if self.compared_on is not None:
             return self.compared_on
         rings = self.merged
         rim = float(np.clip(0.1 * self.edge_amplitude.worn_length_slow[-1], 1e-12, 1e-6))
         nearest = 1e-4 * rings.narrower
         if self.full_contact:
-            # slopes of early times are steepest within what wear has blunted beside an edge
+            # early slopes are greatest within the length over which wear has smoothed the pressure
             nearest = np.clip(
                 0.1 * self.edge_amplitude.worn_length_slow[:-1], 1e-12, 1e-8 * rings.narrower
             )
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
-        # the integral over each ring that the scene names, also where nothing happens at its edge
+        # integrals over each ring of the scene need its edges, even between rings of equal wear
         breakpoints = np.union1d(breakpoints, self.ring_edges)
         cells = self.contact.cells_of_face
         if self.ground is not None:
             # fields vary over the thickness of the first layer
             cells = max(cells, int(np.ceil(1 / self.ground.first_thickness)))
         if cells:
-            even = np.linspace(0, 1, cells + 1)
-            # slopes of an element as wide as roundoff would be roundoff over that
-            apart = np.abs(even[:, None] - breakpoints).min(axis=1) > 1e-9
-            breakpoints = np.union1d(breakpoints, even[apart])
+            even_breakpoints = np.linspace(0, 1, cells + 1)
+            # omit breakpoints that would make very narrow elements, in which slopes are roundoff
+            distinct = np.abs(even_breakpoints[:, None] - breakpoints).min(axis=1) > 1e-9
+            breakpoints = np.union1d(breakpoints, even_breakpoints[distinct])
         breakpoints = breakpoints[breakpoints >= self.inner_radius]
         return Face(breakpoints, self.ring_edges, rings.at, self.profile.standoff)
 
     def sampled_face(self, radii: Array) -> SampledFace:
-        """Return the face at radii (R,) that somebody gives, increasing."""
+        """Return the face at given, increasing radii (R,)."""
         rings, standoff = self.merged, self.profile.standoff
         return SampledFace(radii, rings.ring_edges, rings.at, standoff, self.inner_radius)
 
     @cached_property
     def checked(self) -> Indices:
-        """(C,) indices of times at which whole fields are compared: all, or evenly chosen ones."""
+        """(C,) indices of the times at which fields are compared: all, or evenly spaced ones."""
         count = len(self.times)
         return np.unique(
-            np.linspace(0, count - 1, min(count, MOST_CHECKED)).round().astype(np.int64)
+            np.linspace(0, count - 1, min(count, MOST_COMPARED_TIMES)).round().astype(np.int64)
         )
 
     @cached_property
     def estimate_times(self) -> Array:
-        """Times that errors are estimated at.
+        """Times at which errors are estimated.
 
-        From the earliest in steps of about two to beyond the last, and the start.
+        They are the start, and a geometric sequence with a ratio of about 2 from the first time of
+        sliding to twice the last time. If the load varies, the compared times are added.
         """
         later = self.times[self.distances > 0]
         if not len(later):
             return self.times
-        count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATED)
+        count = min(int(np.log2(later[-1] / later[0])) + 3, MOST_ESTIMATE_TIMES)
         times = [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
         if self.loading.varies:
-            # what knots bring does not come in proportion to the time
+            # changes of the load do not follow the geometric sequence
             times.append(self.times[self.checked])
         return np.unique(np.concatenate(times))

@@ -1,13 +1,11 @@
-"""What the punch looks like before it wears.
+"""Describe the face of the punch before it wears: heights over the radius plus recesses of rings.
 
-Heights over the radius, recesses by ring, or sums of them. Non-dimensional.
+Non-dimensional: radii are in punch radii, heights in ``F / (a E*)``. A height is the depth of
+missing material below the face plane. Where it is zero, the face lies in the face plane, whose
+indentation is d. Heights may be any function of the radius; steps at ring edges are recesses.
 
-A height is material that is missing: where it is zero the face plane is, whose indentation is d.
-Heights may be any function of the radius; steps at ring edges are the recesses. Lengths are in
-punch radii, heights in ``F / (a E*)``.
-
-A face may stand off its plane everywhere. That distance is taken off before anything is computed,
-and added to what is reported, so that no step, tolerance or norm depends on it.
+If the least height is positive, it is subtracted before anything is computed and added to what is
+reported. Steps, tolerances and norms therefore do not depend on it.
 """
 
 from dataclasses import dataclass
@@ -18,31 +16,39 @@ import numpy as np
 from ...meshes.radial import Array, Indices, ring_of
 from .fields import Height
 
-# windows in a ring that kinks are sought in, and points of each that a cubic is fitted to
+# search for kinks: number of windows in a ring, and points in each to which a cubic is fitted
 WINDOWS, POINTS = 256, 7
-# kinks of a face, and peaks of a ring that may be kinks: rough and wavy faces have more
+# greatest number of kinks of a face, and of candidate windows in a ring; rough and wavy faces have
+# more, and no kinks are reported for them
 MOST_KINKS, MOST_PEAKS = 8, 32
-# kinks nearer to each other than this, in punch radii, are one
+# kinks that are closer to each other than this, in punch radii, count as one
 NEAREST_KINKS = 1e-4
-# part of what a cubic misses in a window that it misses in half of it: less on smooth faces
-SMOOTH = 0.1
-# halvings of a window, and by how much it has to become smaller until it is a kink
-MOST_HALVINGS, FOUND = 40, 1e-3
-# of a whole window and of a small one, over the range of heights in a ring: less is roundoff
-ROUNDOFF_OF_WINDOWS, ROUNDOFF = 1e-9, 1e-14
+# residual of the cubic in half of a window, over that in the whole window; smaller ratios mean that
+# the face is smooth
+SMOOTH_RATIO = 0.1
+# greatest number of halvings of a window, and its width after them, over the first width, below
+# which it contains a kink
+MOST_HALVINGS, KINK_WIDTH = 40, 1e-3
+# residuals of whole and of halved windows, over the range of heights in the ring, that are roundoff
+ROUNDOFF_OF_WINDOWS, ROUNDOFF_OF_SMALL_WINDOWS = 1e-9, 1e-14
 
 
 @dataclass(frozen=True, eq=False)
 class InitialProfile:
-    """Heights of the punch face before wear, above where it is nearest to the half-space.
+    """Heights of the punch face before wear, measured from its point nearest to the half-space.
 
     Parameters
     ----------
-    ring_edges : (N+1,) of the punch
-    recess : (N,) height of each ring
-    heights : functions of the radius that are added to it
-    kinks : radii at which these are not smooth
-    standoff : distance of the nearest point from the face plane, which the heights do not contain
+    ring_edges : (N+1,) array
+        Ring edges of the punch.
+    recess : (N,) array
+        Recess of each ring.
+    heights : tuple of callables
+        Functions of the radius that are added to the recesses.
+    kinks : tuple of float
+        Radii at which these functions are not smooth.
+    standoff : float
+        Distance of the nearest point from the face plane. The heights do not contain it.
     """
 
     ring_edges: Array
@@ -52,18 +58,18 @@ class InitialProfile:
     standoff: float = 0.0
 
     def __call__(self, radii: Array) -> Array:
-        """Heights at radii; an edge belongs to the ring outside it."""
+        """Return the heights at radii; a ring edge belongs to the ring outside it."""
         return self.in_ring(radii, ring_of(self.ring_edges, radii))
 
     def in_ring(self, radii: Array, ring: Indices) -> Array:
-        """Return the heights at radii of given rings: at their edges, too."""
+        """Return the heights at radii in given rings, to which both of their edges belong."""
         total = np.asarray(self.recess[ring], dtype=float)
         for height in self.heights:
             total = total + height(radii)
         return np.asarray(np.broadcast_to(total, np.shape(radii)), dtype=float)
 
     def slope(self, radii: Array) -> Array:
-        """Return the slope within rings by central differences; steps at edges are no slope."""
+        """Return the slope within rings by central differences, without steps at ring edges."""
         ring, step = ring_of(self.ring_edges, radii), 1e-5
         low = np.maximum(radii - step, self.ring_edges[ring])
         high = np.minimum(radii + step, self.ring_edges[ring + 1])
@@ -72,19 +78,19 @@ class InitialProfile:
 
     @property
     def flat(self) -> bool:
-        """Whether it is a plane: the face plane itself, or one that stands off it everywhere."""
+        """Whether the face is a plane: the face plane, or one parallel to it."""
         return not (self.heights or self.recess.any())
 
     @property
     def steps(self) -> Array:
-        """(N-1,) step of the height at each ring edge between centre and rim, outwards."""
+        """(N-1,) step of the height, outwards, at each ring edge between centre and rim."""
         return np.diff(self.recess)
 
-    def sampled(self, *more: float) -> tuple[Array, Array]:
-        """Return radii, many in every ring, its edges and kinks and `more`, and heights there."""
-        within, kinks = np.linspace(0.0, 1.0, 501), np.array([*self.kinks, *more])
+    def sampled(self, *extra_radii: float) -> tuple[Array, Array]:
+        """Return many radii in every ring, with edges, kinks and extra ones, and the heights."""
+        fractions, kinks = np.linspace(0.0, 1.0, 501), np.array([*self.kinks, *extra_radii])
         parts = [
-            np.union1d(a + (b - a) * within, kinks[(kinks > a) & (kinks < b)])
+            np.union1d(a + (b - a) * fractions, kinks[(kinks > a) & (kinks < b)])
             for a, b in pairwise(self.ring_edges)
         ]
         heights = [self.in_ring(part, np.full(len(part), ring)) for ring, part in enumerate(parts)]
@@ -92,57 +98,70 @@ class InitialProfile:
 
 
 def find_kinks(profile: InitialProfile) -> tuple[float, ...]:
-    """Return the radii within rings at which the slope of a face, or its bend, jumps.
+    """Return the radii within rings at which the slope or the curvature of a face jumps.
 
-    A window about a kink is halved again and again, always towards the half that a cubic fits
-    worse. On a smooth face the cubic of half a window misses a sixteenth of what it missed; at a
-    kink it misses half if the slope jumps, and a quarter if the bend does.
+    A window around a candidate is repeatedly halved; the half in which a cubic fits worse is kept.
+    On a smooth face, each halving divides the residual of the cubic by 16. At a kink it divides the
+    residual by 2 if the slope jumps, and by 4 if the curvature jumps.
 
     Returns
     -------
     tuple of float
-        Increasing. None of a face with more than `MOST_KINKS`, such as a rough one.
+        Increasing radii; empty if the face has more than `MOST_KINKS`, as rough faces do.
     """
     kinks = list[float]()
     for inner, outer in pairwise(profile.ring_edges):
         scale = float(np.ptp(profile(np.linspace(inner, outer, 99))))
         width = (outer - inner) / WINDOWS
-        # each window overlaps the next by half
+        # successive windows overlap by half
         starts = inner + width * np.arange(0, WINDOWS - 1, 0.5)
-        misses = _miss_of_cubics(profile, starts, width)
-        highest = (misses >= np.roll(misses, 1)) & (misses > np.roll(misses, -1))
-        peaks = np.flatnonzero(highest & (misses > ROUNDOFF_OF_WINDOWS * scale))
+        residuals = _cubic_residuals(profile, starts, width)
+        local_maxima = (residuals >= np.roll(residuals, 1)) & (residuals > np.roll(residuals, -1))
+        peaks = np.flatnonzero(local_maxima & (residuals > ROUNDOFF_OF_WINDOWS * scale))
         if len(peaks) > MOST_PEAKS:
             return ()
         for start in starts[peaks].tolist():
-            kink = _kink_in(profile, start, width, ROUNDOFF * scale)
+            kink = _kink_in(profile, start, width, ROUNDOFF_OF_SMALL_WINDOWS * scale)
             if kink is not None and inner < kink < outer:
                 kinks.append(kink)
     kinks.sort()
-    apart = [after for before, after in pairwise([-1.0, *kinks]) if after - before > NEAREST_KINKS]
-    return tuple(apart) if len(apart) <= MOST_KINKS else ()
+    separate = [
+        after for before, after in pairwise([-1.0, *kinks]) if after - before > NEAREST_KINKS
+    ]
+    return tuple(separate) if len(separate) <= MOST_KINKS else ()
 
 
 def _kink_in(profile: InitialProfile, start: float, width: float, roundoff: float) -> float | None:
-    """Return the radius of the kink in a window, or None if the face is smooth there."""
-    size, missed = width, float(_miss_of_cubics(profile, np.array([start]), width)[0])
+    """Return the radius of the kink in a window, or None if the face is smooth there.
+
+    Parameters
+    ----------
+    start, width : float
+        Inner end and width of the window.
+    roundoff : float
+        Residual below which the search ends.
+    """
+    size, last_residual = width, float(_cubic_residuals(profile, np.array([start]), width)[0])
     for _ in range(MOST_HALVINGS):
         halves = start + size * np.array([0.0, 0.25, 0.5])
-        misses = _miss_of_cubics(profile, halves, size / 2)
-        if misses.max() < max(SMOOTH * missed, roundoff):
+        residuals = _cubic_residuals(profile, halves, size / 2)
+        if residuals.max() < max(SMOOTH_RATIO * last_residual, roundoff):
             break
-        size, missed = size / 2, float(misses.max())
-        start = float(halves[misses.argmax()])
-    return start + size / 2 if size < FOUND * width else None
+        size, last_residual = size / 2, float(residuals.max())
+        start = float(halves[residuals.argmax()])
+    return start + size / 2 if size < KINK_WIDTH * width else None
 
 
-def _miss_of_cubics(profile: InitialProfile, starts: Array, width: float) -> Array:
-    """Return by how much cubics miss a face (n,) in windows of a width from starts (n,) on."""
+def _cubic_residuals(profile: InitialProfile, starts: Array, width: float) -> Array:
+    """Return the greatest residuals (n,) of cubics fitted to a face in windows.
+
+    The windows begin at `starts` (n,) and have the same width.
+    """
     local = np.arange(POINTS) / (POINTS - 1)
     cubics = np.vander(local, 4)
-    missing = np.eye(POINTS) - cubics @ np.linalg.pinv(cubics)
+    projection = np.eye(POINTS) - cubics @ np.linalg.pinv(cubics)
     heights = profile(starts[:, None] + width * local)
-    return np.asarray(np.abs(heights @ missing).max(axis=1))
+    return np.asarray(np.abs(heights @ projection).max(axis=1))
 
 
 FLAT = InitialProfile(np.array([0.0, 1.0]), np.zeros(1))

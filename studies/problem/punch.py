@@ -1,4 +1,4 @@
-"""The table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
+"""Define the table `punch` of the scene: radii, rings, wear coefficients and the unworn face."""
 
 from dataclasses import replace
 from typing import Annotated, Self
@@ -29,8 +29,8 @@ from .fields import (
 )
 from .profile import InitialProfile, find_kinks
 
-# holes smaller than this part of the punch radius, and faces narrower than this part of it, are
-# refused: elements could not tell them
+# smallest radius of a hole over the punch radius, and smallest width of the first ring over its
+# outer radius; elements cannot resolve smaller ones, so these are refused
 NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
 
 
@@ -44,11 +44,11 @@ class PunchSection(Section):
     )
     inner_radius: Annotated[NotNegative, Unit("length")] = Field(
         default=0.0,
-        description="the radius of the hole of a hollow punch, below that of the first ring; 0 for "
-        "a full one",
+        description="the radius of the hole of a hollow punch, less than the outer radius of the "
+        "first ring; 0 for a punch without a hole",
     )
     rings: int | None = optional(
-        "the number of rings, 1 or more; of one material it may be left out", ge=1, le=100_000
+        "the number of rings, 1 or more; not needed for one material", ge=1, le=100_000
     )
     width_ratio: float = Field(
         default=1.0,
@@ -65,7 +65,7 @@ class PunchSection(Section):
         "positive numbers: two, alternating from the centre, or one for each ring"
     )
     recess: Annotated[list[NotNegative], Unit("length")] | None = optional(
-        "a height, 0 or more, for each ring: material missing"
+        "a height of missing material, 0 or more, for each ring"
     )
     profile: (
         Parabola
@@ -79,7 +79,7 @@ class PunchSection(Section):
         | HeightTable
         | None
     ) = optional(
-        "a table with what goes with its kind, one of parabola, ball, cone, truncated_cone, "
+        "a table with a kind and its keys; kinds are parabola, ball, cone, truncated_cone, "
         "truncated_paraboloid, concave, power, rounded_rim and table",
         discriminator="kind",
     )
@@ -103,54 +103,55 @@ class PunchSection(Section):
         ]
         | None
     ) = optional(
-        "that of the one material, or of odd rings, k1, a positive number; or that along the "
-        "radius, { radii = [...], values = [...] }"
+        "the wear coefficient of the only material, or k1 of odd rings, a positive number; or "
+        "values along the radius, { radii = [...], values = [...] }"
     )
     wear_ratio: Positive | None = optional("k2/k1 of two materials that alternate from the centre")
 
     @model_validator(mode="after")
     def _check_rings(self) -> Self:
-        given = len(self.coefficients)
-        if (self.table is None and given > 1) or (self.rings and self.ring_edges):
+        coefficient_count = len(self.coefficients)
+        if (self.table is None and coefficient_count > 1) or (self.rings and self.ring_edges):
             self.check_one_of("rings", "ring_edges")
-        least = min(self.ring_edges or [self.radius])
-        if not self.inner_radius < least * (1 - NARROWEST_FACE):
+        first_edge = min(self.ring_edges or [self.radius])
+        if not self.inner_radius < first_edge * (1 - NARROWEST_FACE):
             raise ValueError(
-                f"inner_radius = {self.inner_radius:g} must be below {least:g}, where the first "
-                "ring ends"
+                f"inner_radius = {self.inner_radius:g} must be below {first_edge:g}, the outer "
+                "radius of the first ring"
             )
         if 0 < self.inner_radius < NARROWEST_HOLE * self.radius:
             raise ValueError(
-                f"inner_radius = {self.inner_radius:g} is too small to tell from no hole: leave it "
+                f"inner_radius = {self.inner_radius:g} is too small to have an effect: leave it "
                 f"out, or give at least {NARROWEST_HOLE:g} of punch.radius"
             )
         if self.ring_edges is not None:
             if "width_ratio" in self.model_fields_set:
-                raise ValueError("width_ratio goes with rings; with ring_edges leave it out")
+                raise ValueError("width_ratio has no effect with ring_edges: leave it out")
             if abs(self.ring_edges[-1] / self.radius - 1) > 1e-9:
                 raise ValueError(
                     f"ring_edges = {self.ring_edges} must end at punch.radius = {self.radius}"
                 )
         forms = self.wear_coefficients, self.wear_coefficient
-        of_two = self.wear_ratio is not None
-        if (of_two and not isinstance(forms[1], float)) or forms.count(None) != 1:
+        has_ratio = self.wear_ratio is not None
+        if (has_ratio and not isinstance(forms[1], float)) or forms.count(None) != 1:
             raise ValueError(
-                "give one of wear_coefficient = k of one material; wear_coefficient = k1 with "
+                "give one of: wear_coefficient = k for one material; wear_coefficient = k1 with "
                 "wear_ratio = k2/k1; wear_coefficients, positive numbers, two that alternate from "
                 "the centre or one for each ring; wear_coefficient = { radii = [...], values = "
                 "[...] }"
             )
-        count = self.rings or len(self.ring_edges or [0])
+        ring_count = self.rings or len(self.ring_edges or [0])
         if self.table:
             self.table.check_fit(self.radius)
-        elif self.wear_coefficients is not None and given not in (2, count):
+        elif self.wear_coefficients is not None and coefficient_count not in (2, ring_count):
             raise ValueError(
-                f"wear_coefficients has {given} values for {count} rings: give {count}, or two, "
-                "which alternate from the centre"
+                f"wear_coefficients has {coefficient_count} values for {ring_count} rings: give "
+                f"{ring_count}, or two, which alternate from the centre"
             )
-        if self.recess is not None and len(self.recess) != count:
+        if self.recess is not None and len(self.recess) != ring_count:
             raise ValueError(
-                f"recess has {len(self.recess)} values for {count} rings: give one for each ring"
+                f"recess has {len(self.recess)} values for {ring_count} rings: give one for each "
+                "ring"
             )
         if self.profile is not None:
             self.profile.check_fit(self.radius, self.inner_radius)
@@ -162,9 +163,9 @@ class PunchSection(Section):
 
     @property
     def coefficients(self) -> list[float]:
-        """Wear coefficients of the rings, or those of the table if wear is graded.
+        """Wear coefficients of the rings, or the values of the table if wear is graded.
 
-        There is one for all rings, or two that alternate from the centre, or one for each ring.
+        There is one for all rings, two that alternate from the centre, or one for each ring.
         """
         if self.wear_coefficients is not None:
             return self.wear_coefficients
@@ -175,16 +176,23 @@ class PunchSection(Section):
 
     @property
     def table(self) -> WearTable | None:
-        """The wear coefficient along the radius."""
+        """The table of wear coefficients along the radius; None if they are constant on rings."""
         return self.wear_coefficient if isinstance(self.wear_coefficient, WearTable) else None
 
     def unworn(self, ring_edges: Array, unit: float) -> InitialProfile:
-        """Return the face before wear, between (N+1,) edges over the radius, in a unit of heights.
+        """Return the face before wear, non-dimensional.
+
+        Parameters
+        ----------
+        ring_edges : (N+1,) array
+            Ring edges over the punch radius.
+        unit : float
+            Unit of heights, in that of the scene.
 
         Raises
         ------
         SceneError
-            if a function of the user's gives heights that are negative or not finite
+            if a function of the user returns heights that are negative or not finite
         """
         recess = np.zeros(len(ring_edges) - 1) + np.array(self.recess or 0.0) / unit
         if not (self.profile or self.heights or recess.any()):
@@ -201,31 +209,33 @@ class PunchSection(Section):
         profile = InitialProfile(ring_edges, recess, tuple(map(scaled, functions)), kinks)
         if self.heights:
             if self.kinks is None:
-                given = InitialProfile(ring_edges, recess, tuple(map(scaled, self.heights)))
-                more = find_kinks(given)
+                heights_profile = InitialProfile(
+                    ring_edges, recess, tuple(map(scaled, self.heights))
+                )
+                height_kinks = find_kinks(heights_profile)
             else:
-                more = tuple(kink / self.radius for kink in self.kinks)
-            profile = replace(profile, kinks=tuple(np.union1d(kinks, more).tolist()))
+                height_kinks = tuple(kink / self.radius for kink in self.kinks)
+            profile = replace(profile, kinks=tuple(np.union1d(kinks, height_kinks).tolist()))
         least = float(profile.sampled()[1].min())
         if self.heights and not least >= 0:
             raise SceneError(
-                f"the height of the punch is {least * unit:.3g} somewhere: heights are material "
-                "that is missing, 0 or more and finite; add a constant to them"
+                f"the least height of the punch is {least * unit:.3g}: heights are material that "
+                "is missing, 0 or more and finite; add a constant to them"
             )
         return replace(profile, recess=recess - least, standoff=least)
 
-    def approach(self, given: float, ring_edges: Array) -> float:
-        """Return by how much a given indentation is beyond the first touch, in the scene's units.
+    def approach(self, indentation: float, ring_edges: Array) -> float:
+        """Return an indentation minus that of the first touch, in the scene's units.
 
         Raises
         ------
         SceneError
-            if nothing touches
+            if the punch does not touch the half-space
         """
         least = self.unworn(ring_edges, 1.0).standoff
-        if given <= least:
+        if indentation <= least:
             raise SceneError(
-                f"load.indentation = {given:.6g} is too small to touch: the punch stands "
-                f"{least:.6g} from the half-space where it is nearest; give more"
+                f"load.indentation = {indentation:.6g} is too small for contact: the nearest point "
+                f"of the punch is {least:.6g} from the half-space; give more"
             )
-        return given - least
+        return indentation - least

@@ -1,6 +1,6 @@
-"""What can be computed.
+"""Define all quantities that can be computed.
 
-Each quantity with its dimensions, unit, definition, and the norm in which two values are compared
+Each has dimensions, a unit, a definition, and the norm in which two of its values are compared
 (`studies/sampling/norms.py`).
 """
 
@@ -9,12 +9,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-# the finest accuracy that can be asked for
-FINEST = 1e-9
+# smallest relative accuracy that can be requested
+FINEST_RTOL = 1e-9
+# description of the error of a quantity, with its name and its norm
 ERROR = "relative error of {}, the method's own estimate: {}"
-# relaxation times that are promised and compared: the slowest, which last
+# number of relaxation times, from the slowest on, that are accurate to rtol and compared
 COMPARED_MODES = 8
-# quantities that converge twice as fast as fields do
+# quantities that converge with twice the order of fields
 ENERGIES = (
     "indentation",
     "relaxation_time",
@@ -28,36 +29,37 @@ ENERGIES = (
     "force_start",
     "force_end",
 )
-# quantities of a flat punch that are felt in the thin layers that wear makes beside ring edges
-IN_LAYERS = ("rms_slope", "pressure")
+# quantities of a flat punch that depend on the thin layers near ring edges, in which wear has
+# smoothed the pressure
+LAYER_QUANTITIES = ("rms_slope", "pressure")
 
 
 @dataclass(frozen=True)
 class Units:
-    """Sizes of the non-dimensional units in the scene's own."""
+    """Sizes of the non-dimensional units in the units of the scene."""
 
     length: float = 1.0
     modulus: float = 1.0
     force: float = 1.0
     time: float = 1.0
     wear_coefficient: float = 1.0
-    # of what has none
+    # units of quantities without a unit
     share: float = 1.0
     number: float = 1.0
 
     @property
     def pressure(self) -> float:
-        """F / a^2."""
+        """The unit of pressures, F / a^2."""
         return self.force / self.length / self.length
 
     @property
     def displacement(self) -> float:
-        """Of displacement and of worn height, F / (a E*)."""
+        """The unit of displacements and worn heights, F / (a E*)."""
         return self.force / self.length / self.modulus
 
     @property
     def volume(self) -> float:
-        """Of worn volume, a^2 times that of heights."""
+        """The unit of worn volumes, a^2 times that of heights."""
         return self.displacement * self.length**2
 
     @property
@@ -67,12 +69,26 @@ class Units:
 
     @property
     def wear_rate(self) -> float:
-        """Of df/dt."""
+        """The unit of wear rates df/dt, that of heights over that of time."""
         return self.displacement / self.time
 
 
 class Quantity(NamedTuple):
-    """Dimensions, unit (of `Units`), definition, norm of its error, whether every run has it."""
+    """A quantity.
+
+    Parameters
+    ----------
+    dims : tuple of str
+        Names of its dimensions.
+    unit : str
+        Name of its unit, an attribute of `Units`.
+    definition : str
+        Definition for users.
+    norm : str
+        Norm of its error, a key of `NORMS`.
+    always : bool
+        Whether results contain it for every scene.
+    """
 
     dims: tuple[str, ...]
     unit: str
@@ -82,30 +98,36 @@ class Quantity(NamedTuple):
 
     @property
     def error_dims(self) -> tuple[str, ...]:
-        """Dimensions of its error: norms are taken over radius and rings."""
+        """The dimensions of its error: those except radius and ring, over which norms are taken."""
         return tuple(dim for dim in self.dims if dim not in ("radius", "ring"))
 
 
 NORMS = {
-    "value": "difference over the value",
-    "each": "greatest of all rings, each difference over its own value",
-    "share": "greatest difference of all rings, all of which together have 1",
-    "first force": "difference over the force of a flat punch that is pressed in as deep",
+    "value": "difference, relative to the value",
+    "each": "greatest difference of all rings, each relative to its own value",
+    "share": "greatest difference of all rings; the shares of all rings sum to 1",
+    "first force": "difference, relative to the force on a flat punch at the same indentation",
     "indentation": (
-        "greatest difference over the punch, over the indentation d(t) beyond the first touch, the "
-        "greatest so far"
+        "greatest difference on the face, relative to the greatest indentation d(t) so far, which "
+        "is measured from the first touch"
     ),
-    "slope": "difference over the value, or over d/(1000 a) where that is more",
-    "steady": "greatest difference over the punch, over the greatest steady displacement",
-    "force": "greatest difference of all rings, over the normal force, the greatest so far",
-    "volume": "greatest difference of all rings, over that of all rings together",
-    "radius": "difference over the radius of the punch",
-    "pressure": "root of int k dp^2 dA over the root of int k p^2 dA; at t = 0, where p is not "
-    "square integrable, of weight "
-    "k (1 - r^2/a^2), times 1 - b/r with a hole of radius b",
+    "slope": "difference, relative to the value or to d/(1000 a), whichever is greater",
+    "steady": "greatest difference on the face, relative to the greatest steady displacement",
+    "force": "greatest difference of all rings, relative to the greatest normal force so far",
+    "volume": "greatest difference of all rings, relative to the worn volume of all rings",
+    "radius": "difference, relative to the radius of the punch",
+    "pressure": "square root of int k dp^2 dA, relative to that of int k p^2 dA; at t = 0, when p "
+    "is not square integrable, with the weight k (1 - r^2/a^2), times 1 - b/r if there is a hole "
+    "of radius b",
 }
-# given where contact opens, closes or spreads only
-OF_PROFILES = ("normal_force", "ring_worn_volume", "contact_radius", "contact", "contact_edge")
+# quantities that exist only if contact may open, close or spread (with exceptions in `LoadRegime`)
+MOVING_CONTACT_QUANTITIES = (
+    "normal_force",
+    "ring_worn_volume",
+    "contact_radius",
+    "contact",
+    "contact_edge",
+)
 QUANTITIES = {
     "pressure": Quantity(
         ("time", "radius"), "pressure", "contact pressure p(r, t), never below zero", "pressure"
@@ -113,7 +135,7 @@ QUANTITIES = {
     "profile": Quantity(
         ("time", "radius"),
         "displacement",
-        "worn height f(r, t) of the punch, material gone",
+        "worn height f(r, t) of the punch: material removed",
         "indentation",
     ),
     "displacement": Quantity(
@@ -140,18 +162,18 @@ QUANTITIES = {
     "rms_slope": Quantity(
         ("time",),
         "slope",
-        "root mean square of df/dr (Eq. 18), average: see gradient_average",
+        "root mean square of df/dr (Eq. 18); gradient_average selects the average",
         "slope",
     ),
     "ring_force": Quantity(
-        ("time", "ring"), "force", "normal force on each ring, from the centre", "force"
+        ("time", "ring"), "force", "normal force on each ring, counted from the centre", "force"
     ),
     "relaxation_time": Quantity(
         ("mode",), "time", "relaxation times of the wear modes, slowest first"
     ),
     "normal_force": Quantity(("time",), "force", "normal force on the punch", "force"),
     "ring_worn_volume": Quantity(
-        ("time", "ring"), "volume", "volume worn off each ring, from the centre", "volume"
+        ("time", "ring"), "volume", "worn volume of each ring, counted from the centre", "volume"
     ),
     "contact_radius": Quantity(("time",), "length", "outermost radius of contact", "radius"),
     "contact": Quantity(("time", "radius"), "number", "1 in contact, 0 outside"),
@@ -171,17 +193,17 @@ QUANTITIES = {
         (), "slope", "root mean square slope of the limiting profile (Eq. 18)"
     ),
     "steady_wear_rate": Quantity(
-        (), "wear_rate", "height lost in a time, the same on every ring (Eq. 23)"
+        (), "wear_rate", "height lost per unit time, the same on every ring (Eq. 23)"
     ),
 }
 
-# of the march of a contact that opens, closes and spreads, at its start and after each of its steps
+# values at the start and after each step of a march in which contact opens, closes and spreads
 STEPS = {
     "step_time": Quantity(("step",), "time", "time of each step of the march, the start first"),
     "step_indentation": Quantity(("step",), "displacement", "indentation at each step"),
     "step_normal_force": Quantity(("step",), "force", "normal force at each step"),
     "step_contact_area": Quantity(
-        ("step",), "number", "area of contact at each step, over that of the face"
+        ("step",), "number", "contact area at each step, relative to the area of the face"
     ),
 }
 # the answer of a run (`studies/sampling/answers.py`)
@@ -200,7 +222,7 @@ ANSWER = {
     "running_in_time": Quantity(
         (),
         "time",
-        "slowest relaxation time, in which what is left of running-in falls to 1/e",
+        "slowest relaxation time, in which the rest of the running-in falls to 1/e",
     ),
     "time_to_90": Quantity(
         (),
@@ -214,23 +236,23 @@ ANSWER = {
     "pressure_max": Quantity(
         ("state", "ring"),
         "pressure",
-        "greatest contact pressure on each ring; infinite at the edges of a flat punch",
+        "greatest contact pressure on each ring; infinite at the edges of an unworn flat punch",
         "each",
     ),
     "force_share": Quantity(
-        ("state", "ring"), "share", "part of the normal force that each ring carries", "share"
+        ("state", "ring"), "share", "fraction of the normal force on each ring", "share"
     ),
     "worn_volume": Quantity(
-        ("ring",), "volume", "volume worn off each ring by the last of the times", "volume"
+        ("ring",), "volume", "worn volume of each ring at the last of the times", "volume"
     ),
     "force_start": Quantity(
-        (), "force", "normal force at the start, of a given indentation", always=False
+        (), "force", "normal force at the start, if the indentation is given", always=False
     ),
     "force_end": Quantity(
         (), "force", "the same at the last of the times", "first force", always=False
     ),
     "time_to_half_force": Quantity(
-        (), "time", "time at which that force has fallen to half of the first", always=False
+        (), "time", "time at which that force has fallen to half of its first value", always=False
     ),
     "contact_radius_start": Quantity(
         (), "length", "outermost radius of contact at the start", always=False
@@ -239,19 +261,22 @@ ANSWER = {
         (), "pressure", "greatest contact pressure at the start, if finite", always=False
     ),
     "time_to_full_contact": Quantity(
-        (), "time", "time from which all of the face carries, to a step", always=False
+        (),
+        "time",
+        "time from which all of the face is in contact, to within a step",
+        always=False,
     ),
 }
 
 
-# everything that is computed, compared and has an error estimate
+# all quantities that are computed and compared, and that have an error estimate
 DESCRIBED = QUANTITIES | ANSWER
 
 
 HISTORIES = frozenset(name for name, quantity in QUANTITIES.items() if "time" in quantity.dims)
 FIELDS = frozenset(name for name, quantity in QUANTITIES.items() if "radius" in quantity.dims)
 STEADY = frozenset(name for name in QUANTITIES if name.startswith("steady_"))
-# what can be asked for by one word
+# groups of quantities that can be requested by one name
 GROUPS = {
     "history": HISTORIES - FIELDS | {"relaxation_time"},
     "fields": HISTORIES & FIELDS,
@@ -261,26 +286,26 @@ GROUPS = {
 
 
 def expand(names: Iterable[str]) -> frozenset[str]:
-    """Return the quantities that names of quantities and of groups stand for.
+    """Return the quantities for names of quantities and of groups.
 
     Raises
     ------
     ValueError
-        if a name is of neither
+        if a name is neither a quantity nor a group
     """
-    wanted = frozenset[str]()
+    expanded = frozenset[str]()
     for name in names:
         if name not in GROUPS and name not in QUANTITIES:
-            near = difflib.get_close_matches(name.lower(), QUANTITIES, 1)
-            meant = f": did you mean '{near[0]}'? Else" if near else ";"
+            matches = difflib.get_close_matches(name.lower(), QUANTITIES, 1)
+            meant = f": did you mean '{matches[0]}'? Else" if matches else ";"
             raise ValueError(
                 f"no quantity '{name}'{meant} give some of {', '.join(QUANTITIES)}, or the groups "
                 f"{', '.join(GROUPS)}"
             )
-        wanted |= GROUPS.get(name, {name})
-    return wanted
+        expanded |= GROUPS.get(name, {name})
+    return expanded
 
 
 def error_name(name: str) -> str:
-    """Name of the variable that holds a quantity's relative error, by the method's own estimate."""
+    """Name the variable that holds the error estimate of a quantity."""
     return f"{name}_error"

@@ -1,6 +1,6 @@
-"""The tables of the scene file: each key declared once, with its check and its remedy.
+"""Define the tables of a scene: each key is declared once, with its check and its description.
 
-Descriptions follow the word "give" in messages about a key.
+In messages about a key, the description follows the word "give".
 """
 
 from itertools import pairwise
@@ -24,29 +24,31 @@ from .quantities import expand
 
 
 def check_quantities(names: list[str]) -> list[str]:
-    """Refuse what is no quantity and no group of them."""
+    """Refuse names that are neither quantities nor groups of quantities."""
     expand(names)
     return names
 
 
 Size = Annotated[float, Field(ge=1e-12, le=0.5)]
-# degrees of the displacement that each mesher's elements can have; on triangles alone the highest
-# is the default
+# possible polynomial degrees of the displacement for each mesher; on triangles, the highest one is
+# the default
 DEGREES = {"quads": range(1, 17), "gmsh": range(1, 5), "bisection": range(1, 5)}
-# least degree of quadrilaterals in layers that shrink fourfold; lower degrees want gentler layers
+# lowest degree of quadrilaterals in layers whose sizes shrink fourfold towards an edge; lower
+# degrees need layers that shrink more slowly
 LAYERED = 4
-# counts of the slowest relaxation time that ``times = "running-in"`` stands for
+# times of ``times = "running-in"``, in slowest relaxation times
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
 
-# first layer, in punch radii, below which the matrix of its energy takes a minute
+# least thickness of the first layer in punch radii; the energy matrix of a thinner one takes more
+# than a minute
 THINNEST_LAYER = 0.005
-# ratio of the moduli of neighbours beyond which their kernel has lost half of its digits
+# greatest ratio of the moduli of adjacent layers; beyond it, the kernel loses half of its digits
 MOST_CONTRAST = 1e4
 
 
 class LayerSection(Section):
-    """A table of `half_space.layers`: a layer, bonded to what is above and below it."""
+    """A table of `half_space.layers`: a layer, bonded to its neighbours."""
 
     thickness: Annotated[Positive, Unit("length")] = Field(description="a positive length")
     youngs_modulus: Annotated[Positive, Unit("pressure")] = Field(
@@ -86,13 +88,13 @@ class HalfSpaceSection(Section):
     )
     rigid: bool = Field(
         default=False,
-        description="true or false: whether what is below the layers is rigid, in place of the "
+        description="true or false: whether the base below the layers is rigid; it replaces the "
         "modulus",
     )
 
     punch_youngs_modulus: Annotated[Positive, Unit("pressure")] | None = optional(
-        "Young's modulus of an elastic punch, which then counts as a second half-space, a positive "
-        "pressure; none for a rigid punch"
+        "Young's modulus of an elastic punch, a positive pressure; the punch is then modelled as a "
+        "second half-space; leave it out for a rigid punch"
     )
     punch_poisson_ratio: float | None = optional(
         "Poisson's ratio of an elastic punch, a number above -1 and at most 0.5; 0.3 if not given",
@@ -110,38 +112,40 @@ class HalfSpaceSection(Section):
         if self.layers:
             self._check_layers()
         if self.punch_poisson_ratio is not None and self.punch_youngs_modulus is None:
-            raise ValueError("punch_poisson_ratio goes with punch_youngs_modulus: give that, too")
+            raise ValueError("punch_poisson_ratio needs punch_youngs_modulus: give both or neither")
         return self
 
     def _check_rigid_base(self) -> None:
         if not self.layers:
             raise ValueError(
-                "rigid = true is the base below [[half_space.layers]]: give layers, or leave it out"
+                "rigid = true describes the base below [[half_space.layers]]: give layers, or "
+                "leave it out"
             )
-        of_base = {"plane_strain_modulus", "youngs_modulus", "poisson_ratio"}
-        if given := sorted(self.model_fields_set & of_base):
+        base_keys = {"plane_strain_modulus", "youngs_modulus", "poisson_ratio"}
+        if superfluous := sorted(self.model_fields_set & base_keys):
             raise ValueError(
-                f"rigid = true goes without {', '.join(given)}: layers have moduli of their own"
+                f"rigid = true excludes {', '.join(superfluous)}: leave out these; each layer has "
+                "its own modulus"
             )
 
     def _check_layers(self) -> None:
         if self.punch_youngs_modulus is not None:
             raise ValueError(
-                "punch_youngs_modulus does not go with layers: the punch on them is rigid; leave "
-                "it out"
+                "punch_youngs_modulus is not possible with layers, on which the punch is rigid: "
+                "leave it out"
             )
         moduli = self._youngs_moduli[: len(self.layers) + (not self.rigid)]
         for number, (upper, lower) in enumerate(pairwise(moduli)):
             if not 1 / MOST_CONTRAST <= upper / lower <= MOST_CONTRAST:
                 raise ValueError(
-                    f"layers.{number}.youngs_modulus = {upper:g} differs from that below it, "
-                    f"{lower:g}, by more than {MOST_CONTRAST:g} times, which costs half of all "
-                    "digits: give rigid = true below a soft layer, or moduli that differ less"
+                    f"layers.{number}.youngs_modulus = {upper:g} and the modulus below it, "
+                    f"{lower:g}, differ by a factor of more than {MOST_CONTRAST:g}, which loses "
+                    "half of all digits: give rigid = true below a soft layer, or closer moduli"
                 )
 
     @property
     def _youngs_moduli(self) -> list[float]:
-        """Young's moduli of the layers and, last, of what is below them."""
+        """Young's moduli of the layers and, last, of the base below them."""
         below = self.youngs_modulus
         if below is None:
             below = (self.plane_strain_modulus or np.inf) * (1 - self.poisson_ratio**2)
@@ -169,7 +173,7 @@ class HalfSpaceSection(Section):
 
     @property
     def greatest_poisson_ratio(self) -> float:
-        """The greatest Poisson's ratio of the layers and of what is below them."""
+        """The greatest Poisson's ratio of the layers and of the base below them."""
         ratios = [layer.poisson_ratio for layer in self.layers]
         return max(ratios if self.rigid else [*ratios, self.poisson_ratio])
 
@@ -178,12 +182,12 @@ class HalfSpaceSection(Section):
         """The plane strain modulus E/(1 - nu^2) of the half-space alone, or of the first layer."""
         if self.layers:
             return self.layers[0].youngs_modulus / (1 - self.layers[0].poisson_ratio ** 2)
-        given = (self.youngs_modulus or 0.0) / (1 - self.poisson_ratio**2)
-        return self.plane_strain_modulus or given
+        from_youngs_modulus = (self.youngs_modulus or 0.0) / (1 - self.poisson_ratio**2)
+        return self.plane_strain_modulus or from_youngs_modulus
 
     @property
     def modulus(self) -> float:
-        """The plane strain modulus of the contact: of an elastic punch, too, if there is one."""
+        """The plane strain modulus of the contact, including that of an elastic punch."""
         if self.punch_youngs_modulus is None:
             return self.own_modulus
         ratio = 0.3 if self.punch_poisson_ratio is None else self.punch_poisson_ratio
@@ -209,7 +213,7 @@ class LoadSection(Section):
         "the normal force over the area of the face, positive, or { times = [...], values = [...] }"
     )
     indentation: Annotated[Positive, Unit("length")] | None = optional(
-        "the indentation d of the unworn face plane, held fixed: the force decays as wear goes on"
+        "the fixed indentation d of the unworn face plane; the force then decays during wear"
     )
     sliding_speed: Annotated[Varying, Unit("wear_rate")] = Field(
         default=1.0,
@@ -222,20 +226,23 @@ class LoadSection(Section):
         return self
 
     @property
-    def pressing(self) -> OverTime:
-        """The force or mean pressure over time; of an indentation, one that is never felt."""
+    def load_over_time(self) -> OverTime:
+        """The force or mean pressure over time; 1, which has no effect, for an indentation."""
         return over_time(self.normal_force or self.mean_pressure or 1.0)
 
     @property
-    def sliding(self) -> OverTime:
+    def speed_over_time(self) -> OverTime:
         """The sliding speed over time."""
         return over_time(self.sliding_speed)
 
     def greatest_force(self, radius: float, inner_radius: float) -> float:
-        """Return the greatest force on a punch between radii; 0 if the indentation is given."""
+        """Return the greatest force; 0 if the indentation is given.
+
+        The radii of the rim and of the hole convert a mean pressure into a force.
+        """
         face = np.pi * (radius - inner_radius) * (radius + inner_radius)
         area = face if self.normal_force is None else 1.0
-        return 0.0 if self.indentation is not None else self.pressing.greatest * area
+        return 0.0 if self.indentation is not None else self.load_over_time.greatest * area
 
 
 class WearSection(Section):
@@ -245,8 +252,8 @@ class WearSection(Section):
 
     times: Annotated[Increasing, Unit("time")] = Field(
         default=[],
-        description="increasing times, 0 or later, none for no history; or 'running-in'; or counts "
-        "of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
+        description="increasing times, 0 or later, or an empty list for no history; or "
+        "'running-in'; or multiples of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
     )
     tau: list[float] | None = optional("it within times: times = { tau = [...] }", exclude=True)
     steady: bool = True
@@ -258,11 +265,14 @@ class WearSection(Section):
     @model_validator(mode="before")
     @classmethod
     def _read_counts(cls, table: object) -> object:
-        """Take counts of the slowest relaxation time for times until the scene knows it."""
+        """Store multiples of the slowest relaxation time in `tau`, and preliminarily in `times`.
+
+        The scene replaces the latter when it has computed the relaxation time.
+        """
         if not isinstance(table, dict):
             return table
         if "tau" in table:
-            raise ValueError("tau goes within times: give times = { tau = [...] }")
+            raise ValueError("tau is a key of times: give times = { tau = [...] }")
         times = table.get("times")
         if times == "running-in":
             times = {"tau": RUNNING_IN}
@@ -274,12 +284,12 @@ class WearSection(Section):
     def _check_times(self) -> Self:
         if self.march == "modal" and self.step is not None:
             raise ValueError(
-                "step goes with march = 'implicit' or 'explicit': the modal march has none"
+                "step needs march = 'implicit' or 'explicit': the modal march has no step"
             )
         if self.march != "modal" and self.step is None and any(self.times):
             raise ValueError(
-                f"march = '{self.march}' needs a step; march = 'modal' is exact in time and needs "
-                "none"
+                f"march = '{self.march}' needs a step: give one, or march = 'modal', which is "
+                "exact in time without steps"
             )
         if not self.times and not self.steady:
             raise ValueError("nothing to compute: give times, or steady = true")
@@ -287,14 +297,14 @@ class WearSection(Section):
 
 
 class Sizes(Section):
-    """Sizes of one kind of discretisation."""
+    """Sizes of the elements of a method."""
 
     rim_size: Size | None = optional("element size at the rim in a, 1e-12 to 0.5")
     ring_size: Size | None = optional("element size at ring edges in a, 1e-12 to 0.5")
 
     @property
-    def given(self) -> bool:
-        """Whether the user has given sizes or degrees, which then stay as they are."""
+    def given_by_user(self) -> bool:
+        """Whether the user has given sizes or degrees, which are then not changed."""
         sizes = {"rim_size", "ring_size", "growth", "grading", "degree"}
         return bool(self.model_fields_set & sizes)
 
@@ -315,17 +325,17 @@ class FemAccuracy(Sizes):
 
     @model_validator(mode="after")
     def _check_degree(self) -> Self:
-        if self.degree is not None and self.degree not in DEGREES[self.meshed_by]:
-            degrees = DEGREES[self.meshed_by]
+        if self.degree is not None and self.degree not in DEGREES[self.chosen_mesher]:
+            degrees = DEGREES[self.chosen_mesher]
             raise ValueError(
-                f"degree = {self.degree} does not go with mesher = '{self.meshed_by}': give "
-                f"{degrees[0]} to {degrees[-1]}"
+                f"degree = {self.degree} is not possible with mesher = '{self.chosen_mesher}': "
+                f"give {degrees[0]} to {degrees[-1]}"
             )
         return self
 
     @property
-    def meshed_by(self) -> str:
-        """The mesher: that of the scene, or the one that goes with its degree."""
+    def chosen_mesher(self) -> str:
+        """The mesher of the scene, or else the one that suits the polynomial degree."""
         quads = self.degree is None or self.degree >= LAYERED
         return self.mesher or ("quads" if quads else "gmsh")
 
@@ -344,7 +354,7 @@ class MdrAccuracy(Sizes):
         description="springs of the uniform grid of mdr-grid, 4 to 20000",
     )
     step: Annotated[Positive, Unit("time")] | None = optional(
-        "time step of mdr-grid, positive; default half the greatest"
+        "time step of mdr-grid, positive; by default half of the greatest stable step"
     )
 
 
@@ -372,8 +382,8 @@ class OutputSection(Section):
         "times at which the inside of the half-space is written, increasing", min_length=1
     )
     depth: Annotated[Positive, Unit("length")] | None = optional(
-        "the distance from the axis to which the inside of the half-space is written, in "
-        "half_space.vtu; as far as the mesh goes if not given"
+        "the distance from the axis up to which the inside of the half-space is written to "
+        "half_space.vtu; all of the mesh if not given"
     )
     gradient_average: Literal["line", "area"] = "line"
     every_step: bool = False

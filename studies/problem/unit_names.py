@@ -1,10 +1,11 @@
-"""Units of a scene: those of its numbers, those that people write, and those that they read best.
+"""Handle the units of a scene: convert numbers with units, and choose readable units for output.
 
-A scene states its units as ``SI``, or as those of length, force, pressure and time: ``mm, N, MPa,
-s``, which must be consistent, a pressure being a force over the square of a length. Without, its
-numbers have none. Any number may be a quantity instead, ``"20 mm"``: it is converted to them, to SI
-by default. pint knows the units, and is loaded only where some are written that are not SI's own.
-The unit of each key is declared beside its type (`Unit`), in the models of the scene's tables.
+A scene states its units as ``SI``, or as units of length, force, pressure and time: ``mm, N, MPa,
+s``. These must be consistent: a pressure is a force over the square of a length. Without this
+statement, its numbers have no units. Any number may also be written with a unit, ``"20 mm"``; it is
+converted to the units of the scene, by default to SI. The package pint does the conversion and is
+loaded only when it is needed. The unit of each key is declared with its type (`Unit`), in the
+models of the scene's tables.
 """
 
 import difflib
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from pint import UnitRegistry
 
 YEAR = 365.25 * 86400.0
-# units that people read a kind of quantity in, with their sizes in SI units, ascending
+# readable units for each kind of quantity, with their sizes in SI units, ascending
 SI: dict[str, dict[str, float]] = {
     "length": {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0},
     "force": {"µN": 1e-6, "mN": 1e-3, "N": 1.0, "kN": 1e3, "MN": 1e6},
@@ -54,21 +55,23 @@ SI: dict[str, dict[str, float]] = {
 }
 SI["displacement"] = SI["length"]
 BASE = ("m", "N", "Pa", "s")
-# names of units of which there is one
+# names of units for the number 1
 SINGULAR = {"days": "day", "years": "year"}
-# of numbers without units
+# name of the unit of numbers without units
 NO_UNIT = "1"
-# kind of a scene key without a unit
+# kind of unit of scene keys without a unit
 NUMBER = "number"
 
 
 class Key(NamedTuple):
-    """What a scene key may hold.
+    """The declaration of a scene key.
 
     Parameters
     ----------
-    kind : of its unit; `number` if it has none
-    tables : the models of the tables that it may hold
+    kind : str
+        Kind of its unit; `NUMBER` if it has none.
+    tables : tuple of types
+        Models of the tables that may be its value.
     """
 
     kind: str = NUMBER
@@ -77,12 +80,12 @@ class Key(NamedTuple):
 
 @lru_cache(maxsize=128)
 def keys_in(declared: Key) -> dict[str, Key]:
-    """Return the keys of the tables that a key may hold, as their models declare them.
+    """Return the declarations of the keys in the tables that may be the value of a key.
 
     Raises
     ------
     TypeError
-        if a unit is of no kind that `SI` has, or if one key has units of two kinds
+        if the kind of a unit is not in `SI`, or if one key has units of two kinds
     """
     keys = dict[str, Key]()
     for table in declared.tables:
@@ -101,7 +104,7 @@ def keys_in(declared: Key) -> dict[str, Key]:
 
 
 def _parts(annotation: object) -> Iterator[Unit | type[BaseModel]]:
-    """Yield the units and the models of tables in a type, at any depth."""
+    """Yield the units and the models of tables within a type, at any depth."""
     if isinstance(annotation, Unit) or (
         isinstance(annotation, type) and issubclass(annotation, BaseModel)
     ):
@@ -111,9 +114,9 @@ def _parts(annotation: object) -> Iterator[Unit | type[BaseModel]]:
 
 
 def kind_of(key: str, scene: type[BaseModel]) -> str:
-    """Return the kind of unit that a key of a scene has, such as ``punch.radius``."""
+    """Return the kind of unit of a scene key, such as ``punch.radius``."""
     declared = Key(tables=(scene,))
-    # of a list of tables each has a number
+    # skip the indices of tables in lists
     for name in filter(lambda part: not part.isdigit(), key.split(".")):
         declared = keys_in(declared).get(name, Key())
     return declared.kind
@@ -121,11 +124,12 @@ def kind_of(key: str, scene: type[BaseModel]) -> str:
 
 @dataclass(frozen=True)
 class UnitNames:
-    """What the numbers of a scene are in.
+    """The units of the numbers of a scene.
 
     Parameters
     ----------
-    base : units of length, force, pressure and time; None of numbers without units
+    base : tuple of str, optional
+        Names of the units of length, force, pressure and time; None for numbers without units.
     """
 
     base: tuple[str, ...] | None = None
@@ -133,12 +137,12 @@ class UnitNames:
     @classmethod
     @lru_cache(maxsize=64)
     def of(cls, stated: str) -> "UnitNames":
-        """Return the names that a scene's `units` stand for.
+        """Return the units that the `units` of a scene state.
 
         Raises
         ------
         SceneError
-            if they are no units, or not consistent
+            if they are not units, or not consistent
         """
         if stated.strip() in ("", NO_UNIT):
             return cls()
@@ -161,20 +165,26 @@ class UnitNames:
         return names
 
     def size(self, kind: str) -> float:
-        """Return the unit that a kind of quantity is stored in, in SI units."""
+        """Return the size of the scene's unit for a kind of quantity, in SI units.
+
+        Raises
+        ------
+        SceneError
+            if the scene's name of the unit is not a unit of that kind
+        """
         if self.base in (None, BASE):
             return 1.0
         if (size := _size_in_si(self.name(kind), kind)) is None:
             unit = self.name(kind)
             raise SceneError(
-                f"units: {unit!r} is no unit of {kind.replace('_', ' ')}: "
+                f"units: {unit!r} is not a unit of {kind.replace('_', ' ')}: "
                 f"{nearest_unit(unit, kind)}give 'SI', or units of length, force, pressure and "
                 "time that are consistent, such as 'mm, N, MPa, s'"
             )
         return size
 
     def name(self, kind: str) -> str:
-        """Return the unit that a kind of quantity is stored in; 1 if it has none."""
+        """Return the name of the scene's unit for a kind of quantity; "1" if it has none."""
         if self.base is None or kind in ("slope", "share", NUMBER):
             return NO_UNIT
         length, force, pressure, time = self.base
@@ -184,10 +194,10 @@ class UnitNames:
         return (names | {"density": f"{names['mass']}/{length}^3"})[kind]
 
     def readable(self, size: float, kind: str) -> tuple[float, str]:
-        """Return a unit that numbers of this size are best read in.
+        """Return a readable unit for numbers of this size: its size in the scene's unit, its name.
 
-        How much of the stored unit it is, and its name. Numbers of a scene in SI units have
-        prefixes. Those of a scene in other units stay in these.
+        If the scene is in SI units, the unit may have a prefix. Other units are kept, except some
+        of time and wear rate.
         """
         choices = self._choices(kind)
         if not choices or not np.isfinite(size) or size == 0:
@@ -195,17 +205,17 @@ class UnitNames:
             return 1.0, "" if name == NO_UNIT else name.replace("^3", "³")
         stored = self.size(kind)
         name, unit = next(iter(choices.items()))
-        # so much smaller than the smallest that a power of ten is plainer
+        # far below the smallest unit, a power of ten of the SI unit is easier to read
         if self.base == BASE and abs(size) * stored < 1e-3 * unit and len(choices) > 1:
             return 1.0, self.name(kind)
-        for larger, its_size in choices.items():
+        for larger, larger_size in choices.items():
             # 0.39 mm³, not 3.9e8 µm³
-            if abs(size) * stored >= 0.9995 * min(its_size, 1e6 * unit):
-                name, unit = larger, its_size
+            if abs(size) * stored >= 0.9995 * min(larger_size, 1e6 * unit):
+                name, unit = larger, larger_size
         return unit / stored, name
 
     def _choices(self, kind: str) -> dict[str, float]:
-        """Return the units that a kind of quantity may be read in, with their sizes in SI units."""
+        """Return the readable units for a kind of quantity, with their sizes in SI units."""
         if self.base in (None, BASE) or kind == "wear_coefficient":
             return SI.get(kind, {}) if self.base else {}
         length, _, _, time = self.base
@@ -217,11 +227,11 @@ class UnitNames:
         return {}
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
-        """Return a value with its unit, for people."""
+        """Return a value with a readable unit, as text."""
         if not np.isfinite(value):
             return "infinite" if np.isinf(value) else "not computed"
         unit, name = self.readable(value, kind)
-        # 190, not 1.9e+02
+        # round before formatting: 190 instead of 1.9e+02
         number = float(f"{value / unit:.{digits}g}")
         if kind == "time":
             number, name = self._rounder_time(value, number, name, digits)
@@ -232,78 +242,82 @@ class UnitNames:
     ) -> tuple[float, str]:
         """Return a time in the next smaller unit if it has fewer digits there: 30 h, not 1.25 days.
 
-        So times of a scene that speaks of hours are in hours.
+        Times that a scene gives in hours are thereby written in hours.
         """
         choices = list(self._choices("time").items())
-        at = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
-        if at and value:
-            smaller, its_size = choices[at - 1]
-            in_smaller = float(f"{value * self.size('time') / its_size:.{digits}g}")
-            exact = abs(in_smaller * its_size / self.size("time") / value - 1) < 1e-9
+        index = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
+        if index and value:
+            smaller, smaller_size = choices[index - 1]
+            in_smaller = float(f"{value * self.size('time') / smaller_size:.{digits}g}")
+            exact = abs(in_smaller * smaller_size / self.size("time") / value - 1) < 1e-9
             if exact and in_smaller <= 1000 and _digits(in_smaller) < _digits(number):
                 return in_smaller, smaller
         return number, SINGULAR.get(name, name) if number == 1 else name
 
 
 def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> TomlTable:
-    """Return a scene's table with a number in place of each quantity, in the scene's units.
+    """Return a scene's table in which each text such as "20 mm" is a number in the scene's units.
 
     Parameters
     ----------
-    table : of the scene, nested
-    scene : the model whose annotations declare the unit of each key
+    table : mapping
+        Nested table of the scene.
+    scene : type
+        Model whose annotations declare the unit of each key.
 
     Raises
     ------
     SceneError
-        if the units are none, or not consistent, or something is no quantity of its key's kind
+        if the units are not units or not consistent, or if a text is not a quantity of the kind
+        that its key needs
     """
-    stated, written = table.get("units", "SI"), list[str]()
+    stated, converted_keys = table.get("units", "SI"), list[str]()
     names = UnitNames.of(stated) if isinstance(stated, str) else UnitNames()
 
     def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
         keys = keys_in(declared)
-        # one of a list of tables, by its number, is declared as the list is
+        # an entry of a list of tables has its index as key, and the declaration of the list
         return {
-            name: convert(of, path + name, keys.get(name, declared if name.isdigit() else Key()))
-            for name, of in values.items()
+            name: convert(entry, path + name, keys.get(name, declared if name.isdigit() else Key()))
+            for name, entry in values.items()
         }
 
     def convert(value: object, path: str, declared: Key) -> object:
         if isinstance(value, Mapping):
             return convert_all(value, f"{path}.", declared)
-        # numbers and arrays of numpy and pandas
+        # numbers and arrays of numpy, pandas and others
         if callable(as_list := getattr(value, "tolist", None)):
             value = as_list()
         if isinstance(value, list | tuple | range):
-            return [convert(of, path, declared) for of in value]
-        # 'running-in' is a text
+            return [convert(entry, path, declared) for entry in value]
+        # texts that do not begin with a digit, such as 'running-in', are not quantities
         if isinstance(value, str) and declared.kind in SI and re.match(r"[-+.\s]*\d", value):
-            written.append(path)
+            converted_keys.append(path)
             return number_of(value, path, declared.kind, names)
         return value
 
     converted = convert_all(table, "", Key(tables=(scene,)))
-    return {"units": "SI"} | converted if written else converted
+    return {"units": "SI"} | converted if converted_keys else converted
 
 
 def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
-    """Return a quantity of a kind in the units of a scene.
+    """Return the value of a text such as "20 mm" in the units of a scene.
 
     Raises
     ------
     SceneError
-        if it is no quantity of that kind, or if the scene has no units, naming the key
+        if the text is not a quantity of that kind, or if the scene has no units; the message names
+        the key
     """
     number, unit = _split(quantity)
     if names.base is None and unit:
         raise SceneError(
-            f"{key} = {quantity!r} has a unit, and the scene says that its numbers have none: give "
-            "units = 'SI', or leave units out"
+            f"{key} = {quantity!r} has a unit, but the scene states that its numbers have none: "
+            "give units = 'SI', or leave units out"
         )
     if not unit:
         raise SceneError(f"{key} = {quantity!r} has no unit: leave out the quotes, or add a unit")
-    # pint would take 1,5 for fifteen
+    # pint would read 1,5 as fifteen
     if "," in number:
         point = number.replace(",", ".")
         raise SceneError(f"{key} = {quantity!r}: give '{point} {unit}', with a decimal point")
@@ -313,42 +327,42 @@ def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
     except Exception:
         raise SceneError(
             f"{key} = {quantity!r} is no {kind.replace('_', ' ')}: {nearest_unit(unit, kind)}give "
-            f"a number and a unit of {kind.replace('_', ' ')}, such as "
+            f"a number with a unit of {kind.replace('_', ' ')}, such as "
             f"{', '.join(list(SI[kind])[-3:])}, or a number alone"
         ) from None
     return float(value) / names.size(kind)
 
 
 def _split(quantity: str) -> tuple[str, str]:
-    """Return the number that a quantity begins with, and what comes after it."""
+    """Return the number at the beginning of a text, and the rest of it, the unit."""
     number = re.match(r"[-+.,\s\d]*(?:[eE][-+]?\d+)?", quantity)
     end = number.end() if number else 0
     return quantity[:end].strip(), quantity[end:].strip()
 
 
 def nearest_unit(unit: str, kind: str) -> str:
-    """Return the question whether a like unit of a kind is meant; empty if none is like it."""
-    known = {name.lower(): name for name in SI[kind]}
-    near = known.get(unit.lower())
-    if near is None and _size_in_si(unit.lower(), kind) is not None:
-        near = unit.lower()
-    if near is None:
-        near = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
-    return f"did you mean '{near}'? Else " if near else ""
+    """Return the question whether a similar unit is meant; empty if none is similar."""
+    by_lower = {name.lower(): name for name in SI[kind]}
+    match = by_lower.get(unit.lower())
+    if match is None and _size_in_si(unit.lower(), kind) is not None:
+        match = unit.lower()
+    if match is None:
+        match = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
+    return f"did you mean '{match}'? Else " if match else ""
 
 
 def _digits(number: float) -> int:
-    """Return how many significant digits a number has."""
+    """Return the number of significant digits of a number."""
     return len(f"{number:.15g}".replace(".", "").strip("0"))
 
 
 def size_of_unit(unit: str, kind: str, place: str) -> float:
-    """Return how much of the SI unit of a kind a unit is.
+    """Return the size of a unit in the SI unit of a kind.
 
     Raises
     ------
     SceneError
-        if it is no unit of that kind, naming the place where it stands
+        if it is not a unit of that kind; the message names `place`, where the unit was found
     """
     if (size := _size_in_si(unit, kind)) is None:
         raise SceneError(
@@ -360,7 +374,7 @@ def size_of_unit(unit: str, kind: str, place: str) -> float:
 
 @lru_cache(maxsize=64)
 def _size_in_si(unit: str, kind: str) -> float | None:
-    """Return how much of the SI unit of a kind a unit is; None if it is none of that kind."""
+    """Return the size of a unit in the SI unit of a kind; None if it is not one of that kind."""
     try:
         return float(_registry().Quantity(1.0, unit).to(UnitNames(BASE).name(kind)).magnitude)
     # text that is no unit fails in many ways
@@ -372,7 +386,7 @@ def _size_in_si(unit: str, kind: str) -> float | None:
 def _registry() -> "UnitRegistry":
     from pint import UnitRegistry
 
-    # as they are written in papers: mm3 and mm3/Nm
+    # accept the notation of papers: mm3 and mm3/Nm
     return UnitRegistry(
         preprocessors=[
             lambda text: re.sub(r"(?<![\d.])([a-zµμ])([23])\b", r"\1^\2", text),

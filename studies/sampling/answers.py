@@ -56,7 +56,7 @@ def flat_answers(
         values["force_share"][0] = forces / forces.sum()
         values["indentation_start"][...] = flat.indentation + problem.profile.standoff
         values["running_in_time"][...] = wear.relaxation_times[0]
-        for name, remaining_part in problem.load_regime.parts_left.items():
+        for name, remaining_part in problem.load_regime.remaining_fractions.items():
             values[name][...] = wear.time_until(remaining_part)
         sampler = Sampler(problem, wear.compliance.space)
         values["worn_volume"] = sampler.worn_volumes(ends)[-1]
@@ -83,13 +83,13 @@ def moving_answers(
     values = empty_answers(problem)
     sampler = Sampler(problem, march.space)
     forces = sampler.ring_forces(ends)
-    if not problem.why_never_steady:
+    if not problem.reason_not_steady:
         values["running_in_time"][...] = march.face.slowest_time
     values["worn_volume"] = sampler.worn_volumes(ends)[-1]
     add_forces(values, problem, forces.sum(axis=1))
     if not problem.loading.varies:
         values["time_to_full_contact"][...] = march.time_of_full_contact
-        for name, remaining_part in problem.load_regime.parts_left.items():
+        for name, remaining_part in problem.load_regime.remaining_fractions.items():
             values[name][...] = _time_of_march(march, remaining_part)
         if problem.times[0] == 0:
             values["indentation_start"][...] = ends.indentation[0] + problem.profile.standoff
@@ -119,8 +119,8 @@ def add_steady_values(values: Results, problem: Problem, steady: Results) -> Non
     if "steady_pressure" in steady:
         face, pressure = problem.face, steady["steady_pressure"]
         values["pressure_min"][1], values["pressure_max"][1] = _steady_extremes(problem, steady)
-        held_last = problem.loading.forces[-1]
-        values["force_share"][1] = face.ring_sums(face.areas * pressure) / held_last
+        final = problem.loading.forces[-1]
+        values["force_share"][1] = face.ring_sums(face.areas * pressure) / final
 
 
 def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
@@ -153,7 +153,7 @@ def add_forces(values: Results, problem: Problem, forces: Array) -> None:
     problem : the problem
     forces : (2,) at the first and at the last of the times
     """
-    for name, index in problem.load_regime.forces_told.items():
+    for name, index in problem.load_regime.reported_forces.items():
         if name != "force_start" or problem.times[0] == 0:
             values[name][...] = forces[index]
 
@@ -186,7 +186,7 @@ def _time_of_march(march: Marched, wanted_part: float) -> float:
     if np.isfinite(march.time_of_full_contact):
         # after full contact, the part that is left decays at least as fast as the slowest mode
         later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
-        remaining = np.append(remaining, march.remainder_later(later))
+        remaining = np.append(remaining, march.remainder_in_full_contact(later))
         times = np.append(times, later)
     elif march.face.load.force is not None:
         # before full contact, it may cross zero more than once

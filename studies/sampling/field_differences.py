@@ -31,7 +31,7 @@ class FieldDifference:
     relative : (T, R) absolute differences over the norm of the field; NaN if one of the reports has
         no finite value. Differences of pressures are relative to the root mean square; while
         nothing has worn, both are multiplied by the weight of the norm, the root of ``1 - r^2/a^2``
-        (`Face.blunting`)
+        (`Face.edge_weights`)
     norms : (T,) norms of the difference over the norm of the field
     first_error, second_error : (T,) error estimates for the field in this norm, of the reference
         and of the other report; NaN if there is none
@@ -158,7 +158,7 @@ def _difference(
     if "pressure" in name:
         if over_time:
             unworn = problem.loading.at(times / units.time).distance == 0
-            blunting = np.where(unworn[:, None], np.sqrt(face.blunting), 1.0)
+            blunting = np.where(unworn[:, None], np.sqrt(face.edge_weights), 1.0)
             gaps, values = gaps * blunting, np.where(compared, values, 0.0) * blunting
         weights = face.weights * compared
         scale = _root_mean_square(values, weights)

@@ -80,7 +80,7 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         weights = face.weights
         if "time" in QUANTITIES[name].dims:
             pressed = against.get("pressed", against["time"] == 0)
-            weights = weights * np.where(pressed[:, None], face.blunting, 1.0)
+            weights = weights * np.where(pressed[:, None], face.edge_weights, 1.0)
         difference, scale = (
             np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
         )

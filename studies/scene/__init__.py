@@ -1,1 +1,1 @@
-"""Scenes: what users write, read from files and tables, with what is told where they are wrong."""
+"""Read scenes from files and tables, validate them, and explain errors in them."""

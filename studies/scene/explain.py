@@ -1,6 +1,6 @@
-"""What is told of a scene that cannot be: one line with the key, the fault, and what to write.
+"""Explain errors in a scene in one line: the key, the error, and what to write instead.
 
-What people look for in a scene and ringwear does not have is told, too, and what to use instead.
+Keys for features that ringwear does not have are answered by what to use instead.
 """
 
 import difflib
@@ -14,10 +14,11 @@ from pydantic_core import ErrorDetails
 
 from ..problem.fields import KINDS, ProfileSection, Section
 
-# least likeness of an unknown word to the one that it is taken for, at its place and elsewhere
-ALIKE, ALIKE_ELSEWHERE = 0.6, 0.75
-# characters of a value that are shown
-SHOWN = 60
+# least similarity (difflib ratio) of an unknown key to the suggested one, in its own table and in
+# other tables
+LEAST_SIMILARITY, LEAST_SIMILARITY_ELSEWHERE = 0.6, 0.75
+# greatest number of characters of a value in messages
+MOST_CHARACTERS = 60
 
 KINDS_OF_PROFILES = [name for name, section in KINDS.items() if issubclass(section, ProfileSection)]
 
@@ -25,19 +26,19 @@ ROTATION = (
     "give sliding_speed of the rim, and a wear coefficient in proportion to the radius, as in the "
     "scene pin_on_disc"
 )
-# words in the names of keys, and what to tell of them
+# advice by words in the names of unknown keys
 WORDS = {
-    "friction": "ringwear has no friction: give sliding_speed, and wear coefficients that were "
-    "measured with the friction there is",
+    "friction": "ringwear has no friction: give sliding_speed, and wear coefficients measured with "
+    "the actual friction",
     "traction": "ringwear has no friction: pressures are normal to the surface",
     "adhesion": "ringwear has no adhesion: contact presses, and does not pull",
     "adhesive": "ringwear has no adhesion: contact presses, and does not pull",
     "surface_energy": "ringwear has no adhesion: contact presses, and does not pull",
     "layer": "layers are tables: [[half_space.layers]] with thickness, youngs_modulus and "
-    "poisson_ratio, from the surface down; half_space is what lies below",
+    "poisson_ratio, from the surface down; half_space describes the base below them",
     "coating": "a coating is a layer: [[half_space.layers]] with thickness, youngs_modulus and "
-    "poisson_ratio; half_space is what lies below",
-    "substrate": "the substrate is half_space itself; what lies on it are [[half_space.layers]]",
+    "poisson_ratio; half_space describes the base below it",
+    "substrate": "the substrate is half_space itself; the layers on it are [[half_space.layers]]",
     "thickness": "a thickness belongs to a layer: [[half_space.layers]] with thickness, "
     "youngs_modulus and poisson_ratio; half_space.rigid = true for a rigid base",
     "yield": "ringwear has no plasticity: compare the stresses inside, in stress.png and "
@@ -50,21 +51,21 @@ WORDS = {
     "state",
     "thermal": "ringwear has no temperature: give the wear coefficients and moduli of the hot "
     "state",
-    "exponent": "the wear rate is k p v: for another power of the pressure there is no key; "
-    "profile.exponent is that of a power-law face",
+    "exponent": "the wear rate is k p v: another power of the pressure is not possible; "
+    "profile.exponent is the exponent of a power-law face",
     "rough": "ringwear has no statistical roughness: give a measured profile, profile = { kind = "
     "'table', file = ... }",
-    "viscosity": "ringwear has no viscoelasticity: give the modulus of the time that the contact "
-    "takes",
-    "relaxation": "ringwear has no viscoelasticity: give the modulus of the time that the contact "
-    "takes",
+    "viscosity": "ringwear has no viscoelasticity: give the modulus at the time scale of the "
+    "contact",
+    "relaxation": "ringwear has no viscoelasticity: give the modulus at the time scale of the "
+    "contact",
     "angular": ROTATION,
     "rotation": ROTATION,
     "diameter": "give punch.radius, half of it",
     "shear_modulus": "give youngs_modulus = 2 G (1 + nu) with poisson_ratio = nu",
-    "reduced_modulus": "give plane_strain_modulus, or punch_youngs_modulus beside youngs_modulus",
+    "reduced_modulus": "give plane_strain_modulus, or youngs_modulus and punch_youngs_modulus",
 }
-# keys by the names and symbols that people write
+# keys by other names and symbols that users may write
 OTHER_KEYS = {
     "nu": "poisson_ratio",
     "poisson": "poisson_ratio",
@@ -85,12 +86,12 @@ OTHER_KEYS = {
     "tol": "rtol",
     "tolerance": "rtol",
 }
-# kinds of profiles by other names
+# advice by other names of kinds of profiles
 OTHER_KINDS = {
-    "sphere": "a sphere is a 'parabola' (curvature_radius) where contact is small beside it, and a "
-    "'ball' (ball_radius) to all digits",
-    "spherical": "a sphere is a 'parabola' (curvature_radius) where contact is small beside it, "
-    "and a 'ball' (ball_radius) to all digits",
+    "sphere": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than that "
+    "of the contact, and exactly a 'ball' (ball_radius)",
+    "spherical": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than "
+    "that of the contact, and exactly a 'ball' (ball_radius)",
     "hertz": "give 'parabola' with curvature_radius",
     "paraboloid": "give 'parabola' with curvature_radius",
     "flat": "a flat face needs no profile: leave it out",
@@ -102,52 +103,59 @@ OTHER_KINDS = {
 
 
 def not_modelled(key: str) -> str | None:
-    """Return what to do instead of a key that does not exist; None if nothing is known."""
-    return next((told for word, told in WORDS.items() if word in key.lower()), None)
+    """Return advice for a key of a feature that ringwear does not have; None if there is none."""
+    return next((advice for word, advice in WORDS.items() if word in key.lower()), None)
 
 
-def kind_instead(given: object) -> str:
-    """Return which kind of profile to give in place of one that does not exist."""
-    kind = given.get("kind") if isinstance(given, Mapping) else None
+def kind_instead(profile: object) -> str:
+    """Return advice for a profile whose kind is missing or does not exist."""
+    kind = profile.get("kind") if isinstance(profile, Mapping) else None
     if kind is None:
         return "is missing"
-    if (told := OTHER_KINDS.get(str(kind).lower())) is not None:
-        return told
-    return f"there is no kind {kind!r}{question(str(kind), KINDS_OF_PROFILES)}"
+    if (advice := OTHER_KINDS.get(str(kind).lower())) is not None:
+        return advice
+    return f"there is no kind {kind!r}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
 
 
-def nearest(word: str, words: Iterable[str], alike: float = ALIKE) -> str:
-    """Return the word that is most like one, whatever its case; empty if none is like it."""
-    by_lower = {known.lower().replace("-", "_"): known for known in words}
+def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARITY) -> str:
+    """Return the most similar of some words, ignoring case; empty if none is similar."""
+    by_lower = {candidate.lower().replace("-", "_"): candidate for candidate in words}
     lower = word.lower().replace("-", "_").replace(" ", "_")
-    near = difflib.get_close_matches(lower, by_lower, 1, alike)
-    if not near and len(word) > 2:
-        near = [known for known in by_lower if lower in known]
-    return by_lower[near[0]] if near else ""
+    matches = difflib.get_close_matches(lower, by_lower, 1, similarity)
+    if not matches and len(word) > 2:
+        matches = [candidate for candidate in by_lower if lower in candidate]
+    return by_lower[matches[0]] if matches else ""
 
 
-def question(word: str, words: Iterable[str]) -> str:
-    """Return the question whether the most like of some words is meant; empty if none is."""
-    near = nearest(word, words)
-    return f": did you mean '{near}'?" if near else ""
+def did_you_mean(word: str, words: Iterable[str]) -> str:
+    """Return the question whether the most similar word is meant; empty if none is similar."""
+    match = nearest(word, words)
+    return f": did you mean '{match}'?" if match else ""
 
 
 def explain(error: ValidationError, scene: type[Section]) -> str:
-    """Return one line for a scene's first fault: the key, the value, the fault and the remedy.
+    """Return one line about the first error in a scene: the key, the value, the error, the remedy.
 
-    The keys of other faults are named at its end.
+    The keys of further errors are listed at its end.
+
+    Parameters
+    ----------
+    error : ValidationError
+        Errors that pydantic found.
+    scene : type
+        Model of the scene.
     """
     errors = error.errors(include_url=False)
-    # a misspelt key also leaves its right name missing: tell the misspelling first
+    # a misspelt key is also missing under its right name: report the misspelling first
     first = min(errors, key=lambda item: item["type"] != "extra_forbidden")
     others = dict.fromkeys(key_of(item) for item in errors if item["type"] != "missing")
     others.pop(key_of(first), None)
-    also = f"; also wrong: {', '.join(filter(None, others))}" if any(others) else ""
-    return _fault(first, errors, scene) + also
+    further = f"; also wrong: {', '.join(filter(None, others))}" if any(others) else ""
+    return _fault(first, errors, scene) + further
 
 
 def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]) -> str:
-    """Return a fault in a line; keys that are missing are told together."""
+    """Return a line about an error; all missing keys are listed in the same line."""
     key, kind = key_of(fault), fault["type"]
     section, field = declaration([str(part) for part in fault["loc"]], scene)
     description = field.description if field is not None else None
@@ -155,29 +163,29 @@ def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]
         return f"unknown key {key}: {_in_place_of(str(fault['loc'][-1]), section, scene)}"
     if kind == "missing":
         missing = [key_of(item) for item in errors if item["type"] == "missing"]
-        one = len(missing) == 1 and description
-        keys = f" {key}; give {description}" if one else f"s {', '.join(missing)}"
+        single = len(missing) == 1 and description
+        keys = f" {key}; give {description}" if single else f"s {', '.join(missing)}"
         return (
-            f"missing key{keys}; needed are, for example, punch = {{ radius = 1.0, rings = 5, "
+            f"missing key{keys}; a scene needs, for example, punch = {{ radius = 1.0, rings = 5, "
             "wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, load "
             "= { normal_force = 2.0 }, and wear = { times = [0.0, 0.1, 1.0] } for a history"
         )
     message = _in_plain_words(fault)
     remedy = description or REMEDIES.get(kind, "")
     if kind == "value_error":
-        # what is wrong with a table says its remedy itself
+        # messages about tables already contain a remedy
         remedy = "" if isinstance(fault["input"], Mapping) or "give " in message else remedy
-        told = f"{key}: {message}" if key else message
+        line = f"{key}: {message}" if key else message
     elif kind.startswith("union_tag"):
-        told = f"{key}.kind: {kind_instead(fault['input'])}"
+        line = f"{key}.kind: {kind_instead(fault['input'])}"
     else:
-        told = f"{key} = {shown(fault['input'])}: {message}"
+        line = f"{key} = {shown(fault['input'])}: {message}"
     if not remedy:
-        return told
-    return f"{told} Else give {remedy}" if told.endswith("?") else f"{told}; give {remedy}"
+        return line
+    return f"{line} Else give {remedy}" if line.endswith("?") else f"{line}; give {remedy}"
 
 
-# of faults that keys may have without a description
+# remedies by type of error, for keys without a description
 REMEDIES = {
     "string_type": "a text, in quotes",
     "bool_type": "true or false",
@@ -186,17 +194,17 @@ REMEDIES = {
 
 
 def _in_plain_words(fault: ErrorDetails) -> str:
-    """Return what is wrong with a value, in words of scenes."""
+    """Return what is wrong with a value, in plain words instead of pydantic's."""
     if fault["type"] == "model_type":
         return "should be a table"
     if fault["type"] == "model_attributes_type":
         return "should be a table with a kind"
     if fault["type"] == "literal_error":
         words = re.findall(r"'(.*?)'", fault["ctx"]["expected"])
-        meant = question(str(fault["input"]), words)
-        return f"should be one of {', '.join(words)}{meant}"
+        suggestion = did_you_mean(str(fault["input"]), words)
+        return f"should be one of {', '.join(words)}{suggestion}"
     if fault["type"] == "list_type":
-        return f"should be a list{question(str(fault['input']), ['running-in'])}"
+        return f"should be a list{did_you_mean(str(fault['input']), ['running-in'])}"
     message = fault["msg"].removeprefix("Value error, ").replace("0.000000001", "1e-9")
     if fault["type"] == "value_error":
         return message
@@ -204,25 +212,26 @@ def _in_plain_words(fault: ErrorDetails) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as text, cut where it is long."""
+    """Return a value as text, shortened to `MOST_CHARACTERS`."""
     text = " ".join(repr(value).split())
-    return text if len(text) <= SHOWN else f"{text[: SHOWN - 4]} ..."
+    return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 4]} ..."
 
 
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
-    """Return what to write in place of an unknown key: of its own table or of another."""
+    """Return what to write instead of an unknown key, in its own table or in another one."""
     if (instead := not_modelled(unknown)) is not None:
         return instead
     names = keys_of(section)
-    there = f"the keys here are {', '.join(names)}"
-    near = place_of(unknown, section, scene)
-    return f"did you mean {near}? Else {there}" if near else there
+    known_keys = f"the keys here are {', '.join(names)}"
+    match = place_of(unknown, section, scene)
+    return f"did you mean {match}? Else {known_keys}" if match else known_keys
 
 
 def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
-    """Return the key of a table that an unknown key stands for, or one such as ``punch.rings``.
+    """Return the key that an unknown key probably means.
 
-    Empty if it is like no key.
+    It is a key of the table `section`, or one of another table such as ``punch.rings``. The result
+    is empty if no key is similar.
     """
     names, word = keys_of(section), OTHER_KEYS.get(unknown, unknown)
     if word in names:
@@ -232,43 +241,43 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
         for name, info in scene.model_fields.items()
         if isinstance(info.annotation, type) and issubclass(info.annotation, Section)
     }
-    for table, others in tables.items():
-        if word in others:
+    for table, keys in tables.items():
+        if word in keys:
             return f"{table}.{word}"
-    if near := nearest(word, names):
-        return near
-    for table, others in tables.items():
-        if near := nearest(word, others, ALIKE_ELSEWHERE):
-            return f"{table}.{near}"
+    if match := nearest(word, names):
+        return match
+    for table, keys in tables.items():
+        if match := nearest(word, keys, LEAST_SIMILARITY_ELSEWHERE):
+            return f"{table}.{match}"
     return ""
 
 
 def keys_of(section: type[Section]) -> list[str]:
-    """Return the keys of a table, as they are written."""
+    """Return the keys of a table, as they are written in scenes."""
     return [info.alias or name for name, info in section.model_fields.items()]
 
 
 def key_of(error: ErrorDetails) -> str:
-    """Return the key that an error is about, as it is written: without the kind of a profile."""
+    """Return the key of an error as it is written in scenes, without the kind of a profile."""
     return ".".join(str(part) for part in error["loc"] if part not in KINDS)
 
 
 def declaration(
     location: Sequence[str], scene: type[Section]
 ) -> tuple[type[Section], FieldInfo | None]:
-    """Return the section that a location lies in, and the field of its innermost known key."""
+    """Return the section that contains a location, and the field of its innermost known key."""
     section, field = scene, None
     for part in location:
         if part in KINDS:
             section = KINDS[part]
             continue
         names = {info.alias or name: info for name, info in section.model_fields.items()}
-        if part.isdigit():  # one of a list of tables, or of values
+        if part.isdigit():  # index in a list of tables or values
             continue
         if part not in names:
             break
         field = names[part]
-        # a table that may be left out has `None` beside its own type
+        # the type of an optional table is a union with None
         for kind in (field.annotation, *get_args(field.annotation)):
             if isinstance(kind, type) and issubclass(kind, Section):
                 section = kind

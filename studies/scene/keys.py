@@ -1,4 +1,4 @@
-"""Keys of a scene by their names: lists of names, changes, and keys that say the same."""
+"""Handle keys of a scene by their names: lists of names, changes, and alternative keys."""
 
 import copy
 from collections.abc import Iterable, Sequence
@@ -8,7 +8,7 @@ from ...meshes.errors import SceneError
 from ..problem.fields import TomlTable
 
 Entry = TypeVar("Entry")
-# keys of a section that say the same in several ways
+# groups of keys of a section that are alternatives to each other
 ALTERNATIVES = (
     ("punch", ("wear_coefficients",), ("wear_coefficient", "wear_ratio")),
     ("punch", ("rings", "width_ratio"), ("ring_edges",)),
@@ -18,21 +18,35 @@ ALTERNATIVES = (
 
 
 def listed(names: Sequence[Entry] | str) -> list[Entry | str]:
-    """Return names as a list; in a text they may be separated by commas."""
+    """Return names as a list; a text may contain several, separated by commas or spaces.
+
+    Raises
+    ------
+    SceneError
+        if `names` is neither a text nor a sequence
+    """
     if not isinstance(names, Iterable):
-        raise SceneError(f"{names!r} is no list of names: write ['mdr', 'fem'], for example")
+        raise SceneError(f"{names!r} is not a list of names: write ['mdr', 'fem'], for example")
     return [*(names.replace(",", " ").split() if isinstance(names, str) else names)]
 
 
 def dotted(name: object) -> str:
-    """Return the name of a scene key with dots, as files have it: ``punch.rings``."""
+    """Return the name of a scene key with dots instead of double underscores: ``punch.rings``."""
     return str(name).replace("__", ".")
 
 
 def without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
-    """Return the table of a scene without what some keys give in another way.
+    """Return the table of a scene without the alternatives to some keys.
 
-    Two materials stay two, whichever way they are given.
+    Two wear coefficients are converted to `wear_coefficient` and `wear_ratio` if one of these keys
+    is about to change, so that the scene still has two materials.
+
+    Parameters
+    ----------
+    base : dict
+        Table of the scene.
+    keys : set of str
+        Keys that are about to change, with dots.
     """
     table = copy.deepcopy(base)
     punch = table.get("punch", {})
@@ -48,15 +62,21 @@ def without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
 
 
 def set_key(table: TomlTable, path: Sequence[str], value: object) -> None:
-    """Set a key of nested dictionaries by its path; tables on the way are made."""
+    """Set a key of nested dictionaries by its path, and create missing tables.
+
+    Raises
+    ------
+    SceneError
+        if the path contains an index that a list of tables does not have
+    """
     *sections, key = path
     for section in sections:
         if isinstance(table, list):
-            # one of a list of tables, by its number
+            # a table in a list of tables, given by its index
             if not section.isdigit() or int(section) >= len(table):
                 raise SceneError(
                     f"{'.'.join(path)}: the scene has no such table; there are {len(table)}, "
-                    "numbered from 0 on"
+                    "numbered from 0"
                 )
             table = table[int(section)]
         else:

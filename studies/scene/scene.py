@@ -1,6 +1,6 @@
-"""The scene.
+"""Define the scene: a frozen, validated value that is read from TOML or built from tables.
 
-A TOML file in, a frozen and validated value out, and the non-dimensional problem that it poses.
+It provides the non-dimensional problem that the methods solve.
 """
 
 import tomllib
@@ -28,11 +28,11 @@ from ..problem.sections import (
 )
 from ..problem.unit_names import without_quantities
 from ..registry import METHODS
-from .explain import explain, keys_of, place_of, question, shown
+from .explain import did_you_mean, explain, keys_of, place_of, shown
 from .keys import dotted, listed, set_key, without_alternatives
 from .sources import line_of, text_of
 
-# what to write in place of calls that other packages have
+# the right call, by names of attributes and methods that users may guess
 OTHER_CALLS = {
     **dict.fromkeys(("from_dict", "parse", "from_json"), "Scene.from_table({...})"),
     **dict.fromkeys(("from_file", "read", "open", "from_path"), "Scene.load(file)"),
@@ -45,16 +45,16 @@ OTHER_CALLS = {
 
 
 def check_method(method: str) -> str:
-    """Refuse a method that nobody has registered."""
+    """Refuse the name of a method that is not registered."""
     if method not in METHODS:
-        raise ValueError(f"no method '{method}'{question(method, METHODS)}")
+        raise ValueError(f"no method '{method}'{did_you_mean(method, METHODS)}")
     return method
 
 
 class LoadAttribute(classmethod):
-    """The decorator of `Scene.load`: of a scene that is there, `scene.load` is its table."""
+    """The decorator of `Scene.load`: a class method, but the table `load` for an instance."""
 
-    # classmethod is generic in what it reads, and returns it of instances, too
+    # mypy: the base class is generic and has the same result for classes and instances
     @overload  # type: ignore[override]
     def __get__(self, scene: None, kind: type) -> "Callable[[str | Path], Scene]": ...
 
@@ -62,15 +62,15 @@ class LoadAttribute(classmethod):
     def __get__(self, scene: "Scene", kind: type) -> LoadSection: ...
 
     def __get__(self, scene: "Scene | None", kind: type) -> object:
-        """Return the reader of the class, or the table of a scene."""
+        """Return the class method `load`, or the table `load` of an instance."""
         return super().__get__(None, kind) if scene is None else scene.load_
 
 
 class SceneType(type(Section)):  # type: ignore[misc]
-    """The class of `Scene`, which tells what to write in place of what it does not have."""
+    """The metaclass of `Scene`, which suggests the right call for a missing attribute."""
 
     def __getattr__(cls, name: str) -> object:
-        """Tell what to write in place of what the class does not have."""
+        """Raise AttributeError with the right call for a missing attribute of the class."""
         if name.startswith("_") or name not in OTHER_CALLS:
             return super().__getattr__(name)
         raise AttributeError(f"Scene has no {name!r}: write {OTHER_CALLS[name]}")
@@ -79,16 +79,16 @@ class SceneType(type(Section)):  # type: ignore[misc]
 class Scene(Section, metaclass=SceneType):
     """A complete, validated scene.
 
-    A frozen value, made by `load`, `from_toml` or `from_table`, or of its tables, varied by
-    `changed`.
+    It is a frozen value. `load`, `from_toml` and `from_table` read it, its constructor takes
+    tables, and `changed` returns a variant.
 
-    The tables `punch`, `half_space` and `load` are needed; `studies/reference.md` has all keys.
-    Numbers are in any consistent units, and any may be a quantity with its own, ``"20 mm"``.
+    The tables `punch`, `half_space` and `load` are required; `studies/reference.md` describes all
+    keys. Numbers are in any consistent units, and any number may have its own unit, ``"20 mm"``.
 
     Raises
     ------
     SceneError
-        naming the key, the value and the remedy
+        if a key or value is wrong; the message has the key, the value and the remedy
 
     Examples
     --------
@@ -124,7 +124,7 @@ class Scene(Section, metaclass=SceneType):
             reader = "from_table" if isinstance(misplaced[0], Mapping) else "load"
             raise SceneError(
                 f"Scene takes tables by their names, Scene(punch={{...}}, ...): write "
-                f"Scene.{reader}({shown(misplaced[0])}) for what is a scene already"
+                f"Scene.{reader}({shown(misplaced[0])}) to read a complete scene"
             )
         table = without_quantities(table, type(self))
         try:
@@ -132,7 +132,7 @@ class Scene(Section, metaclass=SceneType):
         except ValidationError as error:
             raise SceneError(explain(error, Scene)) from None
         if self.wear.tau is not None:
-            # counts of the slowest relaxation time, which the scene says, become times
+            # convert multiples of the slowest relaxation time, which the scene determines, to times
             super().__init__(**table | {"wear": self._at_counts(self.wear.tau)})
 
     @model_validator(mode="after")
@@ -142,8 +142,8 @@ class Scene(Section, metaclass=SceneType):
         radii, punch = self.output.radii, self.punch
         if punch.inner_radius and self.half_space.layers:
             raise ValueError(
-                "punch.inner_radius does not go with half_space.layers, on which the start of a "
-                "hollow punch is not solved: leave out either"
+                "punch.inner_radius is not possible with half_space.layers, because the start of a "
+                "hollow punch on layers cannot be computed: leave out one of them"
             )
         if radii is not None and radii[-1] > punch.radius:
             raise ValueError(
@@ -157,10 +157,10 @@ class Scene(Section, metaclass=SceneType):
 
     @LoadAttribute  # type: ignore[arg-type]
     def load(cls, source: str | Path) -> "Scene":
-        """Read a scene from a file, or a bundled one by its name."""
+        """Read a scene from a file, or a bundled scene by its name."""
         if not isinstance(source, str | Path):
             raise SceneError(
-                f"{shown(source)} is no scene: give a Scene, the name of a bundled one such as "
+                f"{shown(source)} is not a scene: give a Scene, the name of a bundled one such as "
                 "'five_rings', a file, or nested dictionaries (Scene.from_table)"
             )
         return cls.from_toml(text_of(source), str(source), Path(source).parent)
@@ -173,20 +173,20 @@ class Scene(Section, metaclass=SceneType):
         rtol: float | None = None,
         quantities: Sequence[str] | str | None = None,
     ) -> "Scene":
-        """Return a scene that is given itself, by a file or a bundled name, or as dictionaries.
+        """Return a scene from a Scene, a file, the name of a bundled scene, or dictionaries.
 
-        Methods, accuracy and quantities, where given, take the place of its own.
+        Methods, accuracy and quantities replace those of the scene if they are given.
         """
         scene = source
         if not isinstance(scene, Scene):
             scene = cls.from_table(dict(scene)) if isinstance(scene, Mapping) else cls.load(scene)
         names = {"methods": methods, "output__quantities": quantities}
         changes: dict[str, object] = {
-            key: listed(of) for key, of in names.items() if of is not None
+            key: listed(value) for key, value in names.items() if value is not None
         }
         if rtol is not None:
             changes["accuracy__rtol"] = rtol
-            with suppress(TypeError, ValueError):  # the scene refuses what is no number
+            with suppress(TypeError, ValueError):  # the scene refuses values that are not numbers
                 changes["accuracy__rtol"] = float(rtol)
         return scene.changed(**changes) if changes else scene
 
@@ -194,13 +194,13 @@ class Scene(Section, metaclass=SceneType):
     def from_toml(cls, text: str, name: str = "scene", folder: Path | None = None) -> "Scene":
         """Read a scene from TOML text.
 
-        `name` is for messages, files that it names are sought in `folder`.
+        `name` appears in messages. The scene's paths of files are relative to `folder`.
         """
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"{name} is not TOML: {error}{line_of(error, text)}") from error
-        # without a folder or a file of a profile there is nothing to seek
+        # no file is read without a folder, or if the profile has none
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]
             profile["file"] = str(folder / profile["file"])
@@ -215,14 +215,20 @@ class Scene(Section, metaclass=SceneType):
             raise SceneError(f"{name}: {error}") from None
 
     def _at_counts(self, counts: list[float]) -> WearSection:
-        """Return the times at counts of the slowest relaxation time, to three digits."""
+        """Return times at multiples of the slowest relaxation time, rounded to three digits.
+
+        Raises
+        ------
+        SceneError
+            if the relaxation time is not known
+        """
         from ..wear.time_scale import running_in
 
         exact = (running_in(self.problem, counts) * self.problem.units.time).tolist()
         if self.problem.loading.varies or isnan(exact[-1]):
             raise SceneError(
-                "wear.times by running-in is known for one force, one sliding speed and up to 64 "
-                "rings: give times as numbers"
+                "wear.times can be chosen by running-in only for a constant load, a constant "
+                "sliding speed and up to 64 rings: give times as numbers"
             )
         times = [float(f"{time:.3g}") for time in exact]
         if any(after <= before for before, after in pairwise(times)):
@@ -243,47 +249,50 @@ class Scene(Section, metaclass=SceneType):
     def changed(self, keys: Mapping[str, object] | None = None, /, **changes: object) -> "Scene":
         """Return the scene with some keys changed.
 
-        Keys that say the same in another way are left out, as in sweeps: a scene with a new
-        `load.mean_pressure` has no `load.normal_force`.
+        Alternatives to the changed keys are removed: a scene with a new `load.mean_pressure` has no
+        `load.normal_force`.
 
         Parameters
         ----------
-        keys : values by names with dots, as sweeps have them: ``{"accuracy.rtol": 1e-6}``
-        changes : values by names with double underscores: ``accuracy__rtol=1e-6``
+        keys : mapping, optional
+            Values by names with dots: ``{"accuracy.rtol": 1e-6}``.
+        **changes
+            Values by names with double underscores: ``accuracy__rtol=1e-6``.
 
         Raises
         ------
         SceneError
-            if the scene cannot be so, naming the key and the remedy
+            if a key or value is wrong; the message has the key and the remedy
         """
         if not isinstance(keys or {}, Mapping):
             raise SceneError(f"changed({shown(keys)}): write changed({{'punch.rings': 3}})")
-        given = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
-        for key, value in given.items():
+        values = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
+        for key, value in values.items():
             if key.partition(".")[0] not in keys_of(Scene) and (
-                near := place_of(key, Scene, Scene)
+                suggestion := place_of(key, Scene, Scene)
             ):
                 raise SceneError(
-                    f"a scene has no key {key!r}: write changed({{{near!r}: {shown(value)}}}), or "
-                    f"changed({near.replace('.', '__')}={shown(value)})"
+                    f"a scene has no key {key!r}: write changed({{{suggestion!r}: "
+                    f"{shown(value)}}}), or changed({suggestion.replace('.', '__')}={shown(value)})"
                 )
-        table = without_alternatives(self.table(), set(given))
-        for key, value in given.items():
+        table = without_alternatives(self.table(), set(values))
+        for key, value in values.items():
             set_key(table, key.split("."), value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
     def with_heights(self, *heights: Height, kinks: Sequence[float] | None = None) -> "Scene":
         """Return the scene with functions added to the unworn face.
 
-        A file cannot hold them: `to_toml` leaves them out.
+        A file cannot contain functions, so `to_toml` omits them.
 
         Parameters
         ----------
         *heights : callables
-            Heights by arrays of radii, both in the scene's units.
+            Functions from arrays of radii to heights, both in the scene's units.
         kinks : sequence of float, optional
-            Radii at which the slope or the bend of a function jumps, in the scene's units: cells
-            end there. If none are given, they are sought; an empty list says that there are none.
+            Radii at which the slope or the curvature of a function jumps, in the scene's units.
+            Cells end there. By default kinks are searched for; an empty list means that there are
+            none.
 
         Raises
         ------
@@ -301,18 +310,18 @@ class Scene(Section, metaclass=SceneType):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> object:
-            """Tell what to write in place of what a scene does not have."""
+            """Raise AttributeError with the right call for a missing attribute."""
             if name.startswith("_"):
                 return super().__getattr__(name)
-            if hasattr(type(self), name):  # a property that has failed
+            if hasattr(type(self), name):  # a property that raised AttributeError
                 return object.__getattribute__(self, name)
-            near = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
-            told = "see dir(scene)" if near == "scene." else f"write {near}"
-            raise AttributeError(f"a scene has no {name!r}: {told}")
+            call = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
+            hint = "see dir(scene)" if call == "scene." else f"write {call}"
+            raise AttributeError(f"a scene has no {name!r}: {hint}")
 
     @cached_property
     def problem(self) -> Problem:
-        """What the methods are given: geometry, wear and times, non-dimensional."""
+        """The non-dimensional problem that the methods solve."""
         return Problem.from_tables(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )

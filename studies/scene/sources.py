@@ -1,4 +1,4 @@
-"""Where scenes come from: files, and those that come with ringwear."""
+"""Read the text of scenes from files, or from the scenes bundled with ringwear."""
 
 import re
 import tomllib
@@ -11,7 +11,13 @@ from .explain import nearest, shown
 
 
 def text_of(source: str | Path) -> str:
-    """Return the TOML of a scene file, or of a bundled scene by its name."""
+    """Return the TOML text of a scene file, or of a bundled scene given by its name.
+
+    Raises
+    ------
+    SceneError
+        if there is no such file or scene, or if the file cannot be read
+    """
     path = Path(source)
     if not path.exists() and str(source) in bundled():
         path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
@@ -23,24 +29,23 @@ def text_of(source: str | Path) -> str:
     except ValueError as error:
         raise SceneError(f"{error} that holds a scene") from None
     except OSError as error:
-        near = "" if path.is_dir() else nearest(str(source), bundled())
-        meant = f"did you mean {near}? Else " if near else ""
+        match = "" if path.is_dir() else nearest(str(source), bundled())
+        suggestion = f"did you mean {match}? Else " if match else ""
         raise SceneError(
-            f"{source or repr(source)}: {str(error.strerror).lower()}; {meant}give a scene file, "
-            f"or one of "
-            f"{', '.join(bundled())}"
+            f"{source or repr(source)}: {str(error.strerror).lower()}; {suggestion}give a scene "
+            f"file, or one of {', '.join(bundled())}"
         ) from None
 
 
 def line_of(error: tomllib.TOMLDecodeError, text: str) -> str:
-    """Return the line of a text that is not TOML, and how lines are written."""
+    """Return the line of an error in TOML text, and an example of correct lines."""
     place = re.search(r"at line (\d+)", str(error))
     line = text.splitlines()[int(place[1]) - 1].strip() if place else ""
-    there = f" in {shown(line)}" if line else ""
-    return f"{there}; give lines such as radius = 1.0, each key once, texts in quotes"
+    location = f" in {shown(line)}" if line else ""
+    return f"{location}; give lines such as radius = 1.0, each key once, texts in quotes"
 
 
 def bundled() -> list[str]:
-    """Return the names of the scenes that come with ringwear."""
+    """Return the names of the scenes bundled with ringwear."""
     names = (entry.name for entry in (files("ringwear.studies") / "scenes").iterdir())
     return sorted(name.removesuffix(".toml") for name in names if name.endswith(".toml"))

@@ -20,7 +20,7 @@ from ...meshes.contact_cells import ContactCells
 from ...meshes.radial import Array
 from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
-from ..problem.quantities import FINEST
+from ..problem.quantities import FINEST_RTOL
 from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
 from .layers import depths_of_interfaces
@@ -358,7 +358,7 @@ def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
     smallest tolerance is raised so that a refinement has at most MAX_REFINED_PRESSURES of them.
     """
     if problem.full_contact:
-        return FINEST, 1.0
+        return FINEST_RTOL, 1.0
     least, greatest = (
         REFERENCE_RTOL * (REFERENCE_CELLS / count) ** 2 for count in (MOST_CELLS, FEWEST_CELLS)
     )

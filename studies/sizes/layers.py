@@ -36,7 +36,7 @@ def why_layers_are_not_meshed(problem: Problem) -> str:
     ground, fem = problem.ground, problem.fem
     if ground is None:
         return ""
-    if fem.meshed_by != "quads":
+    if fem.chosen_mesher != "quads":
         return (
             "half_space.layers are meshed in quadrilaterals only: leave out accuracy.fem.mesher, "
             f"and give accuracy.fem.degree = {LAYERED} or more, or neither"

@@ -31,7 +31,7 @@ from ...meshes.errors import SceneError
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
-from ..scene.explain import nearest, question
+from ..scene.explain import did_you_mean, nearest
 from ..scene.keys import without_alternatives
 from ..scene.scene import Scene
 from ..scene.sources import bundled
@@ -207,7 +207,7 @@ class Sweep:
     def problem(self, changes: TomlTable) -> Problem:
         """Return the problem of some changes, asking for what is to be kept and nothing else."""
         quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
-        return self.scene(changes).problem.asking_for(frozenset(quantities))
+        return self.scene(changes).problem.with_quantities(frozenset(quantities))
 
     def part(self, region: dict[str, slice]) -> "Sweep":
         """Return a box of the grid, a slice of each dimension, as a sweep of its own."""
@@ -333,7 +333,7 @@ def _checked_keep(
         strange = next((str(name) for name in keep if str(name) not in computed), "")
         raise SceneError(
             f"keep = {keep!r} names what is no quantity of such punches"
-            f"{question(strange, computed) if strange else ':'} give a list of "
+            f"{did_you_mean(strange, computed) if strange else ':'} give a list of "
             f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )
@@ -342,4 +342,4 @@ def _checked_keep(
 
 def _given(problem: Problem) -> frozenset[str]:
     """Return the quantities that a problem has."""
-    return problem.asking_for(GROUPS["all"]).quantities or frozenset()
+    return problem.with_quantities(GROUPS["all"]).quantities or frozenset()

@@ -28,7 +28,7 @@ from ..problem.quantities import ERROR, NORMS, STATES, error_name
 from ..problem.unit_names import UnitNames, kind_of
 from ..scene.scene import Scene
 from ..versions import code, stamp, versions
-from ..wear.modes import SHOWN
+from ..wear.modes import SHOWN_RELAXATION_TIMES
 from .axes import ANSWERS, KEEPABLE, Sweep
 
 # what may become of a scene
@@ -51,7 +51,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
 
     coordinates: dict[str, object] = {
         "ring": np.arange(1, rings + 1),
-        "mode": np.arange(1, SHOWN + 1),
+        "mode": np.arange(1, SHOWN_RELAXATION_TIMES + 1),
         "state": np.array(STATES, dtype=object),
     }
     for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:

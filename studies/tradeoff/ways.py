@@ -91,7 +91,7 @@ class Ways:
         """Yield a family for each group of quantities and each way that can compute it."""
         for group, quantities in QUANTITY_GROUPS.items():
             try:
-                group_problem = self.problem.asking_for(quantities)
+                group_problem = self.problem.with_quantities(quantities)
             except SceneError:
                 # the scene has none of these quantities
                 continue
@@ -155,7 +155,7 @@ class Ways:
         if not solvable or not any(map(group_problem.wants, computed)):
             return {}
         reference = self.references[other_theory(NAIVE)]
-        problem = group_problem.asking_for(
+        problem = group_problem.with_quantities(
             frozenset(name for name in computed if group_problem.wants(name))
         )
         return {

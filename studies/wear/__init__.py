@@ -1,1 +1,1 @@
-"""Contact and Archard's wear on any compliance."""
+"""Contact and Archard wear for any compliance of the half-space."""

@@ -1,12 +1,14 @@
-"""Press a punch on any compliance: the flat start and the steady state. Non-dimensional, force 1.
+"""Press a punch on any compliance: the flat start and the steady state.
 
-The flat start is sought among pressures that suit it, ``p = sum_j c_j P_2j(t) / t`` with ``t =
-sqrt(1 - r^2)`` and Legendre polynomials `P_2j`: infinite at the rim as a root, and smooth
-elsewhere. Ring edges are not felt before anything has worn, and the small elements beside them,
-which later times need, would lose the start to roundoff. The exact compliance of the half-space is
-diagonal on these functions, and only the first of them carries force
-(tests/physics/test_flat_punch.py). Those of a hollow punch are the pressure of the flat annulus
-times Legendre polynomials in ``r^2``.
+All quantities are non-dimensional, and the force is 1.
+
+The pressure of the unworn flat punch is expanded in ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1
+- r^2)`` and Legendre polynomials `P_2j`. These functions have the square-root singularity at the
+rim and are smooth elsewhere. Before any wear the pressure is smooth across ring edges, so the small
+elements there, which later times need, are not used: on them the start would be lost in roundoff.
+The exact compliance of the half-space is diagonal on these functions, and only the first of them
+carries force (tests/physics/test_flat_punch.py). For a hollow punch, the functions are the pressure
+of the flat annulus times Legendre polynomials in ``r^2``.
 """
 
 from dataclasses import dataclass
@@ -23,25 +25,32 @@ from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
 from .unilateral import Interval
 
-# functions that a flat start is sought among: what a compliance adds to the first of them is an
-# error of its own
+# Greatest number of functions in the expansion of the flat start. In exact arithmetic the first one
+# suffices; the coefficients of the others are errors of the method's compliance.
 MOST_FUNCTIONS = 3
-# part by which the mean displacement under the first function may differ from that weighted by its
-# pressure: beyond it the compliance is not that of a half-space
-UNEVEN = 0.1
+# Greatest relative difference between the mean displacement under the first function and its mean
+# weighted by the pressure. If it is exceeded, the displacement is not uniform, so the compliance is
+# not that of a half-space.
+UNIFORMITY_TOLERANCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class FlatStart:
-    """The flat punch (Eqs. 10 and 11), or the flat annulus, solved by the method at hand.
+    """The flat punch (Eqs. 10 and 11) or the flat annulus, solved with the compliance of a method.
 
     Parameters
     ----------
-    coefficients : (J,) of ``P_2j(t) / t``; of a hollow punch, of ``p r dr = sum_j c_j cos(j angle)
-        d(angle)`` (`ringwear.mdr.annulus`)
-    pressure : (size,) their projection on the pressure space
-    indentation : that of the closed form but for the error of the method
-    inner_radius : of the hole; 0 if there is none
+    coefficients : (J,) array
+        Coefficients of ``P_2j(t) / t``. For a hollow punch they are those of ``p r dr = sum_j c_j
+        cos(j angle) d(angle)`` (`ringwear.mdr.annulus`).
+    pressure : (size,) array
+        Projection of this pressure on the pressure space.
+    indentation : float
+        Indentation; it differs from the closed form by the error of the method.
+    inner_radius : float
+        Radius of the hole; 0 if there is none.
+    force : float
+        Force of this pressure.
     """
 
     coefficients: Array
@@ -52,11 +61,11 @@ class FlatStart:
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
-        """Where it presses."""
+        """The contact: all of the face."""
         return (Interval(self.inner_radius, 1.0),)
 
     @cached_property
-    def _in_closed_form(self) -> FlatPunch:
+    def _closed_form(self) -> FlatPunch:
         if not self.inner_radius:
             return DiscSeries(self.indentation, self.coefficients)
         from ...mdr.annulus import FlatAnnulus  # full punches do not need it
@@ -64,27 +73,34 @@ class FlatStart:
         return FlatAnnulus(self.inner_radius, self.indentation, self.coefficients)
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressures at radii (R,) of the face; infinite at the rim and at a hole."""
-        return self._in_closed_form.pressure_at(radii)
+        """Return the pressures (R,) at radii (R,); they are infinite at the rim and at a hole."""
+        return self._closed_form.pressure_at(radii)
 
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
         """Return the least and the greatest pressure (N,) on each ring between edges (N+1,)."""
-        return self._in_closed_form.extremes_on(ring_edges)
+        return self._closed_form.extremes_on(ring_edges)
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
-        return self._in_closed_form.ring_forces(ring_edges)
+        return self._closed_form.ring_forces(ring_edges)
 
 
-@lru_cache(maxsize=8)  # punches that differ in wear alone begin alike
+@lru_cache(maxsize=8)  # punches that differ only in their wear coefficients have the same start
 def flat_start(
     compliance: Compliance, indentation: float | None = None
 ) -> "FlatStart | FittedPress":
-    """Press the unworn punch: solve ``A c = d b`` on the functions that suit a flat start.
+    """Press the unworn flat punch: solve ``A c = d b`` on the functions of the expansion.
 
-    Either ``b . c = 1`` or d is given. Under these functions a half-space is displaced uniformly.
-    What is displaced otherwise (a foundation of springs, say) is pressed by the pressures of the
-    space itself.
+    The first of these pressures displaces a half-space uniformly. If the given compliance is not
+    displaced uniformly (for example a foundation of springs), the problem is solved on the pressure
+    space itself instead (`press_flat`).
+
+    Parameters
+    ----------
+    compliance : Compliance
+        Compliance of the half-space on a pressure space.
+    indentation : float, optional
+        Indentation d. If it is not given, the force is 1, ``b . c = 1``.
 
     Raises
     ------
@@ -93,25 +109,26 @@ def flat_start(
     """
     space = compliance.space
     count = max(1, min(MOST_FUNCTIONS, space.size // 3))
-    series, forces = _functions(space.inner_radius, count, compliance.flat_series)
+    series, forces = _start_series(space.inner_radius, count, compliance.flat_series)
     projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
-    displaced = compliance.factor @ projected
-    factor = np.asarray(np.linalg.qr(displaced, mode="r"))
+    displacements = compliance.factor @ projected
+    factor = np.asarray(np.linalg.qr(displacements, mode="r"))
     coefficients, depth = _press(factor, forces, indentation)
-    # the mean displacement under the first of them, and that weighted by its pressure
-    first, of_uniform = displaced[:, 0], compliance.factor @ space.uniform
-    mean = of_uniform @ first / (space.weights @ space.uniform)
-    if abs(mean / (first @ first / forces[0]) - 1) > UNEVEN:
+    # compare the mean displacement under the first function with its mean weighted by the pressure
+    first_displacement = displacements[:, 0]
+    uniform_displacement = compliance.factor @ space.uniform
+    mean = uniform_displacement @ first_displacement / (space.weights @ space.uniform)
+    if abs(mean / (first_displacement @ first_displacement / forces[0]) - 1) > UNIFORMITY_TOLERANCE:
         return press_flat(compliance, indentation)
     return FlatStart(series @ coefficients, projected @ coefficients, depth, space.inner_radius)
 
 
-def _functions(
+def _start_series(
     inner_radius: float, count: int, flat_series: tuple[float, ...]
 ) -> tuple[Array, Array]:
-    """Return the functions that suit a flat start, (J, count) by columns, and their forces.
+    """Return the functions of the flat start, as coefficients (J, count), and forces (count,).
 
-    The first is the pressure of the flat punch itself.
+    Each column is a function. The first one is the pressure of the flat punch itself.
     """
     if not inner_radius:
         series = np.eye(max(count, len(flat_series)))[:, :count]
@@ -125,14 +142,18 @@ def _functions(
 
 @dataclass(frozen=True, eq=False)
 class FittedPress:
-    """A punch pressed on a pressure space that is fitted to its contact.
+    """A pressed punch whose pressure space is fitted to the edges of its contact.
 
     Parameters
     ----------
-    space : on the disc of the outermost edge, scaled to radius 1
-    pressure : (size,) coefficients on it
-    indentation, force : one of them as given
-    intervals : of contact
+    space : PressureSpace
+        Space on the disc inside the outermost contact edge, scaled to radius 1.
+    pressure : (size,) array
+        Coefficients of the pressure on that space.
+    indentation, force : float
+        Indentation and force. The load prescribes one of them.
+    intervals : tuple of Interval
+        Parts of the contact, outwards.
     """
 
     space: PressureSpace
@@ -143,7 +164,7 @@ class FittedPress:
 
     @property
     def radius(self) -> float:
-        """The outermost edge."""
+        """The radius of the outermost contact edge."""
         return self.intervals[-1].outer
 
     def pressure_at(self, radii: Array) -> Array:
@@ -165,10 +186,11 @@ class FittedPress:
 
 @lru_cache(maxsize=8)
 def press_flat(compliance: Compliance, indentation: float | None = None) -> FittedPress:
-    """Press a flat punch by the pressures of the space itself, continuous across ring edges.
+    """Press a flat punch with pressures of the space itself, continuous across ring edges.
 
-    Studies of spaces and meshes look at it: it shows what elements at the rim can hold. Smaller
-    elements elsewhere make it worse by roundoff; the start of a history is `flat_start`.
+    Studies of pressure spaces and meshes use this solution because it shows how well the elements
+    at the rim represent the singular pressure. Small elements elsewhere add roundoff; histories
+    therefore start from `flat_start`.
 
     Raises
     ------
@@ -190,7 +212,8 @@ def press_flat(compliance: Compliance, indentation: float | None = None) -> Fitt
 def _press(factor: Array, forces: Array, indentation: float | None) -> tuple[Array, float]:
     """Return the c and d of ``A c = d b``, with ``b . c = 1`` if d is not given.
 
-    A is given by its triangular factor, ``A = R^T R``: rows of all sizes keep their digits.
+    A is given by its triangular factor R, ``A = R^T R``, so that rows of very different sizes keep
+    all of their digits.
     """
     least = np.abs(np.diag(factor)).min()
     if not (np.isfinite(factor).all() and least > 0):
@@ -201,49 +224,64 @@ def _press(factor: Array, forces: Array, indentation: float | None) -> tuple[Arr
     return indentation * solve_triangular(factor, half), indentation
 
 
-def _suited(
-    inner_radius: float, from_hole: Array, to_rim: Array, count: int
+def _start_functions(
+    inner_radius: float, hole_distance: Array, rim_distance: Array, count: int
 ) -> tuple[Array, Array]:
-    """Return functions (..., count), and the factor (...) that makes pressures of them.
+    """Return the functions of the flat start (..., count), and their common factor (...).
 
-    By the distances of radii from the hole, or from the axis, and from the rim: ``P_2j(t) / t``, or
-    the cosines of an annulus.
+    The factor times a function is a pressure. The functions are ``P_2j(t)`` with the factor ``1 /
+    t``, or for a hollow punch the cosines of the annulus.
+
+    Parameters
+    ----------
+    inner_radius : float
+        Radius of the hole; 0 if there is none.
+    hole_distance, rim_distance : (...) arrays
+        Distances of the radii from the hole, or from the axis, and from the rim.
+    count : int
+        Number of functions.
     """
     if inner_radius:
         from ...mdr.annulus import cosine_pressures  # full punches do not need it
 
-        return cosine_pressures(inner_radius, from_hole, to_rim, count)
-    return disc_functions(to_rim, count)
+        return cosine_pressures(inner_radius, hole_distance, rim_distance, count)
+    return disc_functions(rim_distance, count)
 
 
 def _moments(space: PressureSpace, count: int) -> Array:
-    """Return ``int phi_i p_j dA`` of the functions that suit a flat start, (size, count).
+    """Return ``int phi_i p_j dA`` (size, count) for the functions p_j of the flat start.
 
-    In the elements at the rim and at a hole the root of the distance is the variable of
-    integration, in which nothing is singular.
+    In the elements at the rim and at a hole, the variable of integration is the square root of the
+    distance from that edge, which removes the singularity.
+
+    Raises
+    ------
+    SolverError
+        if a hollow punch has fewer than two elements
     """
-    # the root is one element away, where each point gains a factor of seven; functions oscillate
+    # the singularity is at least one element away, so each Gauss point reduces the error sevenfold;
+    # functions of higher degree oscillate and need more points
     node, weight = unit_gauss(space.top + 18 + 2 * max(count, MOST_FUNCTIONS))
     elements, rim = np.flatnonzero(space.degrees > 0), len(space.degrees)
     if space.hollow and len(elements) < 2:
         raise SolverError("the face of a hollow punch needs two elements: ask for smaller sizes")
     size = space.widths[elements, None]
-    along, weights = (np.tile(part, (len(elements), 1)) for part in (node, weight))
-    along[-1], weights[-1] = 1 - node**2, 2 * node * weight
+    fraction, weights = (np.tile(part, (len(elements), 1)) for part in (node, weight))
+    fraction[-1], weights[-1] = 1 - node**2, 2 * node * weight
     if space.hollow:
-        along[0], weights[0] = node**2, 2 * node * weight
-    # distances from both edges, to all digits
-    from_hole = space.distance(np.full(len(elements), elements[0]), elements)[:, None]
-    from_hole = from_hole + size * along
-    to_rim = space.distance(elements, np.full(len(elements), rim))[:, None] - size * along
-    to_rim[-1] = size[-1] * node**2
-    radii = space.breakpoints[elements, None] + size * along
-    functions, factor = _suited(space.inner_radius, from_hole, to_rim, count)
+        fraction[0], weights[0] = node**2, 2 * node * weight
+    # distances from both edges without cancellation
+    hole_distance = space.distance(np.full(len(elements), elements[0]), elements)[:, None]
+    hole_distance = hole_distance + size * fraction
+    rim_distance = space.distance(elements, np.full(len(elements), rim))[:, None] - size * fraction
+    rim_distance[-1] = size[-1] * node**2
+    radii = space.breakpoints[elements, None] + size * fraction
+    functions, factor = _start_functions(space.inner_radius, hole_distance, rim_distance, count)
     values = np.einsum(
         "eq,eqj,eqi->eij",
         2 * np.pi * weights * radii * size * factor,
         functions,
-        shapes(2 * along - 1, space.top),
+        shapes(2 * fraction - 1, space.top),
         optimize=True,
     )
     moments = np.zeros((space.size + 1, count))
@@ -253,13 +291,16 @@ def _moments(space: PressureSpace, count: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class SteadyState:
-    """The state that wear tends to (Eqs. 23 to 27): one wear rate, and the displacement it makes.
+    """The steady state of wear (Eqs. 23 to 27), in which the wear rate is the same everywhere.
 
     Parameters
     ----------
-    pressure, displacement : coefficients on the pressure space
-    moments : (size,) the displacement against each pressure
-    wear_rate : the common ``k p``
+    pressure, displacement : (size,) arrays
+        Coefficients on the pressure space.
+    moments : (size,) array
+        Integrals of the displacement times each basis function, ``A p``.
+    wear_rate : float
+        The common value of ``k p``.
     """
 
     pressure: Array

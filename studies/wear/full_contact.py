@@ -1,12 +1,14 @@
-"""Archard's wear on any compliance, by modes or in steps (Eqs. 12 to 17). Non-dimensional.
+"""Compute Archard wear in full contact for any compliance, by modes or in steps (Eqs. 12 to 17).
 
-In full contact the pressure is affine in the profile, and with the wear rate ``k p`` continuous
-(which it is for every t > 0) the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the mass
-matrix `K` of weight `k`. Its deviation from the steady state decays in modes of the pencil (A, K)
-on the pressures that carry no force, whose eigenvalues are the relaxation times. At a fixed
-indentation ``A p' = -K p``: all pressures decay, in modes of the pencil on all of them. A flat
-start never loses contact, so no inequality is enforced. Nor does a force that never falls, whose
-rises are so many flat starts. Times of marches in steps are sliding distances.
+Non-dimensional. In full contact the pressure is affine in the profile. The wear rate ``k p`` is
+continuous for every t > 0, and the history obeys ``A p' = d' b - K p``, ``b . p = F``, with the
+mass matrix `K` of weight `k`. The deviation from the steady state decays in modes of the pencil (A,
+K) on the pressures that carry no force; the eigenvalues are the relaxation times. At a fixed
+indentation ``A p' = -K p``: the whole pressure decays, in modes of the pencil on all pressures.
+
+No inequality is enforced, because a punch that starts flat never loses contact. This also holds
+under a force that never falls, because each increase acts as another flat start. In the marches by
+steps, times are sliding distances.
 """
 
 from dataclasses import dataclass, field
@@ -37,8 +39,8 @@ class RunningIn:
     """Compute the wear of a flat punch from its start to its steady state, at any time.
 
     A `RunningIn` combines a `Compliance` and the wear coefficients of its rings. `flat` is the
-    start, ``d(0) = F / (2 a E*)``; `steady` the end, where the wear rate ``k p`` is ``F / sum_i
-    (A_i / k_i)``; `modal` the history in between, exact in time.
+    start with ``d(0) = F / (2 a E*)``. `steady` is the end with the wear rate ``k p = F / sum_i
+    (A_i / k_i)``. `modal` returns the history in between, exact in time.
 
     >>> from ringwear.mdr import energy
     >>> from ringwear.meshes.pressure_space import PressureSpace
@@ -50,15 +52,21 @@ class RunningIn:
 
     Parameters
     ----------
-    compliance : of the half-space
-    wear_coefficients : (N,) of the rings of its pressure space; or (2, N) at the inner and outer
-        edge of each, linear between
-    earliest : sliding distance > 0 before which no history is wanted, so that a large punch needs
-        few of its modes; 0: all of them
-    continuous : whether the wear rate is, as it is from a flat start on; else it may jump at ring
-        edges, on a space of degree 1
-    indentation : held fixed in place of the force 1, so that wear tends to no pressure at all
-    loading : of `modal`, its force never falls
+    compliance : Compliance
+        Compliance of the half-space on a pressure space.
+    wear_coefficients : (N,) or (2, N) array
+        Wear coefficient of each ring of that space; or those at the inner and outer edge of each
+        ring, linear between.
+    earliest : float
+        Positive sliding distance before which no history is computed, so that a problem with many
+        unknowns needs only some of its modes. 0 means that all modes are computed.
+    continuous : bool
+        Whether the wear rate is continuous at ring edges, as after a flat start. If not, it may
+        jump there, and the space has degree 1.
+    indentation : float, optional
+        Fixed indentation instead of the force 1. The pressure then decays to zero.
+    loading : Loading
+        Force, which never falls, and sliding speed over time, for `modal`.
     """
 
     compliance: Compliance
@@ -70,66 +78,67 @@ class RunningIn:
 
     @cached_property
     def steady(self) -> SteadyState:
-        """The state that wear tends to: known without any march, its ring forces add up to one."""
+        """The steady state of wear, computed without a march; its ring forces sum to 1."""
         space, wear_coefficients = self.compliance.space, self.wear_coefficients
         if self.indentation is not None:
-            nothing = np.zeros(space.size)
-            return SteadyState(nothing, nothing, nothing, 0.0)
+            zero = np.zeros(space.size)
+            return SteadyState(zero, zero, zero, 0.0)
         if wear_coefficients.ndim == 2:
-            # 1 / k is no polynomial: the pressure whose product with k is nearest to a constant
-            pressure = self._to_pressures(self._weights)
+            # 1 / k is not a polynomial: take the pressure whose product with k is nearest to a
+            # constant
+            pressure = self._pressures_from_rates(self._weights)
         else:
-            # a hole has no pressure
+            # the hole, which is the first ring, has no pressure
             pressure = space.ring_indicator() @ (1 / wear_coefficients[int(space.hollow) :])
         wear_rate = float(1 / (space.weights @ pressure))
         pressure = wear_rate * pressure
         moments = self.compliance.factor.T @ (self.compliance.factor @ pressure)
-        displacement = self._to_profiles(self._reduce(moments))
+        displacement = self._profiles_from_rates(self._reduce(moments))
         return SteadyState(pressure, displacement, moments, wear_rate)
 
     @cached_property
     def flat(self) -> FlatStart | FittedPress:
-        """The unworn punch, pressed by the force 1 or to the indentation that is held fixed."""
+        """The unworn punch, under the force 1 or at the fixed indentation."""
         return flat_start(self.compliance, self.indentation)
 
     @cached_property
-    def _by_rates(self) -> csr_matrix:
-        """(size, n) pressures by the wear rate."""
+    def _rates_to_pressures(self) -> csr_matrix:
+        """(size, n) matrix from unknowns of the wear rate to pressures."""
         space = self.compliance.space
         if self.continuous:
             return space.joined(self.wear_coefficients)
         return diags(1 / space.at_vertices(self.wear_coefficients)).tocsr()
 
     @cached_property
-    def _worn_by_rates(self) -> csr_matrix | Array:
-        """(size, n) wear rates, and so worn profiles, by the same unknowns."""
+    def _rates_to_profiles(self) -> csr_matrix | Array:
+        """(size, n) matrix from unknowns of the wear rate to coefficients of worn profiles."""
         space = self.compliance.space
         if self.continuous and self.wear_coefficients.ndim == 2:
-            # k p is of a degree more than p: its projection has the same volumes on rings
-            worn = space.mass(self.wear_coefficients) @ self._by_rates
+            # k p has one degree more than p: project it, which preserves the worn volume of rings
+            worn = space.mass(self.wear_coefficients) @ self._rates_to_pressures
             return BandedCholesky(space.mass()).solve(worn.toarray())
         return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
     @cached_property
     def _mass(self) -> BandedCholesky:
-        """Factor `L` of the mass matrix of weight k.
+        """Cholesky factor `L` of the mass matrix of weight k on the unknowns of the wear rate.
 
-        Orthonormal wear rates are `L^T` times the wear rates by unknowns of the space.
+        The orthonormal coordinates of a wear rate are `L^T` times its unknowns.
         """
         mass = self.compliance.space.mass(self.wear_coefficients)
-        return BandedCholesky(self._by_rates.T @ mass @ self._by_rates)
+        return BandedCholesky(self._rates_to_pressures.T @ mass @ self._rates_to_pressures)
 
     def _reduce(self, moments: Array) -> Array:
-        """Return moments (n, ...) against orthonormal wear rates, of (size, ...) ones."""
-        return self._mass.forward(self._by_rates.T @ moments)
+        """Return moments (n, ...) in orthonormal coordinates from (size, ...) ones."""
+        return self._mass.forward(self._rates_to_pressures.T @ moments)
 
-    def _to_pressures(self, rates: Array) -> Array:
-        """Return pressures (..., size) by orthonormal wear rates (..., n)."""
-        return np.asarray(self._mass.backward(rates.T).T @ self._by_rates.T)
+    def _pressures_from_rates(self, rates: Array) -> Array:
+        """Return pressures (..., size) from wear rates in orthonormal coordinates (..., n)."""
+        return np.asarray(self._mass.backward(rates.T).T @ self._rates_to_pressures.T)
 
-    def _to_profiles(self, rates: Array) -> Array:
-        """Return what wears by them, (..., size)."""
-        return np.asarray(self._mass.backward(rates.T).T @ self._worn_by_rates.T)
+    def _profiles_from_rates(self, rates: Array) -> Array:
+        """Return worn profiles (..., size) from wear rates in orthonormal coordinates (..., n)."""
+        return np.asarray(self._mass.backward(rates.T).T @ self._rates_to_profiles.T)
 
     @cached_property
     def _energy(self) -> Array:
@@ -140,31 +149,35 @@ class RunningIn:
         return self._reduce(self.compliance.space.weights)
 
     @property
-    def _forceless(self) -> Array | None:
-        """The weights of force, where modes carry none of it."""
+    def _force_weights(self) -> Array | None:
+        """(n,) force of each orthonormal wear rate; None at a fixed indentation."""
         return self._weights if self.indentation is None else None
 
     @cached_property
     def _moments(self) -> Array:
-        """(n,) by how much less the flat start displaces than the state that wear tends to."""
-        pressed_in = (self.indentation or 0.0) * self.compliance.space.weights
-        return self._reduce(self.steady.moments - pressed_in)
+        """(n,) moments of the displacement in the steady state, less those in the flat start.
+
+        The displacement of the flat start is uniform. Under a force it is omitted, because it does
+        no work on modes that carry no force.
+        """
+        start_moments = (self.indentation or 0.0) * self.compliance.space.weights
+        return self._reduce(self.steady.moments - start_moments)
 
     @cached_property
     def modes(self) -> Modes:
-        """Relaxation modes, slowest first, with what the flat start has of each.
+        """Relaxation modes, slowest first, with their amplitudes in the flat start.
 
-        If there are many pressures and an earliest time, only the modes that the flat start excites
-        are computed.
+        If there are more than 700 unknowns and `earliest` is positive, only the modes that the flat
+        start excites are computed.
 
         Raises
         ------
         TooEarlyError
-            if modes below roundoff are still felt at the earliest time, and there are too many
-            pressures for singular values to keep them
+            if modes below roundoff still contribute at the earliest distance, and there are too
+            many unknowns to compute these modes by singular values
         """
-        pencil = self._forceless, self._moments, self.earliest
-        # of so many pressures, modes that the flat start does not excite are left out
+        pencil = self._force_weights, self._moments, self.earliest
+        # with so many unknowns, the modes that the flat start does not excite are omitted
         if self.earliest and len(self._moments) > 700:
             try:
                 return excited_modes(self._energy, *pencil)
@@ -178,12 +191,12 @@ class RunningIn:
         return self._reduce(self.compliance.factor.T).T
 
     @property
-    def whole_change(self) -> float:
-        """The change from the flat start to the steady state, of which modes tell what is left.
+    def total_change(self) -> float:
+        """The change of d(t) minus the steady wear, from the flat start to the steady state.
 
-        It is that of the approach less steady wear, or ``d F(0)`` at a fixed indentation. A space
-        that suits late times misses the fastest modes, but not their sum, which is known from both
-        ends: ``p_s . A p_s - d(0)`` with the steady pressures p_s.
+        At a fixed indentation it is ``d F(0)``. A space chosen for late times does not resolve the
+        fastest modes, so the sum over the modes is too small. The change is therefore computed from
+        its two ends, ``p_s . A p_s - d(0)`` with the steady pressure p_s.
         """
         if self.indentation is not None:
             return self.indentation * float(
@@ -191,107 +204,135 @@ class RunningIn:
             )
         return float(self.steady.pressure @ self.steady.moments) - self.flat.indentation
 
-    def time_until(self, part: float) -> float:
-        """Return the time from which no more than this part of the whole change is left."""
-        return self.modes.time_until(part * self.whole_change)
+    def time_until(self, fraction: float) -> float:
+        """Return the time at which the remaining change falls to a fraction of `total_change`."""
+        return self.modes.time_until(fraction * self.total_change)
 
     @property
-    def share_of_modes(self) -> float:
-        """The share of the flat start that the modes have, by the squares of what they displace.
+    def resolved_fraction(self) -> float:
+        """The fraction of the flat start that the modes contain, in squares of displacements.
 
-        1 if none is lost.
+        It is 1 if no mode is missing.
         """
         moments, weights = self._moments, self._weights
-        whole = moments @ moments
+        total = moments @ moments
         if self.indentation is None:
-            whole -= (moments @ weights) ** 2 / (weights @ weights)
-        return float(np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2) / whole)
+            total -= (moments @ weights) ** 2 / (weights @ weights)
+        return float(np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2) / total)
 
     @property
     def relaxation_times(self) -> Array:
-        """(m,) slowest first."""
+        """(m,) relaxation times of the converged modes, slowest first."""
         return self.modes.relaxation[: self.modes.exact]
 
     @cached_property
     def slowest_times(self) -> Array:
-        """(m,) the slowest of them, where no history is wanted."""
-        return slowest_times(self._energy, self._forceless)
+        """(m,) slowest relaxation times, computed without the modes."""
+        return slowest_times(self._energy, self._force_weights)
 
     def modal(self, times: Array) -> History:
-        """Return the exact history from the flat start at any times from `earliest` on.
+        """Return the exact history from the flat start, at the start and at any times after it.
 
-        None of the times depends on another.
+        The result at each time does not depend on the other times.
 
         Raises
         ------
         SceneError
-            if a time after the start is before `earliest`
+            if the sliding distance at a time after the start is below `earliest`
         """
         state = self.loading.at(times)
         later = state.distance[state.distance > 0]
         if (later < self.earliest * (1 - 1e-12)).any():
             raise SceneError(
-                f"prepared for distances from {self.earliest:.3g} on: give all of them"
+                f"the modes are computed for sliding distances from {self.earliest:.3g} on: give a "
+                "smaller `earliest`, or later times"
             )
-        return self._evolved(times, self.modes.excite(self._at_knots[state.knot], state))
+        return self._history_from_modes(
+            times, self.modes.excite(self._knot_amplitudes[state.knot], state)
+        )
 
-    def _evolved(self, times: Array, excited: Array) -> History:
-        """Return the history at times by what there is of each mode (T, m) then."""
+    def _history_from_modes(self, times: Array, amplitudes: Array) -> History:
+        """Return the history at times (T,), given the amplitude of each mode (T, m)."""
         state = self.loading.at(times)
-        # where the pressure, not the wear rate, is continuous: a flat press of its own
-        pressed = self.loading.pressed(times)
-        excited = excited - np.outer(pressed, self.modes.amplitudes)
-        flat, forces = np.zeros(self.compliance.space.size), state.force - pressed
-        history = self._relaxed(state.distance, excited, forces, state.work, flat)
+        # force applied since the punch last slid: its k p still jumps at ring edges, so this part
+        # of the pressure is that of the flat start instead of a sum of modes
+        force_rise = self.loading.force_rise_at_rest(times)
+        amplitudes = amplitudes - np.outer(force_rise, self.modes.amplitudes)
+        zero, forces = np.zeros(self.compliance.space.size), state.force - force_rise
+        history = self._steady_plus_modes(state.distance, amplitudes, forces, state.work, zero)
         history.profile[state.distance == 0] = 0.0
-        return history.press(self.flat, pressed)
+        return history.press(self.flat, force_rise)
 
     @cached_property
-    def _at_knots(self) -> Array:
+    def _knot_amplitudes(self) -> Array:
         return self.modes.at_knots(self.loading)
 
     def from_full_contact(
-        self, distances: Array, since: float, spent: float, unworn: Array, worn: Array, force: float
+        self,
+        distances: Array,
+        start: float,
+        work_at_start: float,
+        unworn: Array,
+        worn: Array,
+        force: float,
     ) -> History:
-        """Return the exact history from where all of a shaped face carries, for as long as it does.
+        """Return the exact history of a shaped face in full contact.
 
         Parameters
         ----------
         distances : (T,) array
-            Sliding distances from `since` on.
-        spent : float
-            Integral of the force over the sliding distance by then.
+            Sliding distances, not below `start`.
+        start : float
+            Sliding distance from which contact is full.
+        work_at_start : float
+            Integral of the force over the sliding distance until `start`.
         unworn, worn : (size,) arrays
-            Moments of the unworn face, and of what had worn off at `since`.
+            Moments of the unworn face, and of the depth worn off until `start`.
         force : float
-            On it; 1 at a fixed indentation.
+            Force on the punch; 1 at a fixed indentation.
         """
-        modes, further = self.modes, distances - since
+        modes, slid = self.modes, distances - start
         moments = force * self._moments + self._reduce(unworn + worn)
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
-        excited = np.exp(-further[:, None] / modes.relaxation) * amplitudes
-        forces = np.full(len(further), force)
-        return self._relaxed(distances, excited, forces, spent + force * further, unworn)
+        decayed = np.exp(-slid[:, None] / modes.relaxation) * amplitudes
+        forces = np.full(len(slid), force)
+        return self._steady_plus_modes(
+            distances, decayed, forces, work_at_start + force * slid, unworn
+        )
 
-    def _relaxed(
-        self, distances: Array, excited: Array, forces: Array, work: Array, unworn: Array
+    def _steady_plus_modes(
+        self, distances: Array, amplitudes: Array, forces: Array, work: Array, unworn: Array
     ) -> History:
-        """Return the sum of the steady state of a force, or of no pressure, and of modes."""
+        """Return the steady state under a force, or without pressure, plus a sum of modes.
+
+        Parameters
+        ----------
+        distances : (T,) array
+            Sliding distances.
+        amplitudes : (T, m) array
+            Amplitude of each mode.
+        forces, work : (T,) arrays
+            Force, and its integral over the sliding distance. At a fixed indentation, `forces` are
+            factors of the indentation, and `work` is not used.
+        unworn : (size,) array
+            Moments of the unworn face.
+        """
         steady = self.steady
-        rates = excited @ self.modes.shapes.T
-        pressure = np.outer(forces, steady.pressure) + self._to_pressures(rates)
+        rates = amplitudes @ self.modes.shapes.T
+        pressure = np.outer(forces, steady.pressure) + self._pressures_from_rates(rates)
         if self.indentation is None:
-            # reciprocity with the steady pressures, int p_s dA = 1: d = p_s . A p + int f p_s dA,
-            # and what has worn, k p_s being one w, adds w int F dtau
+            # reciprocity with the steady pressure p_s, int p_s dA = 1, gives d = p_s . A p + int f
+            # p_s dA; the worn part of f contributes w int F dtau, because k p_s = w is constant
             indentation = steady.wear_rate * work + pressure @ steady.moments
             indentation += np.sum(unworn * steady.pressure)
         else:
             indentation = self.indentation * forces
             forces = pressure @ self.compliance.space.weights
-        # f = d - u: slopes of small elements would show the roundoff of a sum of what wore
+        # the profile is f = d - u; the slope of a sum of worn depths has more roundoff on small
+        # elements
         gap = np.outer(indentation, self._weights) - rates @ self._energy
         gap -= np.outer(forces, self._reduce(steady.moments)) + self._reduce(unworn)
-        profile = self._to_profiles(gap)
+        profile = self._profiles_from_rates(gap)
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def stability_limit(self) -> float:
@@ -302,18 +343,22 @@ class RunningIn:
         return float(2 * self.relaxation_times[-1])
 
     def history(self, times: Array, march: str = "modal", step: float | None = None) -> History:
-        """Return the history by the named march.
+        """Return the history computed by the named march.
 
-        Euler's methods, of first order, take equal steps between times, under one load. A step of
-        length h multiplies what is left of a mode by ``1 / (1 + h / T)`` if it is implicit, by ``1
-        - h / T`` if it is explicit (Eqs. 14 to 17).
+        Euler's methods have first order and take equal steps between the times, under a constant
+        load. A step of length h multiplies the amplitude of a mode with relaxation time T by ``1 /
+        (1 + h / T)`` if the march is implicit, and by ``1 - h / T`` if it is explicit (Eqs. 14 to
+        17).
 
         Parameters
         ----------
         times : (T,) array
-            Increasing.
-        march : "modal", "implicit", which is always stable, or "explicit", up to `stability_limit`
-        step : greatest length
+            Increasing times.
+        march : str
+            "modal"; "implicit", which is always stable; or "explicit", which is stable up to
+            `stability_limit`.
+        step : float, optional
+            Greatest length of a step.
 
         Raises
         ------
@@ -334,5 +379,5 @@ class RunningIn:
         lengths = np.diff(times, prepend=0.0) / np.maximum(counts, 1)
         ratios = lengths[:, None] / self.modes.relaxation
         factors = 1 / (1 + ratios) if march == "implicit" else 1 - ratios
-        left = np.cumprod(factors ** counts[:, None], axis=0)
-        return self._evolved(times, left * self.modes.amplitudes)
+        decay_factors = np.cumprod(factors ** counts[:, None], axis=0)
+        return self._history_from_modes(times, decay_factors * self.modes.amplitudes)

@@ -1,7 +1,4 @@
-"""What wearing a punch yields, whatever the punch: a history as coefficients on a pressure space.
-
-Non-dimensional.
-"""
+"""The history of a wearing punch, as coefficients on a pressure space. Non-dimensional."""
 
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
@@ -13,39 +10,44 @@ from .unilateral import Interval, Mask, Press
 
 
 class Start(Protocol):
-    """A press that has not worn yet, on functions that suit it better than the pressure space."""
+    """The solution for the unworn punch, on functions that represent it better than the space."""
 
     @property
     def pressure(self) -> Array:
-        """Coefficients of the pressure on a space of its own, or of the history."""
+        """Coefficients of the pressure, on the space of this solution or on that of the history."""
 
     @property
     def indentation(self) -> float:
-        """How deep it is."""
+        """The indentation."""
 
     @property
     def force(self) -> float:
-        """The force on it, of which pressures are a multiple where that varies."""
+        """The force. Under another force the pressure is scaled in proportion."""
 
     @property
     def intervals(self) -> tuple[Interval, ...]:
-        """Where the punch touches."""
+        """The parts of the contact."""
 
     def pressure_at(self, radii: Array) -> Array:
-        """Return the pressures at radii (R,) of the punch."""
+        """Return the pressures (R,) at radii (R,) of the punch."""
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
 
 
 class Pressed(NamedTuple):
-    """What functions of its own carry of a history.
+    """The part of a history's pressure that is a multiple of the unworn solution, and the rest.
+
+    The pressure at each time is ``force / start.force`` times the pressure of `start`, plus `rest`.
 
     Parameters
     ----------
-    start : by one force
-    force : (T,) that they carry at each time
-    rest : (T, size) pressures beside them
+    start : Start
+        Solution for the unworn punch.
+    force : (T,) array
+        Force carried by that part at each time.
+    rest : (T, size) array
+        Coefficients of the remaining pressure on the space of the history.
     """
 
     start: Start
@@ -53,15 +55,19 @@ class Pressed(NamedTuple):
     rest: Array
 
 
-class Moment(NamedTuple):
-    """The punch at one time.
+class Instant(NamedTuple):
+    """The state of the punch at one instant.
 
     Parameters
     ----------
-    time, distance : since the start, and slid until then
-    press : pressures, gaps and contact
-    integral : (size,) of the pressure over the sliding distance
-    work : integral of the force over the sliding distance
+    time, distance : float
+        Time since the start, and sliding distance until then.
+    press : Press
+        Pressures, gaps and contact.
+    integral : (size,) array
+        Integral of the pressure over the sliding distance.
+    work : float
+        Integral of the force over the sliding distance.
     """
 
     time: float
@@ -73,9 +79,14 @@ class Moment(NamedTuple):
 
 @dataclass(frozen=True)
 class Steps:
-    """How a march went.
+    """Statistics of a march in time.
 
-    Steps taken and rejected, and active sets tried in each stage.
+    Parameters
+    ----------
+    taken, rejected : int
+        Numbers of accepted and of rejected steps.
+    iterations : tuple of int
+        Number of active sets tried in each stage.
     """
 
     taken: int = 0
@@ -90,19 +101,21 @@ class History:
     Parameters
     ----------
     distances : (T,) array
-        What the punch has slid: the times, at constant speed.
+        Sliding distances; at constant speed they equal the times.
     pressure, profile : (T, size) arrays
-        Coefficients of the pressure and of the worn depth. Of what is pressed on functions of its
-        own, the pressure is their projection.
+        Coefficients of the pressure and of the worn depth. The pressure contains the projection of
+        the part that `pressed` represents more accurately.
     indentation, force : (T,) arrays
+        Indentation and normal force.
     gap : (T, size) array
         Moments of the gap, zero in contact.
     contact : (T, size) array of bool
-        Which functions carry.
+        Whether each basis function is in contact.
     pressed : Pressed, optional
-        What was put on since the punch last slid, if anything.
+        The part of the pressure that was applied since the punch last slid, if there is any. No
+        wear has changed it yet.
     steps : Steps
-        Of the march; none if the history is exact in time.
+        Statistics of the march; empty if the history is exact in time.
     """
 
     distances: Array
@@ -124,14 +137,14 @@ class History:
         indentation: Array,
         force: Array | float = 1.0,
     ) -> "History":
-        """Return the history of a punch of which all carries, under the force 1 or another."""
-        none = np.broadcast_to(0.0, pressure.shape)
+        """Return the history of a punch in full contact; the force is 1 unless it is given."""
+        zero = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
         force = np.broadcast_to(force, distances.shape)
-        return cls(distances, pressure, profile, indentation, force, none, full)
+        return cls(distances, pressure, profile, indentation, force, zero, full)
 
     def press(self, start: Start, forces: Array) -> "History":
-        """Return the history with (T,) forces on a flat punch of the same space added."""
+        """Return the history plus the flat-punch solution `start` under additional forces (T,)."""
         if not forces.any():
             return self
         return replace(
@@ -142,21 +155,25 @@ class History:
             pressed=Pressed(start, forces, self.pressure),
         )
 
-    def __getitem__(self, which: Indices | slice) -> "History":
-        """Return the history at some of its times, given by number or slice."""
+    def __getitem__(self, index: Indices | slice) -> "History":
+        """Return the history at some of its times, given by their indices or a slice."""
         pressed = self.pressed
         if pressed is not None:
-            pressed = pressed._replace(force=pressed.force[which], rest=pressed.rest[which])
-        arrays = {name: getattr(self, name)[which] for name in OVER_TIME}
+            pressed = pressed._replace(force=pressed.force[index], rest=pressed.rest[index])
+        arrays = {name: getattr(self, name)[index] for name in TIME_ARRAYS}
         return replace(self, **arrays, pressed=pressed)
 
     def then(self, later: "History") -> "History":
-        """Return it with what comes later."""
+        """Return this history continued by a later one.
+
+        The result keeps the `pressed` part and the statistics of this history.
+        """
         arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(self, name), getattr(later, name)]) for name in OVER_TIME
+            name: np.concatenate([getattr(self, name), getattr(later, name)])
+            for name in TIME_ARRAYS
         }
         return replace(self, **arrays)
 
 
-# arrays of a history
-OVER_TIME = ("distances", "pressure", "profile", "indentation", "force", "gap", "contact")
+# fields of `History` whose first axis is time
+TIME_ARRAYS = ("distances", "pressure", "profile", "indentation", "force", "gap", "contact")

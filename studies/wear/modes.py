@@ -1,12 +1,10 @@
-"""Relaxation modes of a wearing punch.
+"""Compute the relaxation modes of a wearing punch: all, or those excited by the flat start.
 
-All of them, or those that its flat start excites. Non-dimensional.
-
-They are eigenvectors of the compliance `A` on the wear rates that carry no force, in coordinates
-that are orthonormal in the mass matrix of weight `k`. Small problems are diagonalised whole. Large
-ones are projected on the Krylov space of the flat start (Lanczos), which holds every mode that
-carries the history and hardly any other: with hundreds of rings it is many times smaller than the
-pressure space.
+Non-dimensional. The modes are eigenvectors of the compliance `A` on the wear rates that carry no
+force, in coordinates that are orthonormal in the mass matrix of weight `k`. The matrices of small
+problems are diagonalised completely. Large ones are projected on the Krylov space of the flat start
+(Lanczos), which contains every mode that contributes to the history and hardly any other. With
+hundreds of rings it is many times smaller than the pressure space.
 """
 
 from collections.abc import Callable
@@ -23,14 +21,19 @@ from ...meshes.errors import SolverError
 from ...meshes.radial import Array, unit_gauss
 from ..problem.loading import Loading, State
 
-# share of the history, and of the slowest relaxation times, that the Krylov space may leave out
-NEGLIGIBLE = 1e-13
-# relaxation times that are shown
-SHOWN = 20
+# relative error of the history and of the slowest relaxation times by the Krylov projection
+KRYLOV_TOLERANCE = 1e-13
+# greatest number of relaxation times in results
+SHOWN_RELAXATION_TIMES = 20
 
 
 class BandedCholesky:
-    """Lower factor `L` of a symmetric positive definite matrix ``L L^T`` with a narrow band.
+    """Cholesky factor `L` of a symmetric positive definite band matrix ``L L^T``.
+
+    Parameters
+    ----------
+    matrix : csr_matrix
+        Symmetric matrix with a narrow band.
 
     Raises
     ------
@@ -51,25 +54,25 @@ class BandedCholesky:
             ) from error
 
     def forward(self, right: Array, trans: str = "N") -> Array:
-        """Return ``L^-1`` times a vector or the columns of a matrix."""
+        """Return ``L^-1`` (or ``L^-T`` if `trans` is "T") times a vector or a matrix."""
         if not right.size:
-            # LAPACK's wrapper writes where it should not
+            # for empty arrays, LAPACK's wrapper writes outside the array
             return right
         columns = right.reshape(len(right), -1)
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
 
     def backward(self, right: Array) -> Array:
-        """Return ``L^-T`` times a vector or the columns of a matrix."""
+        """Return ``L^-T`` times a vector or a matrix."""
         return self.forward(right, "T")
 
     def solve(self, right: Array) -> Array:
-        """Return the inverse of the matrix times a vector or the columns of a matrix."""
+        """Return the inverse of the matrix times a vector or a matrix."""
         return self.backward(self.forward(right))
 
 
 class TooEarlyError(SolverError):
-    """Modes below roundoff are still felt."""
+    """The earliest time is so small that modes lost to roundoff still contribute."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +81,15 @@ class Modes:
 
     Parameters
     ----------
-    relaxation : (m,) times
-    shapes : (n, m) wear rates, orthonormal
-    amplitudes : (m,) share of each in the flat start
-    exact : how many, from the slowest on, are modes of the punch; the others stand for all that
-        relax as fast
+    relaxation : (m,) array
+        Relaxation times.
+    shapes : (n, m) array
+        Orthonormal wear rates of the modes, by columns.
+    amplitudes : (m,) array
+        Amplitude of each mode in the flat start under the force 1.
+    exact : int
+        Number of modes, from the slowest on, that have converged to modes of the punch. Each of the
+        others approximates a group of faster modes.
     """
 
     relaxation: Array
@@ -90,86 +97,97 @@ class Modes:
     amplitudes: Array
     exact: int
 
-    def left(self, times: Array) -> Array:
-        """Return what is left (T,) of the change from the flat start to the steady state.
+    def remaining_change(self, times: Array) -> Array:
+        """Return the remaining change (T,) from the flat start to the steady state.
 
-        It is that of the approach ``d(t) - w t``, or ``d F(t)`` at a fixed indentation: a sum of
-        decaying exponentials whose coefficients are all positive.
+        The change is that of ``d(t) - w t`` with the steady wear rate w, or of ``d F(t)`` at a
+        fixed indentation. It is a sum of decaying exponentials with positive coefficients.
         """
         return np.asarray(
             np.exp(-times[:, None] / self.relaxation) @ (self.amplitudes**2 * self.relaxation)
         )
 
-    def time_until(self, left: float) -> float:
-        """Return the time from which no more than this is left; NaN if there never was more.
+    def time_until(self, remaining: float) -> float:
+        """Return the time at which the remaining change falls to a value; NaN if it begins below.
 
-        There is one such time, because what is left falls all the time.
+        There is only one such time, because the remaining change decreases monotonically.
         """
-        whole = float(self.left(np.zeros(1))[0])
-        if not 0 < left < whole:
+        total = float(self.remaining_change(np.zeros(1))[0])
+        if not 0 < remaining < total:
             return float("nan")
-        # the logarithm of a sum of decaying exponentials is convex, so that Newton's method rises
-        # from 0 to the time and never goes beyond it
+        # the logarithm of a sum of decaying exponentials is convex, so Newton's method increases
+        # monotonically from 0 to the solution and never exceeds it
         coefficients, time, step = self.amplitudes**2 * self.relaxation, 0.0, np.inf
         while step > 1e-14 * time:
             terms = coefficients * np.exp(-time / self.relaxation)
             rate = float((terms / self.relaxation).sum() / terms.sum())
-            step = float(np.log(terms.sum() / left)) / rate
+            step = float(np.log(terms.sum() / remaining)) / rate
             time += step
         return time
 
-    def excite(self, before: Array | float, state: State) -> Array:
-        """Return what there is of each mode (T, m) at states of a load.
+    def excite(self, knot_amplitudes: Array | float, state: State) -> Array:
+        """Return the amplitude of each mode (T, m) at states of a load.
 
-        Every rise dF of the force excites ``amplitudes dF`` more, which decays from then on
-        (Duhamel).
+        Every increment dF of the force adds ``amplitudes dF``, which decays afterwards (Duhamel's
+        integral).
 
         Parameters
         ----------
-        before : (T, m), what there was at the last knots
+        knot_amplitudes : (T, m) array
+            Amplitudes at the last knot before each state.
+        state : State
+            T states of the load.
         """
-        decayed = state.slid[:, None] / self.relaxation
-        after = before * np.exp(-decayed)
+        exponents = state.slid[:, None] / self.relaxation
+        amplitudes = knot_amplitudes * np.exp(-exponents)
         rises = np.flatnonzero(state.rise)
-        left = mean_decay(decayed[rises], state.bend[rises])
-        after[rises] += self.amplitudes * state.rise[rises, None] * left
-        return np.asarray(after)
+        mean_decays = mean_decay(exponents[rises], state.bend[rises])
+        amplitudes[rises] += self.amplitudes * state.rise[rises, None] * mean_decays
+        return np.asarray(amplitudes)
 
     def at_knots(self, loading: Loading) -> Array:
-        """Return what there is of each mode (K, m) at the knots of a loading."""
+        """Return the amplitude of each mode (K, m) at the knots of a loading."""
         segments = loading.segments
-        first = loading.forces[0] * self.amplitudes
-        excited = np.vstack([first, self.excite(0.0, segments)])
+        initial = loading.forces[0] * self.amplitudes
+        amplitudes = np.vstack([initial, self.excite(0.0, segments)])
         for knot, slid in enumerate(segments.slid):
-            excited[knot + 1] += np.exp(-slid / self.relaxation) * excited[knot]
-        return excited
+            amplitudes[knot + 1] += np.exp(-slid / self.relaxation) * amplitudes[knot]
+        return amplitudes
 
 
-def mean_decay(decayed: Array, bend: Array) -> Array:
-    """Return the mean over a time of ``exp(-(tau_1 - tau) / T)``, with the speed linear in it.
+def mean_decay(exponent: Array, bend: Array) -> Array:
+    """Return the mean of ``exp(-(tau_1 - tau) / T)`` over an interval of time.
+
+    The sliding speed is linear in the interval; tau is the sliding distance, tau_1 that at the end
+    of the interval, and T a relaxation time.
 
     Parameters
     ----------
-    decayed : (T, m) array
-        The sliding distance in that time, over T.
+    exponent : (T, m) array
+        Sliding distance in each of T intervals, over each of m relaxation times.
     bend : (T,) array
-        Rise of the speed over twice its mean.
+        Increase of the speed in the interval, over twice its mean.
+
+    Returns
+    -------
+    (T, m) array
 
     Notes
     -----
-    With u the part of the time that is left, ``tau_1 - tau = distance u (1 + bend (1 - u))``. Gauss
-    points lie where that is felt: 48 give all digits of what has not decayed to roundoff.
+    With u the remaining fraction of the interval, ``tau_1 - tau = distance u (1 + bend (1 - u))``.
+    The integral is truncated where the integrand is below exp(-40); on the rest, 48 Gauss points
+    give all digits.
     """
     bend, roundoff = bend[:, None], 40.0
-    # from there on, by each of the two terms of u (1 + bend) - bend u^2 alone
+    # u at which exponent (u (1 + bend) - bend u^2) = 40, by each of the two terms alone
     with np.errstate(divide="ignore"):
-        linear = roundoff / (decayed * np.clip(1 + bend, 0.0, 1.0))
-        square = np.sqrt(roundoff / (decayed * np.maximum(-bend, 0.0)))
+        linear = roundoff / (exponent * np.clip(1 + bend, 0.0, 1.0))
+        square = np.sqrt(roundoff / (exponent * np.maximum(-bend, 0.0)))
     reach = np.minimum(np.minimum(linear, square), 1.0)
-    mean = np.zeros_like(decayed)
+    mean = np.zeros_like(exponent)
     for point, weight in zip(*unit_gauss(48), strict=True):
-        left = reach * point
-        mean += weight * reach * np.exp(-decayed * left * (1 + bend * (1 - left)))
+        remaining = reach * point
+        mean += weight * reach * np.exp(-exponent * remaining * (1 + bend * (1 - remaining)))
     return mean
 
 
@@ -184,49 +202,56 @@ def every_mode(
 
     Parameters
     ----------
-    energy : (n, n) compliance `A` of orthonormal wear rates
-    factor : yields its (m, n) factor, ``A = H^T H``: where eigenvalues of `A` lose modes to
-        roundoff that are felt, singular values of `H` keep them, for four times the time
-    weights : (n,) force that each wear rate carries, if modes are to carry none; None if they may
-    moments : (n,) by how much less the flat start displaces than the state that wear tends to
-    earliest : time from which on they are felt
+    energy : (n, n) array
+        Compliance `A` in orthonormal wear rates.
+    factor : callable
+        Returns the (m, n) factor H, ``A = H^T H``. It is needed if modes that roundoff removes from
+        the eigenvalues of `A` still contribute at `earliest`. The singular values of `H` preserve
+        these modes, in four times the computing time.
+    weights : (n,) array or None
+        Force that each wear rate carries; the modes then carry no force. None if modes may carry
+        force.
+    moments : (n,) array
+        Moments of the displacement in the steady state, less those in the flat start.
+    earliest : float
+        First sliding distance at which the modes are evaluated.
     """
-    axis = _axis(weights)
+    axis = _reflection_axis(weights)
     try:
-        relaxation, shapes = eigh(_forceless(energy, axis), driver="evd", check_finite=False)
-        significant = _significant(relaxation, earliest)
-        relaxation, shapes = relaxation[significant][::-1], shapes[:, significant][:, ::-1]
+        relaxation, shapes = eigh(
+            _forceless_compliance(energy, axis), driver="evd", check_finite=False
+        )
+        above_roundoff = _modes_above_roundoff(relaxation, earliest)
+        relaxation, shapes = relaxation[above_roundoff][::-1], shapes[:, above_roundoff][:, ::-1]
     except TooEarlyError:
-        of_modes = factor()
+        mode_factor = factor()
         if axis is not None:
-            of_modes = (of_modes - 2 * np.outer(of_modes @ axis, axis))[:, 1:]
-        _, singular, right = svd(of_modes, full_matrices=False, check_finite=False)
+            mode_factor = (mode_factor - 2 * np.outer(mode_factor @ axis, axis))[:, 1:]
+        _, singular, right = svd(mode_factor, full_matrices=False, check_finite=False)
         relaxation, shapes = singular**2, right.T
     if axis is not None:
         shapes = np.concatenate([np.zeros((1, len(relaxation))), shapes])
         shapes -= 2 * np.outer(axis, axis @ shapes)
-    return modes_of(relaxation, shapes, moments, len(relaxation))
+    return _with_amplitudes(relaxation, shapes, moments, len(relaxation))
 
 
 def slowest_times(energy: Array, weights: Array | None) -> Array:
-    """Return the `SHOWN` slowest relaxation times (m,), all of them if there are fewer.
+    """Return at most `SHOWN_RELAXATION_TIMES` relaxation times (m,), the slowest ones.
 
-    Parameters as for `every_mode`.
+    The parameters are those of `every_mode`.
     """
-    forceless = _forceless(energy, _axis(weights))
+    forceless = _forceless_compliance(energy, _reflection_axis(weights))
     size = len(forceless)
-    if size <= 4 * SHOWN:
-        return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN])
-    # a start of its own would be drawn at random
-    return np.asarray(
-        np.sort(eigsh(forceless, SHOWN, which="LA", v0=np.ones(size), return_eigenvectors=False))[
-            ::-1
-        ]
-    )
+    if size <= 4 * SHOWN_RELAXATION_TIMES:
+        return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN_RELAXATION_TIMES])
+    # by default ARPACK starts from a random vector
+    count, start = SHOWN_RELAXATION_TIMES, np.ones(size)
+    times = eigsh(forceless, count, which="LA", v0=start, return_eigenvectors=False)
+    return np.asarray(np.sort(times)[::-1])
 
 
-def _axis(weights: Array | None) -> Array | None:
-    """Return the axis of the reflection that maps the steady state to the first axis.
+def _reflection_axis(weights: Array | None) -> Array | None:
+    """Return the unit normal (n,) of the reflection that maps the steady state to the first axis.
 
     All other axes then carry no force. The result is None if modes may carry force.
     """
@@ -237,11 +262,10 @@ def _axis(weights: Array | None) -> Array | None:
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def _forceless(energy: Array, axis: Array | None) -> Array:
-    """Return the compliance on the wear rates that carry no force.
+def _forceless_compliance(energy: Array, axis: Array | None) -> Array:
+    """Return the compliance on the wear rates that carry no force, after the reflection.
 
-    After the reflection it is (n-1, n-1). Without a reflection it is the compliance on all wear
-    rates (n, n).
+    It is (n-1, n-1). If `axis` is None, it is the compliance on all wear rates (n, n).
     """
     if axis is None:
         return energy.copy()
@@ -252,82 +276,104 @@ def _forceless(energy: Array, axis: Array | None) -> Array:
 
 
 def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
-    """Return the modes that the flat start excites.
+    """Return the modes that the flat start excites, by the Lanczos method.
 
-    Modes that are below roundoff at `earliest` and later are left out.
+    Modes below roundoff are omitted. They have decayed at `earliest`.
 
-    Parameters as for `every_mode`; `earliest` is above 0.
-    """
-    energy, size = np.asfortranarray(energy), len(moments)
-    # rows are touched, and so take memory, only as they are filled; the first is the steady state
-    basis = np.empty((size + 1, size))
-    basis[0] = 0.0 if weights is None else weights / np.linalg.norm(weights)
-    size -= weights is not None
-    diagonal, remaining = np.empty(size), np.empty(size)
-    image, look = moments - basis[0] * (basis[0] @ moments), min(40, size)
-    for k in range(size):
-        vector = basis[k + 1] = image / np.linalg.norm(image)
-        image = dsymv(1.0, energy, vector)
-        diagonal[k] = vector @ image
-        # twice, or roundoff of the first time would grow
-        for _ in range(2):
-            image -= (basis[: k + 2] @ image) @ basis[: k + 2]
-        remaining[k] = np.linalg.norm(image)
-        # below the roundoff of the image, nothing is left that the flat start excites
-        ended = remaining[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
-        if ended or k + 1 == look:
-            relaxation, within = eigh_tridiagonal(diagonal[: k + 1], remaining[:k])
-            lost = np.abs(remaining[k] * within[-1])
-            if ended or _carried(relaxation, within, lost, earliest):
-                break
-            look = min(int(1.2 * look), size)
-    significant = _significant(relaxation, earliest)
-    relaxation, within, lost = (
-        relaxation[significant][::-1],
-        within[:, significant][:, ::-1],
-        lost[significant][::-1],
-    )
-    exact = int(np.argmin(np.append(lost <= np.sqrt(NEGLIGIBLE) * relaxation, False)))
-    return modes_of(relaxation, basis[1 : len(within) + 1].T @ within, moments, max(exact, 1))
-
-
-def _carried(relaxation: Array, within: Array, lost: Array, earliest: float) -> bool:
-    """Return whether a Krylov space carries the history and the slowest relaxation times.
-
-    The history is the one from `earliest` on.
-    """
-    significant = _significant(relaxation, earliest)
-    left = within[:, significant] @ (
-        within[0, significant]
-        * np.exp(-earliest / relaxation[significant])
-        / relaxation[significant]
-    )
-    history = np.abs(left[-5:]).max() <= NEGLIGIBLE * np.linalg.norm(left)
-    return bool(history and (lost[-5:] <= NEGLIGIBLE * relaxation[-1]).all())
-
-
-def _significant(relaxation: Array, earliest: float) -> slice:
-    """Return the modes, fastest first, that are above roundoff.
+    The parameters are those of `every_mode`; `earliest` is positive.
 
     Raises
     ------
     TooEarlyError
-        if those below it are still felt at the earliest time
+        if modes below roundoff still contribute at `earliest`
+    """
+    energy, size = np.asfortranarray(energy), len(moments)
+    # rows take memory only once they are filled; the first row is the steady state
+    basis = np.empty((size + 1, size))
+    basis[0] = 0.0 if weights is None else weights / np.linalg.norm(weights)
+    size -= weights is not None
+    diagonal, off_diagonal = np.empty(size), np.empty(size)
+    image, next_check = moments - basis[0] * (basis[0] @ moments), min(40, size)
+    for k in range(size):
+        vector = basis[k + 1] = image / np.linalg.norm(image)
+        image = dsymv(1.0, energy, vector)
+        diagonal[k] = vector @ image
+        # orthogonalise twice: after one pass, roundoff would grow
+        for _ in range(2):
+            image -= (basis[: k + 2] @ image) @ basis[: k + 2]
+        off_diagonal[k] = np.linalg.norm(image)
+        # the residual is roundoff: the Krylov space contains all modes that the flat start excites
+        exhausted = off_diagonal[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
+        if exhausted or k + 1 == next_check:
+            relaxation, ritz_vectors = eigh_tridiagonal(diagonal[: k + 1], off_diagonal[:k])
+            residuals = np.abs(off_diagonal[k] * ritz_vectors[-1])
+            if exhausted or _krylov_space_suffices(relaxation, ritz_vectors, residuals, earliest):
+                break
+            next_check = min(int(1.2 * next_check), size)
+    above_roundoff = _modes_above_roundoff(relaxation, earliest)
+    relaxation, ritz_vectors, residuals = (
+        relaxation[above_roundoff][::-1],
+        ritz_vectors[:, above_roundoff][:, ::-1],
+        residuals[above_roundoff][::-1],
+    )
+    exact = int(np.argmin(np.append(residuals <= np.sqrt(KRYLOV_TOLERANCE) * relaxation, False)))
+    return _with_amplitudes(
+        relaxation, basis[1 : len(ritz_vectors) + 1].T @ ritz_vectors, moments, max(exact, 1)
+    )
+
+
+def _krylov_space_suffices(
+    relaxation: Array, ritz_vectors: Array, residuals: Array, earliest: float
+) -> bool:
+    """Return whether the Krylov space resolves the history and the slowest relaxation times.
+
+    The history has converged if its last five Krylov coefficients at `earliest` are negligible.
+
+    Parameters
+    ----------
+    relaxation : (k,) array
+        Eigenvalues of the projected compliance, ascending.
+    ritz_vectors : (k, k) array
+        Its eigenvectors, by columns.
+    residuals : (k,) array
+        Residual norms of the eigenpairs.
+    earliest : float
+        First sliding distance of the history.
+    """
+    above_roundoff = _modes_above_roundoff(relaxation, earliest)
+    coefficients = ritz_vectors[:, above_roundoff] @ (
+        ritz_vectors[0, above_roundoff]
+        * np.exp(-earliest / relaxation[above_roundoff])
+        / relaxation[above_roundoff]
+    )
+    history_converged = np.abs(coefficients[-5:]).max() <= KRYLOV_TOLERANCE * np.linalg.norm(
+        coefficients
+    )
+    return bool(history_converged and (residuals[-5:] <= KRYLOV_TOLERANCE * relaxation[-1]).all())
+
+
+def _modes_above_roundoff(relaxation: Array, earliest: float) -> slice:
+    """Return the slice of the modes above roundoff; `relaxation` is ascending.
+
+    Raises
+    ------
+    TooEarlyError
+        if modes below roundoff still contribute at the earliest sliding distance
     """
     roundoff = len(relaxation) * np.finfo(float).eps * relaxation[-1]
-    below = int(np.searchsorted(relaxation, roundoff))
-    if below and earliest < 40 * roundoff:
+    count_below = int(np.searchsorted(relaxation, roundoff))
+    if count_below and earliest < 40 * roundoff:
         raise TooEarlyError(
             f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the "
             "slowest relaxation time, "
-            "too early for double precision with so many rings; leave the earliest out"
+            "too early for double precision with so many rings; leave out the earliest times"
         )
-    return slice(below, None)
+    return slice(count_below, None)
 
 
-def modes_of(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
-    """Return the modes, slowest first, with what the flat start has of each.
+def _with_amplitudes(relaxation: Array, shapes: Array, moments: Array, exact: int) -> Modes:
+    """Return the modes with their amplitudes in the flat start; the slowest comes first.
 
-    (n,) `moments` as for `every_mode`.
+    The parameters are those of `Modes`, and `moments` (n,) are those of `every_mode`.
     """
     return Modes(relaxation, shapes, -(shapes.T @ moments) / relaxation, exact)

@@ -1,7 +1,8 @@
-"""The time scale of running-in, before a run: the slowest relaxation time, by a coarse MDR.
+"""Predict the time scale of running-in before a run: the slowest relaxation time of a coarse MDR.
 
-The slowest mode is a long wave, for which a few elements in each ring are enough. A face that is
-not flat first wears until all of it carries, about when its rigid overlap has worn off.
+The slowest mode has a long wavelength, so a few elements in each ring represent it. A face that is
+not flat first wears until all of it is in contact, which happens about when the rigid overlap (all
+that protrudes from the flat face) has worn off.
 """
 
 from collections.abc import Callable, Sequence
@@ -18,53 +19,66 @@ from ..problem.problem import Problem, Rings
 from ..problem.sections import RUNNING_IN
 from .modes import BandedCholesky, slowest_times
 
-# gives the compliance of the half-space on a pressure space
+# a function that returns the compliance of the half-space on a pressure space
 HalfSpaceOn = Callable[[PressureSpace, Ground | None], Compliance]
-# with more rings it would take longer than many a run
+# greatest number of rings; with more, the prediction would take longer than many runs do
 MOST_RINGS = 64
-# degree, size at the rim and ratio of neighbouring sizes: a few digits; and more, to check them
+# (polynomial degree, element size at the rim in punch radii, ratio of neighbouring element sizes):
+# `COARSE` gives a few digits, and `FINE` more digits to check these
 COARSE, FINE = (3, 1e-3, 0.3), (6, 1e-6, 0.2)
 
 
 def running_in(problem: Problem, counts: Sequence[float]) -> Array:
-    """Return counts (T,) of the slowest relaxation time of the full face, non-dimensional.
+    """Return multiples of the slowest relaxation time of the full face (T,), non-dimensional.
 
-    Those of all of the running-in of a face that is not flat go from when it first spreads.
+    If the face is not flat and `counts` are those of ``times = "running-in"``, the result is
+    instead the time 0 and a geometric sequence of times. It begins when the contact first spreads
+    and ends the last of `counts` relaxation times after full contact.
+
+    Parameters
+    ----------
+    problem : Problem
+        Problem whose running-in is predicted.
+    counts : sequence of float
+        The multiples.
     """
     slowest = slowest_relaxation_time(problem)
     if problem.full_contact or list(counts) != RUNNING_IN:
         return slowest * np.array(counts)
-    first, overlap = spreading(problem)
-    return np.append(0.0, np.geomspace(first, overlap + RUNNING_IN[-1] * slowest, 2 * len(counts)))
+    first_time, overlap_time = spreading_times(problem)
+    return np.append(
+        0.0, np.geomspace(first_time, overlap_time + RUNNING_IN[-1] * slowest, 2 * len(counts))
+    )
 
 
-def spreading(problem: Problem) -> tuple[float, float]:
-    """Return about when contact first spreads, and when all of the face carries, non-dimensional.
+def spreading_times(problem: Problem) -> tuple[float, float]:
+    """Estimate when contact first spreads, and when it becomes full, non-dimensional.
 
-    A wear that is a hundredth of the first indentation widens contact; that is about d of ``2 d
-    sqrt(A / pi) = F`` with the area A that the plane at d cuts off. A force wears off the rigid
-    overlap in the time to wear flat; a fixed indentation has no more to wear than its modes do: 0.
+    Contact widens noticeably after wear by a hundredth of the first indentation d. That indentation
+    is about the solution of ``2 d sqrt(A / pi) = F`` with the area A of the face below the plane at
+    depth d. Under a force, contact becomes full at about `Problem.time_to_wear_flat`. Under a fixed
+    indentation the second time is 0, because the relaxation modes alone determine the running-in.
     """
     radii, heights = problem.profile.sampled()
     areas = np.pi * np.diff(radii**2)
     means = (heights[1:] + heights[:-1]) / 2
     order = np.argsort(means)
-    depths, cut = means[order], np.cumsum(areas[order])
-    stiffness = 2 * np.sqrt(cut / np.pi)
+    depths, cut_areas = means[order], np.cumsum(areas[order])
+    stiffness = 2 * np.sqrt(cut_areas / np.pi)
     if problem.indentation is None:
-        overlap = problem.time_to_wear_flat
-        at = int(np.searchsorted(depths * stiffness, 1.0))
+        overlap_time = problem.time_to_wear_flat
+        index = int(np.searchsorted(depths * stiffness, 1.0))
     else:
-        overlap, at = 0.0, int(np.searchsorted(depths, problem.indentation)) - 1
-    at = min(max(at, 0), len(cut) - 1)
-    # d over the mean pressure, which is stiffness times d over the area
-    return float(0.01 * cut[at] / stiffness[at]), overlap
+        overlap_time, index = 0.0, int(np.searchsorted(depths, problem.indentation)) - 1
+    index = min(max(index, 0), len(cut_areas) - 1)
+    # time = 0.01 d / mean pressure, and mean pressure = stiffness d / area
+    return float(0.01 * cut_areas[index] / stiffness[index]), overlap_time
 
 
 def slowest_relaxation_time(problem: Problem) -> float:
     """Return the slowest relaxation time, non-dimensional, to a few digits.
 
-    NaN for more than `MOST_RINGS`.
+    It is NaN for more than `MOST_RINGS` rings.
     """
     fixed = problem.indentation is not None
     times = slowest_relaxation_times(problem.merged, fixed, ground=problem.ground)
@@ -80,24 +94,29 @@ def slowest_relaxation_times(
 ) -> Array:
     """Return the slowest relaxation times (m,), non-dimensional, to a few digits.
 
-    They are those of pressures that carry no force, or of all pressures at a fixed indentation.
-    There are none for more than `MOST_RINGS`.
+    The modes are pressures that carry no force, or any pressures at a fixed indentation. The array
+    is empty for more than `MOST_RINGS` rings.
 
     Parameters
     ----------
-    rings : with their wear coefficients
-    fixed : whether the indentation is given
-    sizes : degree, size at the rim, and ratio of neighbouring sizes
-    half_space : gives the compliance on a pressure space
-    ground : layers, if there are any
+    rings : Rings
+        Ring edges and wear coefficients.
+    fixed : bool
+        Whether the indentation is given.
+    sizes : tuple
+        Polynomial degree, element size at the rim, and ratio of neighbouring element sizes.
+    half_space : callable
+        Returns the compliance on a pressure space.
+    ground : Ground, optional
+        Layers, if there are any.
     """
     if len(rings.widths) > MOST_RINGS:
         return np.empty(0)
-    ends = tuple(map(tuple, rings.ends))
-    return _slowest_times(tuple(rings.ring_edges), ends, fixed, sizes, half_space, ground)
+    coefficients = tuple(map(tuple, rings.ends))
+    return _slowest_times(tuple(rings.ring_edges), coefficients, fixed, sizes, half_space, ground)
 
 
-@lru_cache(maxsize=8)  # the anchors of every method ask for it
+@lru_cache(maxsize=8)  # the anchors of every method use the same result
 def _slowest_times(
     ring_edges: tuple[float, ...],
     wear_coefficients: tuple[tuple[float, ...], ...],
@@ -106,10 +125,10 @@ def _slowest_times(
     half_space: HalfSpaceOn,
     ground: Ground | None,
 ) -> Array:
-    degree, rim, grading = sizes
+    degree, rim_size, grading = sizes
     rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
     breakpoints = graded_breakpoints(
-        rings.ring_edges, 0.2 * rings.narrower, min(rim, 0.1 * rings.widths[-1]), grading
+        rings.ring_edges, 0.2 * rings.narrower, min(rim_size, 0.1 * rings.widths[-1]), grading
     )
     in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
     space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)

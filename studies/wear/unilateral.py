@@ -1,13 +1,12 @@
-"""Unilateral contact on any compliance.
+"""Solve unilateral contact for any compliance: ``p >= 0``, ``gap >= 0`` and ``p gap = 0``.
 
-``p >= 0``, ``gap >= 0``, and their product zero. Non-dimensional.
-
-On a space of continuous piecewise linear pressures the unknowns are their values at nodes, and the
-gap is known by its moments, ``g_i = int (u + f - d) phi_i dA = (A p + m)_i - d b_i`` with the
-moments m of the profile. The contact is found by an active set: nodes of negative pressure leave
-it, nodes of negative gap enter, until none does. Signs alone decide, so nothing has to be scaled.
-Should that ever cycle, one node at a time (the one of least number, Murty's rule) cannot: every
-principal minor of the system is positive.
+Non-dimensional. On a space of continuous piecewise linear pressures the unknowns are the nodal
+values p. The gap is represented by its moments, ``g_i = int (u + f - d) phi_i dA = (A p + m)_i - d
+b_i``, with the moments m of the profile f. An active-set method finds the contact: nodes with
+negative pressure leave it and nodes with negative gap enter it, until there are none. Only signs
+are tested, so no scaling is needed. If this iteration cycles, only one node changes at a time, the
+one with the lowest index (Murty's rule). That cannot cycle because every principal minor of the
+system is positive.
 """
 
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ Mask = NDArray[np.bool_]
 
 
 class Load(NamedTuple):
-    """How the punch is held: by a force, or by its indentation. One of the two is None."""
+    """The load on the punch: a force or a fixed indentation. One of the two is None."""
 
     force: float | None = 1.0
     indentation: float | None = None
@@ -32,7 +31,16 @@ class Load(NamedTuple):
 
 @dataclass(frozen=True)
 class Interval:
-    """A part of the radius in contact; an edge on the axis is none, and counts as fixed."""
+    """A part of the contact, as an interval of radii.
+
+    Parameters
+    ----------
+    inner, outer : float
+        Radii of its edges.
+    inner_free, outer_free : bool
+        Whether each edge is free: the pressure vanishes there, and wear moves the edge. Other edges
+        are corners of the face, or the axis.
+    """
 
     inner: float
     outer: float
@@ -42,15 +50,20 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Press:
-    """A punch pressed on.
+    """The solution of a contact problem.
 
     Parameters
     ----------
-    pressure : (n,) at the nodes, none negative
-    gap : (n,) moments of the gap, zero in contact to roundoff
-    indentation, force : one of them as given
-    contact : (n,) which nodes carry
-    iterations : active sets that were tried on the finest level
+    pressure : (n,) array
+        Nodal pressures, none negative.
+    gap : (n,) array
+        Moments of the gap, zero in contact except for roundoff.
+    indentation, force : float
+        Indentation and force. The load prescribes one of them.
+    contact : (n,) array of bool
+        Whether each node is in contact.
+    iterations : int
+        Number of active sets tried.
     """
 
     pressure: Array
@@ -61,21 +74,29 @@ class Press:
     iterations: int
 
 
-# nodes that may enter or leave a contact before its matrix is factored anew
+# greatest number of nodes by which a contact may differ from the factored one; with more, the
+# matrix is factored again
 MOST_CHANGES = 24
-# gap in contact, over the size of its two parts, beyond which a bordered system is solved anew
-ROUNDOFF_OF_BORDERED = 1e-14
+# greatest gap at contact nodes after a bordered solve, relative to |m| + |d| b; if it is exceeded,
+# the matrix is factored again
+BORDERED_TOLERANCE = 1e-14
 
 
 class Factor:
-    """The Cholesky factor of a matrix on the nodes of one contact."""
+    """The Cholesky factor of the rows and columns of a matrix that belong to one contact.
+
+    Raises
+    ------
+    SolverError
+        if this block is not positive definite
+    """
 
     def __init__(self, matrix: Array, contact: Mask) -> None:
         self.matrix, self.contact = matrix, contact.copy()
         self.nodes = np.flatnonzero(contact)
         first, last = self.nodes[0], self.nodes[-1] + 1
         if last - first == len(self.nodes):
-            # contact in one piece: a slice needs no copy
+            # the contact has one part: a slice needs no copy
             block = matrix[first:last, first:last]
         else:
             block = matrix[np.ix_(self.nodes, self.nodes)]
@@ -88,14 +109,14 @@ class Factor:
         self._borders = dict[int, tuple[Array, Array]]()
 
     def solve(self, right: Array) -> Array:
-        """Return the pressures of its nodes that make moments of these (nodes,)."""
+        """Return the pressures (nodes,) of the contact nodes that have the moments `right`."""
         return np.asarray(cho_solve(self._cholesky, right, check_finite=False))
 
     def border(self, node: int) -> tuple[Array, Array]:
-        """Return the column that a node borders the system by, and what solves for it (nodes,).
+        """Return the bordering column of a node (nodes,), and the factor's solution for it.
 
-        For a node that enters, that is its column of the matrix. For one that leaves, it is a unit
-        vector: the bordered system makes its pressure zero.
+        If the node enters the contact, the column is its column of the matrix. If it leaves, the
+        column is a unit vector, with which the bordered system makes its pressure zero.
         """
         if node not in self._borders:
             if self.contact[node]:
@@ -107,10 +128,11 @@ class Factor:
 
 
 class BorderedSystem:
-    """A contact system by the factor of another contact, of which a few nodes differ.
+    """The linear system of a contact, solved with the factor of a contact that is almost the same.
 
-    With the columns B that border the factored matrix, and the Schur complement S, it is solved by
-    block elimination; without such nodes by the factor alone.
+    Each node in which the two contacts differ adds a row and a column to the factored matrix. Block
+    elimination with these columns and their Schur complement solves the system. If the contacts are
+    equal, the factor alone solves it.
     """
 
     def __init__(self, factor: Factor, contact: Mask) -> None:
@@ -119,127 +141,149 @@ class BorderedSystem:
         self._enters = contact[self.changed]
         if len(self.changed):
             borders = [factor.border(node) for node in self.changed.tolist()]
-            self._columns, self._solved = (
+            self._columns, self._column_solutions = (
                 np.stack(parts, axis=1) for parts in zip(*borders, strict=True)
             )
-            # the matrix among nodes that enter; those that leave have no equation of their own
-            both = np.outer(self._enters, self._enters)
-            own = factor.matrix[np.ix_(self.changed, self.changed)] * both
-            self._schur = lu_factor(own - self._columns.T @ self._solved, check_finite=False)
+            # rows and columns of entering nodes; the bordering block of leaving nodes is zero
+            entering_pairs = np.outer(self._enters, self._enters)
+            block = factor.matrix[np.ix_(self.changed, self.changed)] * entering_pairs
+            self._schur = lu_factor(
+                block - self._columns.T @ self._column_solutions, check_finite=False
+            )
 
     def solve(self, moments: Array) -> Array:
-        """Return pressures (n,) that make moments (n,) in contact, zero elsewhere."""
+        """Return pressures (n,) with given moments (n,) in contact, zero elsewhere."""
         pressures, nodes = np.zeros(len(moments)), self.factor.nodes
-        inside = self.factor.solve(moments[nodes])
+        factor_solution = self.factor.solve(moments[nodes])
         if not len(self.changed):
-            pressures[nodes] = inside
+            pressures[nodes] = factor_solution
             return pressures
-        right = np.where(self._enters, moments[self.changed], 0.0) - self._columns.T @ inside
-        bordering = lu_solve(self._schur, right, check_finite=False)
-        pressures[nodes] = inside - self._solved @ bordering
-        pressures[self.changed] = np.where(self._enters, bordering, 0.0)
+        right = (
+            np.where(self._enters, moments[self.changed], 0.0) - self._columns.T @ factor_solution
+        )
+        border_values = lu_solve(self._schur, right, check_finite=False)
+        pressures[nodes] = factor_solution - self._column_solutions @ border_values
+        pressures[self.changed] = np.where(self._enters, border_values, 0.0)
         return pressures
 
 
 class Contact:
-    """The matrix of a contact problem, with its last factor and system kept.
+    """The matrix of a contact problem; it stores the last factor and the last system.
 
-    Steps of a march share them. Neighbouring contacts differ by a few nodes, which border the
-    factored system: that takes a fraction of the time of another factor.
+    The steps of a march share them. Successive contacts differ by a few nodes, and bordering the
+    factored system with these takes a fraction of the time of another factorisation.
+
+    Parameters
+    ----------
+    matrix : (n, n) array
+        Compliance matrix A of the nodal pressures.
+    weights : (n,) array
+        Integrals b of the basis functions over the face.
     """
 
     def __init__(self, matrix: Array, weights: Array) -> None:
         self.matrix, self.weights = matrix, weights
         self._contact: Mask | None = None
         self._system: BorderedSystem | None = None
-        self._by_weights = np.empty(0)
+        self._weights_solution = np.empty(0)
 
-    def _system_of(self, contact: Mask, anew: bool = False) -> BorderedSystem:
-        """Return the system of a contact, and keep it; of a factor of its own if wanted anew."""
-        last, tried = self._system, self._contact
-        if last is not None and tried is not None and not anew and np.array_equal(contact, tried):
+    def _system_for(self, contact: Mask, refactorise: bool = False) -> BorderedSystem:
+        """Return the system of a contact and store it; `refactorise` forces a new factorisation."""
+        last, last_contact = self._system, self._contact
+        if (
+            last is not None
+            and last_contact is not None
+            and not refactorise
+            and np.array_equal(contact, last_contact)
+        ):
             return last
-        factor = None if last is None or anew else last.factor
+        factor = None if last is None or refactorise else last.factor
         if factor is None or np.count_nonzero(contact != factor.contact) > MOST_CHANGES:
             factor = Factor(self.matrix, contact)
         system = BorderedSystem(factor, contact)
         self._system, self._contact = system, contact.copy()
-        self._by_weights = system.solve(self.weights)
+        self._weights_solution = system.solve(self.weights)
         return system
 
-    def _solved(
-        self, moments: Array, load: Load, contact: Mask, anew: bool = False
+    def _solve_for_contact(
+        self, moments: Array, load: Load, contact: Mask, refactorise: bool = False
     ) -> tuple[Array, Array, float]:
-        """Return pressure, gap and indentation if exactly the given nodes were in contact.
+        """Return pressure, gap and indentation for exactly the given contact.
 
-        Pressures and gaps may have any sign.
+        Pressures and gaps may have either sign.
         """
         if not contact.any():
             indentation = float(load.indentation or 0.0)
             return np.zeros(len(contact)), moments - indentation * self.weights, indentation
-        system, weights = self._system_of(contact, anew), self.weights
-        by_moments, by_weights = system.solve(moments), self._by_weights
+        system, weights = self._system_for(contact, refactorise), self.weights
+        moments_solution, weights_solution = system.solve(moments), self._weights_solution
         if load.force is None:
             indentation = float(load.indentation or 0.0)
         else:
-            indentation = float((load.force + weights @ by_moments) / (weights @ by_weights))
-        pressure = indentation * by_weights - by_moments
+            indentation = float(
+                (load.force + weights @ moments_solution) / (weights @ weights_solution)
+            )
+        pressure = indentation * weights_solution - moments_solution
         gap = self.matrix @ pressure + moments - indentation * weights
         if len(system.changed):
-            # borders lose a digit or two, which one step of iterative refinement brings back
-            wrong = system.solve(gap)
+            # bordering loses a digit or two, which one step of iterative refinement restores
+            correction = system.solve(gap)
             if load.force is not None:
-                deeper = float((weights @ wrong) / (weights @ by_weights))
-                wrong, indentation = wrong - deeper * by_weights, indentation + deeper
-            pressure -= wrong
+                indentation_change = float((weights @ correction) / (weights @ weights_solution))
+                correction = correction - indentation_change * weights_solution
+                indentation = indentation + indentation_change
+            pressure -= correction
             gap = self.matrix @ pressure + moments - indentation * weights
             roundoff = np.abs(moments) + abs(indentation) * weights
-            if (np.abs(gap) > ROUNDOFF_OF_BORDERED * roundoff)[contact].any():
-                return self._solved(moments, load, contact, anew=True)
+            if (np.abs(gap) > BORDERED_TOLERANCE * roundoff)[contact].any():
+                return self._solve_for_contact(moments, load, contact, refactorise=True)
         return pressure, gap, indentation
 
     def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:
-        """Find the contact.
+        """Solve the contact problem under a load.
 
         Parameters
         ----------
-        moments : (n,) of the profile
-        load : force or indentation
-        start : (n,) nodes to try first; all of them if not given
+        moments : (n,) array
+            Moments of the profile.
+        load : Load
+            Force or indentation.
+        start : (n,) array of bool, optional
+            First guess of the contact; all nodes if it is not given.
 
         Raises
         ------
         SolverError
-            if no contact is found, which roundoff alone can cause
+            if no contact satisfies the inequalities, which only roundoff can cause
         """
         if load.force == 0:
-            # it rests on the point nearest to the half-space
+            # without a force, the punch rests on its point nearest to the half-space
             indentation = float((moments / self.weights).min())
-            gap, none = moments - indentation * self.weights, np.zeros(len(moments))
-            return Press(none, gap, indentation, 0.0, none > 0, 1)
+            gap, zero = moments - indentation * self.weights, np.zeros(len(moments))
+            return Press(zero, gap, indentation, 0.0, zero > 0, 1)
         contact = np.ones(len(moments), dtype=bool) if start is None else start
         if load.force is not None:
             contact = self._not_empty(contact, moments)
         for count in range(1, 4000):
-            pressure, gap, indentation = self._solved(moments, load, contact)
-            # what roundoff makes of a gap that is zero
-            noise = 1e-15 * (np.abs(moments) + abs(indentation) * self.weights)
-            wrong = np.where(contact, pressure < 0, gap < -noise)
-            if not wrong.any():
+            pressure, gap, indentation = self._solve_for_contact(moments, load, contact)
+            # bound on the roundoff in a gap that is zero
+            roundoff = 1e-15 * (np.abs(moments) + abs(indentation) * self.weights)
+            violations = np.where(contact, pressure < 0, gap < -roundoff)
+            if not violations.any():
                 force = load.force if load.force is not None else float(self.weights @ pressure)
                 return Press(pressure, gap, indentation, force, contact, count)
             if count > 40:
-                # many at a time go in circles
-                wrong[np.flatnonzero(wrong)[0] + 1 :] = False
-            contact = contact ^ wrong
+                # changes of many nodes at a time may cycle: change the lowest index only
+                violations[np.flatnonzero(violations)[0] + 1 :] = False
+            contact = contact ^ violations
             if load.force is not None:
                 contact = self._not_empty(contact, gap)
         raise SolverError("no contact satisfies the inequalities: ask for fewer cells")
 
     def _not_empty(self, contact: Mask, gap: Array) -> Mask:
-        """Return a contact in which at least one node carries the force.
+        """Return the contact, or the node nearest to the half-space if the contact is empty.
 
-        An empty contact is replaced by the node that is nearest to the half-space.
+        At least one node has to carry the force.
         """
         if contact.any():
             return contact

@@ -7,7 +7,7 @@ from ringwear import Scene, run
 from ringwear.studies.outcome.scope import time_scale
 from ringwear.studies.report.words import Account
 from ringwear.studies.sampling.sampler import Sampler
-from ringwear.studies.wear.time_scale import spreading
+from ringwear.studies.wear.time_scale import spreading_times
 
 CURVATURE, FORCE = 3.0, 0.1
 
@@ -128,7 +128,7 @@ def test_times_that_show_all_of_the_running_in(name):
 
 def test_a_rigid_sphere_wears_off_its_overlap():
     problem = sphere([0.0, 1.0]).problem
-    start, end = spreading(problem)
+    start, end = spreading_times(problem)
     # a^4 = 4 R k F v t / pi, at the radius of the punch
     worn = np.pi * 2.0**4 / (4 * CURVATURE * 0.5 * FORCE * 3.0)
     assert end * problem.units.time == pytest.approx(worn, rel=1e-4)

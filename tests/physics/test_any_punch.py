@@ -245,7 +245,7 @@ def test_what_cannot_be_done_is_refused(changes, words):
 
 
 def test_an_indentation_that_does_not_touch_is_refused():
-    with pytest.raises(SceneError, match=r"too small to touch: the punch stands 0\.01 "):
+    with pytest.raises(SceneError, match=r"the nearest point of the punch is 0\.01 from"):
         run(SCENE.changed(punch__recess=[0.01, 0.02, 0.01], load={"indentation": 0.005}))
 
 

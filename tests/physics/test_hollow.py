@@ -208,7 +208,7 @@ def test_what_is_modelled_tells_of_the_hole():
     [
         ({"punch__inner_radius": 1.0}, "must be below 1"),
         ({"punch__inner_radius": -0.1}, "inner_radius"),
-        ({"punch__inner_radius": 1e-12}, "too small to tell"),
+        ({"punch__inner_radius": 1e-12}, "too small to have an effect"),
         ({"output__radii": [0.1, 0.5]}, "within the hole"),
         ({"methods": ["mdr-grid"]}, "solves full discs only"),
     ],

@@ -72,7 +72,7 @@ def test_too_early_is_refused(prepare):
     with pytest.raises(SolverError, match="too early for double precision"):
         excited_modes(energy, wear._weights, wear._moments, 1e-16)
     later = RunningIn(wear.compliance, wear.wear_coefficients, earliest=0.1)
-    with pytest.raises(SceneError, match=r"prepared for distances from 0\.1 on"):
+    with pytest.raises(SceneError, match=r"for sliding distances from 0\.1 on"):
         later.modal(np.array([0.0, 0.01]))
 
 

@@ -160,7 +160,7 @@ def test_a_disc_in_finite_elements_as_in_theory():
     ("part", "words"),
     [
         (Interval(0.0, 1.0), "more parts"),  # so wide, it would have to pull
-        (Interval(0.1, 0.5, True, True), "outermost edge alone"),
+        (Interval(0.1, 0.5, True, True), "other than its outermost one"),
     ],
 )
 def test_a_contact_of_another_kind_is_refused(part, words):
@@ -176,17 +176,19 @@ def test_contacts_that_differ_by_a_few_nodes_share_a_factor(load):
     of_profile = moments(rings([0, 0.3, 0.7, 1], [0.0, 0.3, 0.0], wavy), compliance.space)
     contact, draw = Contact(matrix, weights), np.random.default_rng(35)
     first = contact.press(of_profile, load)
-    contact._solved(of_profile, load, first.contact, anew=True)
+    contact._solve_for_contact(of_profile, load, first.contact, refactorise=True)
     factor, shared = contact._system.factor, 0
     for changes in (1, 1, 3, 3, 10, MOST_CHANGES):
         nodes = draw.choice(len(weights), changes, replace=False)
         tried = first.contact.copy()
         tried[nodes] = ~tried[nodes]
-        pressure, gap, depth = contact._solved(of_profile, load, tried)
+        pressure, gap, depth = contact._solve_for_contact(of_profile, load, tried)
         # anew where borders have lost more than roundoff
         shared += contact._system.factor is factor
         factor = contact._system.factor
-        own_pressure, _, own_depth = Contact(matrix, weights)._solved(of_profile, load, tried)
+        own_pressure, _, own_depth = Contact(matrix, weights)._solve_for_contact(
+            of_profile, load, tried
+        )
         assert depth == pytest.approx(own_depth, rel=2e-15)
         scale = np.abs(own_pressure).max()
         np.testing.assert_allclose(pressure, own_pressure, rtol=0, atol=1e-12 * scale)
@@ -195,7 +197,7 @@ def test_contacts_that_differ_by_a_few_nodes_share_a_factor(load):
         assert (np.abs(gap) <= 2e-14 * roundoff)[tried].all()
     assert shared >= 3
     # with more, the factor is that of the contact itself
-    contact._solved(of_profile, load, np.arange(len(weights)) % 2 == 0)
+    contact._solve_for_contact(of_profile, load, np.arange(len(weights)) % 2 == 0)
     assert contact._system.factor is not factor
     assert not len(contact._system.changed)
 

@@ -50,7 +50,7 @@ def test_a_load_that_ends_has_no_steady_state(what):
     load = {"normal_force": 0.3} | {what: {"times": [0.0, 5.0], "values": [0.3, 0.0]}}
     result = run(Scene.from_table(BASE | {"load": load}), methods=["mdr"])
     assert np.isnan(result.dataset.steady_wear_rate).all()
-    assert "wears no more" in result.summary["left_out"]["steady state"]
+    assert "no longer wears" in result.summary["left_out"]["steady state"]
 
 
 def test_a_steady_state_out_of_reach_is_not_told():

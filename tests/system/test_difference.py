@@ -87,9 +87,9 @@ def test_differences_of_the_unworn_pressure_are_weighted_as_in_its_norm():
 
 def test_a_full_punch_has_no_hole_inside_the_first_radius():
     radii = np.array([0.3, 0.5, 0.9])
-    np.testing.assert_allclose(SCENE.problem.sampled_face(radii).blunting, 1 - radii**2)
+    np.testing.assert_allclose(SCENE.problem.sampled_face(radii).edge_weights, 1 - radii**2)
     hollow = Scene.load("washer").problem.sampled_face(np.array([0.7, 0.8]))
-    assert hollow.blunting[1] == pytest.approx((1 - 0.8**2) * (1 - 0.6 / 0.8))
+    assert hollow.edge_weights[1] == pytest.approx((1 - 0.8**2) * (1 - 0.6 / 0.8))
 
 
 def test_heights_are_relative_to_the_greatest_indentation_so_far():

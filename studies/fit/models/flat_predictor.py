@@ -44,7 +44,7 @@ class Logs(NamedTuple):
             np.log(wear_coefficients(scene)),
             float(np.log(units.modulus)),
             float(np.log(load)),
-            float(np.log(scene.load_.sliding.greatest)),
+            float(np.log(scene.load_.speed_over_time.greatest)),
         )
 
 

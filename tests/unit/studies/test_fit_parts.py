@@ -63,7 +63,7 @@ def test_a_key_of_a_list_stands_for_all_of_its_values():
     ]
     moved = scene_at(scene, found, np.array([0.0, np.log(2.0), 0.0, np.log(3.0)]))
     assert moved.punch.wear_coefficients == pytest.approx([1e-15, 1e-14])
-    assert moved.load_.pressing.values == pytest.approx([50.0, 300.0])
+    assert moved.load_.load_over_time.values == pytest.approx([50.0, 300.0])
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def test_one_key_of_a_layer_can_be_changed():
     ("changes", "told"),
     [
         ({"half_space__layers": []}, "rigid = true"),
-        ({"half_space__youngs_modulus": 1e9}, "rigid = true goes without youngs_modulus"),
+        ({"half_space__youngs_modulus": 1e9}, "rigid = true excludes youngs_modulus"),
         ({"half_space__rigid": False}, "youngs_modulus"),
         ({"half_space__layers__0__thickness": -1.0}, "half_space.layers.0.thickness"),
         ({"half_space__layers__2__thickness": 1.0}, "half_space.layers.2.thickness"),

@@ -16,7 +16,7 @@ def test_a_probe_is_small():
     )
     problem = coarsen(scene).problem
     assert problem.rtol == 1e-2
-    assert not problem.mdr.given
+    assert not problem.mdr.given_by_user
     assert problem.mdr.grid <= 100
     assert len(problem.wear_coefficients) <= 16
     assert problem.times[-1] <= 101 * problem.step

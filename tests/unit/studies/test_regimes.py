@@ -74,10 +74,13 @@ def test_every_table_has_every_regime():
 def test_names_of_quantities_and_numbers_are_known():
     for contact in (FULL_CONTACT, MOVING_CONTACT):
         assert contact.quantities_missing <= QUANTITIES.keys()
-        assert contact.numbers_due <= ANSWER.keys()
+        assert contact.compared_numbers <= ANSWER.keys()
     for load in LOADS.values():
-        assert load.quantities_told | load.decaying <= QUANTITIES.keys()
-        assert {*load.parts_left, *load.forces_told} | load.numbers_missing <= ANSWER.keys()
+        assert load.added_quantities | load.decaying <= QUANTITIES.keys()
+        assert {
+            *load.remaining_fractions,
+            *load.reported_forces,
+        } | load.numbers_missing <= ANSWER.keys()
 
 
 @pytest.mark.parametrize(
@@ -94,7 +97,7 @@ def test_forces_are_quantities_where_they_are_not_one_number(load, missing):
     problem = pressed_by(**load)
     assert problem.quantities_missing - {"contact", "contact_edge"} == missing
     with pytest.raises(SceneError, match="has none of them"):
-        problem.asking_for(frozenset(missing))
+        problem.with_quantities(frozenset(missing))
 
 
 def test_methods_refuse_the_regimes_of_their_tables():

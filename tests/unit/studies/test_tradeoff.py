@@ -116,7 +116,7 @@ def test_an_effectivity_is_the_estimate_over_the_error():
 
 def test_the_table_has_tolerance_estimate_error_and_effectivity():
     # references are quick to compute for the steady state alone
-    problem = Scene.load("five_rings").problem.asking_for(GROUPS["steady"])
+    problem = Scene.load("five_rings").problem.with_quantities(GROUPS["steady"])
     ways = Ways.with_references(problem, ("mdr", "direct"), quick=True)
     families = [each for each in ways.families() if each.name.startswith("steady state")]
     table = Record().solve("tradeoff", families, COLUMNS)
