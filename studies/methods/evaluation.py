@@ -281,16 +281,16 @@ class FullContact(Evaluation):
         element at the rim. The part that is left has the same absolute error, and the time has that
         error over its rate of decay.
         """
-        whole_change, time = self.wear.total_change, self.wear.time_until(remaining_part)
-        if not (whole_change > 0 and time > 0):
+        total_change, time = self.wear.total_change, self.wear.time_until(remaining_part)
+        if not (total_change > 0 and time > 0):
             return 0.0
-        start = whole_change if self.problem.indentation is not None else self.wear.flat.indentation
+        start = total_change if self.problem.indentation is not None else self.wear.flat.indentation
         relative_step = 1e-3
         left_before, left_after = self.wear.modes.remaining_change(
             time * np.array([1 - relative_step, 1 + relative_step])
         )
         decay = np.log(left_before / left_after) / (2 * relative_step)
-        return float(self._start_error_at_rim * start / whole_change / decay)
+        return float(self._start_error_at_rim * start / total_change / decay)
 
     def _floor_by_chance(self, name: str) -> float:
         """Return the difference below which two solutions may agree by chance.

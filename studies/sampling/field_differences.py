@@ -158,8 +158,8 @@ def _difference(
     if "pressure" in name:
         if over_time:
             unworn = problem.loading.at(times / units.time).distance == 0
-            blunting = np.where(unworn[:, None], np.sqrt(face.edge_weights), 1.0)
-            gaps, values = gaps * blunting, np.where(compared, values, 0.0) * blunting
+            root_weights = np.where(unworn[:, None], np.sqrt(face.edge_weights), 1.0)
+            gaps, values = gaps * root_weights, np.where(compared, values, 0.0) * root_weights
         weights = face.weights * compared
         scale = _root_mean_square(values, weights)
     elif over_time:
