@@ -49,8 +49,8 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
     if refused := refusals(scene, by_name):
         raise SceneError(refused[0])
     stages = {name: Stages(name) for name in by_name}
-    # one thread: the dense matrices are small, and the threads of two linear algebra libraries would
-    # mostly wait for each other
+    # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
+    # wait for each other
     with threadpool_limits(1):
         solutions = {
             name: solved_to_accuracy(entry, [problem], stages[name])[0]

@@ -167,7 +167,7 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
             if not published:
                 raise
             raise KeyboardInterrupt(
-                f"stopped after the work was done; {out} contains the new results"
+                f"stopped after the work was done; the new results are in place in {out}"
             ) from stop
         finally:
             with signals_wait():

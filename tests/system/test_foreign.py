@@ -113,7 +113,7 @@ def test_a_stop_while_results_take_their_place_says_so(tmp_path, monkeypatch, ca
     assert main([*DIRECT, str(tmp_path / "out")]) == 1
     line = told(capsys)
     assert "in place" in line
-    assert "nothing half-written" not in line
+    assert "no incomplete files" not in line
     assert (tmp_path / "out" / "results.nc").exists()
 
 
