@@ -1,4 +1,4 @@
-"""Two results drawn together: steady profiles and pressures, displacement and slope over time."""
+"""Draw two results together: steady profile and pressure, displacement and slope over time."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,7 +12,7 @@ COMPARED_LOOKS = {name: curve(number) for number, name in enumerate("AB")}
 
 
 def draw_comparison(a: Outcome, b: Outcome) -> Figure:
-    """Draw what two results give, each by its first method.
+    """Draw two results in the same panels, each by its first method.
 
     Raises
     ------
@@ -44,6 +44,6 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
 
 
 def titles(a: Outcome, b: Outcome) -> tuple[str, str]:
-    """Return the titles of both scenes, for the title of a figure."""
+    """Return the titles of both scenes as parts of the title of a figure."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
     return "A", f"{first}; B: {second}"

@@ -1,4 +1,4 @@
-"""Contact that opens, closes and spreads: where it is, and what it does to each ring, over time."""
+"""Draw contact with moving edges: its edges, and force and worn volume of each ring, over time."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,8 +13,8 @@ from .style import PAGE, cell_edges, complete, curve, new_panels, set_linear, sh
 def draw_contact(result: Outcome) -> Figure:
     """Draw the edges of the contact, the forces on rings and the worn volumes of rings over time.
 
-    Edges are shown by every method, with the inside of the contact shaded. Forces and worn volumes
-    are shown by the first method. If there are more than five rings, five of them are shown.
+    The figure shows edges by every method, and shades the inside of the contact. Forces and worn
+    volumes are by the first method. Of more than five rings, five are shown.
     """
     scale, (_, between) = Scale.of(result), result.between
     figure, panels = new_panels(PAGE, 2.9, columns=3)
@@ -41,7 +41,7 @@ def draw_contact(result: Outcome) -> Figure:
 def _draw_edges(axes: Axes, result: Outcome, scale: Scale) -> None:
     """Draw the edges of the contact by every method, and shade its inside by the first of them.
 
-    The centre of a solid punch is no edge. Nothing is shaded before the first time that is shown.
+    The centre of a solid punch is no edge. The shading begins at the first time that is shown.
     """
     problem, (_, between) = scale.problem, result.between
     for number, (method, radii) in enumerate(result.by_method("contact_edge").items()):
