@@ -47,7 +47,10 @@ def check_times_of_running_in(report: Reported) -> Rows:
         time_error = float(report.tolerance(name))
         tolerance = time_error * decay + (error + 1e-12) / total_change
         yield Row(
-            f"{name}: what is left then", remaining[1] / total_change, remaining_part, tolerance
+            f"{name}: remaining part of the running-in",
+            remaining[1] / total_change,
+            remaining_part,
+            tolerance,
         )
 
 
@@ -99,4 +102,6 @@ def check_worn_volumes_of_profile(report: Reported) -> Rows:
         quadrature_error += SHAPED_SUM_ERROR * np.abs(parts).sum()
     tolerance = stated_error + quadrature_error / total_volume
     value = report.take("worn_volume")
-    yield Row("worn volumes of the answer, of the profile", value, volumes, tolerance, total_volume)
+    yield Row(
+        "worn volumes of the answer, from the profile", value, volumes, tolerance, total_volume
+    )

@@ -79,4 +79,4 @@ def check_fixed_indentation(report: Reported) -> Rows:
     tolerance = report.rtol + stated_error + quadrature_error / depth
     value = report.take("ring_worn_volume").sum(axis=1) + unworn_volume
     overlap = report.area * depth
-    yield Row("worn, unworn and pressed in, of the overlap A d", value, overlap, tolerance, depth)
+    yield Row("overlap A d: worn, unworn and elastic parts", value, overlap, tolerance, depth)

@@ -123,13 +123,13 @@ CHECKS = (
 
 # names of the anchors that every report of a kind must have; the verdict is undecided without them
 INPUT_ANCHORS = (
-    "rtol as asked",
-    "average as asked",
-    "ring edges as asked",
-    "wear coefficients as asked",
-    "wear coefficients reported",
-    "inner radii reported",
-    "outer radii reported",
+    "rtol as in the scene",
+    "gradient average as in the scene",
+    "ring edges as in the scene",
+    "wear coefficients as in the scene",
+    "reported wear coefficients",
+    "reported inner radii",
+    "reported outer radii",
 )
 STEADY_ANCHORS = ("steady_wear_rate in closed form", "steady pressures of Eq. 24")
 CONTACT_ANCHORS = {
@@ -141,22 +141,22 @@ CONTACT_ANCHORS = {
         "greatest displacement",
         "reciprocity with the flat punch",
         "modes add up to the flat start",
-        "worn volumes of the answer, of the profile",
+        "worn volumes of the answer, from the profile",
     ),
     MOVING_CONTACT: (
-        "u + f = d where it presses",
-        "no gap below zero",
+        "u + f = d in contact",
+        "no negative gap",
         "F = int p dA",
         "reciprocity with a uniform pressure",
         "reciprocity with the flat punch",
-        "contact ends where p does",
+        "contact radius, from the pressure",
         "greatest displacement",
     ),
 }
 # by the quantity that the methods compute and the load does not prescribe
 RESPONSE_ANCHORS = {
     "indentation": ("ring forces add up to F",),
-    "normal_force": ("worn, unworn and pressed in, of the overlap A d",),
+    "normal_force": ("overlap A d: worn, unworn and elastic parts",),
 }
 
 

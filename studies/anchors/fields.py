@@ -76,7 +76,7 @@ def check_output(report: Reported) -> Rows:
             for error in (reported - reference, interpolation_error)
         )
         tolerance = report.tolerance(name)[rows] + REFERENCE_ERROR_FACTOR * interpolation_error
-        yield Row(f"{name} at the radii reported", difference, 0.0, tolerance, 1.0)
+        yield Row(f"{name} at the reported radii", difference, 0.0, tolerance, 1.0)
 
 
 def check_modes(report: Reported) -> Rows:
@@ -102,7 +102,7 @@ def check_modes(report: Reported) -> Rows:
         # the slowest time is always compared, the others only if the small problem resolves them
         tolerance = np.where(mesh_difference <= LARGEST_MESH_DIFFERENCE, allowed, np.inf)
         tolerance[0] = allowed[0]
-        name = "relaxation times, by a small problem of its own"
+        name = "relaxation times, by an independent small problem"
         yield Row(name, times[:count], fine[:count], tolerance)
     if report.has("running_in_time"):
         value = report.take("running_in_time")

@@ -16,19 +16,19 @@ WEAR_AT_RADII = 1e-6
 def check_inputs(report: Reported) -> Rows:
     """Compare accuracy, average, rings and wear coefficients with a second reading of the scene."""
     problem, reading, face = report.problem, report.scene_numbers, report.face
-    yield Row("rtol as asked", problem.rtol, reading.rtol, COPIED)
+    yield Row("rtol as in the scene", problem.rtol, reading.rtol, COPIED)
     same_average = float(problem.gradient_average == reading.average)
-    yield Row("average as asked", same_average, 1.0, 0.0)
-    yield Row("ring edges as asked", problem.ring_edges, reading.edges, COPIED, 1.0)
-    yield Row("wear coefficients as asked", face.wear, report.wear, WEAR_AT_RADII)
+    yield Row("gradient average as in the scene", same_average, 1.0, 0.0)
+    yield Row("ring edges as in the scene", problem.ring_edges, reading.edges, COPIED, 1.0)
+    yield Row("wear coefficients as in the scene", face.wear, report.wear, WEAR_AT_RADII)
     for name, edges in (("inner", reading.edges[:-1]), ("outer", reading.edges[1:])):
         radii = np.asarray(report.table[f"ring_{name}_radius"]) / report.units.length
-        yield Row(f"{name} radii reported", radii, edges, COPIED, 1.0)
+        yield Row(f"reported {name} radii", radii, edges, COPIED, 1.0)
     if not report.scene.punch.heights:
         unworn = problem.profile(face.radii) + problem.profile.standoff
         expected = reading.unworn(face.radii)
         scale = max(float(np.ptp(expected)), float(expected.max()), np.finfo(float).tiny)
-        yield Row("unworn profile as asked", unworn, expected, INTEGRATED, scale)
+        yield Row("unworn profile as in the scene", unworn, expected, INTEGRATED, scale)
     yield from _compare_layers(report)
     areas = np.pi * np.diff(reading.edges**2)
     means = areas / face.ring_sums(face.areas / report.wear)
@@ -36,7 +36,7 @@ def check_inputs(report: Reported) -> Rows:
     # the area of a narrow ring is a small difference of two large numbers
     roundoff = 8 * np.finfo(float).eps / np.diff(reading.edges)
     tolerance = (INTEGRATED_TABLE if report.graded else INTEGRATED) + roundoff
-    yield Row("wear coefficients reported", coefficients, means, tolerance)
+    yield Row("reported wear coefficients", coefficients, means, tolerance)
 
 
 def _compare_layers(report: Reported) -> Rows:
@@ -45,11 +45,11 @@ def _compare_layers(report: Reported) -> Rows:
     if solved is None and expected is None:
         return
     same = float((solved is None) == (expected is None))
-    yield Row("layers or none, as asked", same, 1.0, 0.0)
+    yield Row("presence of layers as in the scene", same, 1.0, 0.0)
     if solved is None or expected is None or len(solved.thicknesses) != len(expected.thicknesses):
         return
     thicknesses = np.array(solved.thicknesses), np.array(expected.thicknesses)
-    yield Row("thicknesses of the layers as asked", *thicknesses, COPIED)
+    yield Row("thicknesses of the layers as in the scene", *thicknesses, COPIED)
     elastic = np.isfinite(expected.shear_moduli)
     for name, solved_values, expected_values in (
         ("shear moduli", solved.shear_moduli, expected.shear_moduli),
@@ -57,7 +57,11 @@ def _compare_layers(report: Reported) -> Rows:
     ):
         values, references = np.array(solved_values)[elastic], np.array(expected_values)[elastic]
         yield Row(
-            f"{name} of the layers as asked", values, references, COPIED, 1 + np.abs(references)
+            f"{name} of the layers as in the scene",
+            values,
+            references,
+            COPIED,
+            1 + np.abs(references),
         )
 
 
@@ -69,8 +73,8 @@ def check_times(report: Reported) -> Rows:
         return
     scale = np.maximum(reading.times, np.finfo(float).tiny)
     solved = problem.times * reading.units.time
-    yield Row("times as asked", solved, reading.times, COPIED, scale)
-    yield Row("times reported", times, reading.times, COPIED, scale)
+    yield Row("times as in the scene", solved, reading.times, COPIED, scale)
+    yield Row("reported times", times, reading.times, COPIED, scale)
     if report.fixed_indentation or "normal_force" not in report.table:
         return
     force = np.asarray(report.table["normal_force"]) / report.units.force
@@ -78,7 +82,7 @@ def check_times(report: Reported) -> Rows:
         expected, _, _ = reading.load(times / report.units.time)
         # a march fulfils the force balance to the accuracy of its steps only
         yield Row(
-            "normal force as asked",
+            "normal force as in the scene",
             force,
             expected,
             ROUNDOFF_TOLERANCE if report.full_contact else report.rtol,

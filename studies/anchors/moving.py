@@ -51,10 +51,10 @@ def check_kinematics(report: Reported) -> Rows:
     # this cell has worn for a part of the time only, but the cell has one height
     inside = _holds_around(pressure > 0, 1)
     contact_gap = np.where(inside, np.abs(gap), 0.0).max(axis=1)
-    yield Row("u + f = d where it presses", contact_gap, 0.0, allowed, scale)
+    yield Row("u + f = d in contact", contact_gap, 0.0, allowed, scale)
     penetration = np.maximum(-gap.min(axis=1), 0.0)
     # the factor 2 is for the cell that contains an edge of the contact
-    yield Row("no gap below zero", penetration, 0.0, 2 * allowed, scale)
+    yield Row("no negative gap", penetration, 0.0, 2 * allowed, scale)
 
 
 def check_reciprocity(report: Reported) -> Rows:
@@ -71,7 +71,7 @@ def check_reciprocity(report: Reported) -> Rows:
     tolerance = rtol + np.minimum(stated_p, largest_error) + (quadrature_error + edge_error) / scale
     yield Row("F = int p dA", force, integral, tolerance, scale)
     if not report.fixed_indentation:
-        yield Row("F as asked", force, report.forces, 0.1 * rtol)
+        yield Row("F as in the scene", force, report.forces, 0.1 * rtol)
     allowed = rtol + np.minimum(stated_u + stated_p, largest_error)
     left, error_left = report.integrate(displacement)
     right, error_right = report.integrate(pressure, report.uniform_displacement)
@@ -104,7 +104,7 @@ def check_numbers_of_fields(report: Reported) -> Rows:
     tolerance = np.where(width < 2 * widest, np.inf, tolerance)
     radius = report.take("contact_radius")
     yield Row(
-        "contact ends where p does",
+        "contact radius, from the pressure",
         radius,
         _outermost_contact_radius(report, pressure),
         tolerance,
@@ -170,7 +170,7 @@ def check_pressures_inside(report: Reported) -> Rows:
     if len(rows):
         tolerance = report.rtol + REFERENCE_ERROR_FACTOR * interpolation_error
         yield Row(
-            "pressure at the radii reported, inside the contact", difference, 0.0, tolerance, 1.0
+            "pressure at the reported radii, inside the contact", difference, 0.0, tolerance, 1.0
         )
 
 

@@ -116,7 +116,7 @@ def check_ring_volumes(report: Reported) -> Rows:
         + (quadrature_error[1:] + quadrature_error[:-1]) / scale
     )
     yield Row(
-        "each ring wears by its force, V_j = k_j int F_j ds",
+        "worn volume of each ring, V_j = k_j int F_j ds",
         np.diff(volumes, axis=0),
         np.array(force_integrals) * coefficients / report.units.wear_coefficient,
         tolerance[:, None],
