@@ -324,8 +324,8 @@ EXAMPLES = """examples:
   ringwear deck mine.toml --for abaqus  write input files for another program
   ringwear check mine.toml abaqus.csv   check another program's results
   ringwear fit mine.toml data.csv --for punch.wear_coefficient
-                                        determine its wear coefficient from measurements
-  ringwear study convergence --quick    compare orders of convergence with theory
+                                        fit wear coefficients to measurements
+  ringwear study convergence --quick    compare orders with theory
 """
 
 

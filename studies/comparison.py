@@ -119,10 +119,10 @@ class Comparison:
         rows = self.differing
         if not len(rows):
             return f"A and B are equal in {len(self.table)} numbers, within their error estimates."
-        most = rows.loc[rows["change"].abs().idxmax()]
+        row = rows.loc[rows["change"].abs().idxmax()]
         return (
             f"A and B differ in {len(rows)} of {len(self.table)} numbers by more than their error "
-            f"estimates, most in {most['quantity']}: {most['B against A'] or 'infinitely'}."
+            f"estimates, most in {row['quantity']}: {row['B against A'] or 'infinitely'}."
         )
 
     @cached_property
@@ -151,9 +151,9 @@ class Comparison:
             if there is no figure of that name
         """
         if kind not in self.figures:
-            near = nearest(str(kind), self.figures)
-            meant = f"did you mean {near!r}? Else " if near else ""
-            raise SceneError(f"no figure {kind!r}: {meant}give one of {', '.join(self.figures)}")
+            suggestion = nearest(str(kind), self.figures)
+            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
+            raise SceneError(f"no figure {kind!r}: {hint}give one of {', '.join(self.figures)}")
         return self.figures[kind]
 
     def write(self, folder: Path) -> None:

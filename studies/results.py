@@ -202,10 +202,10 @@ class Result(Outcome):
         """
         if quantity not in self.dataset.variables:
             names = [str(name) for name in self.dataset.variables]
-            near = _quantity_like(str(quantity), names)
-            meant = f"did you mean {near!r}? Else " if near else ""
+            suggestion = _quantity_like(str(quantity), names)
+            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
             raise SceneError(
-                f"no {quantity!r} in these results: {meant}give one of {', '.join(names)}"
+                f"no {quantity!r} in these results: {hint}give one of {', '.join(names)}"
             )
         return self.dataset[quantity]
 
@@ -235,9 +235,9 @@ class Result(Outcome):
         kind = kind or next(iter(pictures), "")
         if not isinstance(kind, str) or kind not in pictures:
             available = ", ".join(pictures) or "none: all selected quantities are numbers"
-            near = nearest(str(kind), pictures)
-            meant = f"did you mean {near!r}? Else " if near else ""
-            raise SceneError(f"no figure {kind!r} of these results: {meant}give one of {available}")
+            suggestion = nearest(str(kind), pictures)
+            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
+            raise SceneError(f"no figure {kind!r} of these results: {hint}give one of {available}")
         return pictures[kind].figure(self)
 
     def save(self, folder: str | Path) -> list[str]:
@@ -351,13 +351,13 @@ def _quantity_like(name: str, names: Iterable[str]) -> str:
 
 def _instead_of(name: str) -> str:
     """Return what to write instead of an attribute that a result does not have."""
-    if other := OTHER_CALLS.get(name):
-        return f": write result.{other}"
+    if replacement := OTHER_CALLS.get(name):
+        return f": write result.{replacement}"
     public = [attribute for attribute in dir(Result) if not attribute.startswith("_")]
-    if near := nearest(name, public, 0.8):
-        return f": did you mean result.{near}?"
-    if near := _quantity_like(name, [*DESCRIBED, "time", "radius", "solver"]):
-        return f": write result.dataset.{near}"
+    if suggestion := nearest(name, public, 0.8):
+        return f": did you mean result.{suggestion}?"
+    if suggestion := _quantity_like(name, [*DESCRIBED, "time", "radius", "solver"]):
+        return f": write result.dataset.{suggestion}"
     return f"; it has {', '.join(public)}"
 
 

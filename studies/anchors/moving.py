@@ -45,8 +45,8 @@ def check_kinematics(report: Reported) -> Rows:
     """Compare displacement plus profile with the indentation, inside and outside the contact."""
     pressure, depth = report.take("pressure"), report.take("indentation")
     gap = report.take("displacement") + report.take("profile") - depth[:, None]
-    stated = report.errors("indentation", "displacement", "profile")
-    allowed, scale = report.rtol + stated.sum(axis=0), _indentation_scale(report)
+    stated_errors = report.errors("indentation", "displacement", "profile")
+    allowed, scale = report.rtol + stated_errors.sum(axis=0), _indentation_scale(report)
     # leave out the last radius in contact, which lies in the cell in which contact ends: a part of
     # this cell has worn for a part of the time only, but the cell has one height
     inside = _holds_around(pressure > 0, 1)

@@ -182,8 +182,8 @@ class Reported:
     def errors(self, *names: str) -> Array:
         """Return the method's error estimates (names, ...) of some quantities."""
         over_time = "time" in DESCRIBED[names[0]].dims
-        chosen = self.in_contact if over_time else ...
-        return np.array([self.solution.checked_error(self.problem, name)[chosen] for name in names])
+        rows = self.in_contact if over_time else ...
+        return np.array([self.solution.checked_error(self.problem, name)[rows] for name in names])
 
     def tolerance(self, *names: str) -> Array:
         """Return `rtol`, or the method's largest error estimate if that is larger."""

@@ -26,8 +26,13 @@ def check_start(report: Reported) -> Rows:
             bounds = stiffness_bounds(report.inner_radius)
             stiffness = 1 / depth
             nearest = np.clip(stiffness, *bounds)
-            stated = report.errors("indentation_start")[0] + BOUNDS_ROUNDOFF
-            yield Row("stiffness of an annulus, within its bounds", stiffness, nearest, stated)
+            stated_error = report.errors("indentation_start")[0] + BOUNDS_ROUNDOFF
+            yield Row(
+                "stiffness of an annulus, within its bounds",
+                stiffness,
+                nearest,
+                stated_error,
+            )
 
 
 def check_start_pressures(report: Reported) -> Rows:

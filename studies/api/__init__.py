@@ -127,6 +127,8 @@ def _has_no(name: str) -> str:
     """Return the error message for a name that the package does not have."""
     from ringwear.studies.scene.explain import nearest
 
-    near = _OTHER_NAMES.get(name) or nearest(name, __all__)
-    meant = f"write {near}; " if name in _OTHER_NAMES else f"did you mean {near}? " if near else ""
-    return f"module 'ringwear' has no attribute {name!r}: {meant}it has {', '.join(__all__)}"
+    suggestion = _OTHER_NAMES.get(name) or nearest(name, __all__)
+    hint = f"did you mean {suggestion}? " if suggestion else ""
+    if name in _OTHER_NAMES:
+        hint = f"write {suggestion}; "
+    return f"module 'ringwear' has no attribute {name!r}: {hint}it has {', '.join(__all__)}"

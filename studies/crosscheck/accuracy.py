@@ -45,14 +45,16 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     error = error_of_sizes(problem, solution)
     # if edges of the contact move, a method may use half of the uncertainty of two methods
     allowed = allowed_error(problem)
-    least, most = tolerance_range(problem, solution.march.space.size if solution.march else 0)
-    rtol = min(problem.rtol, most)
+    smallest_rtol, largest_rtol = tolerance_range(
+        problem, solution.march.space.size if solution.march else 0
+    )
+    rtol = min(problem.rtol, largest_rtol)
     if method.sizes_given(problem):
         return solution
     for _ in range(4):
-        if rtol <= least or error <= allowed:
+        if rtol <= smallest_rtol or error <= allowed:
             break
-        rtol = finer_rtol(rtol, error, allowed, least)
+        rtol = finer_rtol(rtol, error, allowed, smallest_rtol)
         numbers = method.name, error, allowed
         LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -61,14 +63,14 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
             # keep the coarser solution, whose error estimate is still valid
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
-        before, after = error, error_of_sizes(problem, finer)
-        if after < before:
+        last_error, new_error = error, error_of_sizes(problem, finer)
+        if new_error < last_error:
             note = (
                 f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, because its "
                 "error estimates were too large"
             )
-            solution, error = replace(finer, notes=(*finer.notes, note)), after
-        if after > LITTLE_GAIN * before:
+            solution, error = replace(finer, notes=(*finer.notes, note)), new_error
+        if new_error > LITTLE_GAIN * last_error:
             break
     return solution
 

@@ -96,9 +96,9 @@ class Difference(NamedTuple):
         They do not if an error estimate is missing or larger than `allowed`, or if the difference
         is larger than twice that.
         """
-        stated = np.maximum(self.first, self.second)
+        larger_estimate = np.maximum(self.first, self.second)
         # comparisons with NaN are False
-        return ~((stated <= allowed) & (self.size <= 2 * allowed))
+        return ~((larger_estimate <= allowed) & (self.size <= 2 * allowed))
 
 
 def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Difference]:
@@ -110,17 +110,17 @@ def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Differ
     for name, difference in all_differences.items():
         if name not in first.errors or name not in second.errors or not problem.wants(name):
             continue
-        parts = [difference, *(solution.checked_error(problem, name) for solution in solutions)]
+        arrays = [difference, *(solution.checked_error(problem, name) for solution in solutions)]
         if "mode" in DESCRIBED[name].dims:
-            parts = [part[:COMPARED_MODES] for part in parts]
-        common_part = common(*(part.shape for part in parts))
-        size, *stated = (np.atleast_1d(part[common_part]) for part in parts)
+            arrays = [array[:COMPARED_MODES] for array in arrays]
+        common_part = common(*(array.shape for array in arrays))
+        size, *estimates = (np.atleast_1d(array[common_part]) for array in arrays)
         if name in ANSWER:
             # NaN: closed forms give no start, and shaped punches give no pressures at the start
             defined = ~np.isnan(size)
-            size, stated = size[defined], [error[defined] for error in stated]
+            size, estimates = size[defined], [error[defined] for error in estimates]
         if size.size:
-            compared[name] = Difference(size, *stated)
+            compared[name] = Difference(size, *estimates)
     return compared
 
 
@@ -160,25 +160,26 @@ def _judge(
     first_name, second_name = names = tuple(solutions)
     sizes, first, second = difference
     allowed, uncertainty = allowed_error(problem), difference.uncertainty
-    over, doubtful = difference.over_bound(allowed), difference.doubtful(allowed)
+    over_bound, doubtful = difference.over_bound(allowed), difference.doubtful(allowed)
     # a time without agreement; of several, the one with the largest uncertainty, then difference
     worst = int(np.lexsort((sizes, uncertainty, doubtful))[-1])
-    verdict, remark, when, promised = AGREE, "", "", True
-    if (over > 1).any():
-        worst, verdict = int(np.argmax(over)), DISAGREE
+    verdict, remark, times_in_words, promised = AGREE, "", "", True
+    if (over_bound > 1).any():
+        worst, verdict = int(np.argmax(over_bound)), DISAGREE
     elif doubtful.any():
         verdict, blamed = UNDECIDED, names[int(second[worst] > first[worst])]
         reasons = [
-            unresolved(problem, quantity, solutions, int(at)) for at in np.flatnonzero(doubtful)
+            unresolved(problem, quantity, solutions, int(index))
+            for index in np.flatnonzero(doubtful)
         ]
         promised = not all(reasons)
         remark = next(filter(None, reasons), "")
         if promised:
             remark = remedy(problem, blamed, solutions[blamed], float(uncertainty[worst]))
-        when = when_in_words(problem, quantity, doubtful)
+        times_in_words = when_in_words(problem, quantity, doubtful)
     numbers = float(sizes[worst]), float(uncertainty[worst])
     pair = first_name, second_name
-    return Agreement(quantity, pair, *numbers, verdict, remark, promised, when)
+    return Agreement(quantity, pair, *numbers, verdict, remark, promised, times_in_words)
 
 
 def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> float:

@@ -171,7 +171,7 @@ def _when(selected: tuple[float, ...], times: Sequence[float]) -> str:
     """Return some of the times of a scene in words."""
     if not selected:
         return ""
-    before = [time for time in times if time <= selected[-1]]
-    if len(selected) < len(before):
+    times_until_last = [time for time in times if time <= selected[-1]]
+    if len(selected) < len(times_until_last):
         return f" at {len(selected)} of {len(times)} times"
     return f" {'up to' if len(selected) > 1 else 'at'} t = {selected[-1]:.3g}"

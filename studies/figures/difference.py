@@ -53,36 +53,36 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     Curves at the left show some of the times, with the error estimates of both methods as bands.
     Maps at the right show all times. The largest difference of each field is marked and printed.
     """
-    drawn, *others = comparisons
-    over_time = np.isfinite(drawn.fields[0].times[0])
-    rows, columns = len(drawn.fields), 2 if over_time else 1
+    comparison, *others = comparisons
+    over_time = np.isfinite(comparison.fields[0].times[0])
+    rows, columns = len(comparison.fields), 2 if over_time else 1
     figure, panels = new_panels(
         PAGE, 1.3 + 1.35 * rows, rows, columns, width_ratios=[1, 1.1][:columns]
     )
-    times = _curve_times(drawn.fields)
+    times = _curve_times(comparison.fields)
     colours = colormaps["viridis"](np.linspace(0, 0.88, len(times)))
-    top = max(float(np.nanmax(field.relative)) for field in drawn.fields)
+    top = max(float(np.nanmax(field.relative)) for field in comparison.fields)
     limits = _decades(top, MAP_DECADES)
-    for number, (field, (curves, *maps)) in enumerate(zip(drawn.fields, panels, strict=True)):
-        _draw_curves(curves, field, drawn, dict(zip(times, colours, strict=True)), scale)
+    for number, (field, (curves, *maps)) in enumerate(zip(comparison.fields, panels, strict=True)):
+        _draw_curves(curves, field, comparison, dict(zip(times, colours, strict=True)), scale)
         words = _largest_in_words(field, scale)
         for axes in maps:
-            image = _draw_map(axes, field, drawn.contact_edges, limits, scale)
+            image = _draw_map(axes, field, comparison.contact_edges, limits, scale)
             axes.set_title(words, loc="left")
-        what, symbol, over = WORDS[field.quantity]
-        title_of_curves = f"{what}: {_norm_in_words(field)}"
+        field_name, symbol, norm_symbol = WORDS[field.quantity]
+        title_of_curves = f"{field_name}: {_norm_in_words(field)}"
         curves.set_title(title_of_curves if maps else f"{title_of_curves}; {words}", loc="left")
-        curves.set_ylabel(f"|Δ{symbol}| / {over}")
+        curves.set_ylabel(f"|Δ{symbol}| / {norm_symbol}")
         for axes in (curves, *maps):
             _mark_rings(axes, scale)
             axes.set_xlabel(scale.label("radius"))
             # ticks only in the last row: they take most of the time of a figure with many panels
             axes.xaxis.set_visible(number == rows - 1)
             set_linear(axes, "x")
-    names = label_of(drawn.other), label_of(drawn.reference)
+    names = label_of(comparison.other), label_of(comparison.reference)
     # the names come first, because a long title is cut at its end
     titles = f"{names[0]} minus {names[1]}", title
-    complete(figure, titles, panels.flat, _note(drawn, others), across=0.55, down=0.25)
+    complete(figure, titles, panels.flat, _note(comparison, others), across=0.55, down=0.25)
     if over_time:
         bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
@@ -100,20 +100,20 @@ def _decades(top: float, count: int) -> tuple[float, float]:
 
 def _curve_times(fields: Sequence[FieldDifference]) -> list[float]:
     """Choose times for curves: up to five of all times, and those of the largest differences."""
-    chosen = {float(field.times[field.largest[0]]) for field in fields}
+    largest_times = {float(field.times[field.largest[0]]) for field in fields}
     times = np.unique(np.concatenate([field.times for field in fields]))
-    return sorted(chosen | set(times[shown_times(times, 5)].tolist()))
+    return sorted(largest_times | set(times[shown_times(times, 5)].tolist()))
 
 
 def _draw_curves(
     axes: Axes,
     field: FieldDifference,
-    drawn: FieldComparison,
+    comparison: FieldComparison,
     colours: dict[float, Any],
     scale: Scale,
 ) -> None:
     """Draw differences along the radius at some times, and error estimates as bands."""
-    estimates = {drawn.reference: field.first_error, drawn.other: field.second_error}
+    estimates = {comparison.reference: field.first_error, comparison.other: field.second_error}
     finite_estimates = {name: errors[np.isfinite(errors)] for name, errors in estimates.items()}
     bounds = {name: float(errors.max()) for name, errors in finite_estimates.items() if len(errors)}
     largest = float(np.nanmax(field.relative))
@@ -156,26 +156,26 @@ def _draw_map(
     rows = cell_edges(heights)
     if not ticks:
         rows = rows.clip(heights[0], heights[-1])
-    shown = np.ma.masked_invalid(np.maximum(image, limits[0]))
-    drawn = axes.pcolormesh(cells, rows, shown, norm=LogNorm(*limits), cmap="magma_r")
+    values = np.ma.masked_invalid(np.maximum(image, limits[0]))
+    mesh = axes.pcolormesh(cells, rows, values, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == len(heights):
         places = scale.shown("radius", contact_edges)
         places = np.where(places > inner, places, np.nan)
         look: Look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
         lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
         lines[0].set_label("edge of the contact")
-    row, at = field.largest
-    if field.relative[row, at]:
+    row, index = field.largest
+    if field.relative[row, index]:
         mark = _mark() | {"markersize": 6.5}
         halo = mark | {"markeredgecolor": "white", "markeredgewidth": 1.8, "label": ""}
-        axes.plot(radii[at], heights[row], **halo)
-        axes.plot(radii[at], heights[row], **mark)
+        axes.plot(radii[index], heights[row], **halo)
+        axes.plot(radii[index], heights[row], **mark)
     axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
     if ticks:
         axes.set_yticks(list(ticks), list(ticks.values()))
     else:
         set_linear(axes, "y", most=4)
-    return drawn
+    return mesh
 
 
 def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
@@ -235,8 +235,8 @@ def _mark_rings(axes: Axes, scale: Scale) -> None:
     if len(edges) and not scale.many_rings:
         look: Look = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
         # vertical lines through the whole panel, independent of its scale
-        whole = axes.get_xaxis_transform()
-        axes.vlines(scale.shown("radius", edges), 0, 1, transform=whole, **look)
+        transform = axes.get_xaxis_transform()
+        axes.vlines(scale.shown("radius", edges), 0, 1, transform=transform, **look)
     axes.set_xlim(*_face(scale))
 
 
@@ -257,8 +257,8 @@ def _mark() -> Look:
 def _norm_in_words(field: FieldDifference) -> str:
     """Return the greatest norm of the difference, and the sum of error estimates then, as text."""
     row = int(np.nanargmax(field.norms))
-    stated = [error[row] for error in (field.first_error, field.second_error)]
-    known = [error for error in stated if np.isfinite(error)]
+    estimates = [error[row] for error in (field.first_error, field.second_error)]
+    known = [error for error in estimates if np.isfinite(error)]
     estimate = f", estimate {sum(known):.0e}" if known else ", no error estimate"
     norm = f"{field.norms[row]:.0e}" if field.norms[row] else "0"
     return f"norm {norm}{estimate}"
@@ -266,17 +266,17 @@ def _norm_in_words(field: FieldDifference) -> str:
 
 def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
     """Return the largest difference with its radius and time as text."""
-    row, at = field.largest
-    if not field.relative[row, at]:
+    row, index = field.largest
+    if not field.relative[row, index]:
         return "no difference"
-    radius = scale.names.write(float(field.radii[at]), "length", 4)
-    when = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
-    return f"largest {field.relative[row, at]:.0e} at r = {radius}{when}"
+    radius = scale.names.write(float(field.radii[index]), "length", 4)
+    time = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
+    return f"largest {field.relative[row, index]:.0e} at r = {radius}{time}"
 
 
-def _note(drawn: FieldComparison, others: Sequence[FieldComparison]) -> str:
+def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str:
     """Return the note below the figure: definitions, and differences of other methods."""
-    over_time = np.isfinite(drawn.fields[0].times[0])
+    over_time = np.isfinite(comparison.fields[0].times[0])
     lines = [
         "norm: norm of the difference over the whole face at the time at which it is greatest; "
         "estimate: sum of both error estimates then. Single radii may lie above.",
@@ -285,10 +285,10 @@ def _note(drawn: FieldComparison, others: Sequence[FieldComparison]) -> str:
         if over_time
         else "rms: root mean square, weighted by wear and area; uₘₐₓ: the greatest displacement.",
     ]
-    if drawn.interpolated:
+    if comparison.interpolated:
         lines.append(
-            f"{label_of(drawn.other)} is interpolated linearly to the radii of "
-            f"{label_of(drawn.reference)}."
+            f"{label_of(comparison.other)} is interpolated linearly to the radii of "
+            f"{label_of(comparison.reference)}."
         )
     for other in others:
         largest = ", ".join(

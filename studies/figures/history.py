@@ -38,7 +38,7 @@ def draw_history(result: Outcome) -> Figure:
     # results of other programs may contain the indentation only
     candidates = result.scene.problem.load_regime.shows_running_in, "indentation"
     names = max(candidates, key=lambda name: len(result.by_method(name))), "rms_slope"
-    first, between = result.between
+    method_between, values_between = result.between
     rows = min(2, len(result.by_method("rms_slope")))
     ratios = [2.2, 1][:rows]
     figure, panels = new_panels(PAGE, 2.6 + 0.6 * rows, rows, 2, sharex=True, height_ratios=ratios)
@@ -47,12 +47,14 @@ def draw_history(result: Outcome) -> Figure:
         scale.suit(name, np.array(list(methods.values())))
         for method, heights in methods.items():
             look = scale.look(method)
-            if method == first:
+            if method == method_between:
                 look["marker"] = ""
-                scale.plot(values, name, "time", between["time"], between[name], **look)
+                scale.plot(
+                    values, name, "time", values_between["time"], values_between[name], **look
+                )
             else:
                 # draw marks without a line if another method has a curve
-                look = {"marker": "."} | look | ({"linestyle": "none"} if first else {})
+                look = {"marker": "."} | look | ({"linestyle": "none"} if method_between else {})
                 scale.plot(values, name, "time", times, heights, **look)
         steady = scale.shown(name, result.first(f"steady_{name}"))
         if np.isfinite(steady):
@@ -74,8 +76,8 @@ def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
     curve.
     """
     place = axes.transData + axes.transAxes.inverted()
-    for part, side in ((90, "right"), (99, "left")):
-        time = scale.shown("time", float(result.first(f"time_to_{part}")))
+    for percentage, side in ((90, "right"), (99, "left")):
+        time = scale.shown("time", float(result.first(f"time_to_{percentage}")))
         start, end = axes.get_xlim()
         if not start < time < end:
             continue
@@ -98,7 +100,7 @@ def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
             side, raised = "right", LABEL_HEIGHT
         height = 0.01 + raised if at_bottom else 0.99 - raised
         axes.text(
-            *(time, height, f"{part} %"),
+            *(time, height, f"{percentage} %"),
             transform=axes.get_xaxis_transform(),
             ha=side,
             va="bottom" if at_bottom else "top",

@@ -51,10 +51,12 @@ def draw_stress(result: Outcome) -> Figure:
     own_lengths = bool(np.ptp(depths))
     count = len(states)
     # widths in inches of a colour bar with its labels, and of the labels of an axis
-    across = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
+    distance_of_panels = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
     bars = 0.62 * (count if own_colours else 1)
     width = min(PAGE, 1.4 + 2.7 * count)
-    panel = (width - 0.7 - bars - across * (count - 1) + 0.62 * own_colours * (count - 1)) / count
+    panel = (
+        width - 0.7 - bars - distance_of_panels * (count - 1) + 0.62 * own_colours * (count - 1)
+    ) / count
     figure, panels = new_panels(width, 0.83 * panel + 1.45, columns=count)
     images = []
     for axes, state, values, top, depth in zip(
@@ -87,7 +89,7 @@ def draw_stress(result: Outcome) -> Figure:
         else:
             axes.label_outer()
     titles = result.scene.title, "von Mises stress under the rings"
-    complete(figure, titles, note=_note(fields, count), across=across, right=0.7)
+    complete(figure, titles, note=_note(fields, count), across=distance_of_panels, right=0.7)
     # one colour bar for each panel, or a single one next to the last panel
     for axes, (image, label) in zip(panels[0], images, strict=True):
         if own_colours or axes is panels[0, -1]:

@@ -144,24 +144,24 @@ class Scale:
 
     def label(self, name: str) -> str:
         """Return the label of an axis, such as ``pressure p (MPa)``."""
-        what, kind = LABELS[name]
+        quantity, kind = LABELS[name]
         _, unit = self.axes[kind]
-        return f"{what} ({unit})" if unit else what
+        return f"{quantity} ({unit})" if unit else quantity
 
     def plot(
-        self, axes: Axes, name: str, over: str, places: Array, heights: Array, **look: Any
+        self, axes: Axes, name: str, abscissa: str, places: Array, heights: Array, **look: Any
     ) -> None:
         """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
-        if over == "time" and self.logarithmic:
+        if abscissa == "time" and self.logarithmic:
             set_logarithmic(axes, "x")
             places, heights = places[places > 0], heights[places > 0]
-        elif over == "time":
+        elif abscissa == "time":
             set_linear(axes, "x")
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
             places, heights = broken_at(edges, places, heights)
-        axes.plot(self.shown(over, places), self.shown(name, heights), **look)
-        axes.set(xlabel=self.label(over), ylabel=self.label(name))
+        axes.plot(self.shown(abscissa, places), self.shown(name, heights), **look)
+        axes.set(xlabel=self.label(abscissa), ylabel=self.label(name))
 
     def plot_radial(self, axes: Axes, name: str, radii: Array, values: dict[str, Array]) -> None:
         """Draw a quantity over the radius by every method that computes it, and shade the rings."""
@@ -219,8 +219,8 @@ def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> A
     unworn : (S, R) heights of the unworn face
     touching : (S, R) whether the face is in contact
     """
-    worn = heights - unworn
-    used = touching | (worn > 0.1 * np.ptp(worn, axis=1, keepdims=True))
+    worn_heights = heights - unworn
+    used = touching | (worn_heights > 0.1 * np.ptp(worn_heights, axis=1, keepdims=True))
     deepest = np.nanmax(heights, axis=1)
     needed = np.nanmax(np.where(used, heights, 0.0), axis=1, initial=0.0)
     needed[needed <= 1e-6 * deepest] = needed.max()

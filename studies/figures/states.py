@@ -73,14 +73,14 @@ def draw_states(result: Outcome) -> Figure:
     a panel if the least worn height is larger than the height of the panel.
     """
     scale, problem = Scale.of(result), result.scene.problem
-    chosen = shown_times(problem.times, 2 if scale.many_rings else 5)
-    states = [State.of(result, number) for number in chosen]
+    selected = shown_times(problem.times, 2 if scale.many_rings else 5)
+    states = [State.of(result, number) for number in selected]
     figure, panels = new_panels(PAGE, 4.0, 2, len(states))
     # outside the drawn part of a face, use the values at its first radius
     radii = result.coordinates["radius"]
-    near = np.array([radii <= state.reach for state in states])
+    in_reach = np.array([radii <= state.reach for state in states])
     heights, unworn, touching = (
-        np.where(near, values, np.array(values)[:, :1])
+        np.where(in_reach, values, np.array(values)[:, :1])
         for values in (
             [np.fmax.reduce(list(state.profiles.values())) for state in states],
             [state.unworn for state in states],
@@ -112,8 +112,10 @@ def draw_states(result: Outcome) -> Figure:
     notes = _shaded(scale), *_hidden(states, depths, deepest, scale)
     titles = result.scene.title, "profiles and pressures"
     # panels with different axes need space for labels
-    across = 0.5 if np.ptp(depths) or np.ptp(highs) else 0.4
-    return complete(figure, titles, panels[:, 0], "\n".join(filter(None, notes)), across=across)
+    distance_of_panels = 0.5 if np.ptp(depths) or np.ptp(highs) else 0.4
+    return complete(
+        figure, titles, panels[:, 0], "\n".join(filter(None, notes)), across=distance_of_panels
+    )
 
 
 def _draw_profile(axes: Axes, result: Outcome, state: State, depth: float, scale: Scale) -> None:

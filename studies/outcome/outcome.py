@@ -143,13 +143,13 @@ class Outcome:
         large as `rtol`, as in the verdict.
         """
         rtol = self.scene.accuracy.rtol
-        least = allowed_error(self.scene.problem)
+        allowed = allowed_error(self.scene.problem)
         short = {}
         for name, solution in self.solutions.items():
             error = solution.error_estimate
             if "indentation" in solution.errors:
-                stated = solution.greatest_error("indentation")
-                error = max(error, stated if stated > least else 0.0)
+                stated_error = solution.greatest_error("indentation")
+                error = max(error, stated_error if stated_error > allowed else 0.0)
             if error > rtol:
                 short[name] = error
         return short
@@ -281,15 +281,15 @@ class Outcome:
                 continue
             if wear is not None:
                 # times that are dense enough on a linear and on a logarithmic axis
-                at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
-                at = np.append(0.0, at)
-                history = replace(wear.modal(at), distances=at)
+                distances = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                distances = np.append(0.0, distances)
+                history = replace(wear.modal(distances), distances=distances)
                 compliance = wear.compliance
             elif march is not None:
                 history, compliance = march.between, march.face.compliance
                 # leave out times before the first one of the scene, except the start
-                at = history.distances
-                history = history[(at == 0) | (at >= later[0])]
+                distances = history.distances
+                history = history[(distances == 0) | (distances >= later[0])]
             else:
                 continue
             values = Sampler(problem, compliance.space, compliance).history(history)
@@ -322,10 +322,10 @@ class Outcome:
         if estimates is None:
             variables = self.table.variables
             with_estimate = [name for name in variables if error_name(name) in variables]
-            near = difflib.get_close_matches(quantity, with_estimate, 1)
-            meant = f"did you mean {near[0]!r}? Else " if near else ""
+            suggestions = difflib.get_close_matches(quantity, with_estimate, 1)
+            hint = f"did you mean {suggestions[0]!r}? Else " if suggestions else ""
             raise SceneError(
-                f"there is no error estimate of {quantity!r}: {meant}give one of those in dataset: "
+                f"there is no error estimate of {quantity!r}: {hint}give one of those in dataset: "
                 + ", ".join(with_estimate)
             )
         return float(np.nanmax(estimates[1]))

@@ -84,9 +84,11 @@ def compare_operators(
         other = methods[b]
         if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
-                first, space = wears[a], wears[a].compliance.space
-                second = replace(first, compliance=other.compliance(space, problem.ground))
+                running_in, space = wears[a], wears[a].compliance.space
+                other_running_in = replace(
+                    running_in, compliance=other.compliance(space, problem.ground)
+                )
                 if a not in any_space:
-                    check_multipliers(a, first.compliance, second.compliance)
+                    check_multipliers(a, running_in.compliance, other_running_in.compliance)
                 if space.size <= MOST_PRESSURES:
-                    yield difference(problem, (a, b), first, second)
+                    yield difference(problem, (a, b), running_in, other_running_in)

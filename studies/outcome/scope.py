@@ -28,11 +28,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     lines = [f"{name}: {entry.what or 'a user-defined method'}" for name, entry in methods.items()]
     # describe the march if some method computes everything; the others describe their own
     if len(problem.times) and not all(entry.lacks for entry in methods.values()):
-        contact, way = problem.contact, f"by steps of {problem.march} Euler"
+        contact, march = problem.contact, f"by steps of {problem.march} Euler"
         if problem.march == "modal":
-            way = contact.way
+            march = contact.way
         lines += contact.modelled
-        lines.append(f"history: {len(problem.times)} times from {contact.start}, {way}")
+        lines.append(f"history: {len(problem.times)} times from {contact.start}, {march}")
     if scene.half_space.punch_youngs_modulus is not None:
         lines.append(
             "two elastic bodies: one half-space with their combined modulus; the punch is also "

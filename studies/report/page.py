@@ -36,6 +36,6 @@ def write_report(
     """Write the page of a run, with those of the pictures whose files are in the same folder."""
     from .slides import slides  # imported here: it loads matplotlib, which other runs do not need
 
-    about = {"account": account, "title": account.title}
+    context = {"account": account, "title": account.title}
     captions = {picture.file: picture.caption for picture in pictures}
-    write_page(path, "run.html.j2", result.scene, captions, slides=slides(result), **about)
+    write_page(path, "run.html.j2", result.scene, captions, slides=slides(result), **context)

@@ -60,4 +60,4 @@ def print_table(table: Rows) -> None:
 def print_scope(modelled: list[str], left_out: dict[str, str]) -> None:
     """Print what is modelled and what is left out."""
     print_lines(["Modelled", *(f"  {line}" for line in modelled)])
-    print_lines(["Left out", *(f"  {what}: {why}" for what, why in left_out.items())])
+    print_lines(["Left out", *(f"  {item}: {reason}" for item, reason in left_out.items())])

@@ -28,9 +28,9 @@ def slides(result: Outcome) -> dict[str, Any] | None:
     _, states = result.between
     radii, profiles, pressures = (states[name] for name in ("radius", "profile", "pressure"))
     known_states = np.flatnonzero(~np.isnan(profiles).all(axis=1))
-    chosen = known_states[shown_times(states["time"][known_states], 48)]
-    labels = [scale.when(time) for time in states["time"][chosen]]
-    profiles, pressures = profiles[chosen], pressures[chosen]
+    selected = known_states[shown_times(states["time"][known_states], 48)]
+    labels = [scale.when(time) for time in states["time"][selected]]
+    profiles, pressures = profiles[selected], pressures[selected]
     steady_count = 0
     if not np.isnan(states.get("steady_profile", np.nan)).any():
         labels.append(scale.steady_state)
@@ -49,7 +49,7 @@ def slides(result: Outcome) -> dict[str, Any] | None:
     depths = face_depths(heights, unworn - least_worn[:, None], pressures > 0)
     deepest = float(depths.max()) or 1.0
     # height in the 3-D view that the greatest difference of heights has, over the radius
-    drawn, edges = 0.3, problem.ring_edges * result.scene.punch.radius
+    drawn_height, edges = 0.3, problem.ring_edges * result.scene.punch.radius
     log_wear = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
     # in the steady state the wear is unlimited: move the unworn face out of the frame
     least_worn[len(least_worn) - steady_count :] = 10 * deepest
@@ -67,8 +67,8 @@ def slides(result: Outcome) -> dict[str, Any] | None:
         "least_worn": _round(scale.shown("profile", least_worn)),
         "highest": _round(1.15 * scale.shown("pressure", tops)),
         "deepest": scale.shown("profile", deepest),
-        "drawn": drawn,
-        "magnified": f"{drawn * result.scene.punch.radius / deepest:.3g}",
+        "drawn": drawn_height,
+        "magnified": f"{drawn_height * result.scene.punch.radius / deepest:.3g}",
         "axes": {name: scale.label(name) for name in ("radius", "profile", "pressure")},
     }
 

@@ -20,9 +20,9 @@ def write_study(
     rows = {name: table.to_dict("records") for name, table in tables.items()}
     # conclusions that are table rows are left out, because the page shows the tables
     sentences = [line for line in conclusions if not line.startswith("|")]
-    about = {"title": title, "purpose": purpose, "conclusions": sentences, "tables": rows}
+    context = {"title": title, "purpose": purpose, "conclusions": sentences, "tables": rows}
     captions = {file.name: _plain(file) for file in sorted(path.parent.glob("*.png"))}
-    write_page(path, "study.html.j2", scene, captions, **about)
+    write_page(path, "study.html.j2", scene, captions, **context)
 
 
 def _plain(file: Path) -> str:

@@ -11,7 +11,7 @@ from ..versions import versions
 
 
 def write_page(
-    path: Path, template: str, scene: Scene, captions: dict[str, str], **about: Any
+    path: Path, template: str, scene: Scene, captions: dict[str, str], **context: Any
 ) -> None:
     """Write a page from a template, with the captioned figures that are in the same folder."""
     environment = Environment(
@@ -27,6 +27,6 @@ def write_page(
         if (file := path.parent / name).exists()
     ]
     page = environment.get_template(template).render(
-        pictures=pictures, scene=scene.to_toml(), versions=versions(), **about
+        pictures=pictures, scene=scene.to_toml(), versions=versions(), **context
     )
     path.write_text(page, "utf-8")

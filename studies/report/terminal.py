@@ -20,10 +20,10 @@ def print_lines(lines: Iterable[str]) -> None:
         print(broken(line, "", " " * (start + 2)))
 
 
-def broken(line: str, indent: str, then: str) -> str:
+def broken(line: str, indent: str, later_indent: str) -> str:
     """Return a line broken between words at the width of the terminal.
 
-    The first line of the result begins with `indent`, all others with `then`.
+    The first line of the result begins with `indent`, all others with `later_indent`.
     """
     width = terminal_width()
     if not width or len(indent + line) <= width:
@@ -32,7 +32,7 @@ def broken(line: str, indent: str, then: str) -> str:
         line,
         width,
         initial_indent=indent,
-        subsequent_indent=then,
+        subsequent_indent=later_indent,
         break_long_words=False,
         break_on_hyphens=False,
     )

@@ -47,12 +47,12 @@ class Account:
         for key in keys:
             value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
             if np.isfinite(value):
-                what = key.replace("_", " ").replace("rms", "RMS")
+                name = key.replace("_", " ").replace("rms", "RMS")
                 written, meaning = self.names.write(value, quantity.unit), quantity.definition
                 if key == "indentation_start" and self.scene.half_space.layers:
                     # leave out F / (2 a E*), which is valid on a homogeneous half-space only
                     meaning = meaning.partition(";")[0]
-                lines.append((what, written, meaning))
+                lines.append((name, written, meaning))
         return lines
 
     @property
@@ -71,23 +71,25 @@ class Account:
         units, edges = problem.units, problem.ring_edges * problem.units.length
         columns = {"ring": [str(ring + 1) for ring in range(len(edges) - 1)]}
 
-        def add(what: str, kind: str, least: Array, most: Array) -> None:
+        def add(heading: str, kind: str, least: Array, most: Array) -> None:
             # pressures at the edges of a flat punch are infinite
             greatest = float(max(ends[np.isfinite(ends)].max(initial=0) for ends in (least, most)))
             unit, name = self.names.readable(greatest, kind)
             ends = zip(least / unit, most / unit, strict=True)
-            columns[f"{what}, {name}" if name else what] = [_write_range(*pair) for pair in ends]
+            columns[f"{heading}, {name}" if name else heading] = [
+                _write_range(*pair) for pair in ends
+            ]
 
         add("radii", "length", edges[:-1], edges[1:])
         coefficients = problem.wear_coefficients * units.wear_coefficient
         add("k", "wear_coefficient", coefficients, coefficients)
         if result.by_method("pressure_min"):
             least, most = result.first("pressure_min"), result.first("pressure_max")
-            for state, when in enumerate(STATES):
+            for state, state_name in enumerate(STATES):
                 if np.isfinite(least[state]).all():
-                    add(f"p {when}", "pressure", least[state], most[state])
+                    add(f"p {state_name}", "pressure", least[state], most[state])
                     forces = result.first("force_share")[state]
-                    columns[f"force {when}"] = [f"{100 * part:.3g} %" for part in forces]
+                    columns[f"force {state_name}"] = [f"{100 * share:.3g} %" for share in forces]
         if result.by_method("worn_volume"):
             worn = result.first("worn_volume")
             heights = worn / np.pi / np.diff(edges**2)

@@ -150,7 +150,7 @@ def test_early_layers_that_cannot_be_resolved_are_named():
     result = run(scene)
     row = undecided(result)["rms_slope"]
     assert row.when == "at t = 1e-10"
-    assert row.remark.startswith("elements of")
+    assert row.remark.startswith("the layers that wear has made by then need elements of")
     assert not row.promised
     assert result.verdict == "agree"
     # the first line says what is left out, and the summary why
