@@ -57,7 +57,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
 def check_repeated_numbers(report: Reported) -> Rows:
     """Compare numbers of the answer with the first or the last value of the reported series."""
     problem = report.problem
-    has_start = len(report.scene_numbers.times) > 0 and report.scene_numbers.times[0] == 0
+    has_start = len(report.reading.times) > 0 and report.reading.times[0] == 0
     if report.full_contact and report.has("force_start"):
         # F = 2 a E* d of a flat punch is the unit of force
         tolerance = report.tolerance("force_start")

@@ -21,8 +21,7 @@ def check_fields(report: Reported) -> Rows:
     u_plus_f, d = displacement + report.take("profile"), depth[:, None]
     yield Row("displacement, u = d - f", u_plus_f, d, report.rtol, d)
     centre, interpolation_error = (
-        values[:, 0]
-        for values in report.face.interpolate(displacement, report.scene_numbers.edges[:1])
+        values[:, 0] for values in report.face.interpolate(displacement, report.reading.edges[:1])
     )
     tolerance = (
         report.tolerance("displacement_centre")
@@ -86,7 +85,7 @@ def check_modes(report: Reported) -> Rows:
     times = report.take("relaxation_time")
     # use another theory than the method does
     half_space = ring_kernel.compliance if report.name == "mdr" else energy.compliance
-    rings, ground = report.problem.merged, report.scene_numbers.ground
+    rings, ground = report.problem.merged, report.reading.ground
     coarse, fine = (
         slowest_relaxation_times(rings, report.fixed_indentation, sizes, half_space, ground)
         for sizes in (COARSE, FINE)

@@ -15,7 +15,7 @@ WEAR_AT_RADII = 1e-6
 
 def check_inputs(report: Reported) -> Rows:
     """Compare accuracy, average, rings and wear coefficients with a second reading of the scene."""
-    problem, reading, face = report.problem, report.scene_numbers, report.face
+    problem, reading, face = report.problem, report.reading, report.face
     yield Row("rtol as in the scene", problem.rtol, reading.rtol, COPIED)
     same_average = float(problem.gradient_average == reading.average)
     yield Row("gradient average as in the scene", same_average, 1.0, 0.0)
@@ -41,7 +41,7 @@ def check_inputs(report: Reported) -> Rows:
 
 def _compare_layers(report: Reported) -> Rows:
     """Compare the layers of the ground with those of the second reading."""
-    solved, expected = report.problem.ground, report.scene_numbers.ground
+    solved, expected = report.problem.ground, report.reading.ground
     if solved is None and expected is None:
         return
     same = float((solved is None) == (expected is None))
@@ -67,7 +67,7 @@ def _compare_layers(report: Reported) -> Rows:
 
 def check_times(report: Reported) -> Rows:
     """Compare the times, and the force at these times, with a second reading of the scene."""
-    problem, reading = report.problem, report.scene_numbers
+    problem, reading = report.problem, report.reading
     times = np.asarray(report.table["time"])
     if not len(times) or len(times) != len(reading.times):
         return

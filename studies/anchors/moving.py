@@ -112,7 +112,7 @@ def check_numbers_of_fields(report: Reported) -> Rows:
     )
     stated_errors = report.errors("displacement", "displacement_centre", "displacement_max")
     centre, interpolation_error = (
-        values[:, 0] for values in face.interpolate(displacement, report.scene_numbers.edges[:1])
+        values[:, 0] for values in face.interpolate(displacement, report.reading.edges[:1])
     )
     too_few_radii = _too_few_radii(pressure)
     tolerance = (
@@ -180,7 +180,7 @@ def check_disc(report: Reported) -> Rows:
     Times at which the contact is not one disc are skipped. The relation holds on a homogeneous
     half-space only.
     """
-    if report.scene_numbers.ground is not None:
+    if report.reading.ground is not None:
         return
     pressure, heights = report.take("pressure"), report.take("profile")
     radii, force, depth = report.face.radii, report.take("normal_force"), report.take("indentation")

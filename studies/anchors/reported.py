@@ -52,24 +52,22 @@ class Reported:
         self, scene: Scene, name: str, table: Mapping[str, ArrayLike], solution: Solution
     ) -> None:
         self.scene, self.name, self.table, self.solution = scene, name, table, solution
-        self.problem, self.scene_numbers = scene.problem, Reading.of(scene)
-        self.units, self.rtol = self.scene_numbers.units, self.scene_numbers.rtol
-        self.face, self.average = self.problem.face, self.scene_numbers.average
+        self.problem, self.reading = scene.problem, Reading.of(scene)
+        self.units, self.rtol = self.reading.units, self.reading.rtol
+        self.face, self.average = self.problem.face, self.reading.average
         self.radii = np.asarray(table["radius"]) / self.units.length
         times = np.asarray(table["time"])[self.problem.checked] / self.units.time
         # differences are relative, so that times without a force cannot be checked
-        forces = self.scene_numbers.load(times)[0]
+        forces = self.reading.load(times)[0]
         self.in_contact = forces > ROUNDOFF * forces.max(initial=0.0)
         self.compared_rows, self.times = (
             self.problem.checked[self.in_contact],
             times[self.in_contact],
         )
-        self.forces, self.distances, self.work = self.scene_numbers.load(self.times)
+        self.forces, self.distances, self.work = self.reading.load(self.times)
         self.has_slid, self.includes_start = self.work > 0, 0 in self.times
         # the steady state belongs to the last force and speed, and is checked for unit values
-        force, speed = (
-            float(load.values[-1]) for load in (self.scene_numbers.force, self.scene_numbers.speed)
-        )
+        force, speed = (float(load.values[-1]) for load in (self.reading.force, self.reading.speed))
         self._load_factors = dict.fromkeys((*STEADY, "indentation_steady"), force)
         self._load_factors["steady_wear_rate"] = force * speed
         self._last_force = force
@@ -82,12 +80,12 @@ class Reported:
     @cached_property
     def inner_radius(self) -> float:
         """The radius of the hole over that of the punch; 0 if there is none."""
-        return float(self.scene_numbers.edges[0])
+        return float(self.reading.edges[0])
 
     @cached_property
     def flat(self) -> FlatPunch:
         """The flat punch under the force 1 with the same radii and layers."""
-        return flat_punch(self.inner_radius, self.scene_numbers.ground)
+        return flat_punch(self.inner_radius, self.reading.ground)
 
     @property
     def kind_of_punch(self) -> str:
@@ -105,12 +103,12 @@ class Reported:
         edges, pressures = np.array([0.0, 1.0]), np.ones(1)
         if self.inner_radius:
             edges, pressures = np.array([0.0, self.inner_radius, 1.0]), np.array([0.0, 1.0])
-        return direct.displacement(edges, pressures, self.face.radii, self.scene_numbers.ground)
+        return direct.displacement(edges, pressures, self.face.radii, self.reading.ground)
 
     @property
     def graded(self) -> bool:
         """Whether the wear coefficient varies along the radius (a table in the scene)."""
-        return bool(self.scene_numbers.table)
+        return bool(self.reading.table)
 
     @property
     def times_are_those_solved(self) -> bool:
@@ -125,7 +123,7 @@ class Reported:
     @cached_property
     def wear(self) -> Array:
         """(R,) wear coefficient at the radii of the face, over the greatest."""
-        return self.scene_numbers.wear_at(self.face.radii)
+        return self.reading.wear_at(self.face.radii)
 
     @cached_property
     def steady_wear_rate(self) -> float:
@@ -139,7 +137,7 @@ class Reported:
 
     def steady_displacement(self, radii: Array) -> Array:
         """Return the steady displacement at radii, in closed form (Eq. 21)."""
-        edges, ground = self.problem.merged.ring_edges, self.scene_numbers.ground
+        edges, ground = self.problem.merged.ring_edges, self.reading.ground
         return direct.displacement(edges, self.steady_pressures, radii, ground)
 
     def stated_error(self, name: str) -> float:

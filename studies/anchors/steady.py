@@ -22,7 +22,7 @@ def check_steady_state(report: Reported) -> Rows:
     with those of many rings; else with closed forms.
     """
     problem = report.problem
-    pressures = report.steady_wear_rate / report.scene_numbers.wear_at(report.radii)
+    pressures = report.steady_wear_rate / report.reading.wear_at(report.radii)
     tolerance_of_rate = max(ROUNDOFF_TOLERANCE, report.graded * report.rtol)
     rate = report.take("steady_wear_rate")
     yield Row("steady_wear_rate in closed form", rate, report.steady_wear_rate, tolerance_of_rate)
@@ -35,7 +35,7 @@ def check_steady_state(report: Reported) -> Rows:
     if report.has("indentation_steady"):
         value, reference = report.take("indentation_steady"), report.take("steady_displacement_max")
         yield Row("steady indentation of the answer", value, reference, ROUNDOFF_TOLERANCE)
-    slowest, fastest = report.scene_numbers.extremes_of_wear()
+    slowest, fastest = report.reading.extremes_of_wear()
     for name, coefficients in (("pressure_min", fastest), ("pressure_max", slowest)):
         value = report.take_steady_pressure(name)
         reference = report.steady_wear_rate / coefficients
@@ -47,7 +47,7 @@ def check_steady_state(report: Reported) -> Rows:
         yield from _compare_with_many_rings(report)
         return
     rings = problem.merged.ring_edges, report.steady_pressures
-    ground = report.scene_numbers.ground
+    ground = report.reading.ground
     greatest = direct.greatest_displacement(*rings, ground)
     limit = greatest - report.steady_displacement(report.radii)
     for name, reference, scale in (
@@ -103,11 +103,11 @@ def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
     nodes, weights = unit_gauss(3)
     widths = np.diff(edges)[:, None]
     radii = edges[:-1, None] + widths * nodes
-    pressures = report.steady_wear_rate / report.scene_numbers.wear_at(radii)
+    pressures = report.steady_wear_rate / report.reading.wear_at(radii)
     means = np.sum(pressures * radii * weights * widths, axis=1) / (np.diff(edges**2) / 2)
     if report.inner_radius:
         edges, means = np.append(0.0, edges), np.append(0.0, means)
-    ground = report.scene_numbers.ground
+    ground = report.reading.ground
     greatest = float(direct.greatest_displacement(edges, means, ground))
     return greatest, direct.displacement(edges, means, report.radii, ground)
 
@@ -119,6 +119,6 @@ def _even_edges(report: Reported, count: int) -> Array:
     rings. So k changes little in any of them, and no ring is much wider than the others.
     """
     radii = np.linspace(report.inner_radius, 1, 4001)
-    changes = np.abs(np.diff(np.log(report.scene_numbers.wear_at(radii))))
+    changes = np.abs(np.diff(np.log(report.reading.wear_at(radii))))
     measure = np.append(0.0, np.cumsum(np.diff(radii) + changes))
     return np.interp(np.linspace(0, measure[-1], count + 1), measure, radii)

@@ -92,7 +92,7 @@ def check_ring_volumes(report: Reported) -> Rows:
     """Compare each ring's wear between two times with its force, ``V_j = k_j int F_j ds``."""
     running_in, problem, face = report.solution.wear, report.problem, report.face
     times = report.times[report.has_slid]
-    coefficients = report.scene_numbers.coefficients
+    coefficients = report.reading.coefficients
     if running_in is None or coefficients is None or problem.march != "modal" or len(times) < 2:
         return
     if not report.times_are_those_solved:
@@ -134,7 +134,7 @@ def _quadrature(report: Reported, start: float, end: float) -> tuple[Array, Arra
     ----------
     start, end : ends of the integral, non-dimensional times
     """
-    numbers, unit = report.scene_numbers, report.units.time
+    numbers, unit = report.reading, report.units.time
     knots = numbers.knots / unit
     cuts = np.unique([start, end, *knots[(knots > start) & (knots < end)]])
     times_of_grid = [cuts]
