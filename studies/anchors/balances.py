@@ -72,11 +72,11 @@ def check_fixed_indentation(report: Reported) -> Rows:
     uniform_displacement = report.uniform_displacement
     heights = pressure * uniform_displacement + unworn(radii) + unworn.standoff
     gap = report.take("displacement") + report.take("profile") - depth[:, None]
-    unworn_volume, quadrature_error = report.integrate(heights - gap)
+    other_parts, quadrature_error = report.integrate(heights - gap)
     missed_force = report.take("normal_force") - report.integrate(pressure)[0]
     quadrature_error += np.abs(missed_force) * uniform_displacement.max()
     stated_error = report.errors("pressure", "profile", "displacement").sum(axis=0)
     tolerance = report.rtol + stated_error + quadrature_error / depth
-    value = report.take("ring_worn_volume").sum(axis=1) + unworn_volume
+    value = report.take("ring_worn_volume").sum(axis=1) + other_parts
     overlap = report.area * depth
     yield Row("overlap A d: worn, unworn and elastic parts", value, overlap, tolerance, depth)

@@ -11,8 +11,8 @@ methods share. Each method is checked on its own. In full contact, with the grea
     d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
     d'(2 t) = int k p^2 dA                   power, at F = 1
 
-At a fixed indentation, replace d0 by ``d0 F`` in the fourth equation and d' by ``-d0 F'`` in the
-last one. There, in addition,
+At a fixed indentation F is the decaying force, and ``-d0 F'`` replaces d' in the last equation.
+In addition,
 
     F(t2) dt <= int df / k dA <= F(t1) dt    wear from t1 to t2 = t1 + dt, because F decays
     A d = int (f + m + u1 p - gap) dA        reciprocity with a uniform pressure on the face of

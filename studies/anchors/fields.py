@@ -30,10 +30,10 @@ def check_fields(report: Reported) -> Rows:
     value = report.take("displacement_centre")
     yield Row("displacement at the centre", value, centre, tolerance, depth)
     # the maximum may lie between the radius of the greatest value and one of its neighbours
-    largest_values = np.clip(
+    neighbours = np.clip(
         displacement.argmax(axis=1)[:, None] + [-1, 0, 1], 0, displacement.shape[1] - 1
     )
-    largest_values = np.take_along_axis(displacement, largest_values, axis=1)
+    largest_values = np.take_along_axis(displacement, neighbours, axis=1)
     tolerance = report.tolerance("displacement_max") + np.ptp(largest_values, axis=1) / depth
     value = report.take("displacement_max")
     yield Row("greatest displacement", value, largest_values.max(axis=1), tolerance, depth)

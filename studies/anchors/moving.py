@@ -225,7 +225,7 @@ def check_peak(report: Reported) -> Rows:
 
 
 def _holds_around(mask: Mask, reach: int) -> Mask:
-    """Return where a mask (T, n) holds there and at `reach` neighbours on each side."""
+    """Return where a mask (T, n) is true, also at `reach` neighbours on each side."""
     padded = np.pad(mask, ((0, 0), (reach, reach)), mode="edge")
     around = np.asarray(sliding_window_view(padded, 2 * reach + 1, axis=1))
     return np.asarray(around.all(axis=2))

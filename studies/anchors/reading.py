@@ -184,7 +184,7 @@ class Reading:
         return force, distance / self.units.time, work / self.units.time
 
     def _integrated(self, until: float) -> tuple[float, float, float]:
-        """Return force, distance and work at a time, non-dimensional except for their time unit."""
+        """Return force, distance and work at a time; the unit of time is that of the scene."""
         times = np.append(self.knots[self.knots < until], until)
         middles, lengths = (times[1:] + times[:-1]) / 2, np.diff(times)
         force, speed = self.force.at(times), self.speed.at(times)
