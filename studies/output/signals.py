@@ -25,7 +25,7 @@ def ending_on_signals() -> Iterator[None]:
 
 @contextmanager
 def signals_wait() -> Iterator[None]:
-    """Delay signals to the end of the `with` block, in which files are moved."""
+    """Hold signals back until the end of the `with` block, in which files are moved."""
     waiting: list[int] = []
     try:
         with _handled_by(lambda number, _: waiting.append(number)):
