@@ -278,8 +278,8 @@ def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str
     """Return the note below the figure: definitions, and differences of other methods."""
     over_time = np.isfinite(comparison.fields[0].times[0])
     lines = [
-        "norm: norm of the difference over the whole face at the time at which it is greatest; "
-        "estimate: sum of both error estimates then. Single radii may lie above.",
+        "norm: greatest norm over time of the difference over the whole face; estimate: sum of "
+        "both error estimates then. Single radii may lie above.",
         "rms: root mean square, weighted by wear and area; d: indentation beyond the first touch, "
         "the greatest so far."
         if over_time
