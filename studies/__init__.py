@@ -1,9 +1,6 @@
-"""What people do with it.
-
-Scenes, contact and wear on any compliance, runs, studies, figures, the command line.
-"""
+"""Scenes, contact and wear on any compliance, runs, studies, figures and the command line."""
 
 import time
 
-# nanoseconds since the epoch: files that are edited later may be loaded as they were before
+# time of the first import in ns since the epoch: a file edited later may have been loaded before
 STARTED = time.time_ns()

@@ -1,4 +1,4 @@
-"""What the commands take: flags and arguments, as `argparse` is told of them."""
+"""Define flags and arguments of all commands for `argparse`."""
 
 import os
 import re
@@ -9,8 +9,8 @@ from typing import Any, NoReturn
 from .scene.explain import nearest
 from .scene.sources import bundled
 
-# arguments of `add_argument`, by their names
-Told = dict[str, Any]
+# keyword arguments of `ArgumentParser.add_argument`
+Settings = dict[str, Any]
 
 
 def _directory(text: str) -> Path:
@@ -76,21 +76,21 @@ def _steps(text: str) -> tuple[float, ...]:
 
 
 FLAGS = {
-    "--no-figures": "write numbers only: neither figures nor the page",
+    "--no-figures": "write numbers only, no figures and no page",
     "--no-report": "write figures, but not the page (report.html)",
     "--verbose": "print everything: each ring, every difference, the cost, what is modelled and "
     "left out",
     "--csv": "write the results as CSV tables, too",
     "--check": "also condense the finite elements, and report how stable their multipliers are",
-    "--refinement": "take the files as one program's, from coarse to fine, each half as coarse as "
-    "the one before",
-    "--design": "also say which further measurement would narrow the widest interval most",
-    "--quick": "conduct a smaller version of the study; it says first how long that takes",
-    "--dry-run": "only say what the sweep will take",
-    "--resume": "continue the sweep that is in the directory",
-    "--retry-failed": "continue like --resume, and try again the scenes that failed",
+    "--refinement": "treat the files as results of one program from coarse to fine, each with half "
+    "the size of the previous one",
+    "--design": "also print which further measurement would narrow the widest interval most",
+    "--quick": "conduct a smaller version of the study, and print first how long it takes",
+    "--dry-run": "only print what the sweep will need",
+    "--resume": "continue the sweep in the directory",
+    "--retry-failed": "continue like --resume, and compute scenes that failed again",
 }
-ARGUMENTS: dict[str, Told] = {
+ARGUMENTS: dict[str, Settings] = {
     **{flag: {"action": "store_true", "help": help} for flag, help in FLAGS.items()},
     "scene": {"help": "a TOML file, or the name of a bundled scene"},
     "name": {"nargs": "?", "help": "the name of a bundled scene, to print it"},
@@ -98,7 +98,7 @@ ARGUMENTS: dict[str, Told] = {
         "help": "a folder that `ringwear run` has written, a TOML file, or the name of a bundled "
         "scene"
     },
-    "B": {"help": "another one, which is compared with A"},
+    "B": {"help": "the same, to be compared with A"},
     "file": {
         "help": "a sweep file (described in studies/sweep/README.md), or the name of a bundled "
         "sweep"
@@ -106,14 +106,14 @@ ARGUMENTS: dict[str, Told] = {
     "files": {
         "nargs": "*",
         "metavar": "FILE",
-        "help": "CSV (columns time, radius, pressure, displacement, profile, or time, indentation, "
-        "normal_force), netCDF, or VTU of a half-space, of another program",
+        "help": "results of another program: CSV (columns time, radius, pressure, displacement, "
+        "profile, or time, indentation, normal_force), netCDF, or VTU of a half-space",
     },
     "words": {
         "nargs": "*",
         "metavar": "[NAME] FILE",
-        "help": "the problem (its name or number; that in the file's name if not given) and a file "
-        "as `ringwear check` reads it; NAME alone prints the problem, nothing lists all",
+        "help": "the problem (its name or number; by default the number in the file's name) and a "
+        "file for `ringwear check`; NAME alone prints the problem, no argument lists all problems",
     },
     "--for PROGRAM": {
         "dest": "program",
@@ -131,14 +131,14 @@ ARGUMENTS: dict[str, Told] = {
         "nargs": "+",
         "metavar": "DATA",
         "help": "measurements: CSV with columns time, indentation, normal_force; time, radius, "
-        "profile; worn_volume or lost_mass, worn_volume_1 that of the first ring from the centre",
+        "profile; worn_volume or lost_mass; worn_volume_1 for the first ring from the centre",
     },
     "--for": {
         "type": _names,
         "required": True,
         "metavar": "NAME,...",
         "dest": "parameters",
-        "help": "what is unknown: keys of the scene, such as punch.wear_coefficients (each of "
+        "help": "unknown parameters: keys of the scene, such as punch.wear_coefficients (all of "
         "them) or punch.wear_coefficients[1], or start_time, sensor_offset, machine_compliance",
     },
     "--noise": {
@@ -147,7 +147,7 @@ ARGUMENTS: dict[str, Told] = {
         "help": "standard deviation of the data, such as 2e-7, '0.2 um', '1 %%' of each value, or "
         "indentation=2e-7,profile=1e-6 (default: from the residuals)",
     },
-    "--density": {"help": "of the punch, if mass was lost, such as '7.8 g/cm^3'"},
+    "--density": {"help": "density of the punch for data on lost mass, such as '7.8 g/cm^3'"},
     "--size": {
         "type": float,
         "metavar": "H",
@@ -166,62 +166,63 @@ ARGUMENTS: dict[str, Told] = {
         "action": "append",
         "dest": "times",
         "metavar": "T",
-        "help": "a time of a worn face, in the units of the scene; may be repeated (default: the "
-        "last time of the scene); the start is always written",
+        "help": "a time for a deck of the worn face, in the units of the scene; may be repeated "
+        "(default: the last time of the scene); the start always has a deck",
     },
     "--within": {
         "type": _positive,
         "metavar": "X",
         "default": 0.01,
-        "help": "relative error that theirs may have, in the norm of each quantity (default: 0.01)",
+        "help": "allowed relative error of their results in the norm of each quantity "
+        "(default: 0.01)",
     },
     "--columns": {
         "type": _pairs,
         "metavar": "THEIRS=OURS,...",
-        "help": "names of their columns, each with the name of ours",
+        "help": "names of their columns, each with the name of the quantity in ringwear",
     },
     "--sizes": {
         "type": _sizes,
         "metavar": "H,...",
-        "help": "sizes of elements or steps, if the files are one program's, from coarse to fine",
+        "help": "sizes of elements or steps, from coarse to fine, if all files are results of one "
+        "program",
     },
     "--template": {
         "type": _directory,
         "metavar": "DIR",
-        "help": "write what another program has to model and to sample: a table, a mesh, "
-        "and the scene in words",
+        "help": "write files for another program: the table to fill in, a mesh, and the scene in "
+        "words",
     },
     "--units": {
         "default": "",
-        "help": "units of theirs, such as 'mm, N, MPa, s' (default: those of the scene)",
+        "help": "units of their results, such as 'mm, N, MPa, s' (default: those of the scene)",
     },
     "--out": {
         "type": _directory,
         "metavar": "DIR",
-        "help": "the directory to write to (default: results/NAME, NAME being that of the scene, "
+        "help": "the directory to write to (default: results/NAME with the name of the scene, "
         "study or file)",
     },
     "--rtol": {
         "type": _relative,
         "metavar": "X",
-        "help": "the relative accuracy that is wanted, in place of the scene's",
+        "help": "relative tolerance, instead of the scene's",
     },
     "--methods": {
         "metavar": "A,B",
-        "help": "methods in place of the scene's, separated by commas: mdr, bem, fem, direct, "
+        "help": "methods, separated by commas, instead of the scene's: mdr, bem, fem, direct, "
         "mdr-grid",
     },
     "--quantities": {
         "metavar": "A,B",
-        "help": "quantities, separated by commas, or history, fields, steady or all: only "
-        "these are "
-        "computed and judged, to the accuracy that is asked for",
+        "help": "quantities, separated by commas, or history, fields, steady or all: only these "
+        "are computed to the tolerance and judged",
     },
     "--memory": {
         "type": _positive,
         "metavar": "GIB",
-        "help": "the most memory to use, in GiB: what would need more is refused before it starts "
-        "(default: what the machine has)",
+        "help": "largest memory to use, in GiB; a run that needs more is refused before it starts "
+        "(default: the memory of the machine)",
     },
     "--scheduler": {
         "metavar": "ADDRESS",
@@ -231,10 +232,10 @@ ARGUMENTS: dict[str, Told] = {
         "type": _whole,
         "metavar": "N",
         "default": os.cpu_count() or 1,
-        "help": "the number of processes on this machine (default: as many as it has cores)",
+        "help": "the number of processes on this machine (default: the number of its cores)",
     },
 }
-OF_STUDIES: dict[str, tuple[str, Told]] = {
+OF_STUDIES: dict[str, tuple[str, Settings]] = {
     "meshes": (
         "--mesh",
         {
@@ -242,7 +243,8 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
             "default": [],
             "type": _name_of_file,
             "metavar": "FILE",
-            "help": "a mesh file of yours: .msh of gmsh, .vtu, ...; repeated, from coarse to fine",
+            "help": "a mesh file of your own (.msh of gmsh, .vtu, ...); repeat it from coarse to "
+            "fine",
         },
     ),
     "degree": (
@@ -255,8 +257,8 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
             "action": "append",
             "default": [],
             "metavar": "FILE.py:NAME",
-            "help": "a function of yours that takes a result of a run and returns a number; may be "
-            "repeated",
+            "help": "a function of your own that takes the result of a run and returns a number; "
+            "may be repeated",
         },
     ),
     "elements": (
@@ -271,7 +273,7 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
     ),
     "methods": (
         "--methods",
-        {"type": _names, "default": (), "help": "methods, comma-separated, in place of all"},
+        {"type": _names, "default": (), "help": "methods, separated by commas, instead of all"},
     ),
     "steps": (
         "--steps",
@@ -291,46 +293,48 @@ OF_STUDIES: dict[str, tuple[str, Told]] = {
         },
     ),
 }
-"""Options of studies by the name of the option: the flag, and what `argparse` is told of it."""
+"""Options of studies by their names: the flag and its settings for `argparse`."""
 
 
 class Parser(ArgumentParser):
-    """A parser that asks, of a command or an option that is not there, if the nearest is meant."""
+    """A parser that suggests the nearest name for an unknown command or option."""
 
     def error(self, message: str) -> NoReturn:
-        """Print how the command is used and what is wrong, and exit with status 2."""
+        """Print the usage of the command and the error, and exit with status 2."""
         flags = [*(name for name in ARGUMENTS if name.startswith("--"))]
         flags += [flag for flag, _ in OF_STUDIES.values()]
-        near = ""
+        suggestion = ""
         if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            near = nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
+            suggestion = nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
             if choice[1] in bundled() or choice[1].endswith(".toml"):
-                near = f"ringwear run {choice[1]}"
+                suggestion = f"ringwear run {choice[1]}"
         elif unknown := re.search(r"unrecognized arguments: (--[\w-]+)", message):
-            # without dashes, which all have
-            bare = {re.sub(r"\W", "", flag): flag for flag in flags}
-            near = bare.get(nearest(re.sub(r"\W", "", unknown[1]), bare), "")
-        super().error(f"{message}; did you mean {near}?" if near else message)
+            # compare without dashes, which are common to all flags
+            flags_without_dashes = {re.sub(r"\W", "", flag): flag for flag in flags}
+            suggestion = flags_without_dashes.get(
+                nearest(re.sub(r"\W", "", unknown[1]), flags_without_dashes), ""
+            )
+        super().error(f"{message}; did you mean {suggestion}?" if suggestion else message)
 
 
 EXAMPLES = """examples:
   ringwear run                          compute the scene five_rings
   ringwear scenes sphere > mine.toml    start a scene of your own
-  ringwear run mine.toml --rtol 1e-3    compute it to another accuracy
+  ringwear run mine.toml --rtol 1e-3    compute it with another tolerance
   ringwear deck mine.toml --for abaqus  write input files for another program
   ringwear check mine.toml abaqus.csv   check another program's results
   ringwear fit mine.toml data.csv --for punch.wear_coefficient
-                                        find its wear from measurements
-  ringwear study convergence --quick    see orders beside theory
+                                        fit wear coefficients to measurements
+  ringwear study convergence --quick    compare orders with theory
 """
 
 
 def add_arguments(parser: ArgumentParser, names: tuple[str, ...], scene: str | None) -> None:
-    """Add arguments to a command; the scene may be left out where there is one by default."""
+    """Add arguments to a command; the scene is optional if the command has a default scene."""
     for name in names:
         settings = ARGUMENTS[name]
         if name == "scene" and scene:
             help = f"{settings['help']} (default: {scene})"
             settings = {"nargs": "?", "default": scene, "help": help}
-        # two commands have a flag of the same name: what it takes tells them apart
+        # "--for" and "--for PROGRAM" are the same flag of two commands
         parser.add_argument(name.split()[0], **settings)

@@ -1,4 +1,4 @@
-"""What is told of arguments that a call in Python does not have: in one line, what to write."""
+"""Refuse unknown arguments of calls in Python with a line that says what to write instead."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -9,7 +9,7 @@ from .scene.explain import nearest, place_of, shown
 from .scene.scene import Scene
 
 Call = TypeVar("Call", bound=Callable[..., Any])
-# arguments by the names that other packages give them
+# arguments of ringwear by the names that other packages use
 OTHER_ARGUMENTS = {
     "method": "methods",
     "solver": "methods",
@@ -23,37 +23,39 @@ OTHER_ARGUMENTS = {
 
 
 def naming_arguments(call: Call) -> Call:
-    """Return a call that refuses an argument that it does not have by what to write instead.
+    """Return a function that refuses unknown arguments, and says what to write instead.
 
-    The refusal is a TypeError, as Python's own is.
+    The error is a TypeError, like Python's own.
     """
     parameters = signature(call).parameters
     names = [name for name, kind in parameters.items() if kind.kind != kind.VAR_KEYWORD]
     takes_any = len(names) < len(parameters)
 
     @wraps(call)
-    def refusing(*given: Any, **named: Any) -> Any:
-        for name, value in named.items():
+    def refusing(*positional: Any, **keywords: Any) -> Any:
+        for name, value in keywords.items():
             if name not in names and (not takes_any or name in OTHER_ARGUMENTS):
                 raise TypeError(_refusal(call.__name__, name, value, names))
-        return call(*given, **named)
+        return call(*positional, **keywords)
 
     return cast(Call, refusing)
 
 
 def _refusal(call: str, name: str, value: object, names: list[str]) -> str:
-    """Return what to write in place of an argument that a call does not have."""
-    told = f"{call}() has no argument {name!r}: "
-    other = OTHER_ARGUMENTS.get(name, "")
-    if other in (*names, "methods"):
-        return f"{told}write {other}={shown(value)}"
+    """Return the error message for an unknown argument."""
+    message = f"{call}() has no argument {name!r}: "
+    argument = OTHER_ARGUMENTS.get(name, "")
+    if argument in (*names, "methods"):
+        return f"{message}write {argument}={shown(value)}"
     key = place_of(name, Scene, Scene)
     if key.endswith(f".{name}"):
         changes = f"{{{key!r}: {shown(value)}}}"
         if call == "sweep":
-            return f"{told}write {call}({names[0]}, {changes})"
-        return f"{told}write {call}(scene.changed({changes}))"
+            return f"{message}write {call}({names[0]}, {changes})"
+        return f"{message}write {call}(scene.changed({changes}))"
     if name in ("out", "folder", "path"):
-        return f"{told}write {call}(...).save({shown(value)})"
-    near = nearest(name, names)
-    return f"{told}{f'did you mean {near}? ' if near else ''}it has {', '.join(names)}"
+        return f"{message}write {call}(...).save({shown(value)})"
+    suggestion = nearest(name, names)
+    return (
+        f"{message}{f'did you mean {suggestion}? ' if suggestion else ''}it has {', '.join(names)}"
+    )

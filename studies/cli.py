@@ -1,10 +1,13 @@
 """The command line: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
 
-Exit status: 0 done and the methods agree within their stated uncertainty; 3 done and they disagree,
-or one cannot reach the accuracy asked for, or results that are checked are off by more than they
-may, or a model does not fit measurements; 2 bad input; 1 anything else, such as a figure that could
-not be drawn or scenes of a sweep that failed, and when stopped by Ctrl-C or SIGTERM (finished rows
-of a study and scenes of a sweep are kept).
+Exit status:
+
+- 0: done, and the methods do not disagree;
+- 1: any other failure, such as a figure that could not be drawn or failed scenes of a sweep, or an
+  interruption by Ctrl-C or SIGTERM (finished rows of a study and scenes of a sweep are kept);
+- 2: bad input;
+- 3: done, but the methods disagree, or a method cannot reach `rtol`, or checked results have larger
+  errors than allowed, or a model does not fit the measurements.
 """
 
 import argparse
@@ -39,7 +42,7 @@ if TYPE_CHECKING:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    # at the end Python would search all that is left for garbage, which takes as long as a figure
+    # skip the garbage collection at exit, which takes as long as drawing a figure
     atexit.register(gc.freeze)
     options = _parser().parse_args(arguments)
     show_progress(of_stages=options.command not in ("plan", "study", "sweep"))
@@ -47,22 +50,23 @@ def main(arguments: list[str] | None = None) -> int:
         with ending_on_signals():
             return COMMANDS[options.command].conduct(options)
     except KeyboardInterrupt as stop:
-        told = str(stop) or "stopped; nothing half-written was left"
+        message = str(stop) or "stopped; no incomplete files are left"
     except SceneError as error:
         print(f"ringwear: {error}", file=sys.stderr)
         return Status.BAD_INPUT
     except RingwearError as error:
-        told = str(error)
+        message = str(error)
     except OSError as error:
-        told = f"{error.filename or 'a file'} could not be written: {error.strerror or error}"
-    print(f"ringwear: {told}", file=sys.stderr)
+        message = f"{error.filename or 'a file'} could not be written: {error.strerror or error}"
+    print(f"ringwear: {message}", file=sys.stderr)
     return Status.FAILED
 
 
 def _run(options: argparse.Namespace) -> Status:
     from .output.files import run_files, write_numbers
 
-    # nearly all that a run makes stays to its end: to search it for garbage takes a tenth of a run
+    # collect garbage less often: nearly all objects of a run live to its end, and searching them
+    # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
     from .predictions.memory import beyond_memory, machine_memory, predict_memory
@@ -74,7 +78,7 @@ def _run(options: argparse.Namespace) -> Status:
         from .figures.catalogue import PICTURES
 
         pictures = PICTURES
-    # that the folder can be written to is known before the work
+    # open the folder first, so that a folder that cannot be written to is refused before the work
     with output_folder(_out(options, options.scene), "run", run_files(pictures)) as folder:
         from .outcome.run import run
         from .report.page import show
@@ -84,7 +88,7 @@ def _run(options: argparse.Namespace) -> Status:
         result = run(scene)
         write_numbers(result, folder.hidden, options.csv)
         account = Account(result)
-        # nobody waits for the answer until all is drawn
+        # print the answer before drawing the figures
         with suppress(BrokenPipeError):
             print_account(account, options.verbose)
             sys.stdout.flush()
@@ -115,22 +119,22 @@ def _check(options: argparse.Namespace) -> Status:
     if options.template:
         from .check.template import write_template
 
-        made = ("template.csv", "scene.txt", "unworn.csv", "mesh.msh")
-        with output_folder(options.template, "template", made) as folder:
+        files = {"template.csv", "scene.txt", "unworn.csv", "mesh.msh"}
+        with output_folder(options.template, "template", files) as folder:
             print(*write_template(scene, options.units, folder.hidden), sep="\n")
         _print_files(folder, [])
         return Status.DONE
     if not options.files:
         raise SceneError(
-            "check holds results of other programs against ours: give their files, or --template "
-            "DIR for what they have to model and to sample"
+            "check compares results of other programs with ours: give their files, or --template "
+            "DIR to write a table for them to fill in"
         )
-    given = {Path(file).name: file for file in options.files}
-    if len(given) < len(options.files):
-        given = {file: file for file in options.files}
-    # of a refinement, each half as coarse as the one before it unless sizes are given
-    halved = [0.5**level for level in range(len(given))]
-    sizes = options.sizes or (halved if options.refinement else [])
+    others = {Path(file).name: file for file in options.files}
+    if len(others) < len(options.files):
+        others = {file: file for file in options.files}
+    # in a refinement each size is half of the previous one, unless sizes are given
+    halved_sizes = [0.5**level for level in range(len(others))]
+    sizes = options.sizes or (halved_sizes if options.refinement else [])
     out = _out(options, f"check_{Path(options.scene).stem}")
     files = run_files(PICTURES) | {"check.csv", "refinement.png"}
     with output_folder(out, "check", files) as folder:
@@ -138,8 +142,8 @@ def _check(options: argparse.Namespace) -> Status:
         from .report.page import show
         from .report.words import Account
 
-        how = {name: getattr(options, name) for name in ("within", "columns", "units")}
-        result = check(scene, given, sizes=sizes, **how)
+        settings = {name: getattr(options, name) for name in ("within", "columns", "units")}
+        result = check(scene, others, sizes=sizes, **settings)
         write_numbers(result, folder.hidden)
         write_check(result, folder.hidden)
         account = Account(result)
@@ -174,7 +178,7 @@ def _plan(options: argparse.Namespace) -> Status:
     print_scope(modelled(scene, methods), left_out(scene, methods))
     print("\nBy method", flush=True)
     print_lines(f"  {line}" for line in plan(scene))
-    # the finite elements' multipliers against a compliance that resolves every pressure they have
+    # compare the finite elements' multipliers with a compliance that resolves all their pressures
     for pair in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
             f"\nMultipliers: inf-sup constant {pair.stability**0.5:.2f}, least ratio of energies "
@@ -191,15 +195,15 @@ def _mesh(options: argparse.Namespace) -> Status:
         from .figures.mesh import write_mesh
         from .methods.fem_meshes import half_space_mesh
 
-        chosen = half_space_mesh(scene.problem)
-        write_mesh(scene, chosen.mesh, chosen.mesher, folder.hidden)
-    mesh, shape = chosen.mesh, quality(chosen.mesh)
+        half_space = half_space_mesh(scene.problem)
+        write_mesh(scene, half_space.mesh, half_space.mesher, folder.hidden)
+    mesh, qualities = half_space.mesh, quality(half_space.mesh)
     kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     print(
-        f"{mesh.nelements} {kind} by {chosen.mesher}, {len(mesh.boundaries['contact'])} facets on "
-        f"the contact, quality (least sine) {shape.min():.2f} to {shape.max():.2f}, mean "
-        f"{shape.mean():.2f}",
-        *(f"note: {note}" for note in chosen.notes),
+        f"{mesh.nelements} {kind} by {half_space.mesher}, {len(mesh.boundaries['contact'])} facets "
+        f"on the contact, quality (least sine) {qualities.min():.2f} to {qualities.max():.2f}, "
+        f"mean {qualities.mean():.2f}",
+        *(f"note: {note}" for note in half_space.notes),
         sep="\n",
     )
     _print_files(folder, [])
@@ -211,14 +215,14 @@ def _compare(options: argparse.Namespace) -> Status:
     from .report.printed import print_table
 
     with output_folder(_out(options, "compare"), "compare", FILES) as folder:
-        compared = compare(options.A, options.B)
-        compared.write(folder.hidden)
+        comparison = compare(options.A, options.B)
+        comparison.write(folder.hidden)
     print(f"A: {options.A}\nB: {options.B}")
-    for table in (compared.scenes, compared.shown):
+    for table in (comparison.scenes, comparison.shown):
         print()
         print_table(table.to_dict("records"))
-    print_lines(["", compared.verdict_in_words])
-    if compared.fields is None:
+    print_lines(["", comparison.verdict_in_words])
+    if comparison.fields is None:
         print("\ndifference.png is not drawn: no field is given by both at a common time")
     _print_files(folder, [])
     return Status.DONE
@@ -230,36 +234,36 @@ def _study(options: argparse.Namespace) -> Status:
     from .tables import keep_tables, keeping_rows
 
     name, scene = options.study, Scene.load(options.scene)
-    asked = _options_of_study(options)
-    refuse_what_does_not_fit(name, scene, asked)
+    study_options = _options_of_study(options)
+    refuse_what_does_not_fit(name, scene, study_options)
     if options.quick:
-        print(f"about {STUDIES[name].seconds} s on a machine of two cores", flush=True)
+        print(f"about {STUDIES[name].seconds} s on a machine with two cores", flush=True)
     with output_folder(_out(options, name), f"study {name}", ["report.html"]) as folder:
-        found, failures, record = None, list[str](), Record(folder.hidden)
+        results, failures, record = None, list[str](), Record(folder.hidden)
         with keeping_rows(record.conclusions):
-            found = conduct(name, scene, asked, record)
-        conclusions = list(found.conclusions if found else record.conclusions)
-        if found is None:
+            results = conduct(name, scene, study_options, record)
+        conclusions = list(results.conclusions if results else record.conclusions)
+        if results is None:
             keep_tables(folder.hidden)
         else:
             with keeping_rows(conclusions):
-                failures += found.write(folder.hidden)
+                failures += results.write(folder.hidden)
     print_lines(conclusions)
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
 
 
 def _options_of_study(options: argparse.Namespace) -> "Options":
-    """Return what the command line asks of a study, with quantities and elements loaded."""
+    """Return the options of a study from the command line, with quantities and elements loaded."""
     from .study.options import Options
     from .study.own_objects import load_element, load_quantity
 
-    given = {name: getattr(options, name) for name in STUDIES[options.study].takes}
-    if "quantities" in given:
-        given["quantities"] = dict(map(load_quantity, given["quantities"]))
-    if "elements" in given:
-        given["elements"] = tuple(map(load_element, given["elements"]))
-    return Options(options.quick, **given)
+    values = {name: getattr(options, name) for name in STUDIES[options.study].takes}
+    if "quantities" in values:
+        values["quantities"] = dict(map(load_quantity, values["quantities"]))
+    if "elements" in values:
+        values["elements"] = tuple(map(load_element, values["elements"]))
+    return Options(options.quick, **values)
 
 
 def _sweep(options: argparse.Namespace) -> Status:
@@ -284,7 +288,7 @@ def _scenes(options: argparse.Namespace) -> Status:
 
 
 class Command(NamedTuple):
-    """A command: its line of help, what does it, what it takes, scene by default, examples."""
+    """A command: line of help, function, names in `ARGUMENTS`, default scene, help examples."""
 
     help: str
     conduct: Callable[[argparse.Namespace], Status]
@@ -295,7 +299,7 @@ class Command(NamedTuple):
 
 COMMANDS = {
     "run": Command(
-        "compute a scene by every method that it names, and say how far they agree",
+        "compute a scene by every method that it names, and report how far they agree",
         _run,
         (
             *("scene", "--out", "--rtol", "--methods", "--quantities", "--no-figures"),
@@ -304,7 +308,7 @@ COMMANDS = {
         "five_rings",
     ),
     "check": Command(
-        "compare results of other programs with ours: by how much theirs err, and where",
+        "compare results of other programs with ours, and report how large their errors are",
         _check,
         (
             *("scene", "files", "--out", "--within", "--columns", "--units", "--refinement"),
@@ -312,7 +316,7 @@ COMMANDS = {
         ),
     ),
     "fit": Command(
-        "fit parameters of a scene to measurements: how well these tell them, and what they cannot",
+        "fit parameters of a scene to measurements, and report how well these determine them",
         _fit,
         (
             *("scene", "data", "--for", "--noise", "--density", "--design", "--columns"),
@@ -320,7 +324,7 @@ COMMANDS = {
         ),
     ),
     "plan": Command(
-        "say what a scene models and what it will cost",
+        "print what a scene models and what it will cost",
         _plan,
         ("scene", "--check"),
     ),
@@ -336,7 +340,7 @@ COMMANDS = {
     ),
     "study": Command("conduct a study: write figures and tables, and print conclusions", _study),
     "sweep": Command(
-        "compute many scenes over axes of scene keys, and keep them in one store",
+        "compute many scenes over axes of scene keys, and write them to one store",
         _sweep,
         (
             *("file", "--out", "--scheduler", "--workers", "--memory", "--dry-run", "--resume"),
@@ -344,7 +348,7 @@ COMMANDS = {
         ),
     ),
     "scenes": Command(
-        "list the bundled scenes, or print one, to start your own from", _scenes, ("name",)
+        "list the bundled scenes, or print one as a start for your own", _scenes, ("name",)
     ),
     **{name: Command(*row) for name, row in EXCHANGE.items()},
 }
@@ -352,8 +356,8 @@ COMMANDS = {
 
 PURPOSE = (
     "Compute how a rigid punch of concentric rings wears on an elastic half-space, by finite "
-    "elements, dimensionality reduction, boundary elements and direct integration, and say how far "
-    "these methods agree."
+    "elements, dimensionality reduction, boundary elements and direct integration, and report how "
+    "far these methods agree."
 )
 
 
@@ -367,17 +371,19 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name, command in COMMANDS.items():
-        form, examples = argparse.RawDescriptionHelpFormatter, command.examples
-        taker = commands.add_parser(name, help=command.help, epilog=examples, formatter_class=form)
-        add_arguments(taker, command.arguments, command.scene)
+        formatter, examples = argparse.RawDescriptionHelpFormatter, command.examples
+        subparser = commands.add_parser(
+            name, help=command.help, epilog=examples, formatter_class=formatter
+        )
+        add_arguments(subparser, command.arguments, command.scene)
         if name == "study":
-            names = taker.add_subparsers(required=True, metavar="NAME", dest="study")
+            names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
             for study, row in STUDIES.items():
-                taker = names.add_parser(study, help=row.purpose)
-                add_arguments(taker, ("scene", "--out", "--quick"), row.scene)
+                subparser = names.add_parser(study, help=row.purpose)
+                add_arguments(subparser, ("scene", "--out", "--quick"), row.scene)
                 for option in row.takes:
                     flag, settings = OF_STUDIES[option]
-                    taker.add_argument(flag, dest=option, **settings)
+                    subparser.add_argument(flag, dest=option, **settings)
     return parser
 
 

@@ -1,4 +1,4 @@
-"""Two results beside each other, in Python and for the command `compare`."""
+"""Compare two results, in Python and for the command `compare`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ FILES = "scenes.csv", "answers.csv", "comparison.png", "difference.png"
 
 @naming_arguments
 def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
-    """Compare two results: what differs between their scenes, in their answers and in their fields.
+    """Compare two results: their scenes, the numbers of their answers, and their fields.
 
     Parameters
     ----------
     a, b : Result, Scene, str, Path or dict
-        Results, or a folder that they were saved in; or a scene as `run` takes it, which is
-        computed.
+        A result, a folder with saved results, or a scene in any form that `run` accepts, which is
+        then computed.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
     Raises
     ------
     SceneError
-        if one cannot be read or computed, or if the scenes have different units
+        if one of them cannot be read or computed, or if the scenes have different units
 
     Examples
     --------
@@ -59,27 +59,27 @@ def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
     >>> found.table.set_index("quantity").loc["indentation_start", "B against A"]
     '+100 %'
     """
-    sources = [_source(each) for each in (a, b)]
-    first, second = (each if isinstance(each, Scene) else each.scene for each in sources)
+    sources = [_source(source) for source in (a, b)]
+    first, second = (source if isinstance(source, Scene) else source.scene for source in sources)
     refuse_other_units(first, second)
-    return Comparison(*(run(each) if isinstance(each, Scene) else each for each in sources))
+    return Comparison(*(run(source) if isinstance(source, Scene) else source for source in sources))
 
 
-def _source(given: Source | Outcome) -> Scene | Outcome:
-    """Return the results that are there, or the scene that is to be computed."""
-    if isinstance(given, Outcome):
-        return given
-    is_folder = isinstance(given, str | Path) and str(given) and Path(given).is_dir()
-    return load(str(given), StoredOutcome) if is_folder else Scene.of(given)
+def _source(source: Source | Outcome) -> Scene | Outcome:
+    """Return existing results, or the scene that is to be computed."""
+    if isinstance(source, Outcome):
+        return source
+    is_folder = isinstance(source, str | Path) and str(source) and Path(source).is_dir()
+    return load(str(source), StoredOutcome) if is_folder else Scene.of(source)
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Two results beside each other: `table`, `scenes`, `verdict`, `figures` and `save(folder)`.
+    """A comparison of two results: `table`, `scenes`, `verdict`, `figures` and `save(folder)`.
 
     Parameters
     ----------
-    a, b : what is compared
+    a, b : the two results
     """
 
     a: Outcome
@@ -87,30 +87,30 @@ class Comparison:
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """Each number of the punch: `quantity`, `A`, `B`, `B against A`, and what is `known`.
+        """A row for each number of the answer: `quantity`, `A`, `B`, `B against A`, `known`, ...
 
-        What is known is the sum of the relative errors that both sides state.
+        `known` is the sum of the relative error estimates of both results.
         """
         return answer_rows(self.a, self.b)
 
     @cached_property
     def scenes(self) -> pd.DataFrame:
-        """The keys of the scenes that differ: `key`, `A` and `B`."""
+        """A row for each scene key whose values differ: `key`, `A` and `B`."""
         return scene_rows(self.a, self.b)
 
     @cached_property
     def fields(self) -> FieldComparison | None:
-        """B minus A along the radius; None if no field is given by both at a common time."""
+        """B minus A along the radius; None if they have no field at a common time."""
         return field_comparison(self.a, self.b)
 
     @property
     def differing(self) -> pd.DataFrame:
-        """Rows of the table in which A and B differ by more than both state."""
+        """Rows of the table in which A and B differ by more than their error estimates."""
         return self.table[self.table["differs"]]
 
     @property
     def verdict(self) -> str:
-        """Either `same` or `differ`: whether any number differs by more than both sides state."""
+        """`differ` if any number differs by more than the error estimates of both; else `same`."""
         return "differ" if len(self.differing) else "same"
 
     @property
@@ -118,29 +118,29 @@ class Comparison:
         """The verdict in a sentence, with the number that differs most."""
         rows = self.differing
         if not len(rows):
-            return f"A and B are the same in {len(self.table)} numbers, to the errors both state."
-        most = rows.loc[rows["change"].abs().idxmax()]
+            return f"A and B are equal in {len(self.table)} numbers, within their error estimates."
+        row = rows.loc[rows["change"].abs().idxmax()]
         return (
-            f"A and B differ in {len(rows)} of {len(self.table)} numbers by more than both state, "
-            f"most in {most['quantity']}: {most['B against A'] or 'infinitely'}."
+            f"A and B differ in {len(rows)} of {len(self.table)} numbers by more than their error "
+            f"estimates, most in {row['quantity']}: {row['B against A'] or 'infinitely'}."
         )
 
     @cached_property
     def figures(self) -> "Mapping[str, Figure]":
-        """Figures by name: `comparison`, and `difference` where there are fields of both."""
+        """Figures by name: `comparison`, and `difference` if both results have the same fields."""
         from .figures.comparison import COMPARED_LOOKS, draw_comparison, titles
         from .figures.difference import draw_difference
         from .figures.scale import Scale
         from .figures.style import in_style
 
         with in_style():
-            drawn = {"comparison": draw_comparison(self.a, self.b)}
+            figures = {"comparison": draw_comparison(self.a, self.b)}
             if self.fields is not None:
                 title = ": ".join(titles(self.a, self.b))
-                drawn["difference"] = draw_difference(
+                figures["difference"] = draw_difference(
                     Scale(self.a.scene, COMPARED_LOOKS), title, (self.fields,)
                 )
-        return drawn
+        return figures
 
     def plot(self, kind: str = "comparison") -> "Figure":
         """Return one of the figures.
@@ -148,16 +148,16 @@ class Comparison:
         Raises
         ------
         SceneError
-            if there is none of that name
+            if there is no figure of that name
         """
         if kind not in self.figures:
-            near = nearest(str(kind), self.figures)
-            meant = f"did you mean {near!r}? Else " if near else ""
-            raise SceneError(f"no figure {kind!r}: {meant}give one of {', '.join(self.figures)}")
+            suggestion = nearest(str(kind), self.figures)
+            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
+            raise SceneError(f"no figure {kind!r}: {hint}give one of {', '.join(self.figures)}")
         return self.figures[kind]
 
     def write(self, folder: Path) -> None:
-        """Write tables and figures into a folder that is there."""
+        """Write tables and figures into an existing folder."""
         from .figures.style import in_style
 
         for file, table in zip(FILES, (self.scenes, self.shown), strict=False):
@@ -167,12 +167,12 @@ class Comparison:
                 figure.savefig(folder / f"{name}.png", pil_kwargs={"compress_level": 3})
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write what ``ringwear compare --out folder`` does; return the names of the files.
+        """Write the files of ``ringwear compare --out folder``; return their names.
 
         Raises
         ------
         SceneError
-            if the folder cannot be written to, or holds files of others with these names
+            if the folder cannot be written to, or contains other files with these names
         """
         with output_folder(Path(folder), "compare", FILES) as out:
             self.write(out.hidden)
@@ -180,11 +180,11 @@ class Comparison:
 
     @property
     def shown(self) -> pd.DataFrame:
-        """The columns of the table that are texts, for people."""
+        """The columns of the table that are printed."""
         return self.table[["quantity", "A", "B", "B against A", "known"]]
 
     def __repr__(self) -> str:
-        """Return what differs between the scenes, the table and the verdict."""
+        """Return the differing scene keys, the table and the verdict as text."""
         parts = [table.to_string(index=False) for table in (self.scenes, self.shown) if len(table)]
         return "\n\n".join([*parts, self.verdict_in_words])
 

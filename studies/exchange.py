@@ -16,14 +16,14 @@ DECK_EXAMPLES = """examples:
 CHALLENGE_EXAMPLES = """examples:
   ringwear challenge                                    list the problems
   ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
-  ringwear challenge 03_five_rings mine.csv             compare results of yours with it
+  ringwear challenge 03_five_rings mine.csv             compare your results with it
   ringwear challenge 03_mine.csv                        the same, by the number in the file's name
 """
 
 
 def deck(options: argparse.Namespace) -> Status:
-    """Write the decks of a scene."""
-    # by its name, as studies are
+    """Write the input files (decks) of a scene for another program."""
+    # imported by its name, like the studies
     decks = import_module("ringwear.studies.decks.deck")
     scene = Scene.load(options.scene)
     times = tuple(options.times) if options.times else None
@@ -37,7 +37,7 @@ def deck(options: argparse.Namespace) -> Status:
 
 
 def challenge(options: argparse.Namespace) -> Status:
-    """List the problems of the challenge, print one, or compare results with one."""
+    """List the problems of the challenge, print one as a scene, or compare results with it."""
     from .challenge.problems import problem_named, problem_of_file, problems
 
     match options.words:
@@ -73,4 +73,4 @@ COMMANDS = {
         CHALLENGE_EXAMPLES,
     ),
 }
-"""What `Command` of the command line takes, by the name of the command."""
+"""Arguments of `Command` in the command line, by the name of the command."""

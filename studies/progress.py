@@ -1,4 +1,4 @@
-"""What happens, as it happens: the log, and timed stages of a method."""
+"""Report progress: the log, and the timed stages of each method."""
 
 import logging
 import sys
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 LOG = logging.getLogger("ringwear")
-STAGES = LOG.getChild("stages")  # of single methods: more than a study wants to show
+STAGES = LOG.getChild("stages")  # stages of single methods, which studies and sweeps do not show
 
 
 @dataclass
@@ -29,7 +29,7 @@ class Stages:
 
 
 def show_progress(of_stages: bool) -> None:
-    """Show the log on standard error, if wanted with the stages of single methods."""
+    """Show the log on standard error, with the stages of single methods if `of_stages`."""
     LOG.setLevel(logging.INFO)
     STAGES.setLevel(logging.NOTSET if of_stages else logging.WARNING)
     if not any(isinstance(handler, Terminal) for handler in LOG.handlers):
@@ -37,9 +37,10 @@ def show_progress(of_stages: bool) -> None:
 
 
 class Terminal(logging.Handler):
-    """The log on standard error.
+    """Handler that prints the log on standard error.
 
-    On a terminal unfinished lines are written over; elsewhere one shows every ten seconds.
+    On a terminal, the next line overwrites an unfinished one ("..."). Elsewhere, an unfinished line
+    is printed at most every ten seconds.
     """
 
     _last = float("-inf")

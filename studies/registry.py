@@ -1,6 +1,6 @@
-"""The methods by name, and what tells of an interruption. Nothing is imported until it is used.
+"""Names of the methods, and the text about an interruption.
 
-A method is a file with an object ``METHOD`` (`studies/methods/base.py`).
+A method is a file with an object ``METHOD`` (`studies/methods/base.py`), imported at its first use.
 """
 
 METHODS = ("mdr", "mdr-grid", "bem", "direct", "fem")

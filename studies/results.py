@@ -1,4 +1,4 @@
-"""What a script works with: runs of scenes, and results that show, save and load themselves."""
+"""The public calls `run`, `load` and `check`, and the classes of their results."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
@@ -39,18 +39,17 @@ def run(
     """Compute everything that a scene asks for, by every method it names, and compare them.
 
     Every method solves the same problem: a rigid punch of concentric rings on an elastic
-    half-space, which wears by Archard's law ``df/dt = k p v``. Each estimates its own errors, so
-    that two methods can be compared.
+    half-space that wears by Archard's law ``df/dt = k p v``. Each method estimates its own errors,
+    so that two methods can be compared.
 
     Parameters
     ----------
     scene : Scene, str, Path or dict
-        What is computed: punch, half-space, load, times, and the relative accuracy ``rtol``. A
-        Scene, the name of a bundled one, a file, or nested dictionaries; its numbers are in any
-        consistent units.
+        Punch, half-space, load, times and the relative tolerance ``rtol``: a Scene, the name of a
+        bundled scene, a file, or nested dictionaries. Its numbers are in any consistent units.
     methods : sequence of str or Method, optional
-        Methods in place of the scene's, by their names, or as objects of one's own. Their order is
-        that of results and figures.
+        Names of methods, or your own Method objects, instead of the scene's methods. Results and
+        figures are in this order.
 
         ========  ========================  ========================  ==================  =======
         name      gives                     punches                   error falls         seconds
@@ -63,31 +62,32 @@ def run(
         ========  ========================  ========================  ==================  =======
 
         * 'mdr' (dimensionality reduction): the default choice. Its energy is exact for every
-          axisymmetric pressure, so that only the pressures and, for shaped punches, the steps are
-          discretised.
-        * 'bem' (boundary elements): the same pressures by the ring kernel of Eq. 19. It uses no
-          identity of the MDR: choose it to check 'mdr' at the same cost.
+          axisymmetric pressure, so that only the pressures and, for shaped punches, the time steps
+          are discretised.
+        * 'bem' (boundary elements): the same pressures with the ring kernel of Eq. 19. It uses no
+          identity of the MDR; choose it to check 'mdr' at the same cost.
         * 'fem' (finite elements): a meshed half-space with Boussinesq's far field. It shares
-          neither a kernel nor a mesh with the others, and alone gives displacements and stresses
-          inside. Choose it as the independent check, or to test a mesh. On triangles its energies
-          are of order 2k in the element size, for displacements of degree k.
-        * 'direct' (direct integration, Eqs. 21 to 27): the steady state to roundoff. Choose it
-          where no history is wanted, in sweeps above all. It refuses a wear coefficient that varies
-          along the radius, and a fixed indentation, under which nothing presses in the end.
+          neither a kernel nor a mesh with the others, and is the only method with displacements
+          and stresses inside the half-space. Choose it as the independent check, or to test a mesh.
+          On triangles its energies converge with order 2k in the element size, for displacements of
+          degree k.
+        * 'direct' (direct integration, Eqs. 21 to 27): the steady state to roundoff. Choose it if
+          no history is needed, especially in sweeps. It refuses a wear coefficient that varies
+          along the radius, and a fixed indentation, under which the pressure decays to zero.
         * 'mdr-grid' (the algorithm of the paper): springs on a uniform grid and explicit steps, of
-          first order in both; five rings by 400 springs err by 1.8e-3 in the indentation. Choose it
-          to reproduce the paper. It also refuses hollow punches, loads that vary, and scenes
-          without times.
+          first order in both; the indentation of five rings with 400 springs has the relative error
+          1.8e-3. Choose it to reproduce the paper. It also refuses hollow punches, loads that vary,
+          and scenes without times.
 
-        "Exponentially" is with the number of unknowns, for contact whose edges do not move. While
-        edges move, pressures are linear on cells, and steps in time are of second order. Seconds
-        are those of solving `five_rings` at ``rtol = 1e-4`` on one core, with the error estimate,
-        as `summary.json` lists them.
+        "Exponentially" refers to the number of unknowns, for contact whose edges do not move. While
+        edges move, pressures are linear on cells, and time steps are of second order. The seconds
+        are those of solving `five_rings` at ``rtol = 1e-4`` on one core, including the error
+        estimate, as in `summary.json`.
 
     rtol : float, optional
-        Relative accuracy wanted, in place of the scene's.
+        Relative tolerance, instead of the scene's.
     quantities : sequence of str, optional
-        Names of quantities wanted, or groups of them, in place of the scene's.
+        Names of quantities, or of groups of them, instead of the scene's.
 
     Returns
     -------
@@ -96,45 +96,46 @@ def run(
 
         dataset : xarray.Dataset
             Quantities by solver, time, radius, ring and mode, in the scene's units; the relative
-            error estimate of each is in ``<quantity>_error``. NaN where a method does not give it.
+            error estimate of each is in ``<quantity>_error``. NaN if a method does not compute it.
         answers : dict
             The numbers of the answer, by method.
         verdict : str
             "agree", "disagree" or "undecided".
         agreement : tuple of Agreement
-            A row for each quantity and pair of methods.
+            The verdict on each quantity and pair of methods.
         anchors : tuple of Anchor
             Comparisons of reported numbers with closed forms and conservation laws.
         operators : tuple of OperatorDifference
             Comparisons of methods for every pressure at once.
         summary : dict
-            All of that but the fields, and the seconds, sizes and notes of each method.
+            All of these except the fields, and the seconds, sizes and notes of each method.
 
     Raises
     ------
     SceneError
-        If a method cannot solve the scene; the message names the key and the remedy. Nothing is
-        computed then.
+        If a method cannot solve the scene; the message names the key and the remedy. This is
+        raised before anything is computed.
     MeshError
-        If a mesh of the half-space cannot be made.
+        If a mesh of the half-space cannot be generated.
     SolverError
-        If a system has no meaningful solution.
+        If a linear system has no meaningful solution.
 
     Notes
     -----
-    **Accuracy.** ``rtol`` bounds the relative error of every quantity, each in a norm of its own.
-    A method whose own estimates fall short of it solves again with finer sizes, unless the scene
-    gives the sizes. `Result.left_out_of_promise` lists what cannot be promised, and why.
+    **Accuracy.** ``rtol`` bounds the relative error of every quantity in the norm of the quantity.
+    If a method's error estimates are larger, it solves again with finer sizes, unless the scene
+    gives the sizes. `Result.left_out_of_promise` lists the quantities and times for which this
+    accuracy is not promised, with the reasons.
 
-    **Verdict.** Two methods *agree* on a quantity if, at every time, each states an error of at
-    most ``rtol`` (twice that while edges of the contact move) and they differ by at most twice
-    what each may state. They *disagree* if they differ by more than that and by more than the sum
-    of their error estimates. All else is *undecided*. The verdict on the run is the least of all
-    that is promised. It is "disagree" if an anchor does not hold, and "undecided" if an anchor is
-    missing or if there is one method only. A larger error estimate never turns a verdict into
-    "agree".
+    **Verdict.** Two methods *agree* on a quantity if, at every time, both error estimates are at
+    most ``rtol`` (twice that while edges of the contact move) and the difference is at most twice
+    this bound. They *disagree* if the difference is larger than that and larger than the sum of
+    both error estimates. All other cases are *undecided*. The verdict on the run is the worst one
+    on the promised quantities. It is "disagree" if an anchor does not hold, and "undecided" if an
+    anchor is missing or if there is only one method. A larger error estimate never turns a verdict
+    into "agree".
 
-    Progress goes to the logger `ringwear`.
+    Progress is logged by the logger `ringwear`.
 
     Examples
     --------
@@ -155,9 +156,9 @@ def run(
     'agree'
     """
     entries = listed(methods or ())
-    if strange := [entry for entry in entries if not isinstance(entry, str | Method)]:
+    if invalid := [entry for entry in entries if not isinstance(entry, str | Method)]:
         raise SceneError(
-            f"methods has {strange[0]!r}: give names, {', '.join(METHODS)}, or objects of a Method"
+            f"methods has {invalid[0]!r}: give names, {', '.join(METHODS)}, or objects of a Method"
         )
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
@@ -165,7 +166,7 @@ def run(
 
 
 class Result(Outcome):
-    """Everything that a run computed.
+    """All results of a run.
 
     `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
     `agreement`, `anchors`, `summary`, `plot(kind)` and `save(folder)`.
@@ -177,19 +178,19 @@ class Result(Outcome):
 
     def _repr_html_(self) -> str:
         """Return the answer, the verdict and one figure as HTML, for notebooks."""
-        told = f"<pre>{escape(repr(self))}</pre>"
+        text = f"<pre>{escape(repr(self))}</pre>"
         if not self._pictures:
-            return told
+            return text
         from .figures.style import html_of
 
-        return told + html_of(self.plot())
+        return text + html_of(self.plot())
 
     @property
     def _pictures(self) -> "dict[str, Picture]":
-        """The figures that the results have, by their names."""
+        """The figures that can be drawn from the results, by their names."""
         from .figures.catalogue import PICTURES
 
-        return {Path(of.file).stem: of for of in PICTURES if of.drawn_for(self)}
+        return {Path(picture.file).stem: picture for picture in PICTURES if picture.drawn_for(self)}
 
     def __getitem__(self, quantity: str) -> "DataArray":
         """Return a quantity or a coordinate of `dataset`.
@@ -197,22 +198,22 @@ class Result(Outcome):
         Raises
         ------
         SceneError
-            if it has none of that name, naming the nearest
+            if there is none of that name; the message suggests the nearest name
         """
         if quantity not in self.dataset.variables:
             names = [str(name) for name in self.dataset.variables]
-            near = _quantity_like(str(quantity), names)
-            meant = f"did you mean {near!r}? Else " if near else ""
+            suggestion = _quantity_like(str(quantity), names)
+            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
             raise SceneError(
-                f"no {quantity!r} in these results: {meant}give one of {', '.join(names)}"
+                f"no {quantity!r} in these results: {hint}give one of {', '.join(names)}"
             )
         return self.dataset[quantity]
 
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> object:
-            """Tell what to write in place of what a result does not have."""
-            if not name.startswith("_") and hasattr(type(self), name):  # a property that has failed
+            """Raise an AttributeError that says what to write instead."""
+            if not name.startswith("_") and hasattr(type(self), name):  # a property has failed
                 return object.__getattribute__(self, name)
             raise AttributeError(f"a result has no {name!r}{_instead_of(name)}")
 
@@ -223,29 +224,29 @@ class Result(Outcome):
         ----------
         kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
             ``"difference"``, ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default
-            the first of them that the results have
+            the first of these that can be drawn
 
         Raises
         ------
         SceneError
-            if the results have no such figure, naming those that they have
+            if the results have no such figure; the message lists the available ones
         """
-        drawn = self._pictures
-        kind = kind or next(iter(drawn), "")
-        if not isinstance(kind, str) or kind not in drawn:
-            there = ", ".join(drawn) or "none: all quantities asked for are numbers"
-            near = nearest(str(kind), drawn)
-            meant = f"did you mean {near!r}? Else " if near else ""
-            raise SceneError(f"no figure {kind!r} of these results: {meant}give one of {there}")
-        return drawn[kind].figure(self)
+        pictures = self._pictures
+        kind = kind or next(iter(pictures), "")
+        if not isinstance(kind, str) or kind not in pictures:
+            available = ", ".join(pictures) or "none: all selected quantities are numbers"
+            suggestion = nearest(str(kind), pictures)
+            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
+            raise SceneError(f"no figure {kind!r} of these results: {hint}give one of {available}")
+        return pictures[kind].figure(self)
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write what ``ringwear run --out folder`` does; return the names of the files.
+        """Write the files of ``ringwear run --out folder``; return their names.
 
         Raises
         ------
         SceneError
-            if the folder cannot be written to, or holds files of others with these names
+            if the folder cannot be written to, or contains other files with these names
         RingwearError
             if a figure cannot be drawn
         """
@@ -260,7 +261,7 @@ class Result(Outcome):
 
 
 class Stored(Result, stored.StoredOutcome):
-    """Results that were written: all numbers, and the figures that need no more."""
+    """Results from a folder: all numbers, and the figures that need only these."""
 
 
 def load(folder: str | Path) -> Stored:
@@ -269,15 +270,15 @@ def load(folder: str | Path) -> Stored:
     Raises
     ------
     SceneError
-        if the folder holds none that can be read
+        if the folder contains no results that can be read
     """
     return stored.load(folder, Stored)
 
 
 class Checked(Result, checked.CheckedOutcome):
-    """A run beside which results of other programs stand.
+    """A run together with results of other programs, which are compared with it.
 
-    `verdicts`, `diagnoses` and `passes` tell about these results.
+    `verdicts`, `diagnoses` and `passes` describe these results.
     """
 
 
@@ -285,22 +286,23 @@ class Checked(Result, checked.CheckedOutcome):
 def check(
     scene: Source, given: "Mapping[str, OthersResults] | OthersResults", **how: Any
 ) -> Checked:
-    """Hold results of other programs against ours, at their times and radii.
+    """Compare results of other programs with ours, at their times and radii.
 
     Parameters
     ----------
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
-    given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs; or
-        one alone, which is called "theirs", or by the name of its file
-    how : `methods` of ours, in place of the scene's; `within`, the relative error that theirs are
-        allowed, 0.01; `columns`, names of ours by theirs, ``{"p": "pressure"}``; `units` of theirs,
-        such as ``"mm, N, MPa, s"``, if not the scene's; `sizes`, decreasing, if they are of one
-        program from coarse to fine
+    given : results of other programs: CSV or netCDF files, DataFrames or xarray Datasets, by the
+        names of the programs; or a single one, which is named after its file, or "theirs"
+    how : `methods`, methods of ringwear instead of the scene's; `within`, the allowed relative
+        error of their results, by default 0.01; `columns`, our names by theirs,
+        ``{"p": "pressure"}``; `units`, the units of their results, such as ``"mm, N, MPa, s"``, if
+        they differ from the scene's; `sizes`, decreasing element sizes, if the results are those of
+        one program from coarse to fine
 
     Raises
     ------
     SceneError
-        if a table cannot be read, naming the file, the line, the column and the remedy
+        if a table cannot be read; the message names the file, the line, the column and the remedy
 
     Examples
     --------
@@ -318,15 +320,15 @@ def check(
 
 
 def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":
-    """Return results of others by the names of their programs."""
+    """Return results of other programs by the names of the programs."""
     kinds = (str, Path)
-    # a dataset is a mapping, too, of its variables
+    # a Dataset is a mapping, too, but it has `to_dataframe`
     if isinstance(given, Mapping) and not hasattr(given, "to_dataframe"):
-        if any(isinstance(of, kinds) or hasattr(of, "columns") for of in given.values()) or any(
-            hasattr(of, "data_vars") for of in given.values()
-        ):
+        if any(
+            isinstance(value, kinds) or hasattr(value, "columns") for value in given.values()
+        ) or any(hasattr(value, "data_vars") for value in given.values()):
             return dict(given)
-        if given:  # columns
+        if given:  # the columns of one table
             from pandas import DataFrame
 
             return {"theirs": DataFrame(given)}
@@ -335,31 +337,31 @@ def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[s
     if hasattr(given, "columns") or hasattr(given, "data_vars"):
         return {"theirs": given}
     raise SceneError(
-        f"no results of others in {shown(given)}: give files, DataFrames or Datasets by the names "
-        "of their programs, {'abaqus': 'abaqus.csv'}, or one alone"
+        f"no results of other programs in {shown(given)}: give files, DataFrames or Datasets by "
+        "the names of the programs, {'abaqus': 'abaqus.csv'}, or a single one"
     )
 
 
 def _quantity_like(name: str, names: Iterable[str]) -> str:
-    """Return the one of our names that somebody else's stands for; empty if it is like none."""
+    """Return which of our names is meant by another name; empty if none is similar."""
     from .check.csv_files import SYMBOLS
 
     return nearest(SYMBOLS.get(name, name), names)
 
 
 def _instead_of(name: str) -> str:
-    """Return what to write in place of what a result does not have."""
-    if other := OTHER_CALLS.get(name):
-        return f": write result.{other}"
-    public = [known for known in dir(Result) if not known.startswith("_")]
-    if near := nearest(name, public, 0.8):
-        return f": did you mean result.{near}?"
-    if near := _quantity_like(name, [*DESCRIBED, "time", "radius", "solver"]):
-        return f": write result.dataset.{near}"
+    """Return what to write instead of an attribute that a result does not have."""
+    if replacement := OTHER_CALLS.get(name):
+        return f": write result.{replacement}"
+    public = [attribute for attribute in dir(Result) if not attribute.startswith("_")]
+    if suggestion := nearest(name, public, 0.8):
+        return f": did you mean result.{suggestion}?"
+    if suggestion := _quantity_like(name, [*DESCRIBED, "time", "radius", "solver"]):
+        return f": write result.dataset.{suggestion}"
     return f"; it has {', '.join(public)}"
 
 
-# what to write in place of calls that other packages have
+# what to write instead of names that other packages use
 OTHER_CALLS = {
     "times": "dataset.time",
     "radii": "dataset.radius",

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class Status(IntEnum):
-    """What the command line returns."""
+    """Exit status of the command line (`studies/cli.py` lists the cases)."""
 
     DONE = 0
     FAILED = 1

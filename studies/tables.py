@@ -1,4 +1,4 @@
-"""Tables as files: cells are no formulas, and of studies that were stopped rows are kept."""
+"""Write tables as CSV without spreadsheet formulas, and keep finished rows of stopped studies."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -12,19 +12,19 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 Row = Mapping[str, Any]
-# beginnings of a text that spreadsheets compute
+# first characters of a text that spreadsheets evaluate as a formula
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-# a signed number, with a unit or without, is harmless
+# a signed number, with or without a unit, is no formula
 NUMBER = re.compile(r"[-+][\d.]+(e[-+]?\d+)?( [\w%/^³]+)?")
 
 
 def write_csv(table: "DataFrame", path: Path) -> None:
-    """Write a table as CSV, whose texts no spreadsheet computes."""
+    """Write a table as CSV, so that spreadsheets evaluate none of its texts as a formula."""
     without_formulas(table).to_csv(path, index=False)
 
 
 def without_formulas(table: "DataFrame") -> "DataFrame":
-    """Return a table with an apostrophe before each text that spreadsheets would compute."""
+    """Return a table with an apostrophe before each text that spreadsheets would evaluate."""
     return table.rename(columns=_as_text).map(_as_text)
 
 
@@ -36,9 +36,10 @@ def _as_text(cell: object) -> object:
 
 @contextmanager
 def keeping_rows(conclusions: list[str]) -> Iterator[None]:
-    """Stop the computing, not the study, at Ctrl-C.
+    """End the `with` block, but not the study, at Ctrl-C.
 
-    What is finished is still tabulated, drawn and named incomplete.
+    The study still writes tables and figures of the finished rows; a conclusion says that it was
+    interrupted.
     """
     try:
         yield
@@ -47,10 +48,10 @@ def keeping_rows(conclusions: list[str]) -> Iterator[None]:
 
 
 def keep_tables(directory: Path) -> None:
-    """Remove all files but the tables of a study that was stopped between its rows.
+    """Remove all files except the tables of a study that was interrupted.
 
-    Other files may be incomplete, but tables are complete after every row. Files whose names begin
-    with a dot stay.
+    Tables are complete after every row, but other files may be incomplete. Files whose names begin
+    with a dot are kept.
 
     Raises
     ------

@@ -1,6 +1,7 @@
-"""Versions of ringwear and of what it computes with, and a hash of its own files.
+"""Versions of ringwear and of its dependencies, and a hash of ringwear's files.
 
-Results carry the versions; sweeps, which several processes compute at several times, both.
+Results contain the versions. Sweeps, which several processes may compute at different times, also
+contain the hash.
 """
 
 import hashlib
@@ -19,7 +20,7 @@ PACKAGES = ("meshes", "mdr", "fem", "studies")
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of ringwear and of what it computes with."""
+    """Return the versions of ringwear and of its dependencies."""
     names = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")
     installed = {}
     for name in names:
@@ -38,15 +39,15 @@ def computed_with() -> dict[str, str]:
 def code() -> str:
     """Return a hash of ringwear's files, as this process has loaded them.
 
-    Files are read at the first call, and those that Python loads later once more when they are
-    loaded. What is edited after that does not change the hash, as it does not change the process.
-    A file that was edited between the start and the first call may be loaded as it was before: it
-    counts as one that nobody else has.
+    Files are read at the first call. A file that Python loads later is read again at the next call
+    after that. Later edits change neither the process nor the hash. If a file was edited between
+    the start and the first call, it is unknown which version was loaded; such a file counts as
+    different from all other versions.
     """
     files, modules = _files(), _loaded_modules()
-    if later := modules - _noted:
-        _noted.update(later)
-        changed = {file: _digest(file) for file in _files_of(later) & files.keys()}
+    if new_modules := modules - _hashed_modules:
+        _hashed_modules.update(new_modules)
+        changed = {file: _digest(file) for file in _files_of(new_modules) & files.keys()}
         files |= {file: (files[file][0], digest) for file, digest in changed.items()}
         _hash.cache_clear()
     return _hash()
@@ -54,19 +55,19 @@ def code() -> str:
 
 @cache
 def _hash() -> str:
-    told = sorted(f"{name} {digest}" for name, digest in _files().values())
-    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:16]
+    lines = sorted(f"{name} {digest}" for name, digest in _files().values())
+    return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
 
 
 def stamp() -> int:
-    """Return a whole number of 64 bits for all that results are computed with."""
-    told = json.dumps(computed_with(), sort_keys=True).encode()
-    return int.from_bytes(hashlib.sha256(told).digest()[:8], "big")
+    """Return a 64-bit integer that identifies all versions and the files of ringwear."""
+    text = json.dumps(computed_with(), sort_keys=True).encode()
+    return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
 
 
 @cache
 def _files() -> dict[Path, tuple[str, str]]:
-    """Return the name within the package and a hash of each of its files."""
+    """Return the name within the package and a hash of each file, by its path."""
     files, modules = dict[Path, tuple[str, str]](), _loaded_modules()
     loaded = _files_of(modules)
     for package in PACKAGES:
@@ -74,17 +75,17 @@ def _files() -> dict[Path, tuple[str, str]]:
         (folder,) = spec.submodule_search_locations or [""] if spec else [""]
         for file in sorted(Path(folder).rglob("*.py")):
             name = f"{package}/{file.relative_to(folder).as_posix()}"
-            # the front of the package is another folder where it is installed
+            # skip the public package, which is a different folder in an installation
             if not name.startswith("studies/api/"):
                 changed = file.stat().st_ctime_ns
                 edited = file in loaded and changed > STARTED
                 files[file] = name, f"edited, {changed}" if edited else _digest(file)
-    _noted.update(modules)
+    _hashed_modules.update(modules)
     return files
 
 
-_noted = set[str]()
-"""Modules whose files have been hashed as they were loaded."""
+_hashed_modules = set[str]()
+"""Names of loaded modules whose files have been hashed."""
 
 
 def _loaded_modules() -> set[str]:

@@ -17,8 +17,8 @@ class Anchor:
     ----------
     name : what is checked
     method : name of the method whose report is checked
-    difference : relative difference, where it is the greatest part of the tolerance
-    tolerance : relative difference that is allowed there
+    difference : relative difference, of the entry with the largest difference over tolerance
+    tolerance : allowed relative difference of that entry
     """
 
     name: str
@@ -33,9 +33,9 @@ class Anchor:
 
 
 class Row(NamedTuple):
-    """What one anchor compares; arrays broadcast against each other.
+    """A value and the reference that it must equal; arrays broadcast against each other.
 
-    The difference is taken relative to `scale`, or to `reference` if there is no scale.
+    The difference is relative to `scale`, or to `reference` if there is no scale.
     """
 
     name: str
@@ -49,7 +49,7 @@ Rows = Iterator[Row]
 
 
 def judge(row: Row, method: str) -> Iterator[Anchor]:
-    """Yield the anchor of a row, where the difference is the greatest part of the tolerance.
+    """Yield the anchor of a row: its entry with the largest difference over tolerance.
 
     A value that is not a number fails. Nothing is yielded if every tolerance is infinite, because
     such an anchor could not fail.

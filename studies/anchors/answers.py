@@ -1,91 +1,107 @@
-"""Check numbers of the answer against both ends of the running-in and other reported numbers."""
+"""Check the numbers of the answer against the start, the steady state and the reported series."""
 
 import numpy as np
 
 from .anchor import Row, Rows
-from .reported import DOUBT, EXACT, Reported
+from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
-# relative change of a time over which the rate of what is left is taken
-NEARBY = 1e-3
-# a number below which nothing has worn
-LEAST = 1e-300
-# sums over the face of shaped profiles, whose edges lie between its radii, may be off by this part
-BETWEEN_RADII = 1e-3
+# relative step in time of the difference quotient that gives the decay rate of the running-in
+RELATIVE_TIME_STEP = 1e-3
+# scale of a difference if all values are zero; it only prevents a division by zero
+SMALLEST_SCALE = 1e-300
+# relative error of a sum over the face if the punch is shaped: edges of its contact lie between the
+# radii of the face
+SHAPED_SUM_ERROR = 1e-3
 
 
 def check_times_of_running_in(report: Reported) -> Rows:
-    """Compare what is left at the reported times with the part that their names tell.
+    """Compare the remaining part of the running-in at `time_to_90` and so on with its definition.
 
-    The whole change is known from both of its ends, in closed form if wear is constant on rings.
-    The method's own change differs from it by the errors that the method states of both ends.
+    The total change from the start to the steady state is known in closed form if wear is constant
+    on rings. The method's own total change may differ from it by the errors that the method states
+    for the start and for the steady state.
     """
-    wear, problem = report.solution.wear, report.problem
-    if wear is None or not report.full:
+    running_in, problem = report.solution.wear, report.problem
+    if running_in is None or not report.full_contact:
         return
-    for name, part in problem.load_regime.remaining_fractions.items():
-        if not report.given(name):
-            # the verdict is undecided then
+    for name, remaining_part in problem.load_regime.remaining_fractions.items():
+        if not report.has(name):
+            # the verdict is undecided if such a number is missing
             continue
         time = float(report.take(name))
-        if report.fixed:
-            whole, doubt = report.flat.indentation, 0.0
+        if report.fixed_indentation:
+            total_change, error = report.flat.indentation, 0.0
         elif report.graded:
-            whole, doubt = wear.total_change, 0.0
+            total_change, error = running_in.total_change, 0.0
         else:
-            moved = report.steady_displacement(report.face.radii)[None]
-            steady, doubts = report.integrate(moved, report.steady_wear_rate / report.wear)
+            displacement = report.steady_displacement(report.face.radii)[None]
+            steady, errors = report.integrate(displacement, report.steady_wear_rate / report.wear)
             start = report.flat.indentation
-            whole, doubt = float(steady[0]) - start, float(doubts[0])
-            doubt += report.stated("indentation_start") * start
-            doubt += report.stated("indentation_steady") * float(steady[0])
-        near = wear.modes.remaining_change(time * np.array([1 - NEARBY, 1.0, 1 + NEARBY]))
-        decay = abs(np.log(near[2] / near[0])) / (2 * NEARBY)
-        stated = float(report.tolerance(name))
-        tolerance = stated * decay + (doubt + 1e-12) / whole
-        yield Row(f"{name}: what is left then", near[1] / whole, part, tolerance)
+            total_change, error = float(steady[0]) - start, float(errors[0])
+            error += report.stated_error("indentation_start") * start
+            error += report.stated_error("indentation_steady") * float(steady[0])
+        remaining = running_in.modes.remaining_change(
+            time * np.array([1 - RELATIVE_TIME_STEP, 1.0, 1 + RELATIVE_TIME_STEP])
+        )
+        decay = abs(np.log(remaining[2] / remaining[0])) / (2 * RELATIVE_TIME_STEP)
+        time_error = float(report.tolerance(name))
+        tolerance = time_error * decay + (error + 1e-12) / total_change
+        yield Row(
+            f"{name}: remaining part of the running-in",
+            remaining[1] / total_change,
+            remaining_part,
+            tolerance,
+        )
 
 
 def check_repeated_numbers(report: Reported) -> Rows:
-    """Compare numbers of the answer with the series of which they are the first or the last."""
+    """Compare numbers of the answer with the first or the last value of the reported series."""
     problem = report.problem
-    starts = len(report.reading.times) > 0 and report.reading.times[0] == 0
-    if report.full and report.given("force_start"):
+    has_start = len(report.reading.times) > 0 and report.reading.times[0] == 0
+    if report.full_contact and report.has("force_start"):
         # F = 2 a E* d of a flat punch is the unit of force
         tolerance = report.tolerance("force_start")
         yield Row("force_start in closed form", report.take("force_start"), 1.0, tolerance)
-    for answer, name, row in (
+    for answer, name, index in (
         ("force_start", "normal_force", 0),
         ("force_end", "normal_force", -1),
         ("contact_radius_start", "contact_radius", 0),
         ("worn_volume", "ring_worn_volume", -1),
         ("indentation_start", "indentation", 0),
     ):
-        if answer == "indentation_start" and (report.full or problem.loading.varies):
-            # of a flat punch in closed form, also where no force presses at the time 0
+        if answer == "indentation_start" and (report.full_contact or problem.loading.varies):
+            # a flat punch has this number in closed form, also if the force is 0 at the time 0
             continue
-        if report.given(answer) and name in report.table and (starts or row):
-            series = np.asarray(report.table[name])[row]
+        if report.has(answer) and name in report.table and (has_start or index):
+            series = np.asarray(report.table[name])[index]
             value = np.asarray(report.table[answer])
-            scale = max(float(np.nanmax(np.abs(np.asarray(report.table[name])))), LEAST)
-            yield Row(f"{answer} of the answer", value, series, EXACT, scale)
+            scale = max(float(np.nanmax(np.abs(np.asarray(report.table[name])))), SMALLEST_SCALE)
+            yield Row(f"{answer} of the answer", value, series, ROUNDOFF_TOLERANCE, scale)
 
 
 def check_worn_volumes_of_profile(report: Reported) -> Rows:
-    """Compare worn volumes of the rings with the profile at the last of the times."""
+    """Compare the worn volumes of the rings with integrals of the profile at the last time."""
     problem, face = report.problem, report.face
     unworn = problem.profile(face.radii) + problem.profile.standoff
-    # of a flat face that stands off its plane both have the standoff
+    # both heights contain the standoff of a flat face, which cancels
     parts = face.areas * (report.solution.checked["profile"][-1] - unworn)
-    volumes, doubt = face.ring_sums(parts), DOUBT * face.integral_error(parts[None])[0]
-    whole = volumes.sum()
-    if not whole > 0:
+    volumes, quadrature_error = (
+        face.ring_sums(parts),
+        REFERENCE_ERROR_FACTOR * face.integral_error(parts[None])[0],
+    )
+    total_volume = volumes.sum()
+    if not total_volume > 0:
         return
-    stated = report.tolerance("worn_volume")
-    # the profile is promised relative to the indentation, over the whole face
+    stated_error = report.tolerance("worn_volume")
+    # the error of the profile is relative to the indentation, at every radius of the face
     depth = float(report.take("indentation")[-1]) if len(report.times) else 0.0
-    stated = stated + float(report.errors("profile")[0][-1]) * report.area * depth / whole
-    if not report.full:
-        doubt += BETWEEN_RADII * np.abs(parts).sum()
-    tolerance = stated + doubt / whole
+    stated_error = (
+        stated_error + float(report.errors("profile")[0][-1]) * report.area * depth / total_volume
+    )
+    if not report.full_contact:
+        quadrature_error += SHAPED_SUM_ERROR * np.abs(parts).sum()
+    tolerance = stated_error + quadrature_error / total_volume
     value = report.take("worn_volume")
-    yield Row("worn volumes of the answer, of the profile", value, volumes, tolerance, whole)
+    yield Row(
+        "worn volumes of the answer, from the profile", value, volumes, tolerance, total_volume
+    )

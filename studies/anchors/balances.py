@@ -1,42 +1,44 @@
-"""Check sums: forces of rings, worn volumes, and what is worn and pressed in at a fixed depth."""
+"""Check balances of forces, of worn volumes, and of the overlap at a fixed indentation."""
 
 import numpy as np
 
 from ..problem.face import POINTS
 from .anchor import Row, Rows
-from .reported import DOUBT, EXACT, Reported
+from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
 
 def check_forces(report: Reported) -> Rows:
     """Compare ring forces with the force on the punch and with integrals of the pressure."""
     forces, parts = report.take("ring_force"), report.face.areas * report.take("pressure")
-    whole = forces.sum(axis=1)
-    if not report.fixed:
-        error = np.maximum(report.errors("ring_force")[0], EXACT)
-        yield Row("ring forces add up to F", whole, report.forces, error)
-    doubt = DOUBT * report.face.integral_error(parts)
-    # contact may lie between the radii of the face
-    doubt[(parts > 0).sum(axis=1) < POINTS] = np.inf
-    doubt += report.tolerance("pressure") * np.maximum(whole, np.finfo(float).tiny)
+    total_force = forces.sum(axis=1)
+    if not report.fixed_indentation:
+        tolerance = np.maximum(report.errors("ring_force")[0], ROUNDOFF_TOLERANCE)
+        yield Row("ring forces add up to F", total_force, report.forces, tolerance)
+    quadrature_error = REFERENCE_ERROR_FACTOR * report.face.integral_error(parts)
+    # with too few radii in contact, contact may lie between the radii of the face
+    quadrature_error[(parts > 0).sum(axis=1) < POINTS] = np.inf
+    quadrature_error += report.tolerance("pressure") * np.maximum(total_force, np.finfo(float).tiny)
     sums = report.face.ring_sums(parts)
-    yield Row("ring forces are integrals of the pressure", sums, forces, doubt[:, None], 1.0)
+    yield Row(
+        "ring forces are integrals of the pressure", sums, forces, quadrature_error[:, None], 1.0
+    )
 
 
 def check_worn_volumes(report: Reported) -> Rows:
-    """Compare what has worn where contact opens and closes with the work of the force.
+    """Compare the sum of worn volumes over k with the work of the force (given force only).
 
-    Where k varies on a ring, no volume tells how much the pressure has worn.
+    If k varies on a ring, the worn volume of the ring does not determine the work of its pressure.
     """
-    if not (report.fixed or report.graded):
-        worn = report.take("ring_worn_volume")[report.later] / report.problem.wear_coefficients
-        value, work = worn.sum(axis=1), report.work[report.later]
-        yield Row("worn volume over k, F v0 t", value, work, EXACT)
+    if not (report.fixed_indentation or report.graded):
+        worn = report.take("ring_worn_volume")[report.has_slid] / report.problem.wear_coefficients
+        value, work = worn.sum(axis=1), report.work[report.has_slid]
+        yield Row("worn volume over k, F v0 t", value, work, ROUNDOFF_TOLERANCE)
 
 
 def check_decay(report: Reported) -> Rows:
-    """Compare the force at a fixed indentation, which decays, with what it wears."""
+    """Compare the decaying force at a fixed indentation with the volumes that it wears off."""
     force = report.take("normal_force")
-    if report.full and report.starts:
+    if report.full_contact and report.includes_start:
         tolerance = report.tolerance("normal_force")[0]
         name = "flat start, F = 2 a E* d"
         if report.inner_radius or report.reading.ground:
@@ -46,32 +48,35 @@ def check_decay(report: Reported) -> Rows:
         return
     volumes, coefficients = report.take("ring_worn_volume"), report.problem.wear_coefficients
     worn = (volumes / coefficients).sum(axis=1)
-    # at a stop nothing changes
-    distances, at = np.unique(report.distances, return_index=True)
-    greatest = np.maximum.accumulate(force)
-    # errors of volumes are relative to their sum, also that of a ring that hardly wears
-    most = volumes.sum(axis=1) * np.sum(1 / coefficients)
-    errors = report.errors("normal_force", "ring_worn_volume") * [greatest, most]
-    passed, force, worn, errors = np.diff(distances), force[at], worn[at], errors[:, at]
-    error, lost = errors[:, 1:] + errors[:, :-1]
-    doubt = EXACT * force[0] + error + lost / passed
-    rates, scale = np.diff(worn) / passed, np.maximum(force[:-1], np.finfo(float).tiny)
-    between = np.clip(rates, force[1:], force[:-1])
-    yield Row("worn volume over k, between F v0 t", rates, between, doubt / scale, scale)
+    # while the punch does not slide, nothing changes: use each sliding distance once
+    distances, rows = np.unique(report.distances, return_index=True)
+    force_scale = np.maximum.accumulate(force)
+    # the error of every ring's volume, also of a ring that hardly wears, is relative to their sum
+    volume_scale = volumes.sum(axis=1) * np.sum(1 / coefficients)
+    errors = report.errors("normal_force", "ring_worn_volume") * [force_scale, volume_scale]
+    steps, force, worn, errors = np.diff(distances), force[rows], worn[rows], errors[:, rows]
+    force_error, volume_error = errors[:, 1:] + errors[:, :-1]
+    error = ROUNDOFF_TOLERANCE * force[0] + force_error + volume_error / steps
+    rates, scale = np.diff(worn) / steps, np.maximum(force[:-1], np.finfo(float).tiny)
+    nearest = np.clip(rates, force[1:], force[:-1])
+    yield Row("worn volume over k, between F v0 t", rates, nearest, error / scale, scale)
 
 
 def check_fixed_indentation(report: Reported) -> Rows:
-    """Compare what is worn and still pressed in with what the unworn face overlaps."""
+    """Compare worn volume, unworn profile and elastic displacement with the overlap ``A d``.
+
+    The overlap is the volume of the face plane below the surface; the gap is subtracted.
+    """
     depth, unworn = report.take("indentation"), report.problem.profile
     pressure, radii = report.take("pressure"), report.face.radii
-    uniform = report.uniform_displacement
-    heights = pressure * uniform + unworn(radii) + unworn.standoff
+    uniform_displacement = report.uniform_displacement
+    heights = pressure * uniform_displacement + unworn(radii) + unworn.standoff
     gap = report.take("displacement") + report.take("profile") - depth[:, None]
-    parts, doubt = report.integrate(heights - gap)
-    unseen = report.take("normal_force") - report.integrate(pressure)[0]
-    doubt += np.abs(unseen) * uniform.max()
-    stated = report.errors("pressure", "profile", "displacement").sum(axis=0)
-    tolerance = report.rtol + stated + doubt / depth
-    value = report.take("ring_worn_volume").sum(axis=1) + parts
-    whole = report.area * depth
-    yield Row("worn, unworn and pressed in, of the overlap A d", value, whole, tolerance, depth)
+    other_parts, quadrature_error = report.integrate(heights - gap)
+    missed_force = report.take("normal_force") - report.integrate(pressure)[0]
+    quadrature_error += np.abs(missed_force) * uniform_displacement.max()
+    stated_error = report.errors("pressure", "profile", "displacement").sum(axis=0)
+    tolerance = report.rtol + stated_error + quadrature_error / depth
+    value = report.take("ring_worn_volume").sum(axis=1) + other_parts
+    overlap = report.area * depth
+    yield Row("overlap A d: worn, unworn and elastic parts", value, overlap, tolerance, depth)

@@ -1,4 +1,4 @@
-"""Check numbers that are taken from fields of a flat punch, and fields at the reported radii."""
+"""Check numbers that are derived from fields of a flat punch, and fields at the reported radii."""
 
 import numpy as np
 
@@ -6,31 +6,37 @@ from ...mdr import energy, ring_kernel
 from ..sampling.norms import radial_weight
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_times
 from .anchor import Row, Rows
-from .reported import DOUBT, EXACT, Reported
+from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
-# relaxation times that a small problem of its own knows well enough to compare with
+# number of relaxation times that are compared: the independent small problem resolves that many
 COMPARED_TIMES = 8
-# the small problem is not used where its two sizes differ by more than this part
-MOST_DOUBTFUL = 0.01
+# the small problem is solved on two meshes; a relaxation time is not compared if the relative
+# difference of the two is larger than this
+LARGEST_MESH_DIFFERENCE = 0.01
 
 
 def check_fields(report: Reported) -> Rows:
     """Compare displacements with the profile, and centre and greatest values with the field."""
-    depth, moved = report.take("indentation"), report.take("displacement")
-    sum_of_both, each = moved + report.take("profile"), depth[:, None]
-    yield Row("displacement, u = d - f", sum_of_both, each, report.rtol, each)
-    centre, doubt = (
-        part[:, 0] for part in report.face.interpolate(moved, report.reading.edges[:1])
+    depth, displacement = report.take("indentation"), report.take("displacement")
+    u_plus_f, d = displacement + report.take("profile"), depth[:, None]
+    yield Row("displacement, u = d - f", u_plus_f, d, report.rtol, d)
+    centre, interpolation_error = (
+        values[:, 0] for values in report.face.interpolate(displacement, report.reading.edges[:1])
     )
-    tolerance = report.tolerance("displacement_centre") + DOUBT * doubt / depth
+    tolerance = (
+        report.tolerance("displacement_centre")
+        + REFERENCE_ERROR_FACTOR * interpolation_error / depth
+    )
     value = report.take("displacement_centre")
     yield Row("displacement at the centre", value, centre, tolerance, depth)
-    # between the greatest and its neighbours there may be a greater one
-    near = np.clip(moved.argmax(axis=1)[:, None] + [-1, 0, 1], 0, moved.shape[1] - 1)
-    near = np.take_along_axis(moved, near, axis=1)
-    tolerance = report.tolerance("displacement_max") + np.ptp(near, axis=1) / depth
+    # the maximum may lie between the radius of the greatest value and one of its neighbours
+    neighbours = np.clip(
+        displacement.argmax(axis=1)[:, None] + [-1, 0, 1], 0, displacement.shape[1] - 1
+    )
+    largest_values = np.take_along_axis(displacement, neighbours, axis=1)
+    tolerance = report.tolerance("displacement_max") + np.ptp(largest_values, axis=1) / depth
     value = report.take("displacement_max")
-    yield Row("greatest displacement", value, near.max(axis=1), tolerance, depth)
+    yield Row("greatest displacement", value, largest_values.max(axis=1), tolerance, depth)
 
 
 def check_slopes(report: Reported) -> Rows:
@@ -38,63 +44,69 @@ def check_slopes(report: Reported) -> Rows:
     slope, face = report.take("rms_slope"), report.face
     resolved = (report.errors("rms_slope")[0] <= report.rtol) & (slope > 0)
     weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
-    slopes, lower = (
+    slopes, less_accurate_slopes = (
         np.sqrt(values[resolved] ** 2 @ weights) / slope[resolved]
         for values in face.slopes(report.take("profile"))
     )
-    # the difference of the two crosses zero now and then in time
-    doubt = DOUBT * np.max(np.abs(slopes - lower), initial=0.0)
-    # slopes on the face that are as doubtful tell nothing
-    if resolved.any() and doubt <= 0.1:
-        yield Row("RMS slope of the profile", slopes, 1.0, report.rtol + doubt)
+    # take the greatest over time, because the difference of the two crosses zero at some times
+    slope_error = REFERENCE_ERROR_FACTOR * np.max(
+        np.abs(slopes - less_accurate_slopes), initial=0.0
+    )
+    # slopes on the face are useless as a reference if their own error is larger
+    if resolved.any() and slope_error <= 0.1:
+        yield Row("RMS slope of the profile", slopes, 1.0, report.rtol + slope_error)
 
 
 def check_output(report: Reported) -> Rows:
-    """Compare fields at the reported radii with those over the face."""
-    # not at the rim, where pressures of the start are infinite
-    inside, later = report.radii < report.face.breakpoints[-2], report.later
+    """Compare fields at the reported radii with the fields over the face, interpolated there."""
+    # leave out the element at the rim, where the pressure at the start is infinite
+    inside, rows = report.radii < report.face.breakpoints[-2], report.has_slid
     if not inside.any():
         return
     for name in ("pressure", "profile", "displacement"):
-        values, size = report.take(name)[later], report.take("indentation")[later]
+        values, scale = report.take(name)[rows], report.take("indentation")[rows]
         if name == "pressure":
-            size = np.abs(values).max(axis=1)
-        reference, doubt = report.face.interpolate(values, report.radii[inside])
-        reported = report.take(name, on_face=False)[later][:, inside]
-        # in the mean: pressures of elements have kinks of their own
-        wrong, doubt = (
-            np.sqrt((part**2).mean(axis=1)) / np.maximum(size, np.finfo(float).tiny)
-            for part in (reported - reference, doubt)
+            scale = np.abs(values).max(axis=1)
+        reference, interpolation_error = report.face.interpolate(values, report.radii[inside])
+        reported = report.take(name, on_face=False)[rows][:, inside]
+        # root mean square over the radii, because pressures have kinks between elements
+        difference, interpolation_error = (
+            np.sqrt((error**2).mean(axis=1)) / np.maximum(scale, np.finfo(float).tiny)
+            for error in (reported - reference, interpolation_error)
         )
-        tolerance = report.tolerance(name)[later] + DOUBT * doubt
-        yield Row(f"{name} at the radii reported", wrong, 0.0, tolerance, 1.0)
+        tolerance = report.tolerance(name)[rows] + REFERENCE_ERROR_FACTOR * interpolation_error
+        yield Row(f"{name} at the reported radii", difference, 0.0, tolerance, 1.0)
 
 
 def check_modes(report: Reported) -> Rows:
-    """Compare relaxation times with those of a small problem that is solved on its own."""
-    if (wear := report.solution.wear) is None:
+    """Compare relaxation times with those of a small problem that is solved independently."""
+    if (running_in := report.solution.wear) is None:
         return
     times = report.take("relaxation_time")
-    # another theory than the method's own
+    # use another theory than the method does
     half_space = ring_kernel.compliance if report.name == "mdr" else energy.compliance
     rings, ground = report.problem.merged, report.reading.ground
     coarse, fine = (
-        slowest_relaxation_times(rings, report.fixed, sizes, half_space, ground)
+        slowest_relaxation_times(rings, report.fixed_indentation, sizes, half_space, ground)
         for sizes in (COARSE, FINE)
     )
-    stated = report.errors("relaxation_time")[0]
-    given = int(np.isfinite(times).sum())
-    shown = min(len(coarse), len(fine), len(stated), given, COMPARED_TIMES)
-    if shown:
-        doubt = np.abs(coarse[:shown] / fine[:shown] - 1)
-        allowed = np.fmax(stated[:shown], report.rtol) + DOUBT * doubt
-        # the first always counts; of the others those that the small problem knows
-        tolerance = np.where(doubt <= MOST_DOUBTFUL, allowed, np.inf)
+    stated_errors = report.errors("relaxation_time")[0]
+    reported = int(np.isfinite(times).sum())
+    count = min(len(coarse), len(fine), len(stated_errors), reported, COMPARED_TIMES)
+    if count:
+        mesh_difference = np.abs(coarse[:count] / fine[:count] - 1)
+        allowed = (
+            np.fmax(stated_errors[:count], report.rtol) + REFERENCE_ERROR_FACTOR * mesh_difference
+        )
+        # the slowest time is always compared, the others only if the small problem resolves them
+        tolerance = np.where(mesh_difference <= LARGEST_MESH_DIFFERENCE, allowed, np.inf)
         tolerance[0] = allowed[0]
-        name = "relaxation times, by a small problem of its own"
-        yield Row(name, times[:shown], fine[:shown], tolerance)
-    if report.given("running_in_time"):
+        name = "relaxation times, by an independent small problem"
+        yield Row(name, times[:count], fine[:count], tolerance)
+    if report.has("running_in_time"):
         value = report.take("running_in_time")
-        yield Row("running-in time of the answer", value, times[0], EXACT)
-    if report.later.any():
-        yield Row("modes add up to the flat start", wear.resolved_fraction, 1.0, EXACT)
+        yield Row("running-in time of the answer", value, times[0], ROUNDOFF_TOLERANCE)
+    if report.has_slid.any():
+        yield Row(
+            "modes add up to the flat start", running_in.resolved_fraction, 1.0, ROUNDOFF_TOLERANCE
+        )

@@ -1,6 +1,7 @@
 """Check contact that opens, closes or spreads: kinematics, reciprocity, and Galin's force.
 
-With the displacements u1 and u0 by a uniform and by the flat punch's pressure, any pressure has
+Let u1 be the displacement under a uniform pressure, and p0 and d0 the pressure and the indentation
+of the flat punch. Any pressure fulfils
 
     int u dA = int u1 p dA,    int u p0 dA = F d0        reciprocity (Betti)
     u + f = d where p > 0,     u + f >= d elsewhere      contact
@@ -18,154 +19,191 @@ from ..sampling.norms import radial_weight
 from ..sizes.defaults import tolerance_range
 from ..wear.unilateral import Mask
 from .anchor import Row, Rows
-from .reported import DOUBT, Reported
+from .reported import REFERENCE_ERROR_FACTOR, Reported
 
-# an integral of the pressure over the face may miss this many times the largest part of one radius,
-# because contact ends between two of them
-AT_EDGES = 4.0
-# a reported error counts in the balances of whole fields up to this many times the accuracy asked
-# for, or of the finest that cells follow: it is the greatest over the face, near an edge
-MOST_STATED = 4.0
-# cells of the face within which the edge of the contact is known
-CELLS = 3.0
-# radii of the face that have to press for an integral over it
-FEWEST = 20
-# a number below which integrals are next to nothing
-LEAST = 1e-100
-# part of the indentation over the radius that slopes are compared with at the least
-LEAST_SLOPE = 1e-3
-# elements of the face from an edge of the contact beyond which the pressure is smooth
-AWAY = 2
-# radii from the greatest pressure over which it is compared
-NEAR_PEAK = 8
+# error of an integral of the pressure over the face, over the largest contribution of one radius:
+# contact ends between two radii
+EDGE_QUADRATURE_FACTOR = 4.0
+# largest error estimate that enters the balances of whole fields, over rtol or over the smallest
+# tolerance that cell sizes respond to: a larger error estimate belongs to radii near an edge only
+LARGEST_STATED_FACTOR = 4.0
+# uncertainty of the contact radius, in cells of the face
+CONTACT_EDGE_CELLS = 3.0
+# least number of radii of the face in contact for an integral over it
+FEWEST_CONTACT_RADII = 20
+# scale of an integral that is zero; it only prevents a division by zero
+SMALLEST_SCALE = 1e-100
+# smallest scale of the RMS slope, over the indentation over the punch radius
+SMALLEST_SLOPE = 1e-3
+# number of elements of the face next to an edge of the contact in which the pressure is not smooth
+EDGE_ELEMENTS = 2
+# rank, from 0, of the pressure whose difference to the highest one estimates the latter's error
+PEAK_RADII = 8
 
 
 def check_kinematics(report: Reported) -> Rows:
-    """Compare displacement and profile with the indentation where it presses, and elsewhere."""
+    """Compare displacement plus profile with the indentation, inside and outside the contact."""
     pressure, depth = report.take("pressure"), report.take("indentation")
     gap = report.take("displacement") + report.take("profile") - depth[:, None]
-    stated = report.errors("indentation", "displacement", "profile")
-    allowed, scale = report.rtol + stated.sum(axis=0), _elastic_depth(report)
-    # the last radius that presses lies in the cell in which contact ends: the face was worn there
-    # for a part of the time only, and one height for the cell cannot tell that
-    inside = _with_neighbours(pressure > 0, 1)
-    touching = np.where(inside, np.abs(gap), 0.0).max(axis=1)
-    yield Row("u + f = d where it presses", touching, 0.0, allowed, scale)
-    below = np.maximum(-gap.min(axis=1), 0.0)
-    # in the cell that holds an edge of the contact, the face is not known better
-    yield Row("no gap below zero", below, 0.0, 2 * allowed, scale)
+    stated_errors = report.errors("indentation", "displacement", "profile")
+    allowed, scale = report.rtol + stated_errors.sum(axis=0), _indentation_scale(report)
+    # leave out the last radius in contact, which lies in the cell in which contact ends: a part of
+    # this cell has worn for a part of the time only, but the cell has one height
+    inside = _holds_around(pressure > 0, 1)
+    contact_gap = np.where(inside, np.abs(gap), 0.0).max(axis=1)
+    yield Row("u + f = d in contact", contact_gap, 0.0, allowed, scale)
+    penetration = np.maximum(-gap.min(axis=1), 0.0)
+    # the factor 2 is for the cell that contains an edge of the contact
+    yield Row("no negative gap", penetration, 0.0, 2 * allowed, scale)
 
 
 def check_reciprocity(report: Reported) -> Rows:
-    """Compare displacement and pressure by reciprocity, and the pressure with the force."""
-    pressure, moved = report.take("pressure"), report.take("displacement")
+    """Compare displacement and pressure by reciprocity, and the force with that of the pressure."""
+    pressure, displacement = report.take("pressure"), report.take("displacement")
     force, rtol, flat = report.take("normal_force"), report.rtol, report.flat
-    depth, scale = _elastic_depth(report), np.maximum(force, np.finfo(float).tiny)
-    missed = AT_EDGES * (pressure * report.face.areas).max(axis=1) + _unseen(pressure)
+    depth, scale = _indentation_scale(report), np.maximum(force, np.finfo(float).tiny)
+    edge_error = EDGE_QUADRATURE_FACTOR * (pressure * report.face.areas).max(
+        axis=1
+    ) + _too_few_radii(pressure)
     stated_p, stated_u = report.errors("pressure", "displacement")
-    whole, doubt = report.integrate(pressure)
-    most = MOST_STATED * max(rtol, tolerance_range(report.problem, 0)[0])
-    tolerance = rtol + np.minimum(stated_p, most) + (doubt + missed) / scale
-    yield Row("F = int p dA", force, whole, tolerance, scale)
-    if not report.fixed:
-        yield Row("F as asked", force, report.forces, 0.1 * rtol)
-    allowed = rtol + np.minimum(stated_u + stated_p, most)
-    left, doubt_left = report.integrate(moved)
-    right, doubt_right = report.integrate(pressure, report.uniform_displacement)
-    # contact narrower than the distance of two radii may leave nothing to integrate
-    size = np.maximum(right, LEAST)
-    tolerance = allowed * (report.area * depth + right) + doubt_left + doubt_right + missed
-    yield Row("reciprocity with a uniform pressure", left, right, tolerance / size, size)
-    left, doubt_left = report.integrate(moved, flat.pressure_at(report.face.radii))
-    tolerance = (allowed * (depth + force) + doubt_left + _unseen(pressure)) / scale
+    integral, quadrature_error = report.integrate(pressure)
+    largest_error = LARGEST_STATED_FACTOR * max(rtol, tolerance_range(report.problem, 0)[0])
+    tolerance = rtol + np.minimum(stated_p, largest_error) + (quadrature_error + edge_error) / scale
+    yield Row("F = int p dA", force, integral, tolerance, scale)
+    if not report.fixed_indentation:
+        yield Row("F as in the scene", force, report.forces, 0.1 * rtol)
+    allowed = rtol + np.minimum(stated_u + stated_p, largest_error)
+    left, error_left = report.integrate(displacement)
+    right, error_right = report.integrate(pressure, report.uniform_displacement)
+    # the integral may be zero if contact is narrower than the distance of two radii
+    integral_scale = np.maximum(right, SMALLEST_SCALE)
+    tolerance = allowed * (report.area * depth + right) + error_left + error_right + edge_error
+    yield Row(
+        "reciprocity with a uniform pressure",
+        left,
+        right,
+        tolerance / integral_scale,
+        integral_scale,
+    )
+    left, error_left = report.integrate(displacement, flat.pressure_at(report.face.radii))
+    tolerance = (allowed * (depth + force) + error_left + _too_few_radii(pressure)) / scale
     yield Row("reciprocity with the flat punch", left, flat.indentation * force, tolerance, scale)
 
 
 def check_numbers_of_fields(report: Reported) -> Rows:
     """Compare contact radius, slope, centre and greatest displacement with the fields."""
-    pressure, moved, face = report.take("pressure"), report.take("displacement"), report.face
-    scale, rtol = _elastic_depth(report), report.rtol
+    pressure, displacement, face = report.take("pressure"), report.take("displacement"), report.face
+    scale, rtol = _indentation_scale(report), report.rtol
     widest = np.diff(face.breakpoints).max()
-    tolerance = CELLS * widest + rtol + report.errors("contact_radius")[0]
-    # a part narrower than the distance of two radii may lie between them
+    tolerance = CONTACT_EDGE_CELLS * widest + rtol + report.errors("contact_radius")[0]
+    # skip times at which every part of the contact may lie between two radii of the face
     inner, outer = (report.take("contact_edge")[:, end::2] for end in (0, 1))
     width = np.subtract(
         *(np.nan_to_num(edges).max(axis=1, initial=0.0) for edges in (outer, inner))
     )
     tolerance = np.where(width < 2 * widest, np.inf, tolerance)
     radius = report.take("contact_radius")
-    yield Row("contact ends where p does", radius, _outermost(report, pressure), tolerance, 1.0)
-    stated = report.errors("displacement", "displacement_centre", "displacement_max")
-    centre, doubt = (part[:, 0] for part in face.interpolate(moved, report.reading.edges[:1]))
-    unseen = _unseen(pressure)
-    tolerance = rtol + stated[0] + stated[1] + DOUBT * doubt / scale + unseen
-    value = report.take("displacement_centre")
-    yield Row("displacement at the centre", value, centre, tolerance, scale)
-    near = np.clip(moved.argmax(axis=1)[:, None] + [-1, 0, 1], 0, moved.shape[1] - 1)
-    spread = np.ptp(np.take_along_axis(moved, near, axis=1), axis=1)
-    tolerance = rtol + stated[0] + stated[2] + spread / scale + unseen
-    value = report.take("displacement_max")
-    yield Row("greatest displacement", value, moved.max(axis=1), tolerance, scale)
+    yield Row(
+        "contact radius, from the pressure",
+        radius,
+        _outermost_contact_radius(report, pressure),
+        tolerance,
+        1.0,
+    )
+    stated_errors = report.errors("displacement", "displacement_centre", "displacement_max")
+    centre, interpolation_error = (
+        values[:, 0] for values in face.interpolate(displacement, report.reading.edges[:1])
+    )
+    too_few_radii = _too_few_radii(pressure)
+    tolerance = (
+        rtol
+        + stated_errors[0]
+        + stated_errors[1]
+        + REFERENCE_ERROR_FACTOR * interpolation_error / scale
+        + too_few_radii
+    )
+    reported_value = report.take("displacement_centre")
+    yield Row("displacement at the centre", reported_value, centre, tolerance, scale)
+    neighbours = np.clip(
+        displacement.argmax(axis=1)[:, None] + [-1, 0, 1], 0, displacement.shape[1] - 1
+    )
+    spread = np.ptp(np.take_along_axis(displacement, neighbours, axis=1), axis=1)
+    tolerance = rtol + stated_errors[0] + stated_errors[2] + spread / scale + too_few_radii
+    reported_value = report.take("displacement_max")
+    yield Row("greatest displacement", reported_value, displacement.max(axis=1), tolerance, scale)
     if not report.problem.profile.recess.any():
         weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
         heights = report.take("profile") - report.problem.profile.standoff
-        slopes, lower = (np.sqrt(values**2 @ weights) for values in face.slopes(heights))
-        reported = report.take("rms_slope")
-        # slopes that are far below the mean one of the indentation have the error of that
-        size = np.maximum(reported, LEAST_SLOPE * scale)
-        tolerance = rtol + report.errors("rms_slope")[0] + DOUBT * np.abs(slopes - lower) / size
-        yield Row("RMS slope of the face", reported, slopes, tolerance, size)
+        slopes, less_accurate_slopes = (
+            np.sqrt(values**2 @ weights) for values in face.slopes(heights)
+        )
+        slope = report.take("rms_slope")
+        # the error of a very small slope is relative to the indentation over the radius instead
+        slope_scale = np.maximum(slope, SMALLEST_SLOPE * scale)
+        tolerance = (
+            rtol
+            + report.errors("rms_slope")[0]
+            + REFERENCE_ERROR_FACTOR * np.abs(slopes - less_accurate_slopes) / slope_scale
+        )
+        yield Row("RMS slope of the face", slope, slopes, tolerance, slope_scale)
 
 
 def check_pressures_inside(report: Reported) -> Rows:
-    """Compare pressures at the reported radii with those over the face, away from its edges."""
+    """Compare pressures at the reported radii with those over the face, away from contact edges."""
     face, pressure = report.face, report.take("pressure")
     element = np.searchsorted(face.breakpoints, report.radii, side="right") - 1
     elements = len(face.breakpoints) - 1
     element = np.clip(element, 0, elements - 1)
     carries = (pressure.reshape(len(pressure), elements, -1) > 0).all(axis=2)
-    inside = _with_neighbours(np.asarray(carries), AWAY)[:, element]
+    inside = _holds_around(np.asarray(carries), EDGE_ELEMENTS)[:, element]
     # at the start pressures may be infinite on the axis, as under a cone
     inside[np.ix_(report.distances == 0, element == 0)] = False
-    reference, doubt = face.interpolate(pressure, report.radii)
-    wrong = report.take("pressure", on_face=False) - reference
+    reference, interpolation_error = face.interpolate(pressure, report.radii)
+    difference = report.take("pressure", on_face=False) - reference
     count = inside.sum(axis=1)
     rows = np.flatnonzero(count)
-    size = pressure.max(axis=1)[rows]
-    wrong, doubt = (
-        np.sqrt(np.where(inside, part**2, 0.0).sum(axis=1)[rows] / count[rows]) / size
-        for part in (wrong, doubt)
+    largest_pressure = pressure.max(axis=1)[rows]
+    difference, interpolation_error = (
+        np.sqrt(np.where(inside, error**2, 0.0).sum(axis=1)[rows] / count[rows]) / largest_pressure
+        for error in (difference, interpolation_error)
     )
     if len(rows):
-        tolerance = report.rtol + DOUBT * doubt
-        yield Row("pressure at the radii reported, inside the contact", wrong, 0.0, tolerance, 1.0)
+        tolerance = report.rtol + REFERENCE_ERROR_FACTOR * interpolation_error
+        yield Row(
+            "pressure at the reported radii, inside the contact", difference, 0.0, tolerance, 1.0
+        )
 
 
 def check_disc(report: Reported) -> Rows:
-    """Compare the force with that of the reported profile where contact is one disc.
+    """Compare the force with that of the reported profile by Galin's relation, on one disc.
 
-    Galin's relation is that of a homogeneous half-space.
+    Times at which the contact is not one disc are skipped. The relation holds on a homogeneous
+    half-space only.
     """
     if report.reading.ground is not None:
         return
     pressure, heights = report.take("pressure"), report.take("profile")
     radii, force, depth = report.face.radii, report.take("normal_force"), report.take("indentation")
-    edge = _outermost(report, pressure)
+    edge = _outermost_contact_radius(report, pressure)
     disc = ((pressure > 0) == (radii <= edge[:, None])).all(axis=1) & (force > 0) & (edge > 0)
     disc &= not report.inner_radius
     rows = np.flatnonzero(disc)
     if report.problem.profile.recess.any() or not len(rows):
         return
     fine, coarse = (
-        np.array([_abel_integral(radii[::every], heights[row, ::every], edge[row]) for row in rows])
-        for every in (1, 2)
+        np.array(
+            [_abel_integral(radii[::stride], heights[row, ::stride], edge[row]) for row in rows]
+        )
+        for stride in (1, 2)
     )
-    of_depth, of_profile = report.rtol + report.errors("indentation", "profile")[:, rows]
-    depths = _elastic_depth(report)[rows]
-    # the Abel transform of heights that err by some part may err by twice that
-    tolerance = of_depth * (force[rows] + 2 * depths) + 4 * of_profile * depths
-    tolerance += DOUBT * np.abs(fine - coarse)
-    # the edge is known to a radius of the face; F does not depend on it to the first order
+    indentation_error, profile_error = (
+        report.rtol + report.errors("indentation", "profile")[:, rows]
+    )
+    depths = _indentation_scale(report)[rows]
+    # the relative error of the Abel transform may be twice that of the heights
+    tolerance = indentation_error * (force[rows] + 2 * depths) + 4 * profile_error * depths
+    tolerance += REFERENCE_ERROR_FACTOR * np.abs(fine - coarse)
+    # the edge is only known to within the distance of two radii, but dF/dc = 0 at the edge c
     value = 2 * (depth[rows] * edge[rows] - fine)
     name = "force of the profile on a disc (Galin)"
     yield Row(name, force[rows], value, tolerance / force[rows], force[rows])
@@ -173,39 +211,39 @@ def check_disc(report: Reported) -> Rows:
 
 def check_peak(report: Reported) -> Rows:
     """Compare the peak pressure at the start with the pressure over the face."""
-    if report.starts and report.given("pressure_peak_start"):
+    if report.includes_start and report.has("pressure_peak_start"):
         pressures = np.sort(report.take("pressure")[0])[::-1]
-        highest, near, peak = (
+        highest, nearby, peak = (
             float(value)
-            for value in (pressures[0], pressures[NEAR_PEAK], report.take("pressure_peak_start"))
+            for value in (pressures[0], pressures[PEAK_RADII], report.take("pressure_peak_start"))
         )
-        if near <= highest / 2:
-            # narrower than the distance of two radii: it is at least as high as what they see
+        if nearby <= highest / 2:
+            # the peak may lie between two radii: then it is at least as high as the pressures there
             highest = max(highest, peak)
-        tolerance = report.rtol + 4 * (highest - near) / highest
+        tolerance = report.rtol + 4 * (highest - nearby) / highest
         yield Row("peak pressure of the answer", peak, highest, tolerance)
 
 
-def _with_neighbours(mask: Mask, reach: int) -> Mask:
-    """Return where a mask (T, n) holds, and at so many neighbours on each side, too."""
+def _holds_around(mask: Mask, reach: int) -> Mask:
+    """Return where a mask (T, n) is true, also at `reach` neighbours on each side."""
     padded = np.pad(mask, ((0, 0), (reach, reach)), mode="edge")
     around = np.asarray(sliding_window_view(padded, 2 * reach + 1, axis=1))
     return np.asarray(around.all(axis=2))
 
 
-def _unseen(pressure: Array) -> Array:
-    """Return infinity at times (T,) at which too few radii of the face press for an integral."""
-    return np.where((pressure > 0).sum(axis=1) < FEWEST, np.inf, 0.0)
+def _too_few_radii(pressure: Array) -> Array:
+    """Return infinity at times (T,) with too few radii in contact for an integral, else 0."""
+    return np.where((pressure > 0).sum(axis=1) < FEWEST_CONTACT_RADII, np.inf, 0.0)
 
 
-def _elastic_depth(report: Reported) -> Array:
-    """Return the greatest indentation so far beyond the first touch (T,), which errors refer to."""
+def _indentation_scale(report: Reported) -> Array:
+    """Return the scale (T,) of errors: the greatest indentation so far beyond the first touch."""
     beyond = report.take("indentation") - report.problem.profile.standoff
     return np.maximum(np.maximum.accumulate(beyond), np.finfo(float).tiny)
 
 
-def _outermost(report: Reported, pressure: Array) -> Array:
-    """Return the outermost radius of the face (T,) at which it presses."""
+def _outermost_contact_radius(report: Reported, pressure: Array) -> Array:
+    """Return the outermost radius of the face (T,) in contact."""
     return np.where(pressure > 0, report.face.radii, 0.0).max(axis=1)
 
 

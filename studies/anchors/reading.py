@@ -1,7 +1,7 @@
-"""Read a scene a second time, from its TOML, in plain lines.
+"""Read a scene a second time, from its TOML, independently of `Problem`.
 
-Anchors use only these numbers. Whatever `Problem.posed` reads, scales or integrates wrongly then
-shows as a difference.
+Anchors use only these numbers. A mistake of `Problem` in reading, scaling or integrating the scene
+therefore appears as a difference.
 """
 
 import tomllib
@@ -17,8 +17,9 @@ from ..problem.fields import TomlTable
 from ..problem.quantities import Units
 from ..scene.scene import Scene
 
-# part of a ring by which a place is beside a step of the wear coefficient
-INSIDE = 1e-12
+# distance from a step of the wear coefficient at which its one-sided values are taken, over the
+# width of the ring
+STEP_OFFSET = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,34 +38,36 @@ class OverTime:
     greatest: float
 
     @classmethod
-    def of(cls, given: float | TomlTable) -> "OverTime":
-        """Return what a scene gives as a number, or as a table of times and values."""
-        table = given if isinstance(given, dict) else {"times": [0.0], "values": [given]}
+    def of(cls, load: float | TomlTable) -> "OverTime":
+        """Return a load that a scene gives as a number, or as a table of times and values."""
+        table = load if isinstance(load, dict) else {"times": [0.0], "values": [load]}
         values = np.array(table["values"], dtype=float)
         return cls(np.array(table["times"], dtype=float), values / values.max(), values.max())
 
     def at(self, times: Array) -> Array:
-        """Return the value at times, over the greatest."""
+        """Return the values at times, over the greatest value."""
         return np.interp(times, self.times, self.values)
 
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """The numbers of a scene as its TOML has them.
+    """The numbers of a scene, read directly from its TOML.
 
     Parameters
     ----------
     rtol : relative accuracy that the scene asks for
-    average : `line` or `area`, of the RMS slope
+    average : `line` or `area`, how the RMS slope is averaged
     edges : (N+1,) ring edges over the punch radius
     coefficients : (N,) wear coefficients of the rings, in the scene's unit; None with a `table`
-    table : radii and wear coefficients along the radius, in the scene's units; empty without
-    force, speed : over time
-    times : (T,) times asked for, in the scene's unit
-    units : the natural units, in the scene's own
+    table : radii and wear coefficients along the radius, in the scene's units; empty if the wear
+        coefficient is constant on rings
+    force, speed : the load over time
+    times : (T,) times of the scene, in its unit
+    units : the units of non-dimensional numbers, in the scene's units
     profile : the table of the unworn profile, with lengths in the scene's unit; None if it is flat
     recess : (N,) recess of each ring, in the scene's unit
-    ground : layers over the punch radius and the first modulus; None if there are none
+    ground : layers, with thicknesses over the punch radius and moduli over that of the first layer;
+        None if there are none
     """
 
     rtol: float
@@ -83,15 +86,15 @@ class Reading:
     @classmethod
     def of(cls, scene: Scene) -> "Reading":
         """Read a scene."""
-        given = tomllib.loads(scene.to_toml())
-        punch, load, solid = given["punch"], given["load"], given["half_space"]
+        toml = tomllib.loads(scene.to_toml())
+        punch, load, half_space = toml["punch"], toml["load"], toml["half_space"]
         radius = punch["radius"]
-        modulus = _plane_strain_modulus(solid.get("layers", [solid])[0])
-        ground = _ground(solid, modulus, radius)
-        if "punch_youngs_modulus" in solid:
-            # springs in series
-            compliance = 1 - solid.get("punch_poisson_ratio", 0.3) ** 2
-            modulus = 1 / (1 / modulus + compliance / solid["punch_youngs_modulus"])
+        modulus = _plane_strain_modulus(half_space.get("layers", [half_space])[0])
+        ground = _ground(half_space, modulus, radius)
+        if "punch_youngs_modulus" in half_space:
+            # the compliances of two half-spaces add up
+            compliance = 1 - half_space.get("punch_poisson_ratio", 0.3) ** 2
+            modulus = 1 / (1 / modulus + compliance / half_space["punch_youngs_modulus"])
         edges = _edges(punch)
         coefficients, table = _wear(punch, len(edges) - 1)
         fastest = float(np.max(table["values"] if coefficients is None else coefficients))
@@ -101,14 +104,14 @@ class Reading:
         if "mean_pressure" in load:
             greatest *= np.pi * (radius**2 - punch.get("inner_radius", 0.0) ** 2)
         if "indentation" in load:
-            # the force of a flat punch that is pressed in as deep beyond the first touch
+            # unit of force: that of a flat punch at the same indentation beyond the first touch
             profile, unit = scene.problem.profile, scene.problem.units.displacement
             depth = load["indentation"] - profile.standoff * unit
             greatest = radius * modulus * depth / flat_punch(float(edges[0]), ground).indentation
         time = radius / modulus / fastest / speed.greatest
         return cls(
-            rtol=given.get("accuracy", {}).get("rtol", 1e-4),
-            average=given.get("output", {}).get("gradient_average", "line"),
+            rtol=toml.get("accuracy", {}).get("rtol", 1e-4),
+            average=toml.get("output", {}).get("gradient_average", "line"),
             edges=edges,
             coefficients=coefficients,
             table=table,
@@ -123,7 +126,7 @@ class Reading:
 
     @property
     def knots(self) -> Array:
-        """(K,) times at which the course of the load changes, the time 0 among them."""
+        """(K,) times between which force and speed are linear, including the time 0."""
         return np.unique(np.concatenate([[0.0], self.force.times, self.speed.times]))
 
     def wear_at(self, radii: Array) -> Array:
@@ -142,11 +145,12 @@ class Reading:
         if not self.table:
             middles = (self.edges[1:] + self.edges[:-1]) / 2
             return self.wear_at(middles), self.wear_at(middles)
-        # linear between the radii of the table: extremes are there, or just inside the ring
+        # k is linear between the radii of the table, so that its extremes on a ring are at these
+        # radii or at the ring edges, where one-sided values are needed because k may jump
         radii, least, greatest = np.array(self.table["radii"]) / self.units.length, [], []
         for inner, outer in pairwise(self.edges):
             inside = radii[(radii > inner) & (radii < outer)]
-            offset = INSIDE * (outer - inner)
+            offset = STEP_OFFSET * (outer - inner)
             places = np.concatenate(
                 [[inner + offset, outer - offset], inside - offset, inside + offset]
             )
@@ -158,7 +162,7 @@ class Reading:
     def unworn(self, radii: Array) -> Array:
         """Return the heights of the unworn face at radii (over the punch radius), non-dimensional.
 
-        Functions of the user's are not among them, because no file can hold them.
+        Profiles that a user gives as Python functions are left out, because the TOML has none.
         """
         ring = np.clip(
             np.searchsorted(self.edges, radii, side="right") - 1, 0, len(self.recess) - 1
@@ -180,37 +184,37 @@ class Reading:
         return force, distance / self.units.time, work / self.units.time
 
     def _integrated(self, until: float) -> tuple[float, float, float]:
-        """Return force, distance and work at a time, in natural units but for the time."""
+        """Return force, distance and work at a time; the unit of time is that of the scene."""
         times = np.append(self.knots[self.knots < until], until)
         middles, lengths = (times[1:] + times[:-1]) / 2, np.diff(times)
         force, speed = self.force.at(times), self.speed.at(times)
-        power, between = force * speed, self.force.at(middles) * self.speed.at(middles)
+        end_power, middle_power = force * speed, self.force.at(middles) * self.speed.at(middles)
         distance = lengths @ (speed[1:] + speed[:-1]) / 2
-        work = lengths @ (power[1:] + 4 * between + power[:-1]) / 6
+        work = lengths @ (end_power[1:] + 4 * middle_power + end_power[:-1]) / 6
         return float(force[-1]), float(distance), float(work)
 
 
-def _plane_strain_modulus(solid: TomlTable) -> float:
+def _plane_strain_modulus(material: TomlTable) -> float:
     """Return the plane strain modulus of the half-space, or of a layer."""
-    if "plane_strain_modulus" in solid:
-        return float(solid["plane_strain_modulus"])
-    return float(solid["youngs_modulus"] / (1 - solid.get("poisson_ratio", 0.3) ** 2))
+    if "plane_strain_modulus" in material:
+        return float(material["plane_strain_modulus"])
+    return float(material["youngs_modulus"] / (1 - material.get("poisson_ratio", 0.3) ** 2))
 
 
-def _ground(solid: TomlTable, unit: float, radius: float) -> Ground | None:
+def _ground(half_space: TomlTable, unit: float, radius: float) -> Ground | None:
     """Return the layers over the punch radius, with moduli over a unit; None without layers."""
-    if "layers" not in solid:
+    if "layers" not in half_space:
         return None
-    parts = [*solid["layers"], *([] if solid.get("rigid") else [solid])]
-    ratios = [part.get("poisson_ratio", 0.3) for part in parts]
+    materials = [*half_space["layers"], *([] if half_space.get("rigid") else [half_space])]
+    ratios = [material.get("poisson_ratio", 0.3) for material in materials]
     # E* = 2 G / (1 - nu)
     shear = [
-        _plane_strain_modulus(part) * (1 - ratio) / 2 / unit
-        for part, ratio in zip(parts, ratios, strict=True)
+        _plane_strain_modulus(material) * (1 - ratio) / 2 / unit
+        for material, ratio in zip(materials, ratios, strict=True)
     ]
-    if solid.get("rigid"):
+    if half_space.get("rigid"):
         shear, ratios = [*shear, np.inf], [*ratios, 0.3]
-    thicknesses = tuple(layer["thickness"] / radius for layer in solid["layers"])
+    thicknesses = tuple(layer["thickness"] / radius for layer in half_space["layers"])
     return Ground(thicknesses, tuple(shear), tuple(ratios))
 
 
@@ -221,7 +225,7 @@ def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
         return np.asarray(radii**2 / (2 * profile["curvature_radius"]))
     if kind == "ball":
         ball = profile["ball_radius"]
-        # the versed sine, by half the angle
+        # R (1 - cos(x)) = 2 R sin(x/2)^2, without cancellation
         return np.asarray(2 * ball * np.sin(np.arcsin(radii / ball) / 2) ** 2)
     if kind == "truncated_cone":
         return np.asarray(profile["slope"] * np.maximum(radii - profile["flat_radius"], 0.0))
@@ -237,7 +241,7 @@ def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
     if kind == "rounded_rim":
         beyond = np.maximum(radii - profile["flat_radius"], 0.0)
         return np.asarray(beyond**2 / (2 * profile["curvature_radius"]))
-    from scipy.interpolate import pchip_interpolate  # few profiles are tables
+    from scipy.interpolate import pchip_interpolate  # imported here: only tables need it
 
     return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
 
@@ -255,10 +259,10 @@ def _edges(punch: TomlTable) -> Array:
 
 def _wear(punch: TomlTable, rings: int) -> tuple[Array | None, TomlTable]:
     """Return the wear coefficients of the rings, or else the table along the radius."""
-    given = punch.get("wear_coefficients", punch.get("wear_coefficient"))
-    if isinstance(given, dict):
-        return None, given
-    if isinstance(given, float | int):
-        given = [given, given * punch.get("wear_ratio", 1.0)]
-    # two alternate from the centre
-    return np.resize(np.array(given, dtype=float), rings), {}
+    coefficients = punch.get("wear_coefficients", punch.get("wear_coefficient"))
+    if isinstance(coefficients, dict):
+        return None, coefficients
+    if isinstance(coefficients, float | int):
+        coefficients = [coefficients, coefficients * punch.get("wear_ratio", 1.0)]
+    # two coefficients alternate from the centre
+    return np.resize(np.array(coefficients, dtype=float), rings), {}

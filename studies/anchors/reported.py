@@ -1,4 +1,4 @@
-"""What a method reports of a scene, made non-dimensional by the numbers of the scene itself."""
+"""A method's report on a scene, made non-dimensional with the second reading of the scene."""
 
 from collections.abc import Mapping
 from functools import cached_property
@@ -14,33 +14,38 @@ from ..problem.quantities import DESCRIBED, STEADY
 from ..scene.scene import Scene
 from .reading import Reading
 
-# tolerance of sums and closed forms that hold to roundoff, whatever accuracy is asked for
-EXACT = 1e-9
-# forces below this part of the greatest are what rounding leaves of none
+# relative tolerance of sums and closed forms that hold to roundoff, independent of `rtol`
+ROUNDOFF_TOLERANCE = 1e-9
+# forces below this part of the greatest force count as zero
 ROUNDOFF = 1e-12
-# the error of a quadrature or an interpolation on the face is taken to be at most this many times
-# the difference to one of a lower degree; tests/physics/test_anchors.py shows that it is enough
-DOUBT = 10.0
+# bound on the error of a reference that is computed here (a quadrature or an interpolation on the
+# face, a small problem), over its difference to a less accurate one; tests/physics/test_anchors.py
+# shows that it is enough
+REFERENCE_ERROR_FACTOR = 10.0
 
 
 class Reported:
-    """A method's report, and what anchors need to check it.
+    """A method's report, with the reference numbers that anchors need to check it.
 
-    Numbers and fields at the radii of the output are those of the table that is written. Fields
-    over the whole face stand beside it, because the table has only some radii.
+    Numbers and fields at the radii of the output are read from the table in `results.nc`. Fields
+    over the whole face are taken from the solution, because the table has only some radii.
 
     Parameters
     ----------
-    scene : what was asked for
+    scene : the scene that was solved
     name : name of the method
-    table : what is written of the method, by the names of quantities, in the scene's units
-    solution : what the method states of the face, and of its own errors
+    table : the method's values in `results.nc` by the names of quantities, in the scene's units
+    solution : the method's fields over the face and its error estimates
 
     Attributes
     ----------
     times, forces, distances, work : (T,)
-        The compared times at which something presses, with the force, the sliding distance and the
-        integral of the force over it by then.
+        The compared times at which the force is not zero, with the force, the sliding distance and
+        the integral of the force over the sliding distance up to then; non-dimensional.
+    has_slid : (T,)
+        Whether the force has done work by a time.
+    includes_start : bool
+        Whether the time 0 is among these times.
     """
 
     def __init__(
@@ -52,21 +57,24 @@ class Reported:
         self.face, self.average = self.problem.face, self.reading.average
         self.radii = np.asarray(table["radius"]) / self.units.length
         times = np.asarray(table["time"])[self.problem.checked] / self.units.time
-        # differences are relative: nothing can be checked while nothing presses, but for roundoff
+        # differences are relative, so that times without a force cannot be checked
         forces = self.reading.load(times)[0]
-        self.pressing = forces > ROUNDOFF * forces.max(initial=0.0)
-        self.checked, self.times = self.problem.checked[self.pressing], times[self.pressing]
+        self.in_contact = forces > ROUNDOFF * forces.max(initial=0.0)
+        self.compared_rows, self.times = (
+            self.problem.checked[self.in_contact],
+            times[self.in_contact],
+        )
         self.forces, self.distances, self.work = self.reading.load(self.times)
-        self.later, self.starts = self.work > 0, 0 in self.times
-        # the steady state is that of the force and the speed held last, and is checked per unit
-        force, speed = (float(of.values[-1]) for of in (self.reading.force, self.reading.speed))
-        self._held_last = dict.fromkeys((*STEADY, "indentation_steady"), force)
-        self._held_last["steady_wear_rate"] = force * speed
-        self._held_force = force
+        self.has_slid, self.includes_start = self.work > 0, 0 in self.times
+        # the steady state belongs to the last force and speed, and is checked for unit values
+        force, speed = (float(load.values[-1]) for load in (self.reading.force, self.reading.speed))
+        self._load_factors = dict.fromkeys((*STEADY, "indentation_steady"), force)
+        self._load_factors["steady_wear_rate"] = force * speed
+        self._last_force = force
 
     @property
-    def fixed(self) -> bool:
-        """Whether the indentation is given, not the force."""
+    def fixed_indentation(self) -> bool:
+        """Whether the scene prescribes the indentation instead of the force."""
         return self.problem.indentation is not None
 
     @cached_property
@@ -76,22 +84,22 @@ class Reported:
 
     @cached_property
     def flat(self) -> FlatPunch:
-        """The flat punch of the force 1 with the same radii and layers."""
+        """The flat punch under the force 1 with the same radii and layers."""
         return flat_punch(self.inner_radius, self.reading.ground)
 
     @property
     def kind_of_punch(self) -> str:
-        """Words for a flat punch whose start is not Eq. 10, after the name of a quantity."""
+        """The kind of flat punch in words, if its start is not Eq. 10, for names of anchors."""
         return "of an annulus" if self.inner_radius else "of a flat punch on layers"
 
     @cached_property
     def area(self) -> float:
-        """Area of the face."""
+        """Area of the face, over a^2."""
         return float(np.pi * (1 - self.inner_radius) * (1 + self.inner_radius))
 
     @cached_property
     def uniform_displacement(self) -> Array:
-        """(R,) displacement of the face by the pressure 1 on all of it."""
+        """(R,) displacement of the face under the pressure 1 on all of it."""
         edges, pressures = np.array([0.0, 1.0]), np.ones(1)
         if self.inner_radius:
             edges, pressures = np.array([0.0, self.inner_radius, 1.0]), np.array([0.0, 1.0])
@@ -99,17 +107,17 @@ class Reported:
 
     @property
     def graded(self) -> bool:
-        """Whether the wear coefficient is a table along the radius."""
+        """Whether the wear coefficient varies along the radius (a table in the scene)."""
         return bool(self.reading.table)
 
     @property
     def times_are_those_solved(self) -> bool:
-        """Whether the reported times are those of the problem; if not, anchors of times fail."""
-        return np.allclose(self.times, self.problem.times[self.checked], rtol=1e-9, atol=0)
+        """Whether the reported times are those of the problem; if not, `check_times` fails."""
+        return np.allclose(self.times, self.problem.times[self.compared_rows], rtol=1e-9, atol=0)
 
     @property
-    def full(self) -> bool:
-        """Whether the whole face carries at all times."""
+    def full_contact(self) -> bool:
+        """Whether the whole face is in contact at all times."""
         return self.problem.full_contact
 
     @cached_property
@@ -132,53 +140,54 @@ class Reported:
         edges, ground = self.problem.merged.ring_edges, self.reading.ground
         return direct.displacement(edges, self.steady_pressures, radii, ground)
 
-    def stated(self, name: str) -> float:
-        """Return the error that the method states of a number of the answer, 0 if it states none.
+    def stated_error(self, name: str) -> float:
+        """Return the method's error estimate of a number of the answer, 0 if there is none.
 
-        Unlike `tolerance` it may be smaller than the accuracy asked for.
+        Unlike `tolerance` it may be smaller than `rtol`.
         """
         return float(np.max(self.solution.errors.get(name, 0.0)))
 
-    def given(self, name: str) -> bool:
-        """Return whether the table has finite values of a number of the answer."""
+    def has(self, name: str) -> bool:
+        """Return whether the table has finite values for a number of the answer."""
         return name in self.table and bool(np.isfinite(np.asarray(self.table[name])).any())
 
     def take(self, name: str, on_face: bool = True) -> Array:
-        """Return a quantity, non-dimensional, at the compared times if it has any.
+        """Return a quantity, non-dimensional, at the compared times if it depends on time.
 
-        Fields over time are those over the face, or those of the table at its radii.
+        Fields over time are taken over the face, or from the table if not `on_face`. Quantities of
+        the steady state are divided by the last force and speed.
         """
         quantity = DESCRIBED[name]
-        # a flat face may stand off its plane, from which heights are counted
+        # heights are measured from a plane, from which a flat face may have a constant distance
         standoff = 0.0
-        if self.full and name in ("profile", "indentation", "indentation_start"):
+        if self.full_contact and name in ("profile", "indentation", "indentation_start"):
             standoff = self.problem.profile.standoff
         if on_face and quantity.dims == ("time", "radius"):
-            return self.solution.checked[name][self.pressing] - standoff
+            return self.solution.checked[name][self.in_contact] - standoff
         values = np.asarray(self.table[name]) / getattr(self.units, quantity.unit)
-        values = values / self._held_last.get(name, 1.0) - standoff
-        return values[self.checked] if "time" in quantity.dims else values
+        values = values / self._load_factors.get(name, 1.0) - standoff
+        return values[self.compared_rows] if "time" in quantity.dims else values
 
     def take_steady_pressure(self, name: str) -> Array:
         """Return an extreme of the steady pressure on each ring, per unit of the last force."""
-        return np.asarray(self.take(name)[1] / self._held_force)
+        return np.asarray(self.take(name)[1] / self._last_force)
 
     @property
     def steady_profile_on_face(self) -> Array:
         """(R,) the steady profile over the face, per unit of the last force."""
-        return np.asarray(self.solution.checked["steady_profile"] / self._held_force)
+        return np.asarray(self.solution.checked["steady_profile"] / self._last_force)
 
     def errors(self, *names: str) -> Array:
-        """Return the error (names, ...) that the method states of each quantity."""
+        """Return the method's error estimates (names, ...) of some quantities."""
         over_time = "time" in DESCRIBED[names[0]].dims
-        chosen = self.pressing if over_time else ...
-        return np.array([self.solution.checked_error(self.problem, of)[chosen] for of in names])
+        rows = self.in_contact if over_time else ...
+        return np.array([self.solution.checked_error(self.problem, name)[rows] for name in names])
 
     def tolerance(self, *names: str) -> Array:
-        """Return the accuracy asked for, or what the method states where that is more."""
+        """Return `rtol`, or the method's largest error estimate if that is larger."""
         return np.fmax(self.errors(*names).max(axis=0), self.rtol)
 
     def integrate(self, values: Array, weights: Array | float = 1.0) -> tuple[Array, Array]:
-        """Return integrals (T,) of values (T, R) over the face, and by how much they may be off."""
+        """Return integrals (T,) of values (T, R) over the face, and bounds (T,) on their errors."""
         parts = values * weights * self.face.areas
-        return parts.sum(axis=1), DOUBT * self.face.integral_error(parts)
+        return parts.sum(axis=1), REFERENCE_ERROR_FACTOR * self.face.integral_error(parts)

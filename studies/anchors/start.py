@@ -1,4 +1,4 @@
-"""Check the start of a flat punch against its closed form (Eqs. 10 and 11), also of an annulus."""
+"""Check the start of a flat punch, solid or hollow, against closed forms (Eqs. 10 and 11)."""
 
 import numpy as np
 
@@ -6,14 +6,14 @@ from ...mdr.annulus_bounds import stiffness_bounds
 from .anchor import Row, Rows
 from .reported import Reported
 
-# by how much the bounds of a stiffness may be off by roundoff, relatively
-ROUNDOFF_OF_BOUNDS = 1e-12
+# relative roundoff of the bounds on the stiffness of an annulus
+BOUNDS_ROUNDOFF = 1e-12
 
 
 def check_start(report: Reported) -> Rows:
-    """Compare the indentation at the start, ``d = F / (2 a E*)`` of a full punch."""
+    """Compare the indentation at the start, ``d = F / (2 a E*)`` for a solid punch."""
     tolerance, reference = report.tolerance("indentation"), report.flat.indentation
-    if report.starts:
+    if report.includes_start:
         name = "flat start, d = F / (2 a E*)"
         if report.inner_radius or report.reading.ground:
             name = f"flat start, d {report.kind_of_punch}"
@@ -26,16 +26,21 @@ def check_start(report: Reported) -> Rows:
             bounds = stiffness_bounds(report.inner_radius)
             stiffness = 1 / depth
             nearest = np.clip(stiffness, *bounds)
-            stated = report.errors("indentation_start")[0] + ROUNDOFF_OF_BOUNDS
-            yield Row("stiffness of an annulus, within its bounds", stiffness, nearest, stated)
+            stated_error = report.errors("indentation_start")[0] + BOUNDS_ROUNDOFF
+            yield Row(
+                "stiffness of an annulus, within its bounds",
+                stiffness,
+                nearest,
+                stated_error,
+            )
 
 
 def check_start_pressures(report: Reported) -> Rows:
     """Compare pressures and ring forces at the start, ``p = p0 / sqrt(1 - r^2/a^2)``."""
     edges, flat = report.problem.ring_edges, report.flat
-    # infinite at the rim, and at a hole
+    # the pressure is infinite at the rim and at the edge of a hole
     inside = (report.radii < 1) & ((report.radii > report.inner_radius) | (report.radii == 0))
-    if report.starts:
+    if report.includes_start:
         pressure, force = (report.tolerance(name)[0] for name in ("pressure", "ring_force"))
         value = report.take("pressure", on_face=False)[0, inside] / report.forces[0]
         name = "flat start, p = p0 / sqrt(1 - r^2/a^2)"

@@ -6,36 +6,43 @@ from ...mdr import direct
 from ...meshes.radial import Array, unit_gauss
 from ..sampling.norms import radial_weight
 from .anchor import Row, Rows
-from .reported import DOUBT, EXACT, Reported
+from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
-# rings that stand for a wear coefficient along the radius; errors go as the inverse square
+# numbers of rings that approximate a wear coefficient along the radius, for an extrapolation: the
+# error is proportional to the inverse square of the number
 FEW_RINGS, MANY_RINGS = 100, 200
-# tolerance of the extremes of the pressure on a ring of constant wear, to which it is proportional
-EXTREMES = 1e-9
+# relative tolerance of the least and greatest steady pressure on a ring with a constant k
+PRESSURE_EXTREMES_TOLERANCE = 1e-9
 
 
 def check_steady_state(report: Reported) -> Rows:
-    """Compare wear rate and pressures, and for rings of constant wear everything else."""
+    """Compare wear rate, pressures, displacement, slope and profile of the steady state.
+
+    If the wear coefficient varies along the radius, displacement, slope and profile are compared
+    with those of many rings; else with closed forms.
+    """
     problem = report.problem
     pressures = report.steady_wear_rate / report.reading.wear_at(report.radii)
-    exact = max(EXACT, report.graded * report.rtol)
+    tolerance_of_rate = max(ROUNDOFF_TOLERANCE, report.graded * report.rtol)
     rate = report.take("steady_wear_rate")
-    yield Row("steady_wear_rate in closed form", rate, report.steady_wear_rate, exact)
+    yield Row("steady_wear_rate in closed form", rate, report.steady_wear_rate, tolerance_of_rate)
     value = report.take("steady_pressure")
     yield Row("steady pressures of Eq. 24", value, pressures, report.rtol)
-    if report.given("force_share"):
+    if report.has("force_share"):
         shares = report.steady_wear_rate * report.face.ring_sums(report.face.areas / report.wear)
         value = report.take("force_share")[1]
         yield Row("steady force shares of the answer", value, shares, report.rtol, 1.0)
-    if report.given("indentation_steady"):
+    if report.has("indentation_steady"):
         value, reference = report.take("indentation_steady"), report.take("steady_displacement_max")
-        yield Row("steady indentation of the answer", value, reference, EXACT)
+        yield Row("steady indentation of the answer", value, reference, ROUNDOFF_TOLERANCE)
     slowest, fastest = report.reading.extremes_of_wear()
     for name, coefficients in (("pressure_min", fastest), ("pressure_max", slowest)):
         value = report.take_steady_pressure(name)
         reference = report.steady_wear_rate / coefficients
         label = f"steady {name} of the answer"
-        yield Row(label, value, reference, max(EXTREMES, report.rtol * report.graded))
+        yield Row(
+            label, value, reference, max(PRESSURE_EXTREMES_TOLERANCE, report.rtol * report.graded)
+        )
     if report.graded:
         yield from _compare_with_many_rings(report)
         return
@@ -59,25 +66,28 @@ def check_steady_state(report: Reported) -> Rows:
 def _compare_with_many_rings(report: Reported) -> Rows:
     """Compare the steady state of a wear coefficient along the radius with that of many rings.
 
-    Means over rings are of second order, so that two numbers of rings extrapolate.
+    Replacing the pressure by its means over rings is of second order in their width, which allows
+    an extrapolation from two numbers of rings.
     """
-    few, many = (_displace_by_rings(report, count) for count in (FEW_RINGS, MANY_RINGS))
-    greatest = many[0] + (many[0] - few[0]) / 3
-    # what extrapolation leaves is far less than what it adds
-    doubt = abs(many[0] - few[0])
+    coarse, fine = (_displace_by_rings(report, count) for count in (FEW_RINGS, MANY_RINGS))
+    greatest = fine[0] + (fine[0] - coarse[0]) / 3
+    # the error of the extrapolated result is much smaller than this difference
+    error = abs(fine[0] - coarse[0])
     value = report.take("steady_displacement_max")
-    tolerance = report.rtol + doubt / greatest
+    tolerance = report.rtol + error / greatest
     yield Row("steady_displacement_max by many rings", value, greatest, tolerance)
-    displacement = many[1] + (many[1] - few[1]) / 3
-    doubt += np.abs(many[1] - few[1]).max()
-    value, tolerance = report.take("steady_profile"), report.rtol + doubt / greatest
+    displacement = fine[1] + (fine[1] - coarse[1]) / 3
+    error += np.abs(fine[1] - coarse[1]).max()
+    value, tolerance = report.take("steady_profile"), report.rtol + error / greatest
     yield Row("steady_profile by many rings", value, greatest - displacement, tolerance, greatest)
     face = report.face
     weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
     profile = report.steady_profile_on_face[None]
-    slope, lower = (np.sqrt(slopes[0] ** 2 @ weights) for slopes in face.slopes(profile))
+    slope, less_accurate_slope = (
+        np.sqrt(slopes[0] ** 2 @ weights) for slopes in face.slopes(profile)
+    )
     if slope > 0:
-        tolerance = report.rtol + DOUBT * abs(slope - lower) / slope
+        tolerance = report.rtol + REFERENCE_ERROR_FACTOR * abs(slope - less_accurate_slope) / slope
         value = report.take("steady_rms_slope")
         yield Row("steady RMS slope of the profile", value, slope, tolerance)
 
@@ -88,13 +98,13 @@ def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
     The steady pressure is replaced by its mean on each ring. The rings are `count` rings of
     `_even_edges`, divided at the ring edges of the scene.
     """
-    own = report.problem.merged.ring_edges
-    edges = np.union1d(_even_edges(report, count), own[own >= report.inner_radius])
-    node, weight = unit_gauss(3)
+    scene_edges = report.problem.merged.ring_edges
+    edges = np.union1d(_even_edges(report, count), scene_edges[scene_edges >= report.inner_radius])
+    nodes, weights = unit_gauss(3)
     widths = np.diff(edges)[:, None]
-    radii = edges[:-1, None] + widths * node
+    radii = edges[:-1, None] + widths * nodes
     pressures = report.steady_wear_rate / report.reading.wear_at(radii)
-    means = np.sum(pressures * radii * weight * widths, axis=1) / (np.diff(edges**2) / 2)
+    means = np.sum(pressures * radii * weights * widths, axis=1) / (np.diff(edges**2) / 2)
     if report.inner_radius:
         edges, means = np.append(0.0, edges), np.append(0.0, means)
     ground = report.reading.ground
@@ -110,5 +120,5 @@ def _even_edges(report: Reported, count: int) -> Array:
     """
     radii = np.linspace(report.inner_radius, 1, 4001)
     changes = np.abs(np.diff(np.log(report.reading.wear_at(radii))))
-    passed = np.append(0.0, np.cumsum(np.diff(radii) + changes))
-    return np.interp(np.linspace(0, passed[-1], count + 1), passed, radii)
+    measure = np.append(0.0, np.cumsum(np.diff(radii) + changes))
+    return np.interp(np.linspace(0, measure[-1], count + 1), measure, radii)

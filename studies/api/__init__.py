@@ -1,38 +1,40 @@
-"""Wear of a ringed punch on an elastic half-space.
+"""Compute the wear of a ringed punch on an elastic half-space.
 
-It is computed by finite elements, dimensionality reduction and direct integration.
+The methods are finite elements, boundary elements, dimensionality reduction and direct integration.
 
 `Scene`
-    what is computed: a TOML file or a bundled name, as ``Scene.load("five_rings")``;
+    the problem, from a TOML file or by a bundled name: ``Scene.load("five_rings")``;
     ``scene.changed(accuracy__rtol=1e-6)``
 `run`
     compute a scene by every method it names: ``result = run("five_rings")``, then
     ``result.dataset`` (xarray), ``result.answers``, ``result.verdict``, ``result.error(name)``,
     ``result.plot()``, ``result.save(folder)``
 `check`
-    results of another program against ours: ``check("five_rings", {"abaqus": "abaqus.csv"})``, then
-    ``result.verdicts``, ``result.diagnoses`` and all that a run has
+    compare results of another program with ours: ``check("five_rings", {"abaqus":
+    "abaqus.csv"})``, then ``result.verdicts``, ``result.diagnoses`` and all attributes of a run
 `compare`
-    two results beside each other: ``compare("five_rings", "results/mine")``, then ``found.table``,
-    ``found.verdict``, ``found.figures``
+    compare two results: ``comparison = compare("five_rings", "results/mine")``, then
+    ``comparison.table``, ``comparison.verdict``, ``comparison.figures``
 `deck`
-    input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix", "folder")``
+    write input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix",
+    "folder")``
 `fit`
-    wear coefficients from measurements: ``fit("mine.toml", "data.csv",
-    "punch.wear_coefficient")``, then ``found.estimates``, ``found.conclusions``, ``found.figures``
+    determine wear coefficients from measurements: ``result = fit("mine.toml", "data.csv",
+    "punch.wear_coefficient")``, then ``result.estimates``, ``result.conclusions``,
+    ``result.figures``
 `load`
-    read results that were saved
+    read saved results
 `plan`
-    what a run will be made of and cost, by a coarse probe of it: lines of text
+    predict sizes and cost of a run by a coarse probe of it; returns lines of text
 `study`
-    a study of convergence, refinement, limits or cost: ``found = study("march", "five_rings")``,
-    then ``found.table``, ``found.orders``, ``found.conclusions``, ``found.figures``
+    study convergence, refinement, limits or cost: ``results = study("march", "five_rings")``, then
+    ``results.table``, ``results.orders``, ``results.conclusions``, ``results.figures``
 `sweep`
-    scenes over axes of scene keys, in one labelled dataset
+    compute scenes over axes of scene keys, in one labelled dataset
 `Result`, `Study`, `Comparison`
-    what `run`, `study` and `compare` return
+    classes of the results of `run`, `study` and `compare`
 `SceneError`, `RingwearError`
-    what they raise: of a scene that cannot be computed, with the remedy; of anything that fails
+    exceptions: a scene cannot be computed (the message contains a remedy); anything else fails
 
 Examples
 --------
@@ -79,7 +81,7 @@ __all__ = [
     "sweep",
 ]
 
-# a scene alone does not need the numerics that these bring in
+# names that are imported at their first use, because they load the numerics
 _LATER = {
     "Comparison": "ringwear.studies.comparison",
     "compare": "ringwear.studies.comparison",
@@ -110,7 +112,7 @@ def __getattr__(name: str) -> object:
     raise AttributeError(_has_no(name))
 
 
-# what to write in place of names that other packages have
+# what to write instead of names that other packages use
 _OTHER_NAMES = {
     **dict.fromkeys(("solve", "simulate", "compute", "Run", "main"), "ringwear.run"),
     **dict.fromkeys(("open", "read", "Results"), "ringwear.load"),
@@ -122,9 +124,11 @@ _OTHER_NAMES = {
 
 
 def _has_no(name: str) -> str:
-    """Return what to write in place of a name that the package does not have."""
+    """Return the error message for a name that the package does not have."""
     from ringwear.studies.scene.explain import nearest
 
-    near = _OTHER_NAMES.get(name) or nearest(name, __all__)
-    meant = f"write {near}; " if name in _OTHER_NAMES else f"did you mean {near}? " if near else ""
-    return f"module 'ringwear' has no attribute {name!r}: {meant}it has {', '.join(__all__)}"
+    suggestion = _OTHER_NAMES.get(name) or nearest(name, __all__)
+    hint = f"did you mean {suggestion}? " if suggestion else ""
+    if name in _OTHER_NAMES:
+        hint = f"write {suggestion}; "
+    return f"module 'ringwear' has no attribute {name!r}: {hint}it has {', '.join(__all__)}"

@@ -1,1 +1,1 @@
-"""Run a scene by every method, estimate errors, and compare."""
+"""Refine solutions to the requested tolerance, compare methods, and judge whether they agree."""

@@ -1,6 +1,6 @@
-"""Solve to the accuracy asked for.
+"""Solve problems to the tolerance `rtol`.
 
-Where a method's own estimates fall short of it, again with finer sizes.
+A problem is solved again with finer sizes if the method's error estimates exceed the tolerance.
 """
 
 from collections.abc import Sequence
@@ -13,14 +13,20 @@ from ..progress import LOG, Stages
 from ..sizes.defaults import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
 
-# a refinement that leaves more than this part of an error is not followed by another
+# refinement stops if the last one left more than this part of the error estimate
 LITTLE_GAIN = 0.5
 
 
 def solved_to_accuracy(
     method: Method, problems: Sequence[Problem], stages: Stages
 ) -> list[Solution]:
-    """Solve problems on the same ring edges, and each again whose estimates fall short."""
+    """Solve problems on the same ring edges, and refine the solutions that are not accurate enough.
+
+    Returns
+    -------
+    list of Solution
+        One for each problem.
+    """
     solutions = method.solve_alike(problems, stages)
     return [
         refined(method, problem, solution, stages)
@@ -29,59 +35,62 @@ def solved_to_accuracy(
 
 
 def refined(method: Method, problem: Problem, solution: Solution, stages: Stages) -> Solution:
-    """Return a solution, or one of finer sizes if its estimates fall short.
+    """Return a solution, or a refined one if its error estimates exceed the allowed error.
 
-    Sizes given by the user stay, and what finer sizes do not mend (roundoff, a time step, layers
-    thinner than coordinates can tell) is left to the verdict. A refinement asks for sizes of at
-    most ten times the accuracy, and is followed by another if it was worth its time.
+    Sizes that the user gives are never refined. Errors that finer sizes do not reduce (roundoff, a
+    given time step, layers thinner than the roundoff of coordinates) do not lead to a refinement;
+    the verdict reports them. Each refinement reduces the tolerance that sizes follow by a factor of
+    at most ten. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
     """
     error = error_of_sizes(problem, solution)
-    # where edges move, half of the uncertainty that two methods may have
+    # if edges of the contact move, a method may use half of the uncertainty of two methods
     allowed = allowed_error(problem)
-    least, most = tolerance_range(problem, solution.march.space.size if solution.march else 0)
-    rtol = min(problem.rtol, most)
+    smallest_rtol, largest_rtol = tolerance_range(
+        problem, solution.march.space.size if solution.march else 0
+    )
+    rtol = min(problem.rtol, largest_rtol)
     if method.sizes_given(problem):
         return solution
     for _ in range(4):
-        if rtol <= least or error <= allowed:
+        if rtol <= smallest_rtol or error <= allowed:
             break
-        rtol = finer_rtol(rtol, error, allowed, least)
+        rtol = finer_rtol(rtol, error, allowed, smallest_rtol)
         numbers = method.name, error, allowed
-        LOG.info("%8s  its estimate %.1e is above %.1e: refining ...", *numbers)
+        LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
         try:
             finer = method.solve_again(replace(problem, rtol=rtol), solution, allowed, stages)
         except RingwearError as failure:
-            # what is there is as good as it says
+            # keep the coarser solution, whose error estimate is still valid
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
-        before, after = error, error_of_sizes(problem, finer)
-        if after < before:
+        last_error, new_error = error, error_of_sizes(problem, finer)
+        if new_error < last_error:
             note = (
-                f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, for its "
-                "estimates fell short"
+                f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, because its "
+                "error estimates were too large"
             )
-            solution, error = replace(finer, notes=(*finer.notes, note)), after
-        if after > LITTLE_GAIN * before:
+            solution, error = replace(finer, notes=(*finer.notes, note)), new_error
+        if new_error > LITTLE_GAIN * last_error:
             break
     return solution
 
 
 def finer_rtol(rtol: float, error: float, allowed: float, least: float) -> float:
-    """Return the accuracy that the next refinement asks for, if an error is above the allowed one.
+    """Return the tolerance for the next refinement.
 
     Parameters
     ----------
-    rtol : that sizes followed
-    error, allowed : the greatest estimate, and what it may be
-    least : the least accuracy that sizes follow
+    rtol : tolerance that the sizes of the last solution follow
+    error, allowed : the greatest error estimate, and its allowed value
+    least : smallest tolerance that sizes respond to
     """
-    # sizes and degrees are whole numbers of layers: less than that may hardly change them
+    # the factor 0.25: layers and degrees are whole numbers, which a smaller change may leave as is
     return max(least, rtol * max(0.25 * allowed / error, 0.1))
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
-    """Return the greatest error estimate of all quantities that finer sizes would mend."""
-    # closed forms and the uniform grid have no sizes that follow the accuracy asked for
+    """Return the greatest error estimate of the quantities that finer sizes make more accurate."""
+    # closed forms and the uniform grid have no sizes that follow `rtol`
     discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
     if problem.full_contact and (problem.march != "modal" or discretisation is None):
         return discretisation or 0.0

@@ -1,19 +1,20 @@
-"""How far two methods agree, in three words.
+"""The verdict on two methods: agree, disagree or undecided.
 
-Every quantity and every number of the answer that both methods give is compared in its norm. A
-method states an **error estimate**; a difference of two methods has an **uncertainty**, the sum of
-their estimates. With the accuracy `rtol` that the scene asks for, and ``allowed = rtol`` (2 rtol
-where edges of the contact move),
+Every quantity and every number of the answer that both methods compute is compared in its norm. A
+method has an **error estimate**; a difference of two methods has an **uncertainty**, the sum of
+their error estimates. Let ``allowed = rtol``, the tolerance of the scene (2 rtol if edges of the
+contact move). Two methods
 
-- they **agree** if, at every time, each states at most `allowed` and they differ by at most twice
-  that;
-- they **disagree** if they differ by more than twice `allowed` and by more than the uncertainty;
-- everything else is **undecided**, at times that are named, with what would decide it.
+- **agree** if, at every time, both error estimates are at most `allowed` and the difference is at
+  most twice that;
+- **disagree** if the difference is larger than twice `allowed` and larger than the uncertainty;
+- are **undecided** in all other cases; the result names the times and a remedy.
 
-So a larger error estimate can turn *agree* or *disagree* into *undecided*, but nothing into
-*agree*. A difference that is not a number never agrees, and a quantity whose error a method should
-estimate, but does not, is undecided. What cannot be promised at some times (`studies/crosscheck/
-promise.py`) is undecided there, without making the verdict on the run undecided.
+A larger error estimate can therefore turn *agree* or *disagree* into *undecided*, but it never
+results in *agree*. A difference that is not a number never agrees. A quantity is undecided if a
+method has no error estimate where it should have one. A quantity whose accuracy cannot be promised
+at some times (`studies/crosscheck/promise.py`) is undecided there, but does not make the verdict on
+the run undecided.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -43,17 +44,18 @@ AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """One quantity of two methods.
+    """The verdict on one quantity of two methods.
 
     Parameters
     ----------
-    quantity, methods : what is compared
-    difference, uncertainty : relative, in the norm of the quantity, where they decide the verdict
+    quantity, methods : names of the quantity and of the methods
+    difference, uncertainty : relative, in the norm of the quantity, at the time that decides the
+        verdict
     verdict : `agree`, `disagree` or `undecided`
-    remark : what would decide it, if it is undecided
-    promised : whether the verdict on the run depends on it; False if it is undecided only at times
-        at which the accuracy cannot be promised
-    when : the times at which it is undecided, in words; empty if at all of them
+    remark : remedy or reason, if the verdict is `undecided`
+    promised : whether the verdict on the run depends on this one; False if it is undecided only at
+        times at which the accuracy cannot be promised
+    when : the times at which it is undecided, in words; empty if these are all times
     """
 
     quantity: str
@@ -72,7 +74,7 @@ class Agreement:
 
 
 class Difference(NamedTuple):
-    """Differences of two methods in one quantity, and the error estimates of each, (n,)."""
+    """Differences (n,) of two methods in one quantity, and the error estimates (n,) of both."""
 
     size: Array
     first: Array
@@ -84,42 +86,46 @@ class Difference(NamedTuple):
         return self.first + self.second
 
     def over_bound(self, allowed: float) -> Array:
-        """Return the differences over the bound beyond which the methods disagree."""
+        """Return the differences (n,) over the bound above which the methods disagree."""
         over = self.size / np.maximum(self.uncertainty, 2 * allowed)
         return np.where(np.isfinite(self.size), over, np.inf)
 
     def doubtful(self, allowed: float) -> NDArray[np.bool_]:
-        """Return where a method states more than is allowed, or nothing, or they differ by more."""
-        stated = np.maximum(self.first, self.second)
+        """Return where (n,) the methods do not agree.
+
+        They do not if an error estimate is missing or larger than `allowed`, or if the difference
+        is larger than twice that.
+        """
+        larger_estimate = np.maximum(self.first, self.second)
         # comparisons with NaN are False
-        return ~((stated <= allowed) & (self.size <= 2 * allowed))
+        return ~((larger_estimate <= allowed) & (self.size <= 2 * allowed))
 
 
 def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Difference]:
-    """Return the differences of two solutions in everything whose error both estimate."""
+    """Return the differences of two solutions in all quantities with an error estimate of both."""
     first, second = solutions
-    found = differences(first.checked, second.checked, problem.face)
-    found |= answer_differences(first.answers, second.answers)
+    all_differences = differences(first.checked, second.checked, problem.face)
+    all_differences |= answer_differences(first.answers, second.answers)
     compared = {}
-    for name, difference in found.items():
+    for name, difference in all_differences.items():
         if name not in first.errors or name not in second.errors or not problem.wants(name):
             continue
-        parts = [difference, *(each.checked_error(problem, name) for each in solutions)]
+        arrays = [difference, *(solution.checked_error(problem, name) for solution in solutions)]
         if "mode" in DESCRIBED[name].dims:
-            parts = [part[:COMPARED_MODES] for part in parts]
-        shared = common(*(part.shape for part in parts))
-        size, *stated = (np.atleast_1d(part[shared]) for part in parts)
+            arrays = [array[:COMPARED_MODES] for array in arrays]
+        common_part = common(*(array.shape for array in arrays))
+        size, *estimates = (np.atleast_1d(array[common_part]) for array in arrays)
         if name in ANSWER:
-            # closed forms give no start, and shaped punches no pressures then
-            given = ~np.isnan(size)
-            size, stated = size[given], [error[given] for error in stated]
+            # NaN: closed forms give no start, and shaped punches give no pressures at the start
+            defined = ~np.isnan(size)
+            size, estimates = size[defined], [error[defined] for error in estimates]
         if size.size:
-            compared[name] = Difference(size, *stated)
+            compared[name] = Difference(size, *estimates)
     return compared
 
 
 def due(problem: Problem) -> set[str]:
-    """Return what two methods that lack nothing have to be compared in."""
+    """Return the quantities in which two methods must be compared if both compute everything."""
     names = set(QUANTITIES) - {"contact", "contact_edge"} - STEADY - problem.quantities_missing
     if not len(problem.times):
         names = {"relaxation_time"} & names if problem.quantities else set()
@@ -133,13 +139,13 @@ def due(problem: Problem) -> set[str]:
 def agreements(
     problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]
 ) -> list[Agreement]:
-    """Compare two methods in everything that both give, at the times that are compared."""
+    """Compare two methods in all quantities that both compute, at the compared times."""
     compared, expected = compare(problem, solutions), due(problem)
-    if any(each.wear is None and each.march is None for each in solutions):
-        # one of them lacks the history
+    if any(solution.wear is None and solution.march is None for solution in solutions):
+        # one of the methods computes no history
         expected &= solutions[0].checked.keys() & solutions[1].checked.keys()
     missing = [
-        Agreement(quantity, names, np.inf, np.inf, UNDECIDED, "a method states no error of it")
+        Agreement(quantity, names, np.inf, np.inf, UNDECIDED, "a method has no error estimate")
         for quantity in sorted(expected - compared.keys())
     ]
     by_name = dict(zip(names, solutions, strict=True))
@@ -152,33 +158,35 @@ def _judge(
 ) -> Agreement:
     """Return the verdict on one quantity of two methods."""
     first_name, second_name = names = tuple(solutions)
-    size, first, second = difference
+    sizes, first, second = difference
     allowed, uncertainty = allowed_error(problem), difference.uncertainty
-    over, doubtful = difference.over_bound(allowed), difference.doubtful(allowed)
-    # where many are as uncertain, the one that differs most
-    worst = int(np.lexsort((size, uncertainty, doubtful))[-1])
-    verdict, remark, when, promised = AGREE, "", "", True
-    if (over > 1).any():
-        worst, verdict = int(np.argmax(over)), DISAGREE
+    over_bound, doubtful = difference.over_bound(allowed), difference.doubtful(allowed)
+    # a time without agreement; of several, the one with the largest uncertainty, then difference
+    worst = int(np.lexsort((sizes, uncertainty, doubtful))[-1])
+    verdict, remark, times_in_words, promised = AGREE, "", "", True
+    if (over_bound > 1).any():
+        worst, verdict = int(np.argmax(over_bound)), DISAGREE
     elif doubtful.any():
         verdict, blamed = UNDECIDED, names[int(second[worst] > first[worst])]
         reasons = [
-            unresolved(problem, quantity, solutions, int(at)) for at in np.flatnonzero(doubtful)
+            unresolved(problem, quantity, solutions, int(index))
+            for index in np.flatnonzero(doubtful)
         ]
         promised = not all(reasons)
         remark = next(filter(None, reasons), "")
         if promised:
             remark = remedy(problem, blamed, solutions[blamed], float(uncertainty[worst]))
-        when = when_in_words(problem, quantity, doubtful)
-    numbers = float(size[worst]), float(uncertainty[worst])
+        times_in_words = when_in_words(problem, quantity, doubtful)
+    numbers = float(sizes[worst]), float(uncertainty[worst])
     pair = first_name, second_name
-    return Agreement(quantity, pair, *numbers, verdict, remark, promised, when)
+    return Agreement(quantity, pair, *numbers, verdict, remark, promised, times_in_words)
 
 
 def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> float:
-    """Return the greatest difference over what would make two methods disagree, above 1.
+    """Return the greatest difference over the bound above which two methods disagree.
 
-    It is that of the quantities to keep; NaN where there is nothing to compare.
+    Above 1, some pair of solutions disagrees in one of the quantities `keep`. The result is NaN if
+    there is nothing to compare.
     """
     greatest = np.nan
     for pair in combinations(solutions, 2):
@@ -189,33 +197,44 @@ def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collec
     return float(greatest)
 
 
-def when_in_words(problem: Problem, quantity: str, some: NDArray[np.bool_]) -> str:
-    """Return some of the compared times in words; empty if they are all, or there are none."""
-    if DESCRIBED[quantity].dims[:1] != ("time",) or some.all():
+def when_in_words(problem: Problem, quantity: str, selected: NDArray[np.bool_]) -> str:
+    """Return some of the compared times in words.
+
+    The text is empty if the times are all compared times, or if the quantity has no times.
+    """
+    if DESCRIBED[quantity].dims[:1] != ("time",) or selected.all():
         return ""
     times = problem.times[problem.checked] * problem.units.time
-    last = int(np.flatnonzero(some)[-1])
-    if not some[: last + 1].all():
-        return f"at {some.sum()} of {len(times)} times"
+    last = int(np.flatnonzero(selected)[-1])
+    if not selected[: last + 1].all():
+        return f"at {selected.sum()} of {len(times)} times"
     return f"{'up to' if last else 'at'} t = {times[last]:.3g}"
 
 
 def remedy(problem: Problem, blamed: str, solution: Solution, error: float) -> str:
-    """Return what would decide a quantity: an accuracy to ask for, other sizes, or other times."""
+    """Return a remedy for an undecided quantity: a smaller `rtol`, other sizes or another march.
+
+    Parameters
+    ----------
+    blamed : name of the method with the larger error estimate
+    error : the uncertainty
+    """
     rtol = problem.rtol**2 / error
     if solution.remedy:
         return solution.remedy
     if problem.march != "modal":
-        return "the step is too long; march = 'modal' has none"
+        return "the time step is too long; march = 'modal' needs none"
     if rtol < FINEST_RTOL:
-        return f"{blamed} states {error:.1e}; no accuracy that can be asked for decides it"
+        return f"{blamed} states {error:.1e}; no allowed rtol is small enough to decide it"
     return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"
 
 
 def overall(rows: Sequence[Agreement]) -> str:
-    """Return the least verdict of what is promised; what is not promised can still disagree.
+    """Return the verdict on a run.
 
-    Without anything to compare, as with one method, nothing is decided.
+    It is `disagree` if any quantity disagrees, promised or not; else `undecided` if a promised
+    quantity is undecided, or if there is nothing to compare because only one method has run; else
+    `agree`.
     """
     if not rows:
         return UNDECIDED
@@ -226,7 +245,7 @@ def overall(rows: Sequence[Agreement]) -> str:
 
 
 def by_quantity(rows: Sequence[Agreement]) -> dict[str, Agreement]:
-    """Return of each quantity the two methods whose difference says most."""
+    """Return, for each quantity, the pair of methods with the worst verdict and difference."""
     order = (AGREE, UNDECIDED, DISAGREE)
     ordered = sorted(rows, key=lambda row: (order.index(row.verdict), row.difference))
     worst = {row.quantity: row for row in ordered}

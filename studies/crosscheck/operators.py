@@ -1,11 +1,11 @@
-"""Compare two methods as operators.
+"""Compare the compliances of two methods as operators on one pressure space.
 
-On one pressure space, for every pressure at once instead of for one scene.
-
-The generalised eigenvalues of two compliances are the ratios of the energies that they give to the
-same pressures. Three numbers certify a pair: over ring-wise constant pressures (every steady state,
-whatever the wear coefficients), over the pressures that the scene's history passes through, and
-over the whole space, where the shortest pressures are never resolved.
+Such a comparison is valid for every pressure of the space instead of one scene. The generalised
+eigenvalues of two compliances are the ratios of the elastic energies that they assign to the same
+pressures. Three numbers summarise the comparison of a pair: the greatest difference over ring-wise
+constant pressures (all steady states, for any wear coefficients), over the pressures of the scene's
+history, and over the whole space. The last one is always large, because no method resolves the
+shortest waves.
 """
 
 from dataclasses import dataclass
@@ -23,20 +23,21 @@ from ..wear.full_contact import RunningIn
 
 @dataclass(frozen=True, eq=False)
 class OperatorDifference:
-    """How far one compliance is from another, relative, on the pressure space of the first.
+    """Relative differences of the energies by two compliances, on the pressure space of the first.
 
     Parameters
     ----------
-    methods : the two
-    rings : over all ring-wise constant pressures
-    history : over the pressures of this scene's history: of the two methods' at each time, and of
-        the steady state, the sum of both, which bounds the relative difference of their
-        indentations
-    space : over all pressures of the space
+    methods : names of the two methods
+    rings : greatest difference over all ring-wise constant pressures
+    history : greatest difference over the pressures of the scene's history and steady state. At
+        each time it is the sum of the differences for the pressures of both methods, which bounds
+        the relative difference of their indentations
+    space : greatest difference over all pressures of the space
     stability : least ratio of the energies: the square of the inf-sup constant of the multipliers
-    wavelengths, differences : by pressure mode, the slowest first
-    shortest_resolved : shortest wave that the elements of the pressure space resolve everywhere, in
-        the unit of the wavelengths
+    wavelengths, differences : of each pressure mode, the slowest first; wavelengths in the scene's
+        unit of length
+    shortest_resolved : shortest wave that all elements of the pressure space resolve, in the same
+        unit
     """
 
     methods: tuple[str, str]
@@ -49,47 +50,48 @@ class OperatorDifference:
     shortest_resolved: float
 
 
-# part of the energy of every pressure that stable multipliers give it at the least
+# least ratio of energies (first compliance over second) at which multipliers count as stable
 STABLE = 0.01
-# pressures beyond which eigenvalues of all of them would take longer than the run itself
+# largest size of a pressure space for this comparison: the eigenvalues of a larger one would take
+# longer than the run itself
 MOST_PRESSURES = 1500
 
 
 def check_multipliers(name: str, first: Compliance, second: Compliance) -> None:
-    """Refuse multipliers of the first method that no longer see the displacement.
+    """Refuse unstable multipliers: some pressure has almost no energy by the first compliance.
 
-    A checkerboard has next to no energy. The energies differ by a positive definite matrix if no
-    pressure has so little of it.
+    An unstable pair of elements has such pressures (checkerboards). The multipliers are stable if
+    the first matrix minus `STABLE` times the second one is positive definite.
 
     Raises
     ------
     SolverError
-        if the first compliance gives some pressure less than `STABLE` times its energy by the
-        second
+        if the energy of some pressure by the first compliance is less than `STABLE` times its
+        energy by the second
     """
     try:
         cholesky(first.matrix - STABLE * second.matrix, check_finite=False)
     except np.linalg.LinAlgError:
         raise SolverError(
-            f"the multipliers of {name} are unstable on this mesh: some pressures have less than "
-            f"{STABLE:g} of their energy; choose another degree"
+            f"the multipliers of {name} are unstable on this mesh: the energy of some pressures is "
+            f"less than {STABLE:g} of the correct one; choose another degree"
         ) from None
 
 
 def difference(
     problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
 ) -> OperatorDifference:
-    """Compare two compliances, each with the running-in on it, on the same pressure space."""
+    """Compare two compliances on the same pressure space, each with the running-in on it."""
     pair, times = (first.compliance, second.compliance), problem.times[problem.checked]
     times = times[problem.loading.at(times).force > 0]
     ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
-    # the span of the modes would not do: it holds short waves that the history hardly touches, and
-    # no method resolves
+    # use the pressures of the history instead of the span of the modes, which also contains short
+    # waves that hardly occur in the history and that no method resolves
     history = np.zeros(len(times) + 1)
     for wear in (first, second):
         pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
         history += _energy_differences(*pair, pressures)
-    # on a long wave of length L a half-space gives u = p L / pi: the length of any mode
+    # u = p L / pi under a long wave of length L on a half-space, which defines L for any mode
     values, modes = eigh(pair[1].matrix, pair[0].space.mass().toarray())
     return OperatorDifference(
         methods=methods,
@@ -106,9 +108,9 @@ def difference(
 def _shortest_resolved_wave(space: PressureSpace) -> float:
     """Return the shortest wave that all elements of a pressure space resolve, in punch radii.
 
-    A polynomial of degree p takes pi degrees for each wave, so that an element of width h resolves
-    waves down to ``pi h / p`` (Gottlieb and Orszag, Numerical Analysis of Spectral Methods, 1977,
-    section 3). A hole, whose degree is zero, has no pressure.
+    A polynomial needs pi degrees per wave; therefore an element of width h and degree p resolves
+    waves down to the length ``pi h / p`` (Gottlieb and Orszag, Numerical Analysis of Spectral
+    Methods, 1977, section 3). A hole, whose degree is zero, has no pressure and is left out.
     """
     carries = space.degrees > 0
     return float(np.pi * (space.widths[carries] / space.degrees[carries]).max())
@@ -119,7 +121,7 @@ def _energy_differences(first: Compliance, second: Compliance, pressures: Array)
     energy, reference = (
         np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (first, second)
     )
-    # at a fixed indentation no pressure is left in the end
+    # at a fixed indentation the pressure decays to zero: the difference is then 0
     ratios = np.divide(energy, reference, out=np.ones(len(pressures)), where=reference > 0)
     return np.asarray(np.abs(ratios - 1))
 
@@ -127,17 +129,18 @@ def _energy_differences(first: Compliance, second: Compliance, pressures: Array)
 def _over_rings(first: Compliance, second: Compliance) -> float:
     """Return the greatest relative difference over all ring-wise constant pressures."""
     pressures = first.space.ring_indicator()
-    # an orthonormal basis in the second energy: ratios of nearly dependent pressures would be lost
-    # to roundoff
+    # use a basis that is orthonormal in the second energy, because roundoff would spoil the ratios
+    # of nearly dependent pressures
     triangle = np.linalg.qr(second.factor @ pressures, mode="r")
     image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
     return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max())
 
 
 def least_ratio_of_energies(first: Array, second: Array) -> float:
-    """Return the least ratio of energies, that by the first factor (m, n) over that by the second.
+    """Return the least ratio of the energies by two compliances, given their factors (m, n).
 
-    By singular values: an eigensolver of the energies themselves would lose those below 1e-15.
+    The ratio is the first energy over the second. It is computed from singular values, because an
+    eigensolver for the energies themselves cannot resolve ratios below 1e-15.
     """
     scale = np.linalg.norm(second, axis=0)
     triangle = np.linalg.qr(second / scale, mode="r")

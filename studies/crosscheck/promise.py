@@ -1,7 +1,7 @@
-"""What cannot be promised: quantities that are not resolved at some times, with the reason.
+"""Quantities whose accuracy is not promised at some times, with the reason.
 
 The reasons are known before a run. A quantity is left out of the promise only at times at which
-there is a reason and a method states more than the accuracy asked for.
+there is a reason and a method's error estimate is larger than allowed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,8 @@ from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..sizes.degrees import field_accuracy
 from ..sizes.ring_edges import ELEMENTS_PER_THIN_LAYER, edge_sizes
 
-# with edges of the contact within the face, these are resolved to a cell, whatever the accuracy
+# quantities that are only resolved to a cell, for any `rtol`, if the contact has edges within the
+# face
 AT_EDGES = (
     "pressure",
     "profile",
@@ -30,9 +31,10 @@ AT_EDGES = (
     "time_to_99",
     "running_in_time",
 )
-# what rings share of cells that edges of the contact cross: refined, but not promised there
+# quantities of single rings, which cells with an edge of the contact limit: they are refined, but
+# not promised if the contact has edges within the face
 BY_CELLS = ("ring_force", "ring_worn_volume", "force_share", "worn_volume")
-# quantities that the first line names, of those that are left out at the same times
+# number of quantities that the verdict names, of those that are left out at the same times
 MOST_NAMES = 4
 
 
@@ -43,8 +45,8 @@ class LeftOut:
     Parameters
     ----------
     quantity : its name
-    times : in the scene's unit; empty if it has none
-    reason : why, and what would help
+    times : times in the scene's unit; empty if the quantity has no times
+    reason : the reason and a remedy
     """
 
     quantity: str
@@ -53,61 +55,61 @@ class LeftOut:
 
 
 def allowed_error(problem: Problem) -> float:
-    """Return the error that each method may state."""
+    """Return the largest error estimate with which methods can agree, relative."""
     return problem.rtol * problem.contact.allowed_over_rtol
 
 
 def unresolved(
     problem: Problem, quantity: str, solutions: Mapping[str, Solution], at: int = 0
 ) -> str:
-    """Return why the accuracy is not promised of a quantity; empty if it is.
+    """Return why the accuracy of a quantity is not promised; empty if it is.
 
     Parameters
     ----------
-    problem : with all its times
+    problem : the problem with all its times
     quantity : its name
-    solutions : of the methods that are asked, by name
-    at : which of the compared times, if the quantity has times
+    solutions : solutions by the names of the methods, whose smallest elements count
+    at : index of the compared time, if the quantity has times
     """
     if not problem.full_contact:
         edges = "pressures may be infinite at edges"
         if problem.earliest:
             edges = "pressures jump at edges of worn faces that move"
-        words = f"{edges}, and fields are known to a cell there; ask for a smaller rtol"
+        words = f"{edges}, where fields are only known to a cell; choose a smaller rtol"
         return words if quantity in (*AT_EDGES, *BY_CELLS) else ""
-    # what is asked for before is not felt any more
+    # earlier times, which need smaller elements, have no influence
     first = int(problem.checked[at]) if DESCRIBED[quantity].dims[:1] == ("time",) else 0
     if quantity in LAYER_QUANTITIES:
-        wanted = _smallest_wanted(problem, first)
+        needed_size = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
-            if wanted < ELEMENTS_PER_THIN_LAYER * solution.smallest:
+            if needed_size < ELEMENTS_PER_THIN_LAYER * solution.smallest:
                 return (
-                    f"elements of {wanted:.0e} a would resolve the layers that wear has made by "
-                    f"then, and the smallest of {method} are {solution.smallest:.0e} a; ask for "
-                    "later times"
+                    "the layers that wear has made by then need elements of "
+                    f"{needed_size:.0e} a, but the smallest elements of {method} are "
+                    f"{solution.smallest:.0e} a; choose later times"
                 )
     if quantity in ENERGIES:
         return ""
     accuracy = _field_accuracy(problem, first)
     if accuracy > problem.rtol:
         return (
-            f"so many rings and so early times would take more pressures than memory and time "
-            f"allow, so that fields are resolved to {accuracy:.0e} only; ask for later times, a "
-            "larger rtol, or fewer rings"
+            f"so many rings and so early times need more pressures than memory and time allow; "
+            f"fields are therefore only resolved to {accuracy:.0e}; choose later times, a larger "
+            "rtol, or fewer rings"
         )
     return ""
 
 
-# all quantities are asked for at the same times, most of which are few
+# cached, because all quantities are checked at the same times
 @lru_cache(maxsize=64)
 def _smallest_wanted(problem: Problem, first: int) -> float:
-    """Return the smallest wanted element size from one of the times on."""
+    """Return the smallest element size, in punch radii, that times from `first` on need."""
     return float(edge_sizes(_from_time_on(problem, first)).min())
 
 
 @lru_cache(maxsize=64)
 def _field_accuracy(problem: Problem, first: int) -> float:
-    """Return the relative accuracy that fields are resolved to from one of the times on."""
+    """Return the relative accuracy to which fields are resolved at times from `first` on."""
     return field_accuracy(_from_time_on(problem, first))
 
 
@@ -116,17 +118,17 @@ def _from_time_on(problem: Problem, first: int) -> Problem:
 
 
 def left_out_of_promise(problem: Problem, solutions: Mapping[str, Solution]) -> list[LeftOut]:
-    """Return the quantities that are not promised, where a method states more than is allowed."""
+    """Return the quantities that are not promised and whose error estimates are too large."""
     rows, allowed = [], allowed_error(problem)
     names = {name for solution in solutions.values() for name in solution.errors}
     for quantity in (name for name in DESCRIBED if name in names):
-        stated = [
+        estimates = [
             np.atleast_1d(solution.checked_error(problem, quantity))
             for solution in solutions.values()
             if quantity in solution.errors
         ]
-        count = min(map(len, stated))
-        beyond = np.any([error[:count] > allowed for error in stated], axis=0)
+        count = min(map(len, estimates))
+        beyond = np.any([error[:count] > allowed for error in estimates], axis=0)
         reasons = {
             int(at): reason
             for at in np.flatnonzero(beyond)
@@ -143,31 +145,33 @@ def left_out_of_promise(problem: Problem, solutions: Mapping[str, Solution]) -> 
 
 
 def in_words(rows: Sequence[LeftOut], times: Sequence[float]) -> str:
-    """Say in words what is left out, those quantities together that are left out at the same times.
+    """Say in words which quantities are left out, grouped by the times at which they are.
 
     Parameters
     ----------
-    rows : what is left out
+    rows : quantities that are left out
     times : all times of the scene
     """
-    together = dict[tuple[float, ...], list[str]]()
+    names_by_times = dict[tuple[float, ...], list[str]]()
     for row in rows:
         name = row.quantity.replace("_", " ").replace("rms", "RMS")
-        together.setdefault(row.times, []).append(name)
-    return "; ".join(f"{_listed(names)}{_when(some, times)}" for some, names in together.items())
+        names_by_times.setdefault(row.times, []).append(name)
+    return "; ".join(
+        f"{_listed(names)}{_when(selected, times)}" for selected, names in names_by_times.items()
+    )
 
 
 def _listed(names: list[str]) -> str:
-    """Return names as a list in words, the first of many."""
+    """Return names as a list in words; if there are many, only the first ones."""
     more = len(names) - MOST_NAMES
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def _when(some: tuple[float, ...], times: Sequence[float]) -> str:
+def _when(selected: tuple[float, ...], times: Sequence[float]) -> str:
     """Return some of the times of a scene in words."""
-    if not some:
+    if not selected:
         return ""
-    before = [time for time in times if time <= some[-1]]
-    if len(some) < len(before):
-        return f" at {len(some)} of {len(times)} times"
-    return f" {'up to' if len(some) > 1 else 'at'} t = {some[-1]:.3g}"
+    times_until_last = [time for time in times if time <= selected[-1]]
+    if len(selected) < len(times_until_last):
+        return f" at {len(selected)} of {len(times)} times"
+    return f" {'up to' if len(selected) > 1 else 'at'} t = {selected[-1]:.3g}"

@@ -1,4 +1,4 @@
-"""Finite elements against dimensionality reduction: profiles, pressures, how far they differ."""
+"""Compare finite elements with dimensionality reduction: profiles, pressures, differences."""
 
 from ringwear import Scene, run
 

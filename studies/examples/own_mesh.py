@@ -1,6 +1,6 @@
-"""A mesh-refinement test with a mesh of one's own.
+"""Test the refinement of a user-defined mesh.
 
-Scikit-fem's, made in a box, refined towards the rim, bent to a disc.
+It is a box mesh of scikit-fem, refined towards the rim of the punch and mapped to a quarter disc.
 """
 
 import numpy as np
@@ -19,12 +19,12 @@ for refined in range(8):
     disc = as_half_space(MeshTri(box.p * box.p.max(axis=0) / length, box.t), ring_edges)
     solid = AxisymmetricElasticity(disc, degree=3, nominal_poisson_ratio=0.3)
     half = HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-6))
-    # a flat punch under the force 1, its pressure continuous: A p = d b, b . p = 1
+    # flat punch under the force 1 with a continuous pressure: A p = d b, b . p = 1
     continuous = half.space.joined()
     factor, force = half.compliance().factor @ continuous, half.space.weights @ continuous
     indentation = 1 / (force @ np.linalg.solve(factor.T @ factor, force))
     triangles, error = box.nelements, indentation / 0.5 - 1
     print(f"{refined} times: {triangles:5d} triangles, relative error of F/(2 a E*) {error:+.1e}")
-    # halve what is near the rim, where the pressure is infinite
+    # refine near the rim, where the pressure is infinite
     to_rim = np.hypot(box.p[0, box.t].mean(axis=0) - 1, box.p[1, box.t].mean(axis=0))
     box = box.refined(np.flatnonzero(to_rim < 1.2 * 0.6**refined))

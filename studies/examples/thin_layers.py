@@ -1,4 +1,4 @@
-"""What a thin layer does to running-in: relaxation times over its thickness, on a rigid base."""
+"""Show relaxation times over the thickness of a layer on a rigid base, down to thin layers."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,7 +11,7 @@ scene = Scene(
     half_space={"rigid": True, "layers": [layer]},
     load={"normal_force": 1.0, "sliding_speed": 1.0},
 )
-# a thin layer is a bed of springs of the stiffness M / h, each of which wears by itself
+# a thin layer is a bed of independent springs with the stiffness M / h per area
 modulus = 1.0 * (1 - 0.3) / ((1 + 0.3) * (1 - 2 * 0.3))
 thicknesses, times = np.geomspace(0.03, 3.0, 13), []
 for thickness in thicknesses:

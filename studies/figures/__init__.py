@@ -1,1 +1,1 @@
-"""Figures of a run."""
+"""Draw the figures of a run, of a comparison and of a mesh."""

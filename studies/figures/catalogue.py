@@ -1,4 +1,4 @@
-"""The figures of a run: what each is called, shows and needs; the folder and the page follow it."""
+"""List the figures of a run: file name, caption, drawing function, and required data."""
 
 from ..outcome.outcome import Outcome
 from .contact import draw_contact
@@ -14,26 +14,26 @@ def _has_history(result: Outcome) -> bool:
     return result.scene.problem.earliest > 0 and result.gives("displacement_max", "rms_slope")
 
 
-# what is drawn of a contact that opens, closes and spreads
+# quantities that the figure of a contact with moving edges needs
 IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
 PICTURES = (
     Picture(
         "profiles_and_pressures.png",
-        "Worn profiles less their least wear, and contact pressures, at some of the times.",
+        "Worn profiles minus the least worn height, and contact pressures, at some of the times.",
         draw_states,
         lambda result: result.gives("profile", "pressure"),
     ),
     Picture(
         "history.png",
-        "Running-in: greatest displacement and RMS slope over time, and by how much the methods "
-        "differ.",
+        "Running-in: greatest displacement and RMS slope over time, and the differences of the "
+        "methods.",
         draw_history,
         _has_history,
     ),
     Picture(
         "contact.png",
-        "Edges of the contact over time, its inside shaded, and what each ring carries and has "
-        "worn off.",
+        "Edges of the contact over time, its inside shaded, and force and worn volume of each "
+        "ring.",
         draw_contact,
         lambda result: result.scene.problem.earliest > 0 and result.gives(*IN_CONTACT),
     ),
@@ -46,22 +46,22 @@ PICTURES = (
     Picture(
         "difference.png",
         "One method minus the other: pressure, worn profile and displacement along the radius, "
-        "relative to their norms, with the error that each method states as a band; and the same "
-        "differences over radius and time, the largest of them marked and named.",
+        "relative to their norms, with the error estimate of each method as a band; and the same "
+        "differences over radius and time, with the largest one marked.",
         draw_result_difference,
         lambda result: bool(result.field_comparisons),
     ),
     Picture(
         "operator_difference.png",
-        "The methods compared for every pressure at once. The answer is made of the long waves at "
-        "the right. The waves in the shaded part are finer than the elements, and large "
-        "differences there do not matter.",
+        "The methods compared for every pressure. The answer consists of the long waves at the "
+        "right. The waves in the shaded part are finer than the elements; large differences there "
+        "do not matter.",
         draw_operators,
         lambda result: bool(result.operators),
     ),
     Picture(
         "stress.png",
-        "Von Mises stress in the half-space, where the punch presses on it.",
+        "Von Mises stress in the half-space under the contact.",
         draw_stress,
         lambda result: result.has_inside and any(map(len, result.inside.parts)),
     ),

@@ -1,4 +1,4 @@
-"""Two results drawn together: steady profiles and pressures, displacement and slope over time."""
+"""Draw two results together: steady profile and pressure, displacement and slope over time."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,27 +12,29 @@ COMPARED_LOOKS = {name: curve(number) for number, name in enumerate("AB")}
 
 
 def draw_comparison(a: Outcome, b: Outcome) -> Figure:
-    """Draw what two results give, each by its first method.
+    """Draw two results in the same panels, each by its first method.
 
     Raises
     ------
     SceneError
         if there is nothing to draw
     """
-    scale, other = Scale.of(a), Scale.of(b)
-    other.axes, other.logarithmic = scale.axes, scale.logarithmic
+    scale, other_scale = Scale.of(a), Scale.of(b)
+    other_scale.axes, other_scale.logarithmic = scale.axes, scale.logarithmic
     figure, panels = new_panels(PAGE, 4.6, 2, 2)
     names = ("steady_profile", "steady_pressure", "displacement_max", "rms_slope")
     for name, axes in zip(names, panels.flat, strict=True):
-        over, marks = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
+        abscissa, line_look = ("radius", {"marker": ""}) if "steady" in name else ("time", {})
         scale.suit(name, np.hstack([side.first(name).ravel() for side in (a, b)]))
-        for number, (drawn, result) in enumerate(((scale, a), (other, b))):
+        for number, (result_scale, result) in enumerate(((scale, a), (other_scale, b))):
             if result.by_method(name):
-                look = curve(number) | marks | {"label": "AB"[number]}
-                drawn.plot(axes, name, over, result.coordinates[over], result.first(name), **look)
+                look = curve(number) | line_look | {"label": "AB"[number]}
+                result_scale.plot(
+                    axes, name, abscissa, result.coordinates[abscissa], result.first(name), **look
+                )
         if not axes.lines:
             figure.delaxes(axes)
-        elif over == "time":
+        elif abscissa == "time":
             show_values(axes)
         else:
             set_linear(axes, "x")
@@ -44,6 +46,6 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
 
 
 def titles(a: Outcome, b: Outcome) -> tuple[str, str]:
-    """Return the titles of both scenes, for the title of a figure."""
+    """Return the titles of both scenes as parts of the title of a figure."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
     return "A", f"{first}; B: {second}"

@@ -1,4 +1,4 @@
-"""Contact that opens, closes and spreads: where it is, and what it does to each ring, over time."""
+"""Draw contact with moving edges: its edges, and force and worn volume of each ring, over time."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,26 +13,26 @@ from .style import PAGE, cell_edges, complete, curve, new_panels, set_linear, sh
 def draw_contact(result: Outcome) -> Figure:
     """Draw the edges of the contact, the forces on rings and the worn volumes of rings over time.
 
-    Edges are shown by every method, with the inside of the contact shaded. Forces and worn volumes
-    are shown by the first method. If there are more than five rings, five of them are shown.
+    The figure shows edges by every method, and shades the inside of the contact. Forces and worn
+    volumes are by the first method. Of more than five rings, five are shown.
     """
-    scale, (_, between) = Scale.of(result), result.between
+    scale, (_, history) = Scale.of(result), result.between
     figure, panels = new_panels(PAGE, 2.9, columns=3)
-    where, force, volume = panels.flat
-    _draw_edges(where, result, scale)
-    scale.suit("normal_force", between["normal_force"])
-    scale.suit("ring_worn_volume", between["ring_worn_volume"])
+    edges, forces, volumes = panels.flat
+    _draw_edges(edges, result, scale)
+    scale.suit("normal_force", history["normal_force"])
+    scale.suit("ring_worn_volume", history["ring_worn_volume"])
     count = len(result.coordinates["ring"])
     for number, ring in enumerate(np.unique(np.linspace(0, count - 1, min(count, 5)).astype(int))):
         look = curve(number) | {"marker": "", "label": f"ring {ring + 1}"}
-        for axes, name in ((force, "ring_force"), (volume, "ring_worn_volume")):
-            scale.plot(axes, name, "time", between["time"], between[name][:, ring], **look)
+        for axes, name in ((forces, "ring_force"), (volumes, "ring_worn_volume")):
+            scale.plot(axes, name, "time", history["time"], history[name][:, ring], **look)
     look = curve(0) | {"marker": "", "color": "0.75", "linewidth": 2.0, "label": "all rings"}
-    scale.plot(force, "normal_force", "time", between["time"], between["normal_force"], **look)
+    scale.plot(forces, "normal_force", "time", history["time"], history["normal_force"], **look)
     for axes in panels.flat:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)
         show_values(axes)
-        axes.set_xlim(where.get_xlim())
+        axes.set_xlim(edges.get_xlim())
         if not scale.logarithmic:
             set_linear(axes, "x", most=4)
     return complete(figure, (result.scene.title, "contact over time"), figure.axes)
@@ -41,9 +41,9 @@ def draw_contact(result: Outcome) -> Figure:
 def _draw_edges(axes: Axes, result: Outcome, scale: Scale) -> None:
     """Draw the edges of the contact by every method, and shade its inside by the first of them.
 
-    The centre of a solid punch is no edge. Nothing is shaded before the first time that is shown.
+    The centre of a solid punch is no edge. The shading begins at the first time that is shown.
     """
-    problem, (_, between) = scale.problem, result.between
+    problem, (_, history) = scale.problem, result.between
     for number, (method, radii) in enumerate(result.by_method("contact_edge").items()):
         look = curve(number) | {"color": scale.look(method)["color"], "marker": "ox+^"[number % 4]}
         look |= {"linestyle": "", "clip_on": False, "label": scale.look(method)["label"]}
@@ -51,14 +51,14 @@ def _draw_edges(axes: Axes, result: Outcome, scale: Scale) -> None:
         scale.plot(axes, "contact_edge", "time", result.coordinates["time"], edges, **look)
     for height in scale.shown("radius", result.coordinates["ring_outer_radius"][:-1]):
         axes.axhline(height, color="0.75", linewidth=0.6, zorder=0, label="ring edge")
-    shown = between["time"] > 0 if scale.logarithmic else np.isfinite(between["time"])
-    times, radii = (scale.shown(name, between[name]) for name in ("time", "radius"))
+    shown = history["time"] > 0 if scale.logarithmic else np.isfinite(history["time"])
+    times, radii = (scale.shown(name, history[name]) for name in ("time", "radius"))
     times, (inner, outer) = (
         times[shown],
         scale.shown("radius", problem.ring_edges[[0, -1]] * problem.units.length),
     )
     if len(times) > 1:
         ends = cell_edges(times).clip(times[0], times[-1]), cell_edges(radii).clip(inner, outer)
-        touching = np.ma.masked_less(between["contact"][shown].T, 0.5)
+        touching = np.ma.masked_less(history["contact"][shown].T, 0.5)
         axes.pcolormesh(*ends, touching, cmap=ListedColormap(["0.87"]), zorder=-1)
         axes.set_xlim(times[0], times[-1])

@@ -1,4 +1,4 @@
-"""One method minus the other: fields along the radius at some times, and over radius and time."""
+"""Draw differences of methods in fields, along the radius at some times and over all times."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -25,7 +25,7 @@ from .style import (
 )
 from .ticks import Decades, power_of_ten, short_number
 
-# name and symbol of each field, and what its differences are over
+# name and symbol of each field, and the symbol of the norm that its differences are divided by
 WORDS = {
     "pressure": ("pressure p", "p", "rms(p)"),
     "profile": ("worn profile f", "f", "d"),
@@ -33,55 +33,56 @@ WORDS = {
     "steady_pressure": ("steady pressure p", "p", "rms(p)"),
     "steady_profile": ("limiting profile f", "f", "uₘₐₓ"),
 }
-# decades of differences that panels and maps show below the greatest
+# number of decades below the greatest difference that panels and maps show
 PANEL_DECADES, MAP_DECADES = 8, 6
-# cells of a map along the radius, each about a pixel on a screen: it shows its greatest difference
+# cells of a map along the radius, each about a pixel on a screen; a cell shows its greatest
+# difference
 CELLS = 160
-# curves of fewer radii have marks
+# curves with fewer radii than this have marks
 FEW_RADII = 25
 
 
 def draw_result_difference(result: Outcome) -> Figure:
-    """Draw the difference of two methods of a run; a note tells of further methods."""
+    """Draw the difference of two methods of a run; a note lists differences of other methods."""
     return draw_difference(Scale.of(result), result.scene.title, result.field_comparisons)
 
 
 def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldComparison]) -> Figure:
-    """Draw the first of some comparisons, and tell the largest differences of the others.
+    """Draw the first of several comparisons, and list the largest differences of the others.
 
-    Curves at the left are at some of the times, with the errors that both methods state as bands.
-    Maps at the right have all times. The largest difference of each field is marked and named.
+    Curves at the left show some of the times, with the error estimates of both methods as bands.
+    Maps at the right show all times. The largest difference of each field is marked and printed.
     """
-    drawn, *others = comparisons
-    over_time = np.isfinite(drawn.fields[0].times[0])
-    rows, columns = len(drawn.fields), 2 if over_time else 1
+    comparison, *others = comparisons
+    over_time = np.isfinite(comparison.fields[0].times[0])
+    rows, columns = len(comparison.fields), 2 if over_time else 1
     figure, panels = new_panels(
         PAGE, 1.3 + 1.35 * rows, rows, columns, width_ratios=[1, 1.1][:columns]
     )
-    times = _curve_times(drawn.fields)
+    times = _curve_times(comparison.fields)
     colours = colormaps["viridis"](np.linspace(0, 0.88, len(times)))
-    top = max(float(np.nanmax(field.relative)) for field in drawn.fields)
+    top = max(float(np.nanmax(field.relative)) for field in comparison.fields)
     limits = _decades(top, MAP_DECADES)
-    for number, (field, (curves, *maps)) in enumerate(zip(drawn.fields, panels, strict=True)):
-        _draw_curves(curves, field, drawn, dict(zip(times, colours, strict=True)), scale)
+    for number, (field, (curves, *maps)) in enumerate(zip(comparison.fields, panels, strict=True)):
+        _draw_curves(curves, field, comparison, dict(zip(times, colours, strict=True)), scale)
         words = _largest_in_words(field, scale)
         for axes in maps:
-            image = _draw_map(axes, field, drawn.contact_edges, limits, scale)
+            image = _draw_map(axes, field, comparison.contact_edges, limits, scale)
             axes.set_title(words, loc="left")
-        what, symbol, over = WORDS[field.quantity]
-        told = f"{what}: {_norm_in_words(field)}"
-        curves.set_title(told if maps else f"{told}; {words}", loc="left")
-        curves.set_ylabel(f"|Δ{symbol}| / {over}")
+        field_name, symbol, norm_symbol = WORDS[field.quantity]
+        title_of_curves = f"{field_name}: {_norm_in_words(field)}"
+        curves.set_title(title_of_curves if maps else f"{title_of_curves}; {words}", loc="left")
+        curves.set_ylabel(f"|Δ{symbol}| / {norm_symbol}")
         for axes in (curves, *maps):
             _mark_rings(axes, scale)
             axes.set_xlabel(scale.label("radius"))
-            # ticks take most of the time that a figure of many panels takes
+            # ticks only in the last row: they take most of the time of a figure with many panels
             axes.xaxis.set_visible(number == rows - 1)
             set_linear(axes, "x")
-    names = label_of(drawn.other), label_of(drawn.reference)
-    # first, because a long title is cut at its end
+    names = label_of(comparison.other), label_of(comparison.reference)
+    # the names come first, because a long title is cut at its end
     titles = f"{names[0]} minus {names[1]}", title
-    complete(figure, titles, panels.flat, _note(drawn, others), across=0.55, down=0.25)
+    complete(figure, titles, panels.flat, _note(comparison, others), across=0.55, down=0.25)
     if over_time:
         bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
@@ -92,49 +93,49 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
 
 
 def _decades(top: float, count: int) -> tuple[float, float]:
-    """Return the ends of a scale of some decades, the last of which holds the top."""
+    """Return the ends of a logarithmic scale with `count` decades; the last one contains `top`."""
     highest = float(10 ** np.ceil(np.log10(top))) if top > 0 else 1.0
     return highest * 10.0**-count, highest
 
 
 def _curve_times(fields: Sequence[FieldDifference]) -> list[float]:
-    """Choose times for curves: some of all, and those of the largest differences."""
-    chosen = {float(field.times[field.largest[0]]) for field in fields}
+    """Choose times for curves: up to five of all times, and those of the largest differences."""
+    largest_times = {float(field.times[field.largest[0]]) for field in fields}
     times = np.unique(np.concatenate([field.times for field in fields]))
-    return sorted(chosen | set(times[shown_times(times, 5)].tolist()))
+    return sorted(largest_times | set(times[shown_times(times, 5)].tolist()))
 
 
 def _draw_curves(
     axes: Axes,
     field: FieldDifference,
-    drawn: FieldComparison,
+    comparison: FieldComparison,
     colours: dict[float, Any],
     scale: Scale,
 ) -> None:
-    """Draw differences along the radius at some times, and stated errors as bands from below."""
-    stated = {drawn.reference: field.first_error, drawn.other: field.second_error}
-    given = {name: errors[np.isfinite(errors)] for name, errors in stated.items()}
-    bounds = {name: float(errors.max()) for name, errors in given.items() if len(errors)}
+    """Draw differences along the radius at some times, and error estimates as bands."""
+    estimates = {comparison.reference: field.first_error, comparison.other: field.second_error}
+    finite_estimates = {name: errors[np.isfinite(errors)] for name, errors in estimates.items()}
+    bounds = {name: float(errors.max()) for name, errors in finite_estimates.items() if len(errors)}
     largest = float(np.nanmax(field.relative))
     low, high = _decades(max(2 * largest, *bounds.values(), 0.0), PANEL_DECADES)
     if largest:
-        # it is in the panel even if it is far below what is stated
+        # show the largest difference even if it is far below the error estimates
         low = min(low, 0.1 * largest)
     for (name, bound), line in zip(bounds.items(), ("-", "--"), strict=False):
-        colour, label = scale.look(name)["color"], f"error that {label_of(name)} states (band)"
+        colour, label = scale.look(name)["color"], f"error estimate of {label_of(name)} (band)"
         axes.axhspan(low, bound, color=colour, alpha=0.13, linewidth=0, zorder=0)
         axes.axhline(bound, color=colour, linewidth=0.8, linestyle=line, label=label)
     for time, colour in colours.items():
         for row in np.flatnonzero(field.times == time):
-            there = np.isfinite(field.relative[row])
-            heights = np.maximum(field.relative[row, there], 0.1 * low)
+            finite = np.isfinite(field.relative[row])
+            heights = np.maximum(field.relative[row, finite], 0.1 * low)
             label = scale.when(time) if np.isfinite(time) else "steady state"
-            look: Look = {"marker": "."} if there.sum() < FEW_RADII else {}
-            radii = scale.shown("radius", field.radii[there])
+            look: Look = {"marker": "."} if finite.sum() < FEW_RADII else {}
+            radii = scale.shown("radius", field.radii[finite])
             axes.plot(radii, heights, color=colour, linewidth=0.8, label=label, **look)
     if largest:
-        _, at = field.largest
-        axes.plot(scale.shown("radius", field.radii[at]), largest, **_mark())
+        _, index = field.largest
+        axes.plot(scale.shown("radius", field.radii[index]), largest, **_mark())
     set_logarithmic(axes, "y", most=4)
     axes.set_ylim(low, high)
 
@@ -146,7 +147,7 @@ def _draw_map(
     limits: tuple[float, float],
     scale: Scale,
 ) -> Any:
-    """Draw differences over the radius and all times, each time as a row of its own."""
+    """Draw differences over the radius and all times, each time as one row of a map."""
     heights, ticks = _time_axis(field.times, scale)
     radii = scale.shown("radius", field.radii)
     inner, outer = _face(scale)
@@ -155,33 +156,33 @@ def _draw_map(
     rows = cell_edges(heights)
     if not ticks:
         rows = rows.clip(heights[0], heights[-1])
-    shown = np.ma.masked_invalid(np.maximum(image, limits[0]))
-    drawn = axes.pcolormesh(cells, rows, shown, norm=LogNorm(*limits), cmap="magma_r")
+    values = np.ma.masked_invalid(np.maximum(image, limits[0]))
+    mesh = axes.pcolormesh(cells, rows, values, norm=LogNorm(*limits), cmap="magma_r")
     if contact_edges.shape[1] and len(contact_edges) == len(heights):
         places = scale.shown("radius", contact_edges)
         places = np.where(places > inner, places, np.nan)
         look: Look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
         lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
         lines[0].set_label("edge of the contact")
-    row, at = field.largest
-    if field.relative[row, at]:
+    row, index = field.largest
+    if field.relative[row, index]:
         mark = _mark() | {"markersize": 6.5}
         halo = mark | {"markeredgecolor": "white", "markeredgewidth": 1.8, "label": ""}
-        axes.plot(radii[at], heights[row], **halo)
-        axes.plot(radii[at], heights[row], **mark)
+        axes.plot(radii[index], heights[row], **halo)
+        axes.plot(radii[index], heights[row], **mark)
     axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
     if ticks:
         axes.set_yticks(list(ticks), list(ticks.values()))
     else:
         set_linear(axes, "y", most=4)
-    return drawn
+    return mesh
 
 
 def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
-    """Return where rows of a map are, and ticks by their places; no ticks of a linear scale.
+    """Return the positions of the rows of a map, and labels of ticks by their positions.
 
-    Times are logarithmic, and the start is a row below the first of them. They are linear if loads
-    vary, because late times then have as much to show as early ones.
+    The time axis is logarithmic, with the start as a row below the first time. It is linear, and
+    without ticks of its own, if loads vary, because late times are then as important as early ones.
     """
     shown = scale.shown("time", times)
     if len(shown) == 1:
@@ -190,7 +191,7 @@ def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
         return shown, {}
     heights = np.log10(np.where(shown > 0, shown, 1.0))
     later = heights[shown > 0]
-    # labels beside each other take that much of the height
+    # height of a label: ticks must be that far apart
     label = 0.15 * np.ptp(later)
     first = later[0] - max(label, 0.3)
     first_decade, last_decade = np.ceil(max(later[0], first + label)), np.floor(later[-1])
@@ -205,9 +206,10 @@ def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
 
 
 def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
-    """Return the greatest of values (T, R) in each cell (T, n); between radii, the nearest one's.
+    """Return the greatest of values (T, R) at the radii in each cell (T, n).
 
-    Cells inside the first radius and outside the last one are NaN.
+    A cell without radii has the value of the nearest cell with some; cells inside the first radius
+    and outside the last one are NaN.
     """
     number = np.clip(np.searchsorted(cells, radii, side="right") - 1, 0, len(cells) - 2)
     greatest = np.full((len(values), len(cells) - 1), np.nan)
@@ -221,25 +223,25 @@ def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
 
 
 def _face(scale: Scale) -> tuple[float, float]:
-    """Return the inner and the outer radius of the face, as they are drawn."""
+    """Return the inner and the outer radius of the face in the units of the axis."""
     edges = scale.problem.ring_edges[[0, -1]] * scale.problem.units.length
     inner, outer = scale.shown("radius", edges)
     return float(inner), float(outer)
 
 
 def _mark_rings(axes: Axes, scale: Scale) -> None:
-    """Mark the ring edges unless there are too many, and show the face alone."""
+    """Mark the ring edges unless there are too many, and limit the axis to the face."""
     edges = scale.problem.ring_edges[1:-1] * scale.problem.units.length
     if len(edges) and not scale.many_rings:
         look: Look = {"color": "0.6", "linewidth": 0.5, "linestyle": ":", "zorder": 1}
-        # from the bottom to the top of the panel, whatever its scale
-        whole = axes.get_xaxis_transform()
-        axes.vlines(scale.shown("radius", edges), 0, 1, transform=whole, **look)
+        # vertical lines through the whole panel, independent of its scale
+        transform = axes.get_xaxis_transform()
+        axes.vlines(scale.shown("radius", edges), 0, 1, transform=transform, **look)
     axes.set_xlim(*_face(scale))
 
 
 def _mark() -> Look:
-    """Return how the largest difference is marked."""
+    """Return the look of the mark at the largest difference."""
     return {
         "marker": "o",
         "markersize": 5,
@@ -253,40 +255,40 @@ def _mark() -> Look:
 
 
 def _norm_in_words(field: FieldDifference) -> str:
-    """Say how large the norm of the difference is where it is greatest, and what is stated then."""
+    """Return the greatest norm of the difference, and the sum of error estimates then, as text."""
     row = int(np.nanargmax(field.norms))
-    stated = [error[row] for error in (field.first_error, field.second_error)]
-    given = [error for error in stated if np.isfinite(error)]
-    told = f", stated {sum(given):.0e}" if given else ", no error stated"
+    estimates = [error[row] for error in (field.first_error, field.second_error)]
+    known = [error for error in estimates if np.isfinite(error)]
+    estimate = f", estimate {sum(known):.0e}" if known else ", no error estimate"
     norm = f"{field.norms[row]:.0e}" if field.norms[row] else "0"
-    return f"norm {norm}{told}"
+    return f"norm {norm}{estimate}"
 
 
 def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
-    """Say how large the largest difference is, and at which radius and time."""
-    row, at = field.largest
-    if not field.relative[row, at]:
+    """Return the largest difference with its radius and time as text."""
+    row, index = field.largest
+    if not field.relative[row, index]:
         return "no difference"
-    radius = scale.names.write(float(field.radii[at]), "length", 4)
-    when = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
-    return f"largest {field.relative[row, at]:.0e} at r = {radius}{when}"
+    radius = scale.names.write(float(field.radii[index]), "length", 4)
+    time = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
+    return f"largest {field.relative[row, index]:.0e} at r = {radius}{time}"
 
 
-def _note(drawn: FieldComparison, others: Sequence[FieldComparison]) -> str:
-    """Say what is stated, and what other methods differ by."""
-    over_time = np.isfinite(drawn.fields[0].times[0])
+def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str:
+    """Return the note below the figure: definitions, and differences of other methods."""
+    over_time = np.isfinite(comparison.fields[0].times[0])
     lines = [
-        "norm: that of the difference over the whole face, when it is greatest; stated: the sum of "
-        "the errors stated of it then. Single radii may lie above.",
-        "rms: root mean square by wear and area; d: indentation beyond the first touch, the "
-        "greatest so far."
+        "norm: greatest norm over time of the difference over the whole face; estimate: sum of "
+        "both error estimates then. Single radii may lie above.",
+        "rms: root mean square, weighted by wear and area; d: indentation beyond the first touch, "
+        "the greatest so far."
         if over_time
-        else "rms: root mean square by wear and area; uₘₐₓ: the greatest displacement.",
+        else "rms: root mean square, weighted by wear and area; uₘₐₓ: the greatest displacement.",
     ]
-    if drawn.interpolated:
+    if comparison.interpolated:
         lines.append(
-            f"{label_of(drawn.other)} is interpolated linearly to the radii of "
-            f"{label_of(drawn.reference)}."
+            f"{label_of(comparison.other)} is interpolated linearly to the radii of "
+            f"{label_of(comparison.reference)}."
         )
     for other in others:
         largest = ", ".join(

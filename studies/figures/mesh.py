@@ -1,4 +1,4 @@
-"""The half-space: its mesh, and the stresses in it."""
+"""Draw the mesh of the half-space and the stresses in it, and write the mesh."""
 
 from pathlib import Path
 from typing import Any
@@ -21,19 +21,21 @@ from .ticks import short_number
 
 
 def draw_stress(result: Outcome) -> Figure:
-    """Draw the von Mises stress under the rings in up to four states in which the punch presses.
+    """Draw the von Mises stress under the rings in up to four states with contact.
 
-    States have one scale of colours, and one of lengths, unless they differ by orders of magnitude.
-    Then there are up to three.
+    All states have the same scales of colour and length, unless they differ by orders of magnitude;
+    then up to three states are drawn.
     """
     fields, scale, problem = result.inside, Scale.of(result), result.scene.problem
-    pressing = [number for number, parts in enumerate(fields.parts) if len(parts)]
+    states_in_contact = [number for number, parts in enumerate(fields.parts) if len(parts)]
     radius = scale.shown("radius", problem.units.length)
     r, z = fields.points * radius
     for most in (4, 3):
         states = [
-            pressing[at]
-            for at in np.linspace(0, len(pressing) - 1, min(most, len(pressing))).astype(int)
+            states_in_contact[at]
+            for at in np.linspace(
+                0, len(states_in_contact) - 1, min(most, len(states_in_contact))
+            ).astype(int)
         ]
         depths = panel_tops(fields.reach[states] * radius)
         stress = fields.von_mises[states] * problem.units.pressure
@@ -48,13 +50,15 @@ def draw_stress(result: Outcome) -> Figure:
             break
     own_lengths = bool(np.ptp(depths))
     count = len(states)
-    # a bar of colours and its labels, and the labels of an axis, in inches
-    across = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
+    # widths in inches of a colour bar with its labels, and of the labels of an axis
+    distance_of_panels = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
     bars = 0.62 * (count if own_colours else 1)
     width = min(PAGE, 1.4 + 2.7 * count)
-    panel = (width - 0.7 - bars - across * (count - 1) + 0.62 * own_colours * (count - 1)) / count
+    panel = (
+        width - 0.7 - bars - distance_of_panels * (count - 1) + 0.62 * own_colours * (count - 1)
+    ) / count
     figure, panels = new_panels(width, 0.83 * panel + 1.45, columns=count)
-    filled = []
+    images = []
     for axes, state, values, top, depth in zip(
         panels[0], states, stress, highest, depths, strict=True
     ):
@@ -67,7 +71,7 @@ def draw_stress(result: Outcome) -> Figure:
             *(r, z, fields.triangles.T, shown, levels), norm=LogNorm(), extend="both"
         )
         symbol = "σ" if own_colours else "von Mises stress σ"
-        filled.append((image, f"{symbol} ({name})" if name else symbol))
+        images.append((image, f"{symbol} ({name})" if name else symbol))
         _draw_punch(axes, depth, fields.parts[state] * radius, problem.ring_edges * radius)
         _draw_layers(axes, problem.ground, radius, 1.3 * depth)
         axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
@@ -75,41 +79,44 @@ def draw_stress(result: Outcome) -> Figure:
         set_linear(axes, "x", most=4)
         set_linear(axes, "y")
         label = fields.labels[state]
-        when = scale.steady_state
+        state_in_words = scale.steady_state
         if label != "steady":
-            when = scale.when(float(label.removeprefix("t=")))
+            state_in_words = scale.when(float(label.removeprefix("t=")))
         error = short_number(float(f"{100 * fields.errors['von_mises'][state]:.1g}"))
-        axes.set_title(f"{when}\nerrors up to {error} % of pₘ")
+        axes.set_title(f"{state_in_words}\nerrors up to {error} % of pₘ")
         if own_lengths:
             axes.set_ylabel(scale.label("depth") if axes is panels[0, 0] else "")
         else:
             axes.label_outer()
     titles = result.scene.title, "von Mises stress under the rings"
-    complete(figure, titles, note=_note(fields, count), across=across, right=0.7)
-    # a bar for each panel, or one for all beside the last
-    for axes, (image, label) in zip(panels[0], filled, strict=True):
+    complete(figure, titles, note=_note(fields, count), across=distance_of_panels, right=0.7)
+    # one colour bar for each panel, or a single one next to the last panel
+    for axes, (image, label) in zip(panels[0], images, strict=True):
         if own_colours or axes is panels[0, -1]:
             _draw_bar(axes, image, label)
     return figure
 
 
 def _note(fields: Interior, count: int) -> str:
-    """Say what errors are, what is red, and which states are not among the `count` drawn."""
-    pressing = sum(len(parts) > 0 for parts in fields.parts)
+    """Return the note below the figure: errors, colours, and states that are not drawn.
+
+    `count` is the number of states that are drawn.
+    """
+    in_contact = sum(len(parts) > 0 for parts in fields.parts)
     note = (
         f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
-        "of its edges and of ring edges\nred: parts of the punch that touch, and ring edges"
+        "of its edges and of ring edges\nred: parts of the punch in contact, and ring edges"
     )
-    if left := len(fields.labels) - pressing:
-        note += f"; states in which nothing presses, not drawn: {left}"
-    if pressing > count:
-        note += f"; more states in half_space.vtu: {pressing - count}"
+    if without_contact := len(fields.labels) - in_contact:
+        note += f"; states without contact, not drawn: {without_contact}"
+    if in_contact > count:
+        note += f"; more states in half_space.vtu: {in_contact - count}"
     return note
 
 
 def _draw_bar(axes: Axes, image: Any, label: str) -> None:
-    """Draw the bar of colours of a panel beside it, with ticks at 1, 2 and 5 and powers of ten."""
-    # levels are ten to a decade
+    """Draw the colour bar of a panel, with ticks at 1, 2 and 5 times powers of ten."""
+    # there are ten levels in a decade, of which numbers 0, 3 and 7 are 1, 2 and 5
     ticks = [level for level in image.levels if round(10 * np.log10(level)) % 10 in (0, 3, 7)]
     figure = axes.get_figure()
     assert isinstance(figure, Figure)
@@ -124,9 +131,10 @@ def _draw_bar(axes: Axes, image: Any, label: str) -> None:
 
 
 def _levels(least: float, greatest: float) -> Array:
-    """Return levels of colour, ten to a decade, from a fifth of the least of some highest values.
+    """Return levels of colour, ten in a decade, from a fifth of `least` to `greatest`.
 
-    Ten steps to a decade are close to 1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3 and 8.
+    The arguments are the least and the greatest of the highest stresses of the panels. Ten levels
+    in a decade are close to 1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3 and 8.
     """
     first, last = np.floor(10 * np.log10(0.2 * least)), np.ceil(10 * np.log10(greatest))
     return np.asarray(10.0 ** (np.arange(first, last + 1) / 10))
@@ -145,19 +153,20 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
 
     Parameters
     ----------
-    mesh : of the half-space, in punch radii; it is drawn in the lengths of the scene
+    mesh : mesh of the half-space, in punch radii; it is drawn in the scene's unit of length
+    mesher : name of the program or algorithm that generated it, for the title
     """
-    from ...meshes.half_space import contact_radii, truncation  # a run without fem needs no skfem
+    from ...meshes.half_space import contact_radii, truncation  # imported here: loads skfem
 
     scale, ring_edges = Scale(scene), scene.problem.ring_edges
     radius = scale.shown("radius", scene.problem.units.length)
     rim = max(30 * float(np.diff(contact_radii(mesh)).min()), 1e-6)
-    # a radius of the view of the rim in a unit of its own
+    # the view of the rim has another unit of length
     unit, name = scale.unit(rim * scene.problem.units.length, "length")
     enlarged = scene.problem.units.length / unit
     of_rim = f"radius r − a{f' ({name})' if name else ''}"
     views = (
-        ("the whole", 0.0, radius, 0.0, truncation(mesh), scale.label("radius")),
+        ("whole mesh", 0.0, radius, 0.0, truncation(mesh), scale.label("radius")),
         ("under the punch", 0.0, radius, 0.0, 1.15, scale.label("radius")),
         ("at the rim", 1.0, enlarged, -rim, rim, of_rim),
     )
@@ -185,7 +194,7 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
 
 
 def _draw_punch(axes: Axes, depth: float, parts: Array, ring_edges: Array) -> None:
-    """Draw (n, 2) parts of the punch as bars above a view of that depth, and mark ring edges."""
+    """Draw parts (n, 2) of the punch as bars above a view of some depth, and mark ring edges."""
     for ends in parts:
         axes.plot(ends, [-0.015 * depth] * 2, color=RED, linewidth=2, solid_capstyle="butt")
     edges = ring_edges[1:-1]
@@ -193,7 +202,7 @@ def _draw_punch(axes: Axes, depth: float, parts: Array, ring_edges: Array) -> No
 
 
 def _draw_layers(axes: Axes, ground: Ground | None, unit: float, width: float) -> None:
-    """Mark the interfaces of layers, and hatch a rigid base; depths are in a unit."""
+    """Mark the interfaces of layers, and hatch a rigid base; `unit` scales the depths."""
     if ground is None:
         return
     depths = ground.depths * unit
@@ -206,10 +215,10 @@ def _draw_layers(axes: Axes, ground: Ground | None, unit: float, width: float) -
 
 
 def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
-    """Write a mesh and its figure, in the format of scikit-fem and in the scene's units.
+    """Write a mesh in the format of scikit-fem and in the scene's units, and its figure.
 
-    The file contains the boundaries of the mesh. It can be read back: by `skfem.Mesh.load`, and as
-    a mesh of one's own by `ringwear study refinement --mesh`.
+    The file contains the boundaries of the mesh. `skfem.Mesh.load` can read it, and `ringwear study
+    refinement --mesh` accepts it as a user's mesh.
     """
     from skfem.io.meshio import to_meshio
 

@@ -1,4 +1,4 @@
-"""How far two methods differ for every pressure, not for one scene."""
+"""Draw the differences of two methods as operators, for every pressure instead of one scene."""
 
 from matplotlib.figure import Figure
 
@@ -36,6 +36,6 @@ def draw_operators(result: Outcome) -> Figure:
         [axes],
         "Each method computes the elastic energy of the same pressures. The largest elements do "
         "not resolve the waves in the shaded part:\n"
-        "differences there, up to 100 %, say nothing about the answer, which is made of the long "
+        "differences there, up to 100 %, are irrelevant for the answer, which consists of the long "
         "waves at the right.",
     )

@@ -1,6 +1,6 @@
-"""What a scene's figures are drawn in, and its quantities over the radius or over time.
+"""Units, labels and looks of a scene's figures, and curves over the radius or over time.
 
-Numbers are those of the scene and of `results.nc`. Of a scene in SI units they have prefixes.
+Numbers are drawn in the units of the scene and of `results.nc`; SI units have prefixes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,21 +44,21 @@ LABELS = {
     "ring_worn_volume": ("worn volume V", "volume"),
     "von_mises": ("von Mises stress σ", "pressure"),
 }
-"""What is drawn: its name with its symbol, and its kind of unit."""
-# numbers, in their unit, that are drawn as they are
-SHORTEST, LONGEST = 1e-2, 1e4
-# ratio of heights from which on panels have scales of their own
+"""Name with symbol, and kind of unit, of each quantity that is drawn."""
+# range of numbers, in their unit, that are drawn without an additional power of ten
+SMALLEST, LARGEST = 1e-2, 1e4
+# ratio of heights above which panels have different scales
 FAR_APART = 10.0
-# ratio from which on parts of the face that are further back than those that wear are cut off
+# ratio of the height of the whole face to that of its worn part above which the rest is cut off
 CUT_BEYOND = 3.0
 
 
 class Drawn(Protocol):
-    """A result, as far as its figures need it: a scene, methods, and other programs among them."""
+    """The attributes of a result that its figures need."""
 
     @property
     def scene(self) -> Scene:
-        """What was asked for."""
+        """The scene that was solved."""
         ...
 
     @property
@@ -78,21 +78,22 @@ class Scale:
     Attributes
     ----------
     axes : dict of (float, str)
-        By the kind of quantity: the unit that it is drawn in, in the units of the scene, and its
-        name. It suits a scene's typical numbers, or what is drawn (`suit`).
+        By the kind of quantity: its unit in figures, expressed in the units of the scene, and the
+        name of this unit. It suits typical numbers of the scene, or the drawn values (`suit`).
     looks : dict of Look
-        How the curve of each method is drawn.
+        Look of the curve of each method.
     logarithmic : bool
-        Whether times span so much that they are drawn from the first after the start.
+        Whether the time axis is logarithmic, and begins at the first time after the start.
     many_rings : bool
-        Whether there are so many rings that panels are wide, and curves thin and without marks.
+        Whether there are so many rings that curves are thin and without marks, in wider panels.
     """
 
     def __init__(self, scene: Scene, looks: Mapping[str, Look] | None = None) -> None:
         self.names, self.problem = UnitNames.of(scene.units), scene.problem
         self.looks = looks or looks_of(scene.methods)
         units, times = self.problem.units, [time for time in scene.wear.times if time] or [0.0]
-        # a face is higher than it is pressed in, and units of volume are far apart
+        # the face may be higher than the indentation; the factor 100 below is for volumes, whose
+        # units differ by large factors
         highest = max(self.problem.profile(self.problem.radii).max(), 1.0)
         slid = max(self.problem.distances, default=0.0) or 1.0
         sizes = {
@@ -115,80 +116,80 @@ class Scale:
         return cls(result.scene, looks_of(result.coordinates["solver"], result.of_others))
 
     def suit(self, name: str, values: Any) -> None:
-        """Choose the unit of a quantity by the greatest of the values that are drawn of it."""
+        """Choose the unit of a quantity by the greatest of its drawn values."""
         sizes = np.abs(values)[np.isfinite(values)]
         if sizes.max(initial=0.0) > 0:
             kind = LABELS[name][1]
             self.axes[kind] = self.unit(float(sizes.max()), kind)
 
     def look(self, method: str, points: int = 0) -> Look:
-        """Return how the curve of a method is drawn."""
+        """Return the look of the curve of a method."""
         return method_curve(method, points, self.looks[method])
 
     def unit(self, size: float, kind: str) -> tuple[float, str]:
-        """Return the unit that numbers of this size are drawn in, and its name.
+        """Return the unit for numbers of this size in figures, and its name.
 
-        Numbers that are small or large in their unit are drawn in a power of ten of it, so that
-        numbers at an axis stay short.
+        If numbers are very small or large in their unit, it is multiplied by a power of ten, so
+        that the numbers at an axis are short.
         """
         unit, name = self.names.readable(size, "displacement" if kind == "height" else kind)
-        if not np.isfinite(size) or size <= 0 or SHORTEST <= size / unit < LONGEST:
+        if not np.isfinite(size) or size <= 0 or SMALLEST <= size / unit < LARGEST:
             return unit, name
         power = float(10.0 ** np.floor(np.log10(size / unit)))
         return power * unit, f"{power_of_ten(power)} {name}".rstrip()
 
     def shown(self, name: str, values: Any) -> Any:
-        """Return values of a quantity, in the units of the scene, as they are drawn."""
+        """Convert values of a quantity from the units of the scene to those of its axis."""
         return values / self.axes[LABELS[name][1]][0]
 
     def label(self, name: str) -> str:
-        """Return the label of an axis, as ``pressure p (MPa)``."""
-        what, kind = LABELS[name]
+        """Return the label of an axis, such as ``pressure p (MPa)``."""
+        quantity, kind = LABELS[name]
         _, unit = self.axes[kind]
-        return f"{what} ({unit})" if unit else what
+        return f"{quantity} ({unit})" if unit else quantity
 
     def plot(
-        self, axes: Axes, name: str, over: str, places: Array, heights: Array, **look: Any
+        self, axes: Axes, name: str, abscissa: str, places: Array, heights: Array, **look: Any
     ) -> None:
         """Draw a quantity over the `radius`, broken where pressures jump, or over `time`."""
-        if over == "time" and self.logarithmic:
+        if abscissa == "time" and self.logarithmic:
             set_logarithmic(axes, "x")
             places, heights = places[places > 0], heights[places > 0]
-        elif over == "time":
+        elif abscissa == "time":
             set_linear(axes, "x")
         if "pressure" in name:
             edges = self.problem.merged.ring_edges * self.problem.units.length
             places, heights = broken_at(edges, places, heights)
-        axes.plot(self.shown(over, places), self.shown(name, heights), **look)
-        axes.set(xlabel=self.label(over), ylabel=self.label(name))
+        axes.plot(self.shown(abscissa, places), self.shown(name, heights), **look)
+        axes.set(xlabel=self.label(abscissa), ylabel=self.label(name))
 
     def plot_radial(self, axes: Axes, name: str, radii: Array, values: dict[str, Array]) -> None:
-        """Draw a quantity over the radius by every method that gives it, and shade the rings."""
+        """Draw a quantity over the radius by every method that computes it, and shade the rings."""
         for method, curve in values.items():
-            given = ~np.isnan(curve)
-            look = self.look(method, int(given.sum()))
+            finite = ~np.isnan(curve)
+            look = self.look(method, int(finite.sum()))
             if self.many_rings:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
-            self.plot(axes, name, "radius", radii[given], curve[given], **look)
+            self.plot(axes, name, "radius", radii[finite], curve[finite], **look)
         shade_rings(axes, *self.problem.rings, self.shown("radius", self.problem.units.length))
 
     def first_radius(self, last: float) -> float:
-        """Return where the axis of the radius begins that ends at a radius of the scene."""
+        """Return the start of an axis of the radius that ends at `last`, in units of the scene."""
         hole = float(self.problem.ring_edges[0]) * self.problem.units.length
         return float(self.shown("radius", axis_start(hole, last)))
 
     def when(self, time: float) -> str:
-        """Return a time, for people."""
+        """Return a time as text."""
         return f"t = {self.names.write(time, 'time', 3)}"
 
     def height(self, value: float) -> str:
-        """Return a height of the face, for people."""
+        """Return a height of the face as text."""
         unit, name = self.names.readable(value, "displacement")
         return f"{short_number(float(f'{value / unit:.2g}'))} {name}".rstrip()
 
     @property
     def steady_state(self) -> str:
-        """What the steady state is called: with its load where loads vary, that of their last."""
+        """Words for the steady state, with its force (the last one) if the force varies."""
         loading = self.problem.loading
         if not np.ptp(loading.forces):
             return "steady state"
@@ -197,29 +198,29 @@ class Scale:
 
 
 def least_wear(problem: Problem, profiles: Array) -> Any:
-    """Return the least worn height over the radii of the output, in the scene's units.
+    """Return the least worn height (...,) over the radii of the output, in the scene's units.
 
-    All of the face has worn by at least this height. `profiles` are (..., R) heights of the face at
-    these radii, in the scene's units, too.
+    `profiles` are the heights (..., R) of the face at these radii, also in the scene's units.
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
     return np.nanmin(profiles - unworn, axis=-1)
 
 
 def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> Array:
-    """Return the height down to which each of (S, R) faces is drawn, in the units of the heights.
+    """Return the height (S,) down to which each face is drawn, in the units of the heights.
 
-    It is the greatest height, unless parts of the face are so far behind those that touch or have
-    worn that they would hide the wear. Then it is the greatest height of the latter. A face that
-    has not worn is drawn as the others.
+    It is the greatest height of the face, unless this is more than `CUT_BEYOND` times that of the
+    parts in contact or worn, which would then be hard to see. In that case it is the greatest
+    height of these parts. For a face without such heights, that of the other faces counts.
 
     Parameters
     ----------
+    heights : (S, R) heights of the faces
     unworn : (S, R) heights of the unworn face
-    touching : (S, R) whether the face touches
+    touching : (S, R) whether the face is in contact
     """
-    worn = heights - unworn
-    used = touching | (worn > 0.1 * np.ptp(worn, axis=1, keepdims=True))
+    worn_heights = heights - unworn
+    used = touching | (worn_heights > 0.1 * np.ptp(worn_heights, axis=1, keepdims=True))
     deepest = np.nanmax(heights, axis=1)
     needed = np.nanmax(np.where(used, heights, 0.0), axis=1, initial=0.0)
     needed[needed <= 1e-6 * deepest] = needed.max()
@@ -227,22 +228,27 @@ def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> A
 
 
 def high_pressure(pressure: Array) -> float:
-    """Return a pressure that a tenth of those (R,) in contact are above: some may be infinite."""
+    """Return the 90 % quantile of the pressures (R,) in contact, some of which may be infinite."""
     return float(np.quantile([0.0, *pressure[pressure > 0]], 0.9))
 
 
 def panel_tops(heights: Sequence[float] | Array) -> Array:
-    """Return the height that each panel is scaled to.
+    """Return the height to which each panel is scaled.
 
-    It is the greatest height for all panels, unless heights differ by more than `FAR_APART`; then
-    each panel is scaled to its own height.
+    It is the greatest height, unless heights differ by more than a factor `FAR_APART`; then each
+    panel is scaled to its own height.
     """
     tops = np.where(np.array(heights) > 0, heights, max(heights) or 1.0)
     return np.where(tops.max() > FAR_APART * tops.min(), tops, tops.max())
 
 
 def shown_times(times: Array, most: int) -> Indices:
-    """Choose some of the times, first and last among them; of few, none is spent on the start."""
-    chosen = np.flatnonzero((times > 0) | (most > 3) | ~times.any())
-    places = np.linspace(0, len(chosen) - 1, min(len(chosen), most)).round().astype(np.int64)
-    return chosen[np.unique(places)]
+    """Choose up to `most` of the times, with the first and the last; return their indices.
+
+    The start is left out if `most` is three or less.
+    """
+    candidates = np.flatnonzero((times > 0) | (most > 3) | ~times.any())
+    positions = (
+        np.linspace(0, len(candidates) - 1, min(len(candidates), most)).round().astype(np.int64)
+    )
+    return candidates[np.unique(positions)]

@@ -1,8 +1,7 @@
-"""Profiles and pressures over the radius.
+"""Draw profiles and pressures over the radius, at several times and in the steady state.
 
-At several times (the paper's Fig. 4), and in the steady state.
-
-Profiles are shown less what has worn off everywhere, which the figure names: it may be most of it.
+The former is the paper's Fig. 4. The least worn height is subtracted from the profiles, because it
+may be most of the wear; the figure prints it.
 """
 
 from dataclasses import dataclass
@@ -24,17 +23,17 @@ class State:
 
     Parameters
     ----------
-    time : when it is
-    worn : height by which all of the face has worn at least
-    unworn : (R,) heights of the unworn face, less `worn`, like all profiles
-    profiles, pressures : (R,) by method
-    touching : (R,) whether it touches, by any method
-    reach : radius up to which it is drawn
-    high : pressure that panels are scaled to
+    time : the time
+    least_worn : least worn height over the face
+    unworn : (R,) heights of the unworn face minus `least_worn`
+    profiles, pressures : (R,) heights minus `least_worn`, and pressures, by method
+    touching : (R,) whether a radius is in contact by any method
+    reach : radius up to which the face is drawn
+    high : pressure to which panels are scaled
     """
 
     time: float
-    worn: float
+    least_worn: float
     unworn: Array
     profiles: dict[str, Array]
     pressures: dict[str, Array]
@@ -43,21 +42,21 @@ class State:
     high: float
 
     @classmethod
-    def of(cls, result: Outcome, number: int) -> "State":
-        """Return one of the states of a result."""
+    def of(cls, result: Outcome, index: int) -> "State":
+        """Return the state of a result at the time with an index."""
         problem, radii = result.scene.problem, result.coordinates["radius"]
-        profiles, pressures = (result.by_method(name, number) for name in ("profile", "pressure"))
-        worn = float(min(least_wear(problem, heights) for heights in profiles.values()))
-        if worn < 1e-6 * problem.units.displacement:
-            worn = 0.0
-        unworn = problem.profile(problem.radii) * problem.units.displacement - worn
-        profiles = {method: heights - worn for method, heights in profiles.items()}
+        profiles, pressures = (result.by_method(name, index) for name in ("profile", "pressure"))
+        least_worn = float(min(least_wear(problem, heights) for heights in profiles.values()))
+        if least_worn < 1e-6 * problem.units.displacement:
+            least_worn = 0.0
+        unworn = problem.profile(problem.radii) * problem.units.displacement - least_worn
+        profiles = {method: heights - least_worn for method, heights in profiles.items()}
         touching = np.logical_or.reduce([values > 0 for values in pressures.values()])
         length = problem.units.length
         reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
         return cls(
-            float(result.coordinates["time"][number]),
-            worn,
+            float(result.coordinates["time"][index]),
+            least_worn,
             unworn,
             profiles,
             pressures,
@@ -68,20 +67,20 @@ class State:
 
 
 def draw_states(result: Outcome) -> Figure:
-    """Draw profiles and pressures at several times, every method over the other.
+    """Draw profiles and pressures at several times, all methods in the same panels.
 
-    Of a punch that is not flat, the neighbourhood of the contact is shown. The unworn punch is
-    where it is: above a panel, where all of the face has worn by more than panels show.
+    If the punch is not flat, panels show the neighbourhood of the contact. The unworn face is above
+    a panel if the least worn height is larger than the height of the panel.
     """
     scale, problem = Scale.of(result), result.scene.problem
-    chosen = shown_times(problem.times, 2 if scale.many_rings else 5)
-    states = [State.of(result, number) for number in chosen]
+    selected = shown_times(problem.times, 2 if scale.many_rings else 5)
+    states = [State.of(result, number) for number in selected]
     figure, panels = new_panels(PAGE, 4.0, 2, len(states))
-    # of a face of which only a part is drawn, heights beyond are those of its first radius
+    # outside the drawn part of a face, use the values at its first radius
     radii = result.coordinates["radius"]
-    near = np.array([radii <= state.reach for state in states])
+    in_reach = np.array([radii <= state.reach for state in states])
     heights, unworn, touching = (
-        np.where(near, values, np.array(values)[:, :1])
+        np.where(in_reach, values, np.array(values)[:, :1])
         for values in (
             [np.fmax.reduce(list(state.profiles.values())) for state in states],
             [state.unworn for state in states],
@@ -97,13 +96,13 @@ def draw_states(result: Outcome) -> Figure:
         scale.plot_radial(lower, "pressure", result.coordinates["radius"], state.pressures)
         for axes in (upper, lower):
             axes.set_xlim(scale.first_radius(state.reach), scale.shown("radius", state.reach))
-        less = f" − {scale.height(state.worn)}" if state.worn else ""
+        less = f" − {scale.height(state.least_worn)}" if state.least_worn else ""
         upper.set_title(f"{scale.when(state.time)}\nΔf = f{less}")
         upper.xaxis.set_visible(False)
     for row, name, heights in zip(panels, ("profile", "pressure"), (depths, highs), strict=True):
         tops = scale.shown(name, heights)
         for axes, top in zip(row, tops, strict=True):
-            # worn down: what is missing below
+            # the axis of heights points down, as the punch does
             axes.set_ylim((1.08 * top, -0.06 * top) if name == "profile" else (0, 1.25 * top))
             set_linear(axes, "y")
             if not np.ptp(tops):
@@ -112,16 +111,18 @@ def draw_states(result: Outcome) -> Figure:
                 axes.set_ylabel("")
     notes = _shaded(scale), *_hidden(states, depths, deepest, scale)
     titles = result.scene.title, "profiles and pressures"
-    # labels of an axis of its own need place beside each panel
-    across = 0.5 if np.ptp(depths) or np.ptp(highs) else 0.4
-    return complete(figure, titles, panels[:, 0], "\n".join(filter(None, notes)), across=across)
+    # panels with different axes need space for labels
+    distance_of_panels = 0.5 if np.ptp(depths) or np.ptp(highs) else 0.4
+    return complete(
+        figure, titles, panels[:, 0], "\n".join(filter(None, notes)), across=distance_of_panels
+    )
 
 
 def _draw_profile(axes: Axes, result: Outcome, state: State, depth: float, scale: Scale) -> None:
-    """Draw the face of the punch, where it was when unworn, and what is worn off between."""
+    """Draw the face of the punch, the unworn face, and the worn-off material between them."""
     radii = result.coordinates["radius"]
     scale.plot_radial(axes, "profile", radii, state.profiles)
-    # what is far above the panel is not drawn
+    # limit heights that are far above the panel
     unworn = np.maximum(state.unworn, -depth)
     faces = (
         scale.shown("profile", unworn),
@@ -133,20 +134,22 @@ def _draw_profile(axes: Axes, result: Outcome, state: State, depth: float, scale
 
 
 def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) -> list[str]:
-    """Say what is outside of the panels."""
+    """Return notes about parts that are outside of the panels."""
     lines = []
     if any(state.unworn.max() < -0.06 * depth for state, depth in zip(states, depths, strict=True)):
         lines.append(
-            "Where all of the face has worn by more than a panel shows, the unworn punch is above."
+            "If the least worn height is more than a panel shows, the unworn punch is above it."
         )
     if (cut := deepest > 1.1 * depths).any():
         furthest = scale.height(float(deepest[cut].max()))
-        lines.append(f"Panels are cut off below: the face goes back as far as Δf = {furthest}.")
+        lines.append(
+            f"Panels are cut off below: the greatest height of the face is Δf = {furthest}."
+        )
     return lines
 
 
 def draw_steady(result: Outcome) -> Figure:
-    """Draw limiting profile and steady pressure, every method over the other."""
+    """Draw limiting profile and steady pressure, all methods in the same panels."""
     scale, names = Scale.of(result), ("steady_profile", "steady_pressure")
     figure, panels = new_panels(PAGE, 2.8, columns=2)
     for axes, name in zip(panels[0], names, strict=True):
@@ -162,6 +165,6 @@ def draw_steady(result: Outcome) -> Figure:
 
 
 def _shaded(scale: Scale) -> str:
-    """Say what is shaded, where anything is."""
+    """Return the note about shaded rings; empty if none are shaded."""
     differ = rings_differ(scale.problem.wear_coefficients)
     return "shaded: rings that wear faster" if differ else ""

@@ -1,6 +1,6 @@
-"""One style for every figure.
+"""The common style of all figures.
 
-Drawn without a display, readable in grey and in print, 89 mm or 183 mm wide.
+Figures need no display, are readable in grey and in print, and are 89 mm or 183 mm wide.
 """
 
 import textwrap
@@ -22,7 +22,7 @@ from ..registry import METHODS
 from .ticks import Decades, RoundTicks, power_of_ten, short_number, smallest_step
 
 Look: TypeAlias = dict[str, Any]
-"""What matplotlib is told of a curve or of a mark."""
+"""Keyword arguments of matplotlib for a curve or a mark."""
 
 # curves of our methods, by their names
 LOOKS: dict[str, Look] = {
@@ -32,7 +32,7 @@ LOOKS: dict[str, Look] = {
     "direct": {"color": "black", "linestyle": ":", "linewidth": 1.4, "marker": "x"},
     "fem": {"color": "#c0392b", "linestyle": "--", "marker": "o", "markerfacecolor": "none"},
 }
-# curves of methods of a user's own, and of results of other programs, in their order in a run
+# curves of user-defined methods, and of results of other programs, in their order in a run
 OWN_LOOKS: tuple[Look, ...] = (
     {"color": "#6a1b9a", "linestyle": "--", "marker": "^", "markerfacecolor": "none"},
     {"color": "#00838f", "linestyle": "-.", "marker": "D", "markerfacecolor": "none"},
@@ -46,27 +46,27 @@ OTHERS_LOOKS: tuple[Look, ...] = (
 )
 LINES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)))
 GREYS = ("0.0", "0.45", "0.2", "0.6", "0.35")
-# of the punch and its ring edges
+# colour of the punch and its ring edges
 RED = "#c0392b"
-# interfaces of layers
+# colour of interfaces of layers
 BLUE = "#2874a6"
-# of what others are seen against
+# look of reference curves
 FAINT: Look = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
-# least span of an axis of values over the values themselves
+# smallest span of an axis, over the largest value on it
 LEAST_SPAN = 0.01
-# ratio of wear coefficients from which on rings are shown as wearing faster than others
+# ratio of wear coefficients above which the faster rings are shaded
 LEAST_RATIO = 1.1
 # width in inches of a figure over both columns of a page
 PAGE = 183 / 25.4
 
 
 def in_style() -> AbstractContextManager[None]:
-    """Draw in this style, whatever the user's own."""
+    """Return a context in which figures have this style, independent of the user's settings."""
     return rc_context(fname=Path(__file__).with_name("ringwear.mplstyle"))
 
 
 def html_of(figure: Figure) -> str:
-    """Return a figure as an HTML image that holds its data, for notebooks."""
+    """Return a figure as an HTML image with embedded data, for notebooks."""
     image = BytesIO()
     with in_style():
         figure.savefig(image, format="png", dpi=100)
@@ -76,7 +76,7 @@ def html_of(figure: Figure) -> str:
 def save(path: Path, draw: Callable[..., Figure], *arguments: Any) -> None:
     """Draw a figure and write it as PNG."""
     with in_style():
-        # little is gained by squeezing it longer
+        # a higher compression level takes longer, and files are hardly smaller
         draw(*arguments).savefig(path, pil_kwargs={"compress_level": 3})
 
 
@@ -86,12 +86,13 @@ class Picture(NamedTuple):
     Parameters
     ----------
     file : str
-        Its name in the folder of results.
+        Name of the file in the folder of results.
     caption : str
-        What it shows, for the page.
+        Caption on the page.
     draw : Result -> Figure
+        Function that draws the figure.
     drawn_for : Result -> bool
-        Whether a result has what it shows.
+        Function that returns whether a result has the data of the figure.
     """
 
     file: str
@@ -100,24 +101,24 @@ class Picture(NamedTuple):
     drawn_for: Callable[[Any], bool]
 
     def figure(self, result: Any) -> Figure:
-        """Draw it."""
+        """Return the figure of a result."""
         with in_style():
             return self.draw(result)
 
     def write(self, result: Any, path: Path) -> None:
-        """Draw it and write it as PNG."""
+        """Draw the figure of a result and write it as PNG."""
         save(path, self.draw, result)
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return a figure that needs no display and arranges itself; sizes in inches."""
+    """Return a figure with automatic layout that needs no display; sizes in inches."""
     return Figure(figsize=(width, height), layout="constrained", dpi=200)
 
 
 def new_panels(
     width: float, height: float, rows: int = 1, columns: int = 1, **settings: Any
 ) -> tuple[Figure, Any]:
-    """Return a figure for `complete` to arrange, and its panels (rows, columns); in inches."""
+    """Return a figure and its panels (rows, columns); `complete` arranges them. Sizes in inches."""
     figure = Figure(figsize=(width, height), dpi=200)
     return figure, figure.subplots(rows, columns, squeeze=False, **settings)
 
@@ -131,18 +132,23 @@ def complete(
     down: float = 0.1,
     right: float = 0.13,
 ) -> Figure:
-    """Add a title in plain text above, one legend of some axes and a note below; return the figure.
+    """Add a title, a legend and a note to a figure, and arrange its panels; return the figure.
 
-    Every label is shown once. A scene may have no title. Panels are as far apart across and down,
-    and from the right end, in inches, as what is written there needs.
+    Parameters
+    ----------
+    titles : parts of the title, joined by colons; empty ones are left out
+    axes : panels whose labels are in the legend below the figure, each label once
+    note : text below the panels
+    across, down : distances between panels, in inches
+    right : distance of the panels from the right end, in inches
     """
     width, height = figure.get_size_inches()
     title = textwrap.shorten(": ".join(filter(None, titles)), int(16 * width), placeholder=" ...")
     figure.suptitle(title, y=1 - 0.05 / height, parse_math=False)
     grid: Any = figure.axes[0].get_gridspec()
     rows, columns = grid.get_geometry()
-    # lines of text are an eighth of an inch; ticks and labels take half an inch left of panels, and
-    # a third below them
+    # sizes in inches: a line of text is 1/8 high; ticks and labels need 1/2 to the left of panels,
+    # and 1/3 below them
     top = 0.31 + 0.125 * len(figure.axes[0].get_title().splitlines())
     left, bottom = 0.56, 0.36 + legend_of(figure, axes, note)
     panel_width = (width - left - right - (columns - 1) * across) / columns
@@ -159,16 +165,16 @@ def complete(
 
 
 def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
-    """Add one legend under the whole figure, every label of some axes once, below a note.
+    """Add a note and a legend with all labels of some axes below the figure.
 
-    Return its height in inches.
+    Each label appears once. Return the height of note and legend in inches.
     """
     handles = {
         label: handle
         for panel in axes
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
-    # a label, and the piece of its curve, take about 16 letters an inch
+    # a label, with the sample of its curve, needs an inch for about 16 letters
     longest = max(map(len, handles), default=0)
     columns = max(1, min(len(handles), int(18 * figure.get_figwidth() / (8 + longest))))
     legend = figure.legend(
@@ -184,9 +190,9 @@ def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
 
 
 def legend_below(axes: Axes) -> None:
-    """Add a legend under the axes, where it covers nothing.
+    """Add a legend below the axes, where it covers nothing.
 
-    None without curves, as after an early interruption.
+    Without curves, for example after an early interruption, there is no legend.
     """
     if axes.get_legend_handles_labels()[0]:
         axes.legend(
@@ -200,7 +206,7 @@ def legend_below(axes: Axes) -> None:
 def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
     """Make axes logarithmic, with up to `most` ticks at powers of ten.
 
-    Ticks between them, and formulas in labels, would take as long as all the rest of a figure.
+    Minor ticks, and formulas in labels, would take as long as the rest of the figure.
     """
     for direction in directions:
         axes.set(**{f"{direction}scale": "log"})
@@ -213,7 +219,7 @@ def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
 def set_linear(axes: Axes, direction: str, most: int = 6) -> None:
     """Give a linear axis up to `most` intervals between ticks, with labels of up to three digits.
 
-    Nothing is written beside the axis: an offset such as ``1e-5+6.2475e1`` is easily overlooked.
+    There is no offset at the axis: one such as ``1e-5+6.2475e1`` is easily overlooked.
     """
     axis = getattr(axes, f"{direction}axis")
     axis.set_major_locator(RoundTicks(most))
@@ -221,14 +227,14 @@ def set_linear(axes: Axes, direction: str, most: int = 6) -> None:
 
 
 def show_values(axes: Axes) -> None:
-    """Write the numbers of a vertical axis in full, and let it span 1 % of the values or more.
+    """Label a vertical axis with full numbers, and let it span at least 1 % of the values.
 
-    A narrower span would make roundoff look like much. Two ticks that differ in their first three
-    digits have place in it.
+    A narrower span would magnify roundoff. The span has space for two ticks that differ in their
+    first three digits.
     """
     low, high = axes.get_ylim()
     largest = max(abs(low), abs(high))
-    # as the axis will end
+    # the end of the axis after widening
     largest *= 1 + LEAST_SPAN
     least = max(LEAST_SPAN * largest, 2 * smallest_step(0.0, largest))
     if abs(high - low) < least:
@@ -238,7 +244,7 @@ def show_values(axes: Axes) -> None:
 
 
 def curve(number: int) -> Look:
-    """Return marker, line and grey of the n-th curve: distinct without colour."""
+    """Return marker, line style and grey of the n-th curve, distinct without colour."""
     return {
         "marker": "os^Dvx+*"[number % 8],
         "linestyle": LINES[number % len(LINES)],
@@ -250,14 +256,14 @@ def curve(number: int) -> Look:
 
 
 def label_of(name: str) -> str:
-    """Return what a method is called in figures; names of others stay as they are."""
+    """Return the name of a method in figures; only ringwear's methods are in capitals."""
     return name.upper() if name in METHODS else name
 
 
 def method_curve(name: str, points: int = 0, look: Look | None = None) -> Look:
-    """Return the curve of a method, with about 24 markers on so many points.
+    """Return the look of the curve of a method, with about 24 markers on `points` points.
 
-    `look` is that of a method which is not ours.
+    `look` is needed for a method that is not in `LOOKS`.
     """
     look = {"linewidth": 1.0, "markersize": 3.0, "label": label_of(name)} | (look or LOOKS[name])
     return look | {"markevery": max(1, points // 24)} if "marker" in look and points else look
@@ -266,14 +272,14 @@ def method_curve(name: str, points: int = 0, look: Look | None = None) -> Look:
 def looks_of(methods: Iterable[str], of_others: Sequence[str] = ()) -> dict[str, Look]:
     """Return the look of each method of a run, and of the programs that it is compared with.
 
-    Our methods always have the same. Methods of a user's own, and programs, have those of their
-    order, whatever was drawn before.
+    Methods of ringwear always have the same looks. Those of user-defined methods and of programs
+    depend only on their order in the run.
     """
-    own = [name for name in methods if name not in LOOKS and name not in of_others]
-    given = ((own, OWN_LOOKS), (of_others, OTHERS_LOOKS))
+    user_defined = [name for name in methods if name not in LOOKS and name not in of_others]
+    groups = ((user_defined, OWN_LOOKS), (of_others, OTHERS_LOOKS))
     return LOOKS | {
         name: looks[number % len(looks)]
-        for names, looks in given
+        for names, looks in groups
         for number, name in enumerate(names)
     }
 
@@ -288,7 +294,7 @@ def shade_rings(
 ) -> None:
     """Draw grey bands over the rings that wear fastest, if they wear visibly faster.
 
-    The axis of the radius is set to run to the punch radius, from 0 unless the hole is wide.
+    The axis of the radius ends at the punch radius, and begins at 0 unless the hole is wide.
     """
     if rings_differ(wear_coefficients):
         fast = wear_coefficients > np.sqrt(wear_coefficients.min() * wear_coefficients.max())
@@ -299,12 +305,12 @@ def shade_rings(
 
 
 def axis_start(hole: float, last: float) -> float:
-    """Return where an axis of the radius begins: a little within a hole that takes half of it."""
+    """Return the start of an axis of the radius: just inside a hole wider than half of it, or 0."""
     return hole - 0.05 * (last - hole) if last / 2 < hole < last else 0.0
 
 
 def broken_at(ring_edges: Array, radii: Array, values: Array) -> tuple[Array, Array]:
-    """Return a curve broken at ring edges, where pressures jump."""
+    """Return a curve with gaps (NaN) at ring edges, where pressures jump."""
     cuts = np.searchsorted(radii, ring_edges[1:-1])
     return np.insert(radii, cuts, ring_edges[1:-1]), np.insert(values, cuts, np.nan)
 

@@ -1,13 +1,13 @@
-"""Ticks of few and short labels: round numbers of up to three digits, and powers of ten."""
+"""Ticks with few and short labels: round numbers of up to three digits, and powers of ten."""
 
 import numpy as np
 from matplotlib.ticker import Locator
 
 from ...meshes.radial import Array
 
-# digits of a label
+# number of digits of a label
 DIGITS = 3
-# numbers that are written without a power of ten
+# range of numbers that are printed without a power of ten
 SMALLEST, LARGEST = 1e-3, 1e5
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -17,7 +17,7 @@ class RoundTicks(Locator):
 
     Parameters
     ----------
-    most : of the intervals between them
+    most : greatest number of intervals between ticks
     """
 
     def __init__(self, most: int) -> None:
@@ -28,7 +28,7 @@ class RoundTicks(Locator):
         return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
 
     def tick_values(self, vmin: float, vmax: float) -> list[float]:
-        """Return the ticks between two ends."""
+        """Return the ticks between two ends of an axis."""
         low, high = sorted((vmin, vmax))
         return round_ticks(low, high, self.most).tolist()
 
@@ -38,7 +38,7 @@ class Decades(Locator):
 
     Parameters
     ----------
-    most : of the ticks
+    most : greatest number of ticks
     """
 
     def __init__(self, most: int) -> None:
@@ -49,7 +49,7 @@ class Decades(Locator):
         return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
 
     def tick_values(self, vmin: float, vmax: float) -> list[float]:
-        """Return the ticks between two ends."""
+        """Return the ticks between two ends of an axis."""
         low, high = sorted((vmin, vmax))
         return decades(low, high, self.most).tolist() if low > 0 else []
 
@@ -57,7 +57,7 @@ class Decades(Locator):
 def round_ticks(low: float, high: float, most: int) -> Array:
     """Return ticks from `low` to `high` that differ in their first three digits.
 
-    There are up to `most` intervals between them, or more if there were less than two ticks.
+    There are up to `most` intervals between them, or more if there would be less than two ticks.
     """
     if not high > low:
         return np.array([low])
@@ -74,13 +74,13 @@ def round_ticks(low: float, high: float, most: int) -> Array:
 
 
 def smallest_step(low: float, high: float) -> float:
-    """Return the smallest difference of two numbers of three digits that are as large as these."""
+    """Return one unit of the third digit of the larger of two numbers; 0 if both are 0."""
     largest = max(abs(low), abs(high))
     return float(10.0 ** (np.floor(np.log10(largest) + 1e-9) + 1 - DIGITS)) if largest else 0.0
 
 
 def decades(low: float, high: float, most: int) -> Array:
-    """Return powers of ten from `low` to `high`, or if these are fewer than two, parts of one."""
+    """Return powers of ten from `low` to `high`; if fewer than two, also 2 and 5 times these."""
     first, last = np.ceil(np.log10(low) - 1e-9), np.floor(np.log10(high) + 1e-9)
     if last > first:
         step = max(1.0, np.ceil((last - first + 1) / most))

@@ -1,1 +1,1 @@
-"""What a run computed: numbers, tables and the summary, before anybody shows them."""
+"""The results of a run: numbers, the table and the summary, independent of how they are shown."""

@@ -1,4 +1,4 @@
-"""The answer of a run, as it is reported: what a user asked of the punch, by each method."""
+"""The answer of a run: the numbers that describe the punch, by each method."""
 
 import numpy as np
 
@@ -8,15 +8,15 @@ from ..problem.problem import Problem
 from ..problem.quantities import ANSWER
 from ..sampling.answers import empty_answers
 
-# quantities that are given with the answer
+# quantities that are reported together with the answer
 ALSO = ("steady_wear_rate", "steady_rms_slope")
 
 
 def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
     """Return the values of `ANSWER` by one method, non-dimensional.
 
-    They are NaN where the method does not give them, or the scene does not ask for them. Those that
-    not every run has are left out then.
+    A number is NaN if the method does not compute it or the scene does not need it. If it is also a
+    number that only some runs have (`Quantity.always` is False), it is left out instead.
     """
     return {
         name: solution.answers.get(name, nothing)
@@ -26,17 +26,17 @@ def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
 
 
 def answer_errors(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Return the error of each number that `answer` returns, NaN where none is stated.
+    """Return the error estimate of each number that `answer` returns, NaN if there is none.
 
-    An error is relative, in the norm of the number, which is taken over all rings.
+    The error is relative, in the norm of the number; this norm is taken over all rings.
     """
     values = answer(problem, solution)
     return {
-        name: solution.errors.get(name, _nothing_stated(name, value))
+        name: solution.errors.get(name, _unknown_error(name, value))
         for name, value in values.items()
     }
 
 
-def _nothing_stated(name: str, value: Array) -> Array:
-    """Return NaN in the shape of an error."""
+def _unknown_error(name: str, value: Array) -> Array:
+    """Return NaN in the shape of the error of a number."""
     return np.full(value.shape[:-1] if "ring" in ANSWER[name].dims else value.shape, np.nan)

@@ -1,7 +1,7 @@
-"""Datasets of xarray that refuse a selection by `method`, which would select nothing.
+"""xarray datasets that refuse the frequent mistake ``dataset.sel(method="mdr")``.
 
-``dataset.sel(method="mdr")`` is what one types first. There `method` is xarray's word for how to
-take labels that are not there, and without labels it is ignored. The dimension is `solver`.
+The dimension is `solver`. In xarray, `method` means how to select inexact labels; without labels
+xarray ignores it, so that the mistake would silently select everything.
 """
 
 from collections.abc import Hashable, Mapping
@@ -13,12 +13,12 @@ from ...meshes.errors import SceneError
 
 
 def refuse_method(solvers: list[str], method: object, labels: Mapping[Any, Any]) -> None:
-    """Refuse a solver that is given as `method` or `methods`, and one that is not there.
+    """Refuse a solver that is given as `method` or `methods`, and an unknown solver.
 
     Raises
     ------
     SceneError
-        saying what to write
+        with the correct call
     """
     if isinstance(method, str) and method in solvers:
         raise SceneError(
@@ -55,14 +55,14 @@ class DataArray(xarray.DataArray):  # type: ignore[no-untyped-call]
 
 
 class Dataset(xarray.Dataset):  # type: ignore[no-untyped-call]
-    """A Dataset whose `sel` refuses a solver that is given as `method`, as that of its arrays."""
+    """A Dataset whose `sel`, like that of its arrays, refuses a solver given as `method`."""
 
     __slots__ = ()
 
     def __getitem__(self, key: Hashable | Any) -> Any:
-        """Return an array, or a dataset of several."""
-        found = super().__getitem__(key)
-        return DataArray(found) if isinstance(found, xarray.DataArray) else found
+        """Return one array, or a dataset of several arrays."""
+        item = super().__getitem__(key)
+        return DataArray(item) if isinstance(item, xarray.DataArray) else item
 
     def sel(
         self,

@@ -1,6 +1,6 @@
-"""What a run computed, in the scene's units.
+"""The results of a run, in the scene's units.
 
-It can be had as a table of arrays (written as netCDF-4), as an xarray Dataset and as a summary
+They are available as a table of arrays (written as netCDF-4), as an xarray Dataset and as a summary
 (written as JSON).
 """
 
@@ -46,18 +46,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Everything that a run computed.
+    """All results of a run.
 
     Solutions are non-dimensional, `dataset` is in the scene's units.
 
     Parameters
     ----------
-    scene : what was asked for
-    methods : by their names
-    solutions : by method
-    stages : seconds by method
-    agreement : of every two methods, by quantity
-    operators : of every two compliances
+    scene : the scene that was solved
+    methods : the methods by their names
+    solutions : the solution by the name of each method
+    stages : the seconds of each stage, by the name of each method
+    agreement : the verdicts on every pair of methods and every quantity
+    operators : the comparisons of every pair of compliances
     """
 
     scene: Scene
@@ -69,10 +69,10 @@ class Outcome:
 
     @property
     def verdict(self) -> str:
-        """`agree`, `disagree` or `undecided`.
+        """`agree`, `disagree` or `undecided`: the worst verdict on the promised quantities.
 
-        The least of all that is promised. An anchor that does not hold makes it `disagree`, and an
-        anchor that should be there but is not makes it `undecided`.
+        An anchor that does not hold makes it `disagree`. A missing anchor makes `agree`
+        `undecided`.
         """
         if not all(anchor.holds for anchor in self.anchors):
             return DISAGREE
@@ -94,7 +94,7 @@ class Outcome:
 
     @property
     def left_out_by_size(self) -> dict[str, str]:
-        """What is not computed because it would take longer than all the rest."""
+        """Comparisons that are left out because they would take longer than the run itself."""
         sizes = [
             solution.wear.compliance.space.size
             for solution in self.solutions.values()
@@ -104,8 +104,8 @@ class Outcome:
         if by_contact or len(sizes) < 2 or max(sizes) <= MOST_PRESSURES:
             return {}
         return {
-            OPERATORS: f"compared for up to {MOST_PRESSURES} pressures: eigenvalues "
-            f"of {max(sizes)} would take longer than the run; energies are still checked"
+            OPERATORS: f"compared for up to {MOST_PRESSURES} pressures: the eigenvalues of "
+            f"{max(sizes)} would take longer than the run; energies are still checked"
         }
 
     @cached_property
@@ -120,33 +120,36 @@ class Outcome:
 
     @property
     def verdict_in_words(self) -> str:
-        """The verdict in a sentence: what is left out of it, and how many quantities agree."""
+        """The verdict in a sentence, with quantities left out and the number that agree."""
         verdicts = list(self.quantities.values())
         counts = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
-        counts += [f"{verdicts.count(of)} {of}" for of in (UNDECIDED, DISAGREE) if of in verdicts]
+        counts += [
+            f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
+        ]
         left_out = in_words(self.left_out_of_promise, self.scene.wear.times)
-        words = {
+        sentences = {
             AGREE: f"The methods agree{f' in all but {left_out}' if left_out else ''}",
             UNDECIDED: "Not all is decided",
             DISAGREE: "THE METHODS DISAGREE",
         }
-        return f"{words[self.verdict]}: {', '.join(counts)}."
+        return f"{sentences[self.verdict]}: {', '.join(counts)}."
 
     @property
     def short_of(self) -> dict[str, float]:
-        """Error estimates of the indentation that are above the accuracy asked for, by method.
+        """Error estimates of the indentation that are larger than `rtol`, by method.
 
-        What cells miss of a face is in the stated error, not in the estimate by a coarser solution;
-        where contact moves, twice the accuracy may be stated, as in the verdict.
+        The stated error also contains the error by which cells represent the face, which the
+        difference to a coarser solution does not; if edges of the contact move, it may be twice as
+        large as `rtol`, as in the verdict.
         """
         rtol = self.scene.accuracy.rtol
-        least = allowed_error(self.scene.problem)
+        allowed = allowed_error(self.scene.problem)
         short = {}
         for name, solution in self.solutions.items():
             error = solution.error_estimate
             if "indentation" in solution.errors:
-                stated = solution.greatest_error("indentation")
-                error = max(error, stated if stated > least else 0.0)
+                stated_error = solution.greatest_error("indentation")
+                error = max(error, stated_error if stated_error > allowed else 0.0)
             if error > rtol:
                 short[name] = error
         return short
@@ -154,37 +157,36 @@ class Outcome:
     @property
     def notes(self) -> tuple[str, ...]:
         """The notes of all methods; a note that several methods give appears once."""
-        # what is the same by every method is said once
         notes = (note for solution in self.solutions.values() for note in solution.notes)
         return tuple(dict.fromkeys(notes))
 
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:
-        """What a user asked of the punch, by method, in the scene's units.
+        """The numbers of the answer, by method, in the scene's units.
 
-        Beside each number stands its relative error, `<name>_error`, by the method's own estimate,
-        in the norm of the number (`studies/problem/quantities.py`).
+        Each number has a relative error estimate `<name>_error`, by the same method and in the norm
+        of the number (`studies/problem/quantities.py`).
         """
         problem, answers = self.scene.problem, {}
         for name, solution in self.solutions.items():
-            given = answer(problem, solution)
-            stated = answer_errors(problem, solution)
+            values = answer(problem, solution)
+            errors_by_name = answer_errors(problem, solution)
             for key in ALSO:
-                given[key] = np.asarray(solution.results.get(key, np.nan))
-                stated[key] = np.asarray(solution.errors.get(key, np.nan))
-            errors = {error_name(key): error for key, error in stated.items()}
-            answers[name] = in_units(problem, given) | errors
+                values[key] = np.asarray(solution.results.get(key, np.nan))
+                errors_by_name[key] = np.asarray(solution.errors.get(key, np.nan))
+            errors = {error_name(key): error for key, error in errors_by_name.items()}
+            answers[name] = in_units(problem, values) | errors
         return answers
 
     def gives(self, *quantities: str) -> bool:
-        """Return whether a method gives all of some quantities."""
+        """Return whether some method computes all of these quantities."""
         return bool(set.intersection(*(set(self.by_method(name)) for name in quantities)))
 
     @property
     def has_inside(self) -> bool:
         """Whether fields inside the half-space are wanted and finite elements can compute them.
 
-        If the contact changes, they can be computed only at times of a history.
+        If the contact changes, they need a history by finite elements.
         """
         problem, fem = self.scene.problem, self.solutions.get("fem")
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
@@ -215,41 +217,41 @@ class Outcome:
         return {name: values for name, (_, values, _) in self.table.coordinates.items()}
 
     def reported(self, method: str) -> dict[str, Array]:
-        """Return what a method reports, and the coordinates, by their names."""
+        """Return the quantities of a method and the coordinates, by their names in the table."""
         row = list(self.coordinates["solver"]).index(method)
         variables = self.table.variables.items()
         return self.coordinates | {name: values[row] for name, (_, values, _) in variables}
 
     def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
-        """Return a quantity by each method that gives it, at all or at some of the times."""
+        """Return a quantity by the name of each method that computes it, at all or some times."""
         if quantity not in self.table.variables:
             return {}
-        given = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
-        chosen = {name: values[times] for name, values in given}
-        return {name: values for name, values in chosen.items() if not np.isnan(values).all()}
+        rows = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
+        selected = {name: values[times] for name, values in rows}
+        return {name: values for name, values in selected.items() if not np.isnan(values).all()}
 
     @property
     def of_others(self) -> tuple[str, ...]:
-        """Names of other programs whose results stand beside those of the methods."""
+        """Names of other programs whose results are in the table as well."""
         return ()
 
     @property
     def compared_in_fields(self) -> tuple[str, ...]:
-        """Methods that give the same fields: the reference, the one drawn against it, and others.
+        """Methods that compute the same fields: the reference, the one drawn, and the others.
 
-        The reference is the first of them. Finite elements are drawn against it if they are among
-        the others, else the second method is.
+        The first method is the reference. The figure of the difference shows finite elements if
+        they have the fields, else the second method.
         """
         for fields in (OVER_TIME, IN_STEADY_STATE):
-            giving = {method: None for name in fields for method in self.by_method(name)}
-            if len(giving) > 1:
-                first, *others = (name for name in self.coordinates["solver"] if name in giving)
+            methods = {method: None for name in fields for method in self.by_method(name)}
+            if len(methods) > 1:
+                first, *others = (name for name in self.coordinates["solver"] if name in methods)
                 return str(first), *sorted(map(str, others), key=lambda name: name != "fem")
         return ()
 
     @cached_property
     def field_comparisons(self) -> tuple[FieldComparison, ...]:
-        """The differences of other methods from the reference in fields; the one drawn first."""
+        """Differences of other methods from the reference in fields; the drawn one comes first."""
         if not self.compared_in_fields:
             return ()
         problem, (first, *others) = self.scene.problem, self.compared_in_fields
@@ -261,15 +263,15 @@ class Outcome:
         return tuple(comparison for comparison in compared if comparison.fields)
 
     def first(self, quantity: str) -> Array:
-        """Return a quantity by the first method that gives it; NaN if none does."""
+        """Return a quantity by the first method that computes it; NaN if none does."""
         return next(iter(self.by_method(quantity).values()), np.asarray(np.nan))
 
     @cached_property
     def between(self) -> tuple[str, dict[str, Array]]:
-        """The first method that has values between the times asked for, and these values.
+        """The first method with values between the times of the scene, and these values.
 
         The values are quantities by name, in the scene's units. If no method has such values, the
-        name is empty, and the values are the report of the first method that gives profiles.
+        name is empty, and the values are the report of the first method that computes profiles.
         """
         problem = self.scene.problem
         later = problem.times[problem.distances > 0]
@@ -278,16 +280,16 @@ class Outcome:
             if problem.march != "modal" or not len(later):
                 continue
             if wear is not None:
-                # close enough, whether times are drawn in a logarithmic scale or not
-                at = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
-                at = np.append(0.0, at)
-                history = replace(wear.modal(at), distances=at)
+                # times that are dense enough on a linear and on a logarithmic axis
+                distances = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                distances = np.append(0.0, distances)
+                history = replace(wear.modal(distances), distances=distances)
                 compliance = wear.compliance
             elif march is not None:
                 history, compliance = march.between, march.face.compliance
-                # before the first of the times there is little to see
-                at = history.distances
-                history = history[(at == 0) | (at >= later[0])]
+                # leave out times before the first one of the scene, except the start
+                distances = history.distances
+                history = history[(distances == 0) | (distances >= later[0])]
             else:
                 continue
             values = Sampler(problem, compliance.space, compliance).history(history)
@@ -303,41 +305,42 @@ class Outcome:
         return tuple(
             anchor
             for name, solution in self.solutions.items()
-            # of others, errors are told
+            # results of other programs are judged by their errors instead
             if name not in self.of_others
             for anchor in anchors(self.scene, name, self.reported(name), solution)
         )
 
     def error(self, quantity: str) -> float:
-        """Return the greatest relative error that a method states of a quantity, at all times.
+        """Return the greatest relative error estimate of a quantity, over methods and times.
 
         Raises
         ------
         SceneError
-            if no method states it
+            if no method has an error estimate of it
         """
-        stated = self.table.variables.get(error_name(quantity))
-        if stated is None:
-            there = self.table.variables
-            named = [name for name in there if error_name(name) in there]
-            near = difflib.get_close_matches(quantity, named, 1)
-            meant = f"did you mean {near[0]!r}? Else " if near else ""
+        estimates = self.table.variables.get(error_name(quantity))
+        if estimates is None:
+            variables = self.table.variables
+            with_estimate = [name for name in variables if error_name(name) in variables]
+            suggestions = difflib.get_close_matches(quantity, with_estimate, 1)
+            hint = f"did you mean {suggestions[0]!r}? Else " if suggestions else ""
             raise SceneError(
-                f"no error of {quantity!r} is stated: {meant}give one of those in dataset: "
-                + ", ".join(named)
+                f"there is no error estimate of {quantity!r}: {hint}give one of those in dataset: "
+                + ", ".join(with_estimate)
             )
-        return float(np.nanmax(stated[1]))
+        return float(np.nanmax(estimates[1]))
 
     @property
     def summary(self) -> dict[str, Any]:
-        """What was done, at what cost, how accurately, and what was left out."""
+        """The content of `summary.json`: verdict, cost, error estimates, scope and notes."""
         return summary(self)
 
 
 def summary(result: Outcome) -> dict[str, Any]:
-    """Return the run in a page.
+    """Return a summary of the run that can be written as JSON.
 
-    Verdict, cost, error estimates, agreement, what was modelled and what was left out.
+    It contains the verdict, the answer, cost and error estimates of each method, the agreement, the
+    anchors, the scope of the model and the notes.
     """
     scene, rtol = result.scene, result.scene.accuracy.rtol
     methods = {
@@ -361,12 +364,12 @@ def summary(result: Outcome) -> dict[str, Any]:
         "verdict": result.verdict,
         "quantities": result.quantities,
         "answer": {
-            # JSON has null for what is infinite or not given
+            # infinite values and NaN become null in JSON
             name: {
                 key: np.where(np.isfinite(value), value, np.array(None)).tolist()
-                for key, value in given.items()
+                for key, value in values.items()
             }
-            for name, given in result.answers.items()
+            for name, values in result.answers.items()
         },
         "methods": methods,
         "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],

@@ -1,4 +1,4 @@
-"""Run a scene: every method, its own error estimate, and the verdict on how far they agree."""
+"""Run a scene: solve it by every method, estimate errors, and judge whether the methods agree."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -31,27 +31,26 @@ def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Outcome:
 def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | None = None) -> Kind:
     """Compute everything that a scene asks for, by every method it names, and compare them.
 
-    `ringwear.run` is what users call; its docstring tells what each method gives, and the rule of
-    the verdict.
+    Users call `ringwear.run`; its docstring describes the methods and the rule of the verdict.
 
     Parameters
     ----------
-    kind : of the outcome, such as one that shows itself
-    scene : what is computed; its numbers in any consistent units
-    methods : names of methods, and methods of one's own, in place of the scene's
+    kind : class of the result, such as `Result`, which can draw itself
+    scene : the scene, with numbers in any consistent units
+    methods : names or objects of methods that replace those of the scene
 
     Raises
     ------
     RingwearError
-        if a method cannot solve the scene, or a mesh or a system fails; the message names the
-        remedy
+        if a method cannot solve the scene, or if a mesh or a linear system fails; the message
+        contains a remedy
     """
     by_name, problem = methods_of(methods or scene.methods), scene.problem
     if refused := refusals(scene, by_name):
         raise SceneError(refused[0])
     stages = {name: Stages(name) for name in by_name}
-    # the dense matrices are small: threads of two linear algebra libraries would spend their time
-    # waiting on each other
+    # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
+    # wait for each other
     with threadpool_limits(1):
         solutions = {
             name: solved_to_accuracy(entry, [problem], stages[name])[0]
@@ -69,24 +68,27 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
 def compare_operators(
     problem: Problem, methods: Mapping[str, Method], solutions: Mapping[str, Solution]
 ) -> Iterator[OperatorDifference]:
-    """Compare methods as operators: each on the space of another, where it can be had there.
+    """Compare the compliances of every two methods on the pressure space of one of them.
 
-    A method with a space of its own (the finite elements, on their contact facets) gives the space;
-    the others follow.
+    A method that has a fixed pressure space (finite elements, on their contact facets) determines
+    the space; the other methods compute their compliance on it. Two methods with fixed spaces are
+    not compared.
     """
     if OPERATORS in problem.contact.left_out:
         return
     wears = {
         name: solution.wear for name, solution in solutions.items() if solution.wear is not None
     }
-    anywhere = {name for name in wears if isinstance(methods[name], AnySpaceMethod)}
-    for a, b in combinations(sorted(wears, key=anywhere.__contains__), 2):
+    any_space = {name for name in wears if isinstance(methods[name], AnySpaceMethod)}
+    for a, b in combinations(sorted(wears, key=any_space.__contains__), 2):
         other = methods[b]
         if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
-                first, space = wears[a], wears[a].compliance.space
-                second = replace(first, compliance=other.compliance(space, problem.ground))
-                if a not in anywhere:
-                    check_multipliers(a, first.compliance, second.compliance)
+                running_in, space = wears[a], wears[a].compliance.space
+                other_running_in = replace(
+                    running_in, compliance=other.compliance(space, problem.ground)
+                )
+                if a not in any_space:
+                    check_multipliers(a, running_in.compliance, other_running_in.compliance)
                 if space.size <= MOST_PRESSURES:
-                    yield difference(problem, (a, b), first, second)
+                    yield difference(problem, (a, b), running_in, other_running_in)

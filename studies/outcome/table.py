@@ -1,4 +1,4 @@
-"""Results of methods as a table of arrays by name, in the scene's units."""
+"""The results of all methods as a table of named arrays, in the scene's units."""
 
 import json
 from collections.abc import Mapping
@@ -31,9 +31,9 @@ Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 
 
 class Table(NamedTuple):
-    """Results as `xarray.Dataset` takes them: by name, dimensions, values and attributes of each.
+    """Arguments of `xarray.Dataset`: dimensions, values and attributes of each array, by its name.
 
-    Most runs need no more, and xarray with all that it loads takes as long as some of them.
+    Most runs need no xarray, whose import takes as long as some runs.
     """
 
     variables: Labelled
@@ -44,9 +44,9 @@ class Table(NamedTuple):
 def tabulate(
     scene: Scene,
     solutions: Mapping[str, Solution],
-    given_answers: Mapping[str, dict[str, Array]],
+    answers: Mapping[str, dict[str, Array]],
 ) -> Table:
-    """Return all results of methods, with their answers, NaN where one does not give a quantity."""
+    """Return all results and answers of methods; NaN if a method does not compute a quantity."""
     problem, reported = scene.problem, []
     units, names = problem.units, UnitNames.of(scene.units)
     for name, solution in solutions.items():
@@ -55,10 +55,10 @@ def tabulate(
             offsets = [0.0, problem.profile.standoff, 0.0, 0.0]
             results = results | dict(zip(STEPS, (march.path + offsets).T, strict=True))
         errors = {error_name(key): error for key, error in solution.errors.items()}
-        reported.append(in_units(problem, results) | errors | given_answers[name])
+        reported.append(in_units(problem, results) | errors | answers[name])
 
     def longest(name: str) -> int:
-        return max((given[name].shape[-1] for given in reported if name in given), default=0)
+        return max((values[name].shape[-1] for values in reported if name in values), default=0)
 
     sizes = {
         "time": len(problem.times),
@@ -69,15 +69,15 @@ def tabulate(
         "edge": longest("contact_edge"),
         "step": longest("step_time"),
     }
-    # not every run has these
+    # quantities that only some runs have
     optional = {
         *MOVING_CONTACT_QUANTITIES,
         *STEPS,
-        *(name for name, of in ANSWER.items() if not of.always),
+        *(name for name, quantity in ANSWER.items() if not quantity.always),
     }
     table = dict[str, Quantity]()
     for name, quantity in (QUANTITIES | STEPS | ANSWER).items():
-        if name in optional and not any(name in given for given in reported):
+        if name in optional and not any(name in values for values in reported):
             continue
         if name in QUANTITIES and not problem.wants(name):
             continue
@@ -91,14 +91,14 @@ def tabulate(
 
     variables: Labelled = {}
     for name, quantity in table.items():
-        gathered = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
-        for row, given in enumerate(reported):
-            if name in given:
-                shared = common(given[name].shape, gathered.shape[1:])
-                gathered[row, ...][shared] = given[name][shared]
+        array = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
+        for row, values in enumerate(reported):
+            if name in values:
+                common_part = common(values[name].shape, array.shape[1:])
+                array[row, ...][common_part] = values[name][common_part]
         attributes = describe(quantity.definition, quantity.unit)
-        variables[name] = (("solver", *quantity.dims), gathered, attributes)
-    # as they were asked for: by way of the non-dimensional ones they would differ in the last digit
+        variables[name] = (("solver", *quantity.dims), array, attributes)
+    # take the radii from the scene, because scaling non-dimensional ones may change the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
     coefficients = problem.wear_coefficients * units.wear_coefficient
@@ -122,7 +122,7 @@ def tabulate(
     ):
         if sizes[dim]:
             coordinates[dim] = ((dim,), np.array(range(1, sizes[dim] + 1)), {"long_name": meaning})
-    about = {
+    attributes_of_table = {
         "title": scene.title,
         "units": scene.units or NO_UNIT,
         "definitions": (
@@ -133,7 +133,7 @@ def tabulate(
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
-    return Table(variables, coordinates, about)
+    return Table(variables, coordinates, attributes_of_table)
 
 
 def in_units(problem: Problem, results: Results) -> dict[str, Array]:

@@ -1,1 +1,1 @@
-"""What commands leave on disk."""
+"""Write the files of the commands, and read results back."""

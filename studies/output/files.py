@@ -1,4 +1,4 @@
-"""The files of a run and of a mesh: numbers, then what shows them, which loses no number."""
+"""Write the files of a run: first the numbers, then figures, whose failure loses no number."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -24,18 +24,18 @@ INSIDE = "half_space.vtu"
 
 
 def run_files(pictures: Iterable["Picture"]) -> set[str]:
-    """Return the names of the files that a run with some pictures may write."""
+    """Return the names of the files that a run with these pictures may write."""
     numbers = {"results.nc", "summary.json", "report.html", INSIDE}
     return numbers | {picture.file for picture in pictures}
 
 
 def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> None:
-    """Write the numbers of a run, if wanted as CSV tables, too."""
+    """Write `results.nc` and `summary.json` of a run, and CSV tables if `tables`."""
     LOG.info("  output  writing ...")
     try:
         write_netcdf(result.table, directory / "results.nc")
     except RuntimeError as error:
-        # what netCDF makes of a full disk
+        # netCDF raises a RuntimeError if the disk is full
         raise RingwearError(
             f"results.nc could not be written ({error}): is the disk full?"
         ) from error
@@ -46,10 +46,10 @@ def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> N
 
 
 def write_netcdf(table: "Table", path: Path) -> None:
-    """Write a table as `xarray.load_dataset` reads it."""
+    """Write a table as netCDF-4, readable by `xarray.load_dataset`."""
     from netCDF4 import Dataset
 
-    # coordinates that are no dimensions
+    # coordinates that are not dimensions must be listed in an attribute
     labels = [name for name, (dims, *_) in table.coordinates.items() if name not in dims]
     with Dataset(path, "w") as file:
         file.setncatts(table.attributes | {"coordinates": " ".join(labels)})
@@ -64,9 +64,10 @@ def write_netcdf(table: "Table", path: Path) -> None:
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
-    """Write every variable as CSV, those of the same dimensions in one file, named by these.
+    """Write all variables as CSV: one file for the variables of the same dimensions.
 
-    Units are in the heads; rows that a method does not give are left out.
+    The file is named after the dimensions, the column headings contain the units, and rows without
+    any value are left out.
     """
     units = {name: dataset[name].attrs.get("units", NO_UNIT) for name in dataset.variables}
     heads = {name: f"{name} [{unit}]" for name, unit in units.items() if unit != NO_UNIT}
@@ -79,10 +80,10 @@ def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
 
 
 def draw(result: "Outcome", pictures: Sequence["Picture"], directory: Path) -> list[str]:
-    """Draw those pictures that a result has; return what could not be made, with the reason.
+    """Draw the pictures that a result has data for; return the failures, with reasons.
 
-    The inside of the half-space takes as long as the contact: without pictures it is left out
-    unless the scene asks for it.
+    Fields inside the half-space are written, too. They take as long as the contact problem, and are
+    therefore left out without pictures unless the scene asks for them (`output.field_times`).
     """
     from .vtu import write_half_space
 

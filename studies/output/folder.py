@@ -1,9 +1,9 @@
-"""An output folder, which is the old or the new one as a whole, and files of others in it stay.
+"""An output folder with either all old or all new files of a command; other files are not touched.
 
-A command writes into a hidden directory. Once all is complete, that is given another name, and from
-then on its files take their places, if need be by the next run. A marker in the folder lists what
-each command has put there: the next run of that command replaces it, and what is not listed is not
-ringwear's, and neither removed nor written over.
+A command writes into a hidden directory, which is renamed when all files are complete. Then its
+files are moved into the output folder; if this is interrupted, the next run completes it. A marker
+file in the folder lists the files that each command has written: the next run of that command
+replaces them. Files that are not listed are neither removed nor overwritten.
 """
 
 import json
@@ -19,19 +19,19 @@ from .signals import signals_wait
 
 MARKER = ".ringwear.json"
 WRITING = ".writing"
-# what `WRITING` is called once it is complete
+# new name of the directory `WRITING` when its files are complete
 COMPLETE = ".complete"
 
 
 class Folder:
-    """The folder of a command, as long as it writes to it.
+    """The output folder of a running command.
 
     Parameters
     ----------
     out : Path
-        Where it is to be.
+        Path of the folder.
     command : str
-        Whose earlier files there are replaced.
+        Name of the command, whose earlier files in the folder are replaced.
 
     Attributes
     ----------
@@ -47,16 +47,16 @@ class Folder:
         self.written: list[str] = []
 
     def refuse_to_replace(self, names: Iterable[str]) -> None:
-        """Raise a SceneError if files of others have these names."""
-        there = set(os.listdir(self.out)) - _files_of_ringwear(self.out)
-        if taken := sorted(there.intersection(names)):
+        """Raise a SceneError if files not written by ringwear have these names."""
+        foreign_files = set(os.listdir(self.out)) - _files_of_ringwear(self.out)
+        if conflicts := sorted(foreign_files.intersection(names)):
             raise SceneError(
-                f"--out {self.out} holds {', '.join(taken)}, which ringwear has not written: move "
-                "it away, or give another directory"
+                f"--out {self.out} contains {', '.join(conflicts)}, which ringwear has not "
+                "written: move it away, or give another directory"
             )
 
     def publish(self) -> None:
-        """Put all that has been written in the place of the command's earlier files."""
+        """Replace the command's earlier files by the new ones."""
         self.written = sorted(set(os.listdir(self.hidden)) - {MARKER})
         self.refuse_to_replace(self.written)
         files = {
@@ -70,9 +70,9 @@ class Folder:
 
 
 def put_in_place(out: Path) -> None:
-    """Move what is complete to its place in a folder; the marker comes last.
+    """Move the files of a complete hidden directory into the output folder, the marker last.
 
-    Wherever it is stopped, it can be gone on with.
+    If it is interrupted, another call completes it.
     """
     complete = out / COMPLETE
     if not os.path.lexists(complete):
@@ -87,27 +87,29 @@ def put_in_place(out: Path) -> None:
 
 
 def refuse_foreign_folders(out: Path) -> None:
-    """Refuse folders of others that have the names of ours, which hold a marker or nothing.
+    """Refuse an output folder in which other files have the names of the hidden directories.
+
+    Hidden directories of ringwear contain a marker or are empty.
 
     Raises
     ------
     SceneError
-        naming the folder
+        if there is such a file or directory; the message names it
     """
     for name in (WRITING, COMPLETE):
         path = out / name
         if not os.path.lexists(path):
             continue
-        real = path.is_dir() and not path.is_symlink()
-        if not real or ((names := os.listdir(path)) and MARKER not in names):
+        real_directory = path.is_dir() and not path.is_symlink()
+        if not real_directory or ((names := os.listdir(path)) and MARKER not in names):
             raise SceneError(
-                f"--out {out} holds {name}, which ringwear has not written: move it away, or give "
-                "another directory"
+                f"--out {out} contains {name}, which ringwear has not written: move it away, or "
+                "give another directory"
             )
 
 
 def _files_by_command(folder: Path) -> dict[str, list[str]]:
-    """Return the names of files that each command has put into a folder."""
+    """Return the names of the files that each command has written into a folder."""
     try:
         files = json.loads((folder / MARKER).read_text("utf-8"))
         return {
@@ -116,36 +118,36 @@ def _files_by_command(folder: Path) -> dict[str, list[str]]:
             if isinstance(names, list)
         }
     except (OSError, ValueError, AttributeError):
-        # it is damaged, or no marker: nothing is ringwear's
+        # without a valid marker, no file counts as written by ringwear
         return {}
 
 
 def _files_of_ringwear(folder: Path) -> set[str]:
-    """Return the names of files that all commands have put into a folder."""
+    """Return the names of the files that all commands have written into a folder."""
     return set[str]().union(*_files_by_command(folder).values())
 
 
 @contextmanager
 def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterator[Folder]:
-    """Hold a folder for a command; what that has written then takes its place there.
+    """Lock a folder for a command, and move the files of the command there at the end.
 
-    Nothing is left of a command that fails, and a killed one is cleaned up after.
+    A command that fails leaves no files. The next run removes the files of a killed one.
 
     Parameters
     ----------
     names
-        Files that the command may write, as far as it knows beforehand.
+        Names of the files that the command may write, as far as they are known beforehand.
 
     Raises
     ------
     SceneError
-        if the folder cannot be written to, another run holds it, or files of others have names
-        that are needed
+        if the folder cannot be written to, if another run uses it, or if files not written by
+        ringwear have names that the command needs
     """
     if os.path.lexists(out) and not out.is_dir():
         raise SceneError(f"--out {out} is not a directory: give a directory")
     out = out.resolve()
-    made = [folder for folder in (out, *out.parents) if not folder.exists()]
+    new_folders = [folder for folder in (out, *out.parents) if not folder.exists()]
     with lock_folder(out):
         folder = Folder(out, command)
         refuse_foreign_folders(out)
@@ -154,7 +156,7 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
         published = False
         try:
             folder.hidden.mkdir()
-            # by which the next run knows it for ours
+            # the marker tells the next run that this directory belongs to ringwear
             (folder.hidden / MARKER).write_text("{}\n", "utf-8")
             folder.refuse_to_replace(names)
             yield folder
@@ -165,26 +167,26 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
             if not published:
                 raise
             raise KeyboardInterrupt(
-                f"stopped when all was done; the new results are in place in {out}"
+                f"stopped after the work was done; the new results are in place in {out}"
             ) from stop
         finally:
             with signals_wait():
                 shutil.rmtree(folder.hidden, ignore_errors=True)
-                for directory in made:
+                for directory in new_folders:
                     with suppress(OSError):
                         directory.rmdir()
 
 
 @contextmanager
 def lock_folder(out: Path) -> Iterator[None]:
-    """Make a folder and be the only run that writes to it.
+    """Create a folder and lock it, so that no other run writes to it.
 
-    The lock is the system's, and ends with the process, however that ends.
+    The operating system holds the lock, and releases it when the process ends for any reason.
 
     Raises
     ------
     SceneError
-        if it cannot be written to, or another run is writing to it
+        if the folder cannot be written to, or if another run is writing to it
     """
     import fcntl
 
@@ -205,7 +207,7 @@ def lock_folder(out: Path) -> Iterator[None]:
             "directory"
         ) from None
     except OSError:
-        # the file system has no locks
+        # the file system does not support locks
         pass
     try:
         yield

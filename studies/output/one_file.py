@@ -1,4 +1,4 @@
-"""One file of an output folder, whose failure loses nothing else."""
+"""Write one file of an output folder so that its failure does not affect the other files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,10 +7,7 @@ from .signals import STOPPED
 
 
 def make(path: Path, write: Callable[[Path], object]) -> list[str]:
-    """Write a file whose failure is to lose nothing else; return why it failed, if it has.
-
-    Nothing half-written is left.
-    """
+    """Write a file; if that fails, remove it and return the reason, else an empty list."""
     try:
         write(path)
     except BaseException as error:
@@ -20,5 +17,5 @@ def make(path: Path, write: Callable[[Path], object]) -> list[str]:
         if not isinstance(error, Exception):
             raise
         reason, *_ = str(error).strip().splitlines() or [type(error).__name__]
-        return [f"{path.name} could not be made: {reason}"]
+        return [f"{path.name} could not be written: {reason}"]
     return []

@@ -1,4 +1,4 @@
-"""Ctrl-C, and SIGTERM, by which a batch system ends a job."""
+"""Handle Ctrl-C (SIGINT) and SIGTERM, with which a batch system ends a job."""
 
 import signal
 import threading
@@ -7,12 +7,12 @@ from contextlib import contextmanager
 from types import FrameType
 
 STOPPED = threading.Event()
-"""Set when the work is to end: a library may take the exception for a failure of its own."""
+"""Set after a signal: a library may have caught the KeyboardInterrupt as an error of its own."""
 
 
 @contextmanager
 def ending_on_signals() -> Iterator[None]:
-    """Turn either signal into a KeyboardInterrupt, which ends the work."""
+    """Raise a KeyboardInterrupt at either signal, which ends the work."""
 
     def stop(*_: object) -> None:
         STOPPED.set()
@@ -25,7 +25,7 @@ def ending_on_signals() -> Iterator[None]:
 
 @contextmanager
 def signals_wait() -> Iterator[None]:
-    """Hold signals back until files are in place."""
+    """Hold signals back until the end of the `with` block, in which files are moved."""
     waiting: list[int] = []
     try:
         with _handled_by(lambda number, _: waiting.append(number)):
@@ -41,9 +41,9 @@ def _handled_by(handler: Callable[[int, FrameType | None], object]) -> Iterator[
         yield
         return
     numbers = (signal.SIGINT, signal.SIGTERM)
-    before = {number: signal.signal(number, handler) for number in numbers}
+    earlier_handlers = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield
     finally:
-        for number, earlier in before.items():
-            signal.signal(number, earlier)
+        for number, earlier_handler in earlier_handlers.items():
+            signal.signal(number, earlier_handler)

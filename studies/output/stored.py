@@ -1,4 +1,4 @@
-"""Results read back from the folder that they were written to."""
+"""Read results back from the folder that they were written to."""
 
 import json
 from dataclasses import dataclass, fields
@@ -28,64 +28,66 @@ Kind = TypeVar("Kind", bound="StoredOutcome")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StoredOutcome(Outcome):
-    """Results that were written: all numbers, and the figures that need no more.
+    """Results from a folder: all numbers, and the figures that need only these.
 
     Parameters
     ----------
-    written : the table in `results.nc`
-    told : the content of `summary.json`
+    stored_table : the table in `results.nc`
+    stored_summary : the content of `summary.json`
     """
 
-    written: Table
-    told: Json
+    stored_table: Table
+    stored_summary: Json
 
     @cached_property
     def table(self) -> Table:
         """The table in `results.nc`."""
-        return self.written
+        return self.stored_table
 
     @property
     def summary(self) -> Json:
         """The content of `summary.json`."""
-        return self.told
+        return self.stored_summary
 
     @property
     def of_others(self) -> tuple[str, ...]:
         """Names of the programs whose results were checked."""
-        return tuple(dict.fromkeys(row["solver"] for row in self.told.get("verdicts", [])))
+        return tuple(
+            dict.fromkeys(row["solver"] for row in self.stored_summary.get("verdicts", []))
+        )
 
     @property
     def verdict(self) -> str:
-        """The verdict that was written: `agree`, `disagree` or `undecided`."""
-        return str(self.told["verdict"])
+        """The verdict in `summary.json`: `agree`, `disagree` or `undecided`."""
+        return str(self.stored_summary["verdict"])
 
     @cached_property
     def left_out_of_promise(self) -> tuple[LeftOut, ...]:
         """Quantities that could not be promised, with the times and the reason."""
-        rows = self.told.get("left_out_of_promise", [])
+        rows = self.stored_summary.get("left_out_of_promise", [])
         return tuple(LeftOut(**row | {"times": tuple(row["times"])}) for row in rows)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The notes that the methods gave."""
-        return tuple(self.told["notes"])
+        """The notes of all methods."""
+        return tuple(self.stored_summary["notes"])
 
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:
-        """What a user asked of the punch, by method, and the relative errors of these numbers."""
+        """The numbers of the answer, by method, and their relative error estimates."""
         return {
-            name: {key: np.array(value, dtype=float) for key, value in given.items()}
-            for name, given in self.told["answer"].items()
+            name: {key: np.array(value, dtype=float) for key, value in values.items()}
+            for name, values in self.stored_summary["answer"].items()
         }
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
         """Closed forms and conservation laws that the report of each method was checked against."""
-        return _rebuilt(Anchor, self.told["anchors"])
+        return _rebuilt(Anchor, self.stored_summary["anchors"])
 
 
 def _rebuilt(kind: type[Row], rows: list[Json]) -> tuple[Row, ...]:
-    """Return rows of `summary.json` as what they were."""
+    """Return objects of a class from rows of `summary.json`."""
     names = [field.name for field in fields(kind)]
     return tuple(kind(*(row[name] for name in names)) for row in rows)
 
@@ -95,13 +97,13 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
 
     Parameters
     ----------
-    folder : that they were written to
-    kind : of the outcome, such as one that shows itself
+    folder : the folder with the results
+    kind : class of the results, such as `Stored`, which can draw itself
 
     Raises
     ------
     SceneError
-        if the folder holds none that can be read
+        if the folder contains no results that can be read
     """
     import xarray
 
@@ -109,21 +111,21 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
         raise SceneError(f"{folder!r} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
     try:
-        told = json.loads((path / "summary.json").read_text("utf-8"))
-        with xarray.open_dataset(path / "results.nc", engine="netcdf4") as opened:
-            refuse_large(path / "results.nc", opened)
-            data: Any = opened.load()
+        summary = json.loads((path / "summary.json").read_text("utf-8"))
+        with xarray.open_dataset(path / "results.nc", engine="netcdf4") as dataset:
+            refuse_large(path / "results.nc", dataset)
+            data: Any = dataset.load()
         scene = Scene.from_toml(data.attrs["scene"], str(path))
-        rows = _rebuilt(Agreement, told["agreement"])
+        rows = _rebuilt(Agreement, summary["agreement"])
     except (OSError, KeyError, ValueError) as error:
         raise SceneError(
             f"{path} cannot be read as results of ringwear: {error}; give a folder that `ringwear "
             "run` has written"
         ) from None
     variables, coordinates = (
-        {name: (of.dims, of.values, of.attrs) for name, of in part.items()}
-        for part in (data.data_vars, data.coords)
+        {name: (array.dims, array.values, array.attrs) for name, array in arrays.items()}
+        for arrays in (data.data_vars, data.coords)
     )
-    methods = methods_of([name for name in told["methods"] if name in METHODS])
+    methods = methods_of([name for name in summary["methods"] if name in METHODS])
     table = Table(variables, coordinates, data.attrs)
-    return kind(scene, methods, {}, {}, rows, (), table, told)
+    return kind(scene, methods, {}, {}, rows, (), table, summary)

@@ -1,4 +1,4 @@
-"""Fields inside the half-space as VTU files, upright and in the scene's units."""
+"""Write fields inside the half-space as VTU files, in the scene's units."""
 
 from pathlib import Path
 
@@ -11,24 +11,23 @@ from ..scene.scene import Scene
 
 
 def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -> None:
-    """Write the fields as VTU, in the scene's units and upright.
+    """Write the fields as VTU, in the scene's units, with x = r and y = -z (y points upwards).
 
-    If `series`, also write files of one time each, and a collection (.pvd) that ParaView goes
-    through.
-
-    X is the radius, y the height (depth is negative).
+    If `series`, also write one file for each time, and a collection (.pvd) of them for ParaView.
     """
     units, solid = scene.problem.units, scene.half_space
-    # where the punch is elastic, too, the half-space is displaced by its own part only
-    own_part = solid.modulus / solid.own_modulus
-    states = [_upright(fields, state, units, own_part) for state in range(len(fields.labels))]
+    # an elastic punch takes a part of the displacement; the rest is that of the half-space
+    half_space_part = solid.modulus / solid.own_modulus
+    states = [
+        _upright(fields, state, units, half_space_part) for state in range(len(fields.labels))
+    ]
     labelled = {
         f"{name} {label}": values
         for label, state in zip(fields.labels, states, strict=True)
         for name, values in state.items()
     }
     if solid.layers:
-        # from 1 on, as people count; the substrate is the last
+        # numbers begin with 1; the substrate has the last one
         labelled["material"] = (fields.layers + 1).astype(np.float64)
     _write_vtu(fields, units, path, labelled)
     times = [label.removeprefix("t=") for label in fields.labels if label != "steady"]
@@ -46,12 +45,14 @@ def write_half_space(fields: Interior, scene: Scene, path: Path, series: bool) -
         )
 
 
-def _upright(fields: Interior, state: int, units: Units, own_part: float) -> dict[str, Array]:
-    """Return what is known at the points in a state, y upwards, in the scene's units.
+def _upright(
+    fields: Interior, state: int, units: Units, half_space_part: float
+) -> dict[str, Array]:
+    """Return the fields at the points in a state, with y upwards, in the scene's units.
 
-    `own_part` is the part of the displacement that is the half-space's own.
+    `half_space_part` is the part of the displacement that belongs to the half-space.
     """
-    radial, down = fields.displacement[state].T * units.displacement * own_part
+    radial, down = fields.displacement[state].T * units.displacement * half_space_part
     stress = (fields.stress[state] * [1, 1, -1, 1] * units.pressure).T
     return {
         "displacement": np.stack([radial, -down, np.zeros_like(radial)], axis=1),

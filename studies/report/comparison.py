@@ -1,4 +1,4 @@
-"""Two results beside each other: what differs between their scenes, and in their answers."""
+"""Compare two results: the keys of their scenes, the numbers of the answer, and the fields."""
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ from ..sampling.field_differences import (
 )
 from ..scene.scene import Scene
 
-# relative difference of numbers that are the same
+# relative difference up to which numbers count as equal
 ROUNDOFF = 1e-12
 
 
@@ -28,17 +28,17 @@ def refuse_other_units(a: Scene, b: Scene) -> None:
 
 
 def scene_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
-    """Return the keys of the scenes that differ."""
+    """Return the scene keys whose values differ, with both values."""
     tables = [pd.json_normalize(side.scene.table()).iloc[0].astype(str) for side in (a, b)]
     table = pd.concat(tables, axis=1, keys=["A", "B"]).fillna("not given")
     return table[table.A != table.B].rename_axis("key").reset_index()
 
 
 def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
-    """Return each number of the punch on both sides, and the relative difference.
+    """Return a row for each number of the answer: both values and their relative difference.
 
-    Columns `known`, the sum of the relative errors that both state, `change`, the relative
-    difference as a number, and whether it `differs` by more than that, are beside the texts.
+    Further columns are `known`, the sum of both relative error estimates, `change`, the relative
+    difference as a number, and `differs`, whether `change` is larger than `known`.
     """
     names, rows = UnitNames.of(a.scene.units), []
     for name, quantity in (ANSWER | QUANTITIES).items():
@@ -48,8 +48,8 @@ def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
         if np.isnan([first, second]).all():
             continue
         change = second / first - 1 if first else np.nan
-        stated = [float(np.nan_to_num(side.first(error_name(name)))) for side in (a, b)]
-        known = max(sum(stated), ROUNDOFF)
+        estimates = [float(np.nan_to_num(side.first(error_name(name)))) for side in (a, b)]
+        uncertainty = max(sum(estimates), ROUNDOFF)
         one_missing = bool(np.isnan([first, second]).any())
         rows.append(
             {
@@ -57,24 +57,24 @@ def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
                 "A": names.write(first, quantity.unit),
                 "B": names.write(second, quantity.unit),
                 "B against A": f"{100 * change:+.3g} %" if np.isfinite(change) else "",
-                "known": f"{known:.1e}",
+                "known": f"{uncertainty:.1e}",
                 "change": change,
-                "differs": first != second and not one_missing and not abs(change) <= known,
+                "differs": first != second and not one_missing and not abs(change) <= uncertainty,
             }
         )
     return pd.DataFrame(rows)
 
 
 def field_comparison(a: Outcome, b: Outcome) -> FieldComparison | None:
-    """Return B minus A in the fields along the radius, each by its first method that has them.
+    """Return B minus A in the fields along the radius, by the first method with fields of each.
 
-    Return None if no field is given by both at a common time.
+    Return None if A and B have no field at a common time.
     """
     reports = []
     for side in (a, b):
-        giving = (name for field in OVER_TIME for name in side.by_method(field))
-        steady = (name for field in IN_STEADY_STATE for name in side.by_method(field))
-        method = next(giving, None) or next(steady, None)
+        methods = (name for field in OVER_TIME for name in side.by_method(field))
+        steady_methods = (name for field in IN_STEADY_STATE for name in side.by_method(field))
+        method = next(methods, None) or next(steady_methods, None)
         if method is None:
             return None
         reports.append(side.reported(method))

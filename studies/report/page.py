@@ -1,4 +1,4 @@
-"""The page of a run, with its figures."""
+"""Draw the figures of a run and write its page (report.html)."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 def show(
     result: Outcome, account: Account, pictures: Sequence["Picture"], directory: Path, page: bool
 ) -> list[str]:
-    """Draw pictures of a run, and if wanted a page with them; return what could not be made."""
+    """Draw the pictures of a run, and its page if `page`; return the failures, with reasons."""
     failures = draw(result, pictures, directory)
     if page:
         write = partial(write_report, result, account, pictures)
         failures += make(directory / "report.html", write)
     if STOPPED.is_set():
-        # a library has taken the exception for a failure of its own
+        # a library may have caught the KeyboardInterrupt as an error of its own
         raise KeyboardInterrupt
     return failures
 
@@ -33,9 +33,9 @@ def show(
 def write_report(
     result: Outcome, account: Account, pictures: Iterable["Picture"], path: Path
 ) -> None:
-    """Write the page of a run with those of the pictures that stand beside it."""
-    from .slides import slides  # which loads matplotlib, and a run without figures needs none
+    """Write the page of a run, with those of the pictures whose files are in the same folder."""
+    from .slides import slides  # imported here: it loads matplotlib, which other runs do not need
 
-    about = {"account": account, "title": account.title}
+    context = {"account": account, "title": account.title}
     captions = {picture.file: picture.caption for picture in pictures}
-    write_page(path, "run.html.j2", result.scene, captions, slides=slides(result), **about)
+    write_page(path, "run.html.j2", result.scene, captions, slides=slides(result), **context)

@@ -1,16 +1,17 @@
-"""What the commands print: the answer first, then the verdict in a line, then whatever else."""
+"""Print results on the terminal: first the answer, then the verdict, then everything else."""
 
 from collections.abc import Sequence
 
 from .terminal import broken, print_lines, terminal_width
 from .words import Account, Rows, columns
 
-# characters that a meaning needs beside its number; on narrower terminals it stands below
+# characters that a meaning needs to the right of its number; on narrower terminals it is printed
+# below the number
 LEAST_MEANING = 28
 
 
 def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
-    """Print what, how much, and what that means: beside it, or below on a narrow terminal."""
+    """Print name, value and meaning of each answer; on a narrow terminal the meaning is below."""
     width = terminal_width()
     numbers = columns([answer[:2] for answer in answers])
     longest = max(map(len, numbers), default=0)
@@ -23,13 +24,13 @@ def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
 
 
 def print_account(account: Account, verbose: bool) -> None:
-    """Print the answer, the verdict, and what bears on it; or all that is told of a run."""
+    """Print the answer, the verdict and the remarks; if `verbose`, the whole account of a run."""
     print_lines(["", account.title, *account.defaults, ""])
     print_answers(account.answers[:6])
     print_lines(["", account.verdict_line])
     if not verbose:
         print_lines(account.remarks)
-        print(f"By {account.answered_by}; all else: --verbose, report.html, summary.json")
+        print(f"Method: {account.answered_by}. More: --verbose, report.html, summary.json")
         return
     print(f"\nAll answers, by {account.answered_by}")
     print_answers(account.answers)
@@ -38,14 +39,14 @@ def print_account(account: Account, verbose: bool) -> None:
     print("\nAccuracy and cost")
     print_table(account.methods)
     if account.agreement:
-        print("\nDifferences, relative; of each quantity the pair that differs most")
+        print("\nRelative differences, for each quantity of the two methods that differ most")
         print_table(account.agreement)
     print_lines([*account.comparisons, *account.remarks, ""])
     print_scope(account.modelled, account.left_out)
 
 
 def print_table(table: Rows) -> None:
-    """Print a table with its heads; one that is wider than the terminal row by row."""
+    """Print a table with its headings; if it is wider than the terminal, print it row by row."""
     lines = columns([*map(list, table[:1]), *(list(row.values()) for row in table)])
     width = terminal_width()
     if not width or max(map(len, lines), default=0) <= width:
@@ -57,6 +58,6 @@ def print_table(table: Rows) -> None:
 
 
 def print_scope(modelled: list[str], left_out: dict[str, str]) -> None:
-    """Print what is computed, and what is not."""
+    """Print what is modelled and what is left out."""
     print_lines(["Modelled", *(f"  {line}" for line in modelled)])
-    print_lines(["Left out", *(f"  {what}: {why}" for what, why in left_out.items())])
+    print_lines(["Left out", *(f"  {item}: {reason}" for item, reason in left_out.items())])

@@ -14,22 +14,22 @@
   };
   const ticks = (top, bottom = 0) => {
     const raw = (top - bottom) / 4, power = 10 ** Math.floor(Math.log10(raw));
-    const step = [1, 2, 5, 10].find((one) => one * power >= raw) * power;
+    const step = [1, 2, 5, 10].find((factor) => factor * power >= raw) * power;
     const first = Math.ceil(bottom / step - 1e-9), count = Math.floor(top / step + 1e-9) - first + 1;
     return Array.from({ length: count }, (_, index) => +((first + index) * step).toPrecision(3));
   };
-  // a wide hole is not shown
+  // the axis begins at the edge of a wide hole
   const hole = data.edges[0] > radius / 2 ? data.edges[0] : 0;
   const across = (r) => box.left + ((r - hole) / (radius - hole)) * (box.right - box.left);
   const rings = data.ring;
 
-  // axes once; heights, the curve and what it is seen against again for each state
-  const plot = (id, values, beside, tops, down, label) => {
+  // draw axes once, and scale, curve and reference curve again for each state
+  const plot = (id, values, reference, tops, down, label) => {
     const svg = document.getElementById(id);
     let top = 1;
     const upright = (value) => {
-      const part = Math.max(-9, Math.min(9, value / top));
-      return down ? box.top + part * (box.bottom - box.top) : box.bottom - part * (box.bottom - box.top);
+      const share = Math.max(-9, Math.min(9, value / top));
+      return down ? box.top + share * (box.bottom - box.top) : box.bottom - share * (box.bottom - box.top);
     };
     data.shade.forEach((shade, ring) => {
       const x = across(data.edges[ring]), width = across(data.edges[ring + 1]) - x;
@@ -62,25 +62,25 @@
         make(scaled, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
         make(scaled, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
       }
-      if (last > 0) ghost.setAttribute("d", line(beside(state)));
+      if (last > 0) ghost.setAttribute("d", line(reference(state)));
       curve.setAttribute("d", line(values[state]));
     };
   };
   const deep = data.labels.map(() => 1.08 * data.deepest);
-  // the unworn face is above by what all of the face has worn off
-  const unworn = (state) => data.beside.map((height) => height - data.above[state]);
+  // the least worn height is subtracted from all heights
+  const unworn = (state) => data.unworn.map((height) => height - data.least_worn[state]);
   const drawProfile = plot("profile", data.profile, unworn, deep, true, data.axes.profile);
   const drawPressure = plot("pressure", data.pressure, () => data.pressure[last], data.highest, false, data.axes.pressure);
 
-  // the worn face as a surface of revolution, cut open: painted from the back to the front
+  // draw the worn face as a surface of revolution that is cut open, from the back to the front
   const canvas = document.getElementById("solid"), pen = canvas.getContext("2d");
   const AROUND = 72, OPEN = 17, TILT = 0.62, DEPTH = 0.32;
-  const kept = [];
-  let before = -1;
+  const drawnRadii = [];
+  let lastDrawn = -1;
   data.radii.forEach((r, index) => {
-    if (index === 0 || index === data.radii.length - 1 || r - before > radius / 110 || rings[index] !== rings[index - 1]) {
-      kept.push(index);
-      before = r;
+    if (index === 0 || index === data.radii.length - 1 || r - lastDrawn > radius / 110 || rings[index] !== rings[index - 1]) {
+      drawnRadii.push(index);
+      lastDrawn = r;
     }
   });
   let turn = 0.5;
@@ -97,16 +97,16 @@
       return [canvas.width / 2 + size * x, down, y * cos - z * sin];
     };
     const faces = [];
-    const face = (corners, fill) => faces.push([corners.reduce((sum, one) => sum + one[2], 0), corners, fill]);
+    const face = (corners, fill) => faces.push([corners.reduce((sum, corner) => sum + corner[2], 0), corners, fill]);
     const angle = (step) => (step + OPEN) * 2 * Math.PI / AROUND - Math.PI;
-    for (let part = 0; part + 1 < kept.length; part += 1) {
-      const inner = kept[part], outer = kept[part + 1], a = data.radii[inner], b = data.radii[outer];
+    for (let strip = 0; strip + 1 < drawnRadii.length; strip += 1) {
+      const inner = drawnRadii[strip], outer = drawnRadii[strip + 1], a = data.radii[inner], b = data.radii[outer];
       const shade = data.shade[rings[inner]], slope = (height(outer) - height(inner)) / Math.max((b - a) / radius, 1e-9);
       for (let step = 0; step < AROUND - OPEN; step += 1) {
-        const one = angle(step), other = angle(step + 1), middle = (one + other) / 2 + turn;
+        const start = angle(step), stop = angle(step + 1), middle = (start + stop) / 2 + turn;
         const light = (1 - slope * (0.35 * Math.cos(middle) - 0.5 * Math.sin(middle))) / Math.hypot(1, slope) * 0.9;
-        const corners = [place(a, one, height(inner)), place(b, one, height(outer)),
-          place(b, other, height(outer)), place(a, other, height(inner))];
+        const corners = [place(a, start, height(inner)), place(b, start, height(outer)),
+          place(b, stop, height(outer)), place(a, stop, height(inner))];
         face(corners, colour(shade, Math.max(0.35, Math.min(1.1, light))));
       }
       for (const cut of [angle(0), angle(AROUND - OPEN)]) {
@@ -115,14 +115,14 @@
         face(corners, colour(shade, 0.72));
       }
     }
-    const end = kept[kept.length - 1];
+    const end = drawnRadii[drawnRadii.length - 1];
     for (let step = 0; step < AROUND - OPEN; step += 1) {
-      const one = angle(step), other = angle(step + 1), foot = -DEPTH - data.drawn;
-      const corners = [place(radius, one, height(end)), place(radius, other, height(end)), place(radius, other, foot),
-        place(radius, one, foot)];
-      face(corners, colour(data.shade[data.shade.length - 1], 0.55 + 0.15 * Math.cos((one + other) / 2 + turn)));
+      const start = angle(step), stop = angle(step + 1), foot = -DEPTH - data.drawn;
+      const corners = [place(radius, start, height(end)), place(radius, stop, height(end)), place(radius, stop, foot),
+        place(radius, start, foot)];
+      face(corners, colour(data.shade[data.shade.length - 1], 0.55 + 0.15 * Math.cos((start + stop) / 2 + turn)));
     }
-    faces.sort((one, other) => other[0] - one[0]);
+    faces.sort((first, second) => second[0] - first[0]);
     pen.clearRect(0, 0, canvas.width, canvas.height);
     pen.lineWidth = 0.8;
     for (const [, corners, fill] of faces) {

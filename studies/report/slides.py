@@ -1,7 +1,4 @@
-"""The states that the slider of the page goes through.
-
-Profiles and pressures at times from the start on, and in the steady state.
-"""
+"""Data of the slider on the page: profiles and pressures over time and in the steady state."""
 
 from typing import Any
 
@@ -21,61 +18,61 @@ from ..outcome.outcome import Outcome
 
 
 def slides(result: Outcome) -> dict[str, Any] | None:
-    """Return what the script of the page draws, in the units of its axes.
+    """Return the data that `slides.js` draws, in the units of its axes.
 
-    Nothing where no state is known over the radius.
+    Return None if no profiles and pressures along the radius are available.
     """
     if not {"profile", "pressure"} <= set(result.table.variables):
         return None
     scale, problem = Scale(result.scene), result.scene.problem
     _, states = result.between
     radii, profiles, pressures = (states[name] for name in ("radius", "profile", "pressure"))
-    given = np.flatnonzero(~np.isnan(profiles).all(axis=1))
-    chosen = given[shown_times(states["time"][given], 48)]
-    labels = [scale.when(time) for time in states["time"][chosen]]
-    profiles, pressures = profiles[chosen], pressures[chosen]
-    steady = 0
+    known_states = np.flatnonzero(~np.isnan(profiles).all(axis=1))
+    selected = known_states[shown_times(states["time"][known_states], 48)]
+    labels = [scale.when(time) for time in states["time"][selected]]
+    profiles, pressures = profiles[selected], pressures[selected]
+    steady_count = 0
     if not np.isnan(states.get("steady_profile", np.nan)).any():
         labels.append(scale.steady_state)
         profiles = np.vstack([profiles, states["steady_profile"]])
         pressures = np.vstack([pressures, states["steady_pressure"]])
-        steady = 1
+        steady_count = 1
     if not labels or len(radii) <= 10:
         return None
-    worn = least_wear(problem, profiles)
-    heights = profiles - worn[:, None]
+    least_worn = least_wear(problem, profiles)
+    heights = profiles - least_worn[:, None]
     unworn = problem.profile(problem.radii) * problem.units.displacement
     tops = panel_tops([high_pressure(pressure) for pressure in pressures])
-    # so that a page of hundreds of rings stays small
-    some = slice(None, None, 1 + len(radii) // 1100)
-    # parts of the face that are further back than those that wear are cut off
-    depths = face_depths(heights, unworn - worn[:, None], pressures > 0)
+    # use a part of the radii if there are many, so that the page stays small
+    stride = slice(None, None, 1 + len(radii) // 1100)
+    # parts of the face that are much further back than the worn parts are cut off
+    depths = face_depths(heights, unworn - least_worn[:, None], pressures > 0)
     deepest = float(depths.max()) or 1.0
-    # part of the radius that the greatest difference of heights is drawn as, in 3-D
-    drawn, edges = 0.3, problem.ring_edges * result.scene.punch.radius
-    order = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
-    # in the steady state, all of the face has worn by any height
-    worn[len(worn) - steady :] = 10 * deepest
+    # height in the 3-D view that the greatest difference of heights has, over the radius
+    drawn_height, edges = 0.3, problem.ring_edges * result.scene.punch.radius
+    log_wear = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
+    # in the steady state the wear is unlimited: move the unworn face out of the frame
+    least_worn[len(least_worn) - steady_count :] = 10 * deepest
     scale.suit("profile", deepest)
     scale.suit("pressure", tops)
     return {
-        "radii": _round(scale.shown("radius", radii[some])),
+        "radii": _round(scale.shown("radius", radii[stride])),
         "edges": _round(scale.shown("radius", edges)),
-        "shade": _round((order - order.min()) / (np.ptp(order) or 1.0)),
-        "ring": ring_of(edges, radii[some]).tolist(),
+        "shade": _round((log_wear - log_wear.min()) / (np.ptp(log_wear) or 1.0)),
+        "ring": ring_of(edges, radii[stride]).tolist(),
         "labels": labels,
-        "profile": _round(scale.shown("profile", heights[:, some])),
-        "pressure": _round(scale.shown("pressure", pressures[:, some])),
-        "beside": _round(scale.shown("profile", unworn[some])),
-        "above": _round(scale.shown("profile", worn)),
+        "profile": _round(scale.shown("profile", heights[:, stride])),
+        "pressure": _round(scale.shown("pressure", pressures[:, stride])),
+        "unworn": _round(scale.shown("profile", unworn[stride])),
+        "least_worn": _round(scale.shown("profile", least_worn)),
         "highest": _round(1.15 * scale.shown("pressure", tops)),
         "deepest": scale.shown("profile", deepest),
-        "drawn": drawn,
-        "magnified": f"{drawn * result.scene.punch.radius / deepest:.3g}",
+        "drawn": drawn_height,
+        "magnified": f"{drawn_height * result.scene.punch.radius / deepest:.3g}",
         "axes": {name: scale.label(name) for name in ("radius", "profile", "pressure")},
     }
 
 
 def _round(values: Array) -> Any:
-    """Return numbers to four digits, which a screen cannot tell from more."""
+    """Return numbers rounded to four digits, which is enough for a screen."""
     return [_round(row) if np.ndim(row) else float(f"{row:.4g}") for row in values]

@@ -1,4 +1,4 @@
-"""The page of a study: conclusions, figures and tables."""
+"""Write the page of a study: conclusions, figures and tables."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,19 +10,19 @@ from .template import write_page
 def write_study(
     title: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
-    """Write the page of a study, or of a fit; its figures and tables stand beside it."""
-    import pandas as pd  # runs do without
+    """Write the page of a study or a fit, with the figures and tables in the same folder."""
+    import pandas as pd  # imported here: runs do not need it
 
     tables = {
         _plain(file): pd.read_csv(file, dtype=str, keep_default_na=False, nrows=200).map(_short)
         for file in sorted(path.parent.glob("*.csv"))
     }
     rows = {name: table.to_dict("records") for name, table in tables.items()}
-    # tables stand below
-    told = [line for line in conclusions if not line.startswith("|")]
-    about = {"title": title, "purpose": purpose, "conclusions": told, "tables": rows}
+    # conclusions that are table rows are left out, because the page shows the tables
+    sentences = [line for line in conclusions if not line.startswith("|")]
+    context = {"title": title, "purpose": purpose, "conclusions": sentences, "tables": rows}
     captions = {file.name: _plain(file) for file in sorted(path.parent.glob("*.png"))}
-    write_page(path, "study.html.j2", scene, captions, **about)
+    write_page(path, "study.html.j2", scene, captions, **context)
 
 
 def _plain(file: Path) -> str:

@@ -1,4 +1,4 @@
-"""A page: one file that opens from disk, without a network, and prints on A4."""
+"""Write HTML pages as single files that need no network and can be printed on A4."""
 
 import base64
 from pathlib import Path
@@ -11,9 +11,9 @@ from ..versions import versions
 
 
 def write_page(
-    path: Path, template: str, scene: Scene, captions: dict[str, str], **about: Any
+    path: Path, template: str, scene: Scene, captions: dict[str, str], **context: Any
 ) -> None:
-    """Write a page by a template, with those of the captioned figures that stand beside it."""
+    """Write a page from a template, with the captioned figures that are in the same folder."""
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -27,6 +27,6 @@ def write_page(
         if (file := path.parent / name).exists()
     ]
     page = environment.get_template(template).render(
-        pictures=pictures, scene=scene.to_toml(), versions=versions(), **about
+        pictures=pictures, scene=scene.to_toml(), versions=versions(), **context
     )
     path.write_text(page, "utf-8")

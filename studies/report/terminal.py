@@ -1,6 +1,6 @@
-"""Lines on a terminal: broken between words where it ends, and never cut.
+"""Print lines on a terminal, broken between words at its width.
 
-Where there is no terminal, as in files and pipes, lines stay whole.
+Lines are not broken if the output is no terminal but, for example, a file or a pipe.
 """
 
 import shutil
@@ -9,19 +9,22 @@ from collections.abc import Iterable
 
 
 def terminal_width() -> int:
-    """Return the characters that a line of the terminal has; 0 if there is no terminal."""
+    """Return the width of the terminal in characters; 0 if there is no terminal."""
     return shutil.get_terminal_size((0, 0)).columns
 
 
 def print_lines(lines: Iterable[str]) -> None:
-    """Print lines, each broken between words where the terminal ends."""
+    """Print lines, each broken between words at the width of the terminal."""
     for line in lines:
         start = len(line) - len(line.lstrip())
         print(broken(line, "", " " * (start + 2)))
 
 
-def broken(line: str, indent: str, then: str) -> str:
-    """Return a line broken between words where the terminal ends, with indents."""
+def broken(line: str, indent: str, later_indent: str) -> str:
+    """Return a line broken between words at the width of the terminal.
+
+    The first line of the result begins with `indent`, all others with `later_indent`.
+    """
     width = terminal_width()
     if not width or len(indent + line) <= width:
         return indent + line
@@ -29,7 +32,7 @@ def broken(line: str, indent: str, then: str) -> str:
         line,
         width,
         initial_indent=indent,
-        subsequent_indent=then,
+        subsequent_indent=later_indent,
         break_long_words=False,
         break_on_hyphens=False,
     )

@@ -1,4 +1,4 @@
-"""A run in words: the same lines and tables on the terminal and on the page."""
+"""The results of a run as lines and tables of text, for the terminal and for the page."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -17,9 +17,9 @@ Rows = list[dict[str, str]]
 
 
 class Account:
-    """All that is told of a run: tables of text, lines, and a verdict.
+    """All texts about a run: tables, lines and the verdict.
 
-    Answers are by the first method that gives them, with their units.
+    Answers are those of the first method that computes them, with their units.
     """
 
     def __init__(self, result: Outcome) -> None:
@@ -36,7 +36,7 @@ class Account:
 
     @property
     def answers(self) -> list[tuple[str, str, str]]:
-        """What, how much, and what that means; first what most people ask for."""
+        """Name, value with unit, and meaning of each answer; the most important ones come first."""
         keys = (
             *("force_start", "force_end", "time_to_half_force"),
             *("contact_radius_start", "pressure_peak_start", "time_to_full_contact"),
@@ -47,47 +47,49 @@ class Account:
         for key in keys:
             value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
             if np.isfinite(value):
-                what = key.replace("_", " ").replace("rms", "RMS")
+                name = key.replace("_", " ").replace("rms", "RMS")
                 written, meaning = self.names.write(value, quantity.unit), quantity.definition
                 if key == "indentation_start" and self.scene.half_space.layers:
-                    # F / (2 a E*) is that of a homogeneous half-space
+                    # leave out F / (2 a E*), which is valid on a homogeneous half-space only
                     meaning = meaning.partition(";")[0]
-                lines.append((what, written, meaning))
+                lines.append((name, written, meaning))
         return lines
 
     @property
     def brief(self) -> list[str]:
-        """The answer in up to six lines, and the verdict in a sentence."""
+        """The title, up to six lines of the answer, and the verdict in a sentence."""
         return [self.title, *columns(self.answers[:6]), self.verdict_line]
 
     @cached_property
     def rings(self) -> Rows:
-        """What each ring carries and wears.
+        """A row for each ring.
 
-        Wear coefficients k, pressures p and shares of the force at the start and when steady,
-        volume and mean height worn off.
+        The columns are wear coefficient k, pressure p and share of the force (at the start and in
+        the steady state), worn volume and mean worn height.
         """
         problem, result = self.scene.problem, self.result
         units, edges = problem.units, problem.ring_edges * problem.units.length
         columns = {"ring": [str(ring + 1) for ring in range(len(edges) - 1)]}
 
-        def add(what: str, kind: str, least: Array, most: Array) -> None:
+        def add(heading: str, kind: str, least: Array, most: Array) -> None:
             # pressures at the edges of a flat punch are infinite
             greatest = float(max(ends[np.isfinite(ends)].max(initial=0) for ends in (least, most)))
             unit, name = self.names.readable(greatest, kind)
             ends = zip(least / unit, most / unit, strict=True)
-            columns[f"{what}, {name}" if name else what] = [_write_range(*pair) for pair in ends]
+            columns[f"{heading}, {name}" if name else heading] = [
+                _write_range(*pair) for pair in ends
+            ]
 
         add("radii", "length", edges[:-1], edges[1:])
         coefficients = problem.wear_coefficients * units.wear_coefficient
         add("k", "wear_coefficient", coefficients, coefficients)
         if result.by_method("pressure_min"):
             least, most = result.first("pressure_min"), result.first("pressure_max")
-            for state, when in enumerate(STATES):
+            for state, state_name in enumerate(STATES):
                 if np.isfinite(least[state]).all():
-                    add(f"p {when}", "pressure", least[state], most[state])
+                    add(f"p {state_name}", "pressure", least[state], most[state])
                     forces = result.first("force_share")[state]
-                    columns[f"force {when}"] = [f"{100 * part:.3g} %" for part in forces]
+                    columns[f"force {state_name}"] = [f"{100 * share:.3g} %" for share in forces]
         if result.by_method("worn_volume"):
             worn = result.first("worn_volume")
             heights = worn / np.pi / np.diff(edges**2)
@@ -97,7 +99,7 @@ class Account:
 
     @property
     def verdict_line(self) -> str:
-        """The verdict on the methods, and how many anchors hold, in a sentence."""
+        """The verdict on the methods, and the number of anchors that hold, in a sentence."""
         anchors = self.result.anchors
         holding = sum(anchor.holds for anchor in anchors)
         line = "One method: nothing to compare it with"
@@ -107,21 +109,23 @@ class Account:
 
     @property
     def methods(self) -> Rows:
-        """What each method cost, and says of its own error."""
+        """Unknowns, seconds and error estimates of each method."""
         estimate = "own error estimate (relative, of the indentation)"
         return [
             {
                 "method": name,
                 "unknowns": str(solution.unknowns),
                 "seconds": f"{sum(self.result.stages[name].seconds.values()):.3f}",
-                estimate: ", ".join(f"{part} {of:.1e}" for part, of in solution.parts.items()),
+                estimate: ", ".join(
+                    f"{part} {error:.1e}" for part, error in solution.parts.items()
+                ),
             }
             for name, solution in self.result.solutions.items()
         ]
 
     @property
     def agreement(self) -> Rows:
-        """Of each quantity the difference that says most."""
+        """The worst verdict on each quantity, over all pairs of methods."""
         return [
             {
                 "quantity": row.quantity,
@@ -135,7 +139,7 @@ class Account:
 
     @property
     def anchors(self) -> Rows:
-        """Each anchor by the method that is furthest off."""
+        """Each anchor for the method with the largest difference."""
         anchors = sorted(
             self.result.anchors, key=lambda anchor: (not anchor.holds, anchor.difference)
         )
@@ -152,21 +156,21 @@ class Account:
 
     @property
     def comparisons(self) -> list[str]:
-        """How far methods differ for every pressure at once."""
+        """Sentences about the differences of methods as operators."""
         return [
-            f"As operators, {' and '.join(both.methods)} differ by {both.rings:.1e} over all "
-            f"steady states and {both.history:.1e} along this history; stability "
-            f"{both.stability:.2f}."
-            for both in self.result.operators
+            f"As operators, {' and '.join(pair.methods)} differ by {pair.rings:.1e} over all "
+            f"steady states and {pair.history:.1e} along this history; stability "
+            f"{pair.stability:.2f}."
+            for pair in self.result.operators
         ]
 
     @property
     def remarks(self) -> list[str]:
-        """What else a user has to know."""
+        """Warnings, failed anchors, undecided quantities, large error estimates, and notes."""
         result, rtol = self.result, self.scene.accuracy.rtol
         lines = beyond_the_model(self.scene) + [
-            f"{anchor.method} does not hold to {anchor.name}: off by {anchor.difference:.1e}, more "
-            f"than {anchor.tolerance:.1e}."
+            f"{anchor.method} fails the anchor '{anchor.name}': the difference is "
+            f"{anchor.difference:.1e}, more than {anchor.tolerance:.1e}."
             for anchor in result.anchors
             if not anchor.holds
         ]
@@ -177,14 +181,14 @@ class Account:
         for name, solution in result.solutions.items():
             if beyond := solution.beyond(rtol):
                 listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
-                lines.append(f"{name} states errors above the {rtol:.0e} asked for: {listed}")
+                lines.append(f"{name} states errors above rtol = {rtol:.0e}: {listed}")
         problem = self.scene.problem
         lines += outside(problem, float(result.first("running_in_time")) / problem.units.time)
         return lines + [f"note: {note}" for note in result.notes]
 
 
 def _write_range(least: float, most: float) -> str:
-    """Return a range as text; once where both ends are the same."""
+    """Return a range as text; a single number if both ends are equal."""
     if np.isinf(most):
         return f"{least:.4g} to infinity"
     same = abs(most - least) <= 1e-3 * abs(most)
@@ -192,37 +196,37 @@ def _write_range(least: float, most: float) -> str:
 
 
 def beyond_the_model(scene: Scene) -> list[str]:
-    """Return a warning where the strains of a scene with units are no longer small."""
+    """Return a warning if the strains of a scene with units are not small."""
     problem, units = scene.problem, scene.problem.units
     strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
     if UnitNames.of(scene.units).base is None or strain <= 0.01:
         return []
     return [
         f"warning: the mean pressure is {strain:.2g} of the plane strain modulus, more than 0.01: "
-        "strains are not small, and linear elasticity, which all methods here take, does not hold"
+        "strains are not small, and linear elasticity, which all methods assume, is not valid"
     ]
 
 
 def defaults_taken(scene: Scene) -> list[str]:
-    """Tell which keys that bear on the numbers a scene leaves out."""
+    """Return lines about keys that a scene leaves out and whose defaults affect the numbers."""
     lines = []
     if not (scene.half_space.rigid or "poisson_ratio" in scene.half_space.model_fields_set):
-        taken = scene.half_space.poisson_ratio
-        lines.append(f"half_space.poisson_ratio is not given: {taken} is taken")
+        default = scene.half_space.poisson_ratio
+        lines.append(f"half_space.poisson_ratio is not given: using {default}")
     for number, layer in enumerate(scene.half_space.layers):
         if "poisson_ratio" not in layer.model_fields_set:
             key = f"half_space.layers.{number}.poisson_ratio"
-            lines.append(f"{key} is not given: {layer.poisson_ratio} is taken")
+            lines.append(f"{key} is not given: using {layer.poisson_ratio}")
     if "sliding_speed" not in scene.load_.model_fields_set:
         lines.append(
-            f"load.sliding_speed is not given: {scene.load_.sliding_speed:g} is taken, so that "
-            "times are sliding distances"
+            f"load.sliding_speed is not given: using {scene.load_.sliding_speed:g}, so that times "
+            "are sliding distances"
         )
     return lines
 
 
 def columns(lines: Sequence[Sequence[str]]) -> list[str]:
-    """Return lines of text, their cells below each other."""
+    """Return lines of text with aligned columns."""
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     padded = (map(str.ljust, line, widths) for line in lines)
     return [f"  {'   '.join(line)}".rstrip() for line in padded]

@@ -225,7 +225,7 @@ def right():
         ("indentation", np.nan, "flat start, d = F / (2 a E*)"),
         ("indentation", 1.001, "reciprocity with the flat punch"),
         ("ring_force", 1.001, "ring forces add up to F"),
-        ("relaxation_time", 1.001, "relaxation times, by a small problem of its own"),
+        ("relaxation_time", 1.001, "relaxation times, by an independent small problem"),
         ("steady_wear_rate", 1.001, "steady_wear_rate in closed form"),
         ("worn_volume", 1.001, "worn volume of the answer over k, F v0 t"),
         ("indentation_start", 1.001, "flat start of the answer"),

@@ -158,7 +158,7 @@ def test_the_figure_marks_and_names_the_largest_difference(quantity):
         assert float(mark.get_ydata()[0]) == pytest.approx(height)
     assert figure.get_suptitle().startswith("FEM minus MDR")
     labels = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert {"error that MDR states (band)", "error that FEM states (band)"} <= labels
+    assert {"error estimate of MDR (band)", "error estimate of FEM (band)"} <= labels
 
 
 def test_equal_reports_have_no_difference():

@@ -125,14 +125,14 @@ def test_deep_grooves_do_not_hide_wear(grooved):
         # the wear of other times may be up to ten times as deep
         assert heights[lands].max() < shown < 11 * heights[lands].max() < 1e-3
     note = figure.legends[0].get_title().get_text()
-    assert "cut off below: the face goes back as far as Δf = 1 mm" in note
+    assert "cut off below: the greatest height of the face is Δf = 1 mm" in note
 
 
 def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(grooved):
     figure = draw_stress(grooved)
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert [title.split("\n")[0] for title in titles] == ["t = 0 s", "t = 3 h"]
-    assert "nothing presses, not drawn: 1" in figure.legends[0].get_title().get_text()
+    assert "states without contact, not drawn: 1" in figure.legends[0].get_title().get_text()
     bars = [
         [float(end) for end in line.get_xdata()]
         for line in figure.axes[0].lines

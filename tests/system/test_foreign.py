@@ -118,7 +118,7 @@ def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
     assert main([*DIRECT, str(tmp_path / "out")]) == 1
     line = told(capsys)
     assert "in place" in line
-    assert "nothing half-written" not in line
+    assert "no incomplete files" not in line
     assert (tmp_path / "out" / "results.nc").exists()
 
 

@@ -151,7 +151,7 @@ def test_a_comparison_has_a_table_a_verdict_and_figures(result, tmp_path):
     change = found.table.set_index("quantity")["B against A"]
     assert change["indentation_start"] == "+100 %"
     assert found.scenes.values.tolist() == [["load.normal_force", "2.0", "4.0"]]
-    assert "by more than both state" in repr(found)
+    assert "by more than their error estimates" in repr(found)
     assert {"scenes.csv", "answers.csv", "comparison.png"} <= {*found.save(tmp_path / "out")}
     with pytest.raises(RingwearError, match="did you mean 'comparison'"):
         found.plot("comparision")

@@ -90,7 +90,7 @@ def test_slides_of_a_sphere_at_fixed_indentation_scale_each_state():
     # heights of the worn and of the unworn face above its plane
     radii, worn = np.array(shown["radii"]), np.array(shown["profile"])
     unworn = radii**2 / 2
-    np.testing.assert_allclose(shown["beside"], unworn, rtol=1e-3)
+    np.testing.assert_allclose(shown["unworn"], unworn, rtol=1e-3)
     np.testing.assert_allclose(worn[0], unworn, rtol=1e-3)
     assert worn[1, 0] > 0.1 * 0.04
     # each state has its own scale, because the last pressure is hundreds of times lower

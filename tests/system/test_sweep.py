@@ -321,7 +321,7 @@ def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, mo
 
     monkeypatch.setattr("ringwear.studies.sweep.conduct.draw", fail)
     assert main([*call, "--resume"]) == 1
-    assert "sweep.png could not be made: no room" in capsys.readouterr().out
+    assert "sweep.png could not be written: no room" in capsys.readouterr().out
     assert not (out / "sweep.png").exists()
     dataset = xarray.open_zarr(out / "sweep.zarr", decode_timedelta=False)
     assert dataset["status"].values.tolist() == [1, 1]

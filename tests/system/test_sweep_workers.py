@@ -31,7 +31,7 @@ def test_a_stop_while_workers_start_ends_them(tmp_path):
         assert process.returncode == 1
         assert "Traceback" not in errors
         told = [line for line in errors.splitlines() if not line.startswith("   sweep")]
-        assert told == ["ringwear: stopped; nothing half-written was left"]
+        assert told == ["ringwear: stopped; no incomplete files are left"]
         deadline = time.monotonic() + 20
         while any(map(alive, workers)):
             assert time.monotonic() < deadline

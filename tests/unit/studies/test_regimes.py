@@ -4,7 +4,7 @@ import pytest
 
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
-from ringwear.studies.anchors.checks import OF_CONTACT, OF_RESPONSE
+from ringwear.studies.anchors.checks import CONTACT_ANCHORS, RESPONSE_ANCHORS
 from ringwear.studies.methods.base import method
 from ringwear.studies.methods.fem import DISCRETISED, HALF_SPACES
 from ringwear.studies.methods.pipeline import PIPELINES
@@ -65,10 +65,10 @@ def test_contact_of_a_sphere_and_wear_along_the_radius():
 def test_every_table_has_every_regime():
     for table in (
         *(PIPELINES, SPACES, DISCRETISED, HALF_SPACES, DENSE_WORK),
-        *(OF_CONTACT, FIELDS, WORN_VOLUMES),
+        *(CONTACT_ANCHORS, FIELDS, WORN_VOLUMES),
     ):
         assert set(table) == {FULL_CONTACT, MOVING_CONTACT}
-    assert set(OF_RESPONSE) == {regime.response for regime in LOADS.values()}
+    assert set(RESPONSE_ANCHORS) == {regime.response for regime in LOADS.values()}
 
 
 def test_names_of_quantities_and_numbers_are_known():

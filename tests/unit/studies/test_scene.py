@@ -270,8 +270,8 @@ def test_defaults_taken_are_said():
     table = Scene.load("five_rings").table()
     del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
     ratio, speed = defaults_taken(Scene.from_table(table))
-    assert "poisson_ratio is not given: 0.3" in ratio
-    assert "sliding_speed is not given: 1" in speed
+    assert "poisson_ratio is not given: using 0.3" in ratio
+    assert "sliding_speed is not given: using 1" in speed
 
 
 def test_times_in_units_of_the_running_in():
