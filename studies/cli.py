@@ -254,7 +254,7 @@ def _options_of_study(options: argparse.Namespace) -> "Options":
     from .study.options import Options
     from .study.own_objects import load_element, load_quantity
 
-    given = {name: getattr(options, name) for name in STUDIES[options.study].takes}
+    given = {name: getattr(options, name) for name in STUDIES[options.study].option_names}
     if "quantities" in given:
         given["quantities"] = dict(map(load_quantity, given["quantities"]))
     if "elements" in given:
@@ -375,7 +375,7 @@ def _parser() -> argparse.ArgumentParser:
             for study, row in STUDIES.items():
                 taker = names.add_parser(study, help=row.purpose)
                 add_arguments(taker, ("scene", "--out", "--quick"), row.scene)
-                for option in row.takes:
+                for option in row.option_names:
                     flag, settings = OF_STUDIES[option]
                     taker.add_argument(flag, dest=option, **settings)
     return parser

@@ -137,8 +137,8 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
             f"{accepting} accepts them"
         )
     for option in options.changed:
-        if option not in listed.takes:
-            accepted = ", ".join(listed.takes) or "none but quick"
+        if option not in listed.option_names:
+            accepted = ", ".join(listed.option_names) or "none but quick"
             raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
     if options.against not in ABSCISSAS:
         raise SceneError(

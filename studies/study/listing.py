@@ -28,7 +28,7 @@ class ListedStudy:
     purpose : subject of the study, in one phrase
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
     scene : name of the default scene
-    takes : names of the options that it accepts besides `quick` (`studies/study/options.py`)
+    option_names : names of the options that it accepts besides `quick` (`studies/study/options.py`)
     any_punch : whether it accepts any punch, not only flat punches under a force
     radial_wear : whether it accepts a wear coefficient that varies along the radius
     layered : whether it accepts a layered half-space
@@ -38,7 +38,7 @@ class ListedStudy:
     purpose: str
     seconds: int
     scene: str = "five_rings"
-    takes: tuple[str, ...] = ()
+    option_names: tuple[str, ...] = ()
     any_punch: bool = False
     radial_wear: bool = False
     layered: bool = False
@@ -61,7 +61,7 @@ STUDIES: dict[str, ListedStudy] = {
         "convergence.study",
         "orders of convergence of every quantity in element size and degree, compared with theory",
         24,
-        takes=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
+        option_names=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
         any_punch=True,
         radial_wear=True,
     ),
@@ -75,21 +75,21 @@ STUDIES: dict[str, ListedStudy] = {
         "numerics.march",
         "orders of the time marches, and the stability limit of the explicit one",
         2,
-        takes=("steps",),
+        option_names=("steps",),
         radial_wear=True,
     ),
     "refinement": ListedStudy(
         "refinement.study",
         "cost of accuracy on uniform, graded, adaptive, layered and your own meshes",
         15,
-        takes=("meshes", "degree"),
+        option_names=("meshes", "degree"),
         radial_wear=True,
     ),
     "elements": ListedStudy(
         "elements.study",
         "stable pairs of displacement and pressure spaces: elements of scikit-fem, or your own",
         7,
-        takes=("elements",),
+        option_names=("elements",),
     ),
     "extremes": ListedStudy(
         "extremes.study",
@@ -100,7 +100,7 @@ STUDIES: dict[str, ListedStudy] = {
         "tradeoff.study",
         "speed against accuracy: tolerance, error estimate and true error of each method and march",
         25,
-        takes=("quantities", "methods"),
+        option_names=("quantities", "methods"),
         any_punch=True,
         radial_wear=True,
         layered=True,
