@@ -83,7 +83,7 @@ class Sequence:
 
     @property
     def order(self) -> float:
-        """Observed order by least squares over the levels above the floor, NaN if there is only one."""
+        """Observed order by least squares over the levels above the floor; NaN without two levels."""
         return self._fit(slice(None))
 
     @property
