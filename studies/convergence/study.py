@@ -21,7 +21,7 @@ from ..registry import METHODS
 from ..scene.scene import Scene
 from ..study.levels import SECONDS, Family, Record
 from ..study.options import Options
-from ..study.orders import WITHIN, Sequence
+from ..study.orders import ORDER_TOLERANCE, Sequence
 from ..study.study import Study
 from .axis_stresses import MOST_UNKNOWNS, QUICK_MOST_UNKNOWNS
 from .cell_ways import FINER, QUICK_FINER, ways_of_cells
@@ -210,8 +210,8 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     judged = [sequence for sequence in sequences if sequence.verdict in ("yes", "no")]
     right = [sequence for sequence in judged if sequence.verdict == "yes"]
     told = [
-        f"{len(right)} of {len(judged)} orders that theory tells are within {WITHIN} of it, fitted "
-        "and between the last levels."
+        f"{len(right)} of {len(judged)} orders with a theory are within {ORDER_TOLERANCE} of it, by "
+        "least squares and between the last levels."
     ]
     if not judged:
         told = [f"No order is judged. {kind.no_order}"]

@@ -26,7 +26,7 @@ from ...meshes.radial import Array
 from ..tables import Row
 from .levels import Family, Theory
 
-WITHIN = 0.15
+ORDER_TOLERANCE = 0.15
 """Greatest difference between observed and theoretical order that counts as agreement.
 
 The order by least squares and the order between the last two levels both have to satisfy it.
@@ -83,7 +83,7 @@ class Sequence:
 
     @property
     def order(self) -> float:
-        """Observed order by least squares over the levels above the floor; NaN without two levels."""
+        """Observed order by least squares over the levels above the floor; NaN for only one."""
         return self._fit(slice(None))
 
     @property
@@ -159,7 +159,7 @@ class Sequence:
         if np.isnan(self.order):
             return "too few levels above the floor"
         deviations = np.array([self.order, self.last_order]) - self.theory.order
-        return "yes" if (np.abs(deviations) <= WITHIN).all() else "no"
+        return "yes" if (np.abs(deviations) <= ORDER_TOLERANCE).all() else "no"
 
     @property
     def label(self) -> str:
@@ -182,7 +182,7 @@ class Sequence:
             "lower end": lowest,
             "upper end": highest,
             "last levels": self.last_order,
-            f"within {WITHIN}": self.verdict,
+            f"within {ORDER_TOLERANCE}": self.verdict,
             "finest error": f"{self.errors[-1]:.1e}",
             "error of Richardson's limit": limit,
             "grid convergence index": index,
@@ -226,7 +226,7 @@ def conclude(sequences: Iterable[Sequence]) -> list[str]:
     sequences = list(sequences)
     verdicts = [sequence.verdict for sequence in sequences if sequence.verdict]
     return [
-        f"{verdicts.count('yes')} of {len(verdicts)} orders with a theory are within {WITHIN} of "
-        "it, by least squares and between the last levels.",
+        f"{verdicts.count('yes')} of {len(verdicts)} orders with a theory are within "
+        f"{ORDER_TOLERANCE} of it, by least squares and between the last levels.",
         *(f"{sequence.label}, finest error {sequence.errors[-1]:.1e}" for sequence in sequences),
     ]

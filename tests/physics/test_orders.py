@@ -19,13 +19,13 @@ from ringwear.studies.convergence.flat_start import (
 from ringwear.studies.numerics.core import FLAT, flat_d0_error
 from ringwear.studies.numerics.truncation import move_outwards
 from ringwear.studies.study.levels import Theory
-from ringwear.studies.study.orders import WITHIN, Sequence, sequences_of
+from ringwear.studies.study.orders import ORDER_TOLERANCE, Sequence, sequences_of
 
 
 def assert_order(fitted, cap):
     """By least squares and between the last levels, as the tables of the studies have it."""
-    assert fitted.order == pytest.approx(fitted.theory.order, abs=WITHIN)
-    assert fitted.last_order == pytest.approx(fitted.theory.order, abs=WITHIN)
+    assert fitted.order == pytest.approx(fitted.theory.order, abs=ORDER_TOLERANCE)
+    assert fitted.last_order == pytest.approx(fitted.theory.order, abs=ORDER_TOLERANCE)
     assert fitted.errors[-1] <= cap
 
 
