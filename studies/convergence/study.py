@@ -95,7 +95,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         orders=pd.DataFrame(sequence.summary() for sequence in sequences),
         conclusions=(
             *conclude(sequences, studied.problem),
-            *say_of_parts(sequences, table),
+            *explain_d0_orders(sequences, table),
             *record.conclusions,
         ),
         figures={name: draw(title, panels) for name, title, panels in figures(scene, curves)},
@@ -235,7 +235,7 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     return told
 
 
-def say_of_parts(sequences: list[Sequence], table: pd.DataFrame) -> Iterator[str]:
+def explain_d0_orders(sequences: list[Sequence], table: pd.DataFrame) -> Iterator[str]:
     """Yield why d0 on uniform meshes is of another order than theory's: its parts cancel.
 
     Pressures that are too smooth at the rim press in too deep, displacements that are too stiff
