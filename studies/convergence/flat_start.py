@@ -1,22 +1,25 @@
-"""Orders of the flat start of a punch of one ring, in the element size and the degree.
+"""Families that show the orders of the flat start of a punch of one ring.
 
-Finite elements and MDR, graded and uniform meshes. What presses before anything has worn does not
-feel rings: without them sequences are the cleanest, and reach roundoff. For finite elements one
-base mesh is subdivided: an order is only as clean as its sequence of meshes.
+They refine the element size or raise the degree, by finite elements and MDR, on graded and on
+uniform meshes. The pressure before any wear does not depend on rings. Without ring edges the
+sequences are the most regular, and reach roundoff. Finite-element meshes of a family subdivide one
+base mesh, because observed orders are accurate only if the meshes of a sequence are similar.
 
 Theory, for displacements of degree k and pressures of degree q: energies (d0, displacements,
-relaxation times) are of order 2k on graded meshes and of order 1, set by the singular rim, on
-uniform ones. By MDR the energy norm of a pressure is half an order weaker than the mean square: d0
-is of order 2q+3, a history with its mean squares of order 2q+2, the RMS gradient of order 2q. Even
-degrees come up to 2q+3, odd ones down: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60, 9.21,
-10.77 (Fourier analysis); degree 4 meets roundoff before.
+relaxation times) have order 2k on graded meshes. On uniform meshes the singular rim limits their
+order to 1. In MDR, the energy norm of a pressure is half an order weaker than the mean square: d0
+has order 2q+3, a history, which involves mean squares, has order 2q+2, and the RMS gradient has
+order 2q. Observed orders of even degrees rise to 2q+3 under refinement, those of odd degrees fall
+to it: plane waves ``exp(ikx)`` at kh = 0.7 give 5.34, 6.60, 9.21, 10.77 for q = 1 to 4 (Fourier
+analysis). Degree 4 reaches roundoff before its order is 11.
 
-On quadrilaterals whose layers shrink by ``q``, the degree k itself is raised (hp). A layer ends one
-layer off the singular point: polynomials converge there as ``r^k`` with ``r = (1-sqrt q)/(1+sqrt
-q)``, by Bernstein's ellipse (Gui & Babuška 1986), and energies as ``r^2k``: a factor of 9 per
-degree for q = 1/4. Layers further in have lower degrees, but ever less energy: they take some of
-the factor, and powers of k make it greater at first. The size of a raised degree is ``10^-degree``,
-so that its order is the digits that a degree gains.
+On quadrilaterals in layers, with the ratio q of neighbouring layers, the degree k itself is raised
+(hp). The distances of the inner and the outer end of a layer from the singular point have the ratio
+q, so that polynomials on the layer converge like ``r^k`` with ``r = (1-sqrt q)/(1+sqrt q)``, by the Bernstein ellipse
+(Gui & Babuška 1986), and energies converge like ``r^2k``: by a factor of 9 for each degree if q =
+1/4. Inner layers have lower degrees but less and less energy. They reduce the factor a little, and
+powers of k increase it at low degrees. The size of a level with a raised degree is ``10^-degree``,
+so that its order is the number of digits gained with each degree.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -52,7 +55,10 @@ from .theories import (
 )
 
 PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
-"""Sizes of the smallest elements: by MDR at the rim of the flat punch; of rings."""
+"""Sizes of the smallest elements: in MDR at the rim of the flat punch, and at ring edges.
+
+They are in punch radii.
+"""
 PUNCH_MESH = SizeField((0.0, 1.0), 4e-9, 4e-9, growth=0.7, truncation=1e4, centre_size=1e4)
 UNIFORM_MESH = SizeField((0.0, 1.0), 0.35, 0.35, growth=0.0, truncation=4.0, centre_size=4.0)
 GRADINGS = {
@@ -61,20 +67,21 @@ GRADINGS = {
     3: (0.3, 0.4, 0.5, 0.6),
     4: (0.4, 0.5, 0.6, 0.65),
 }
-"""MDR: by degree, ratios of neighbouring sizes of the mesh graded to the rim."""
+"""Ratios of neighbouring cell sizes on MDR meshes graded to the rim, by pressure degree."""
 XLABELS = {
-    "FEM P": "element size over the base mesh's, $1/n$",
+    "FEM P": "element size over that of the base mesh, $1/n$",
     "FEM quads": "$10^{-k}$, $k$ the degree on quadrilaterals",
     "MDR": r"$(1-\sqrt{q})/(1+\sqrt{q})$, $q$ the ratio of sizes",
 }
-"""Sizes by the beginning of a family's name."""
+"""Labels of sizes, by the beginning of the name of a family."""
 QUAD_DEGREES = range(4, 12)
+"""Degrees of the displacement on quadrilaterals, from coarse to fine."""
 GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
-"""Factor per degree on quadrilaterals, by theory."""
+"""Theoretical factor by which each degree on quadrilaterals reduces the error of an energy."""
 
 
 def flat_families(problem: Problem, quick: bool) -> Iterator[Family]:
-    """Yield families of the flat punch of one ring, and of MDR on the scene's rings."""
+    """Yield the families of the flat punch of one ring, and one of MDR on the scene's rings."""
     ratio = problem.poisson_ratio
 
     def refine(
@@ -99,12 +106,12 @@ def flat_families(problem: Problem, quick: bool) -> Iterator[Family]:
     for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
         by_count = partial(by_triangles, degree, ratio)
         sizes = {count: 1 / count for count in counts}
-        # the innermost elements cost d0 0.06 of their size
+        # the innermost elements cause a relative error of d0 of 0.06 times their size
         floor, reason = 0.06 * PUNCH_MESH.rim_size, ENERGY_OF_ELEMENTS.format(what="d0")
         theory = Theory(2 * degree, floor, reason, RIM_ELEMENT)
         yield refine(f"FEM P{degree}, graded", by_count, sizes, theory)
     for degree, halvings in {2: (1, 2, 3), 3: (0, 1, 2), 4: (0, 1, 2)}.items():
-        by_halving = partial(by_even_triangles, degree, ratio)
+        by_halving = partial(by_uniform_triangles, degree, ratio)
         sizes = {count: 0.5**count for count in halvings}
         theory = Theory(1.0, reason=ROOT_AT_RIM)
         yield refine(f"FEM P{degree}, uniform", by_halving, sizes, theory)
@@ -115,9 +122,10 @@ def flat_families(problem: Problem, quick: bool) -> Iterator[Family]:
 
 
 def mdr_on_rings(problem: Problem) -> Family:
-    """Return MDR of degree 1 on the rings of a scene, higher degrees of which meet roundoff early.
+    """Return the family of MDR of degree 1 on the rings of a scene.
 
-    Exact values are those of a fine MDR, and the gradient in closed form.
+    Higher degrees would reach roundoff after a few levels. Exact values are those of a fine MDR,
+    except for the gradient, which has a closed form.
     """
     edges, hollow = problem.merged.ring_edges, problem.merged.hollow
     exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15, hollow)[0])
@@ -130,7 +138,7 @@ def mdr_on_rings(problem: Problem) -> Family:
         errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
         return {"unknowns": unknowns, **errors}
 
-    # the gradient is of two orders less, and feels the smallest elements more
+    # the gradient has an order lower by two, and depends more on the smallest elements
     energy_theory = Theory(4.0, 2e-10, HISTORY_OF_PRESSURES, RIM_ELEMENT)
     theory = dict.fromkeys(exact, energy_theory)
     theory["RMS gradient"] = Theory(2.0, RING_EDGE, GRADIENT, RIM_ELEMENT)
@@ -139,7 +147,7 @@ def mdr_on_rings(problem: Problem) -> Family:
 
 
 def work(name: str, setting: float) -> float:
-    """Return the seconds that a level of a family is expected to take."""
+    """Return the expected seconds of a level of a family, by the name of the family."""
     if name.startswith("MDR"):
         return 0.02 if "rings" not in name else 0.02 / (1 - setting) ** 2
     if name.startswith("FEM quads"):
@@ -149,10 +157,11 @@ def work(name: str, setting: float) -> float:
 
 
 def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
-    """Return the rate of convergence of polynomials, by the ratio of neighbouring element sizes.
+    """Return the convergence rates of polynomials, by the ratios of neighbouring element sizes.
 
-    The function is singular one element away. With each degree its error is multiplied by the rate.
-    The rate is (1 - q) / (1 + q) with q = sqrt(ratio) (Bernstein ellipse).
+    The error of a polynomial on an element is multiplied by the rate with each degree. The distances
+    of the two ends of the element from the singular point of the function have the same ratio, so
+    that the rate is (1 - q) / (1 + q) with q = sqrt(ratio) (Bernstein ellipse).
     """
     return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
 
@@ -160,7 +169,7 @@ def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
 def by_mdr(
     ring_edges: Array, smallest: float, degree: int, grading: float, hollow: bool = False
 ) -> Discretised:
-    """Discretise by one degree on a radial mesh graded to one size at ring edges and rim."""
+    """Discretise by MDR of one degree, on a radial mesh with one smallest size at all edges."""
     breakpoints = graded_breakpoints(ring_edges, smallest, smallest, grading)
     in_hole = (breakpoints[1:] <= ring_edges[1]) & hollow
     space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), ring_edges)
@@ -168,27 +177,28 @@ def by_mdr(
 
 
 def by_triangles(degree: int, poisson_ratio: float, count: int) -> Discretised:
-    """Discretise by triangles graded to the rim, each divided into ``count^2``."""
+    """Discretise by triangles graded to the rim, each divided into ``count^2`` triangles."""
     mesh = subdivided(triangulated(PUNCH_MESH), count)
     return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
-def by_even_triangles(degree: int, poisson_ratio: float, halvings: int) -> Discretised:
-    """Discretise by triangles of one size, halved so many times."""
+def by_uniform_triangles(degree: int, poisson_ratio: float, halvings: int) -> Discretised:
+    """Discretise by triangles of one size after a number of halvings."""
     mesh = bisection.mesh(UNIFORM_MESH).refined(halvings)
     return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
 def by_quads(
-    ring_edges: Array, least: float, poisson_ratio: float, degree: int, hollow: bool = False
+    ring_edges: Array, lower_bound: float, poisson_ratio: float, degree: int, hollow: bool = False
 ) -> Discretised:
-    """Discretise by quadrilaterals, the smallest a tenth with each degree, down to `least`.
+    """Discretise by quadrilaterals whose smallest size is 0.1^(degree + 1), but >= `lower_bound`.
 
-    Of d0 they cost about 0.06 of their size, some per cent of what the degree does. What is worn is
-    blunt: there they cost the square of their size, and still smaller ones would have gradients of
-    roundoff.
+    The smallest elements cause a relative error of d0 of about 0.06 times their size, a few per
+    cent of the error due to the degree. Wear smooths the pressure, so that the smallest elements
+    then cause an error in proportion to the square of their size. In still smaller elements,
+    gradients would consist of roundoff.
     """
-    smallest = max(0.1 ** (degree + 1), least)
+    smallest = max(0.1 ** (degree + 1), lower_bound)
     mesh = graded(ring_edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
     return condense(mesh, ring_edges, degree, poisson_ratio, 8, hollow)
 

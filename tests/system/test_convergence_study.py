@@ -112,7 +112,7 @@ def test_steps_of_a_users_own_are_of_the_first_order():
     ("options", "message"),
     [
         ({"methods": ["direct"]}, "has no sequence of levels"),
-        ({"methods": ["abaqus"]}, "is no method"),
+        ({"methods": ["abaqus"]}, "is not a method"),
         ({"elements": [skfem.ElementTriCR()]}, "has to be continuous"),
         ({"quantities": {"q": lambda result: result.nothing}}, "quantity q fails: AttributeError"),
         ({"quantities": {"q": lambda _: np.nan}}, "quantity q is nan"),

@@ -104,8 +104,8 @@ def test_parts_of_opposite_signs_explain_an_order_that_differs():
     sequence = Sequence("Q2", "d0", Theory(1.0), sizes, whole)
     assert sequence.verdict == "no"
     (said,) = explain_d0_orders([sequence], pd.DataFrame(rows))
-    assert "pressures alone err by +2.5e-03 with the order 1.00" in said
-    assert "displacements alone err by -3.4e-03 with the order 0.90" in said
+    assert "+2.5e-03 due to the pressures (order 1.00)" in said
+    assert "-3.4e-03 due to the displacements (order 0.90)" in said
 
 
 def test_meshes_of_one_name_in_two_folders_have_numbers():
