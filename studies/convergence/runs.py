@@ -51,7 +51,7 @@ MOST_STATES_INSIDE = 3
 
 
 @dataclass(frozen=True)
-class Studied:
+class StudiedScene:
     """A scene with its exact results, and the results of the levels solved so far.
 
     Parameters
@@ -82,7 +82,7 @@ class Studied:
         quantities: Mapping[str, Quantity],
         cell_factor: float,
         most_unknowns_inside: int = MOST_UNKNOWNS,
-    ) -> "Studied":
+    ) -> "StudiedScene":
         """Compute the exact results of a scene.
 
         Parameters

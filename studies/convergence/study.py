@@ -31,7 +31,7 @@ from .figures import LABELS, Curve, Panel, draw
 from .flat_start import flat_families
 from .measures import PRESSURE_PART, MeasuredLevels
 from .own_ways import own_ways
-from .runs import STAGES, Studied
+from .runs import STAGES, StudiedScene
 from .scene_ways import ways_of_scene
 from .way import Way
 
@@ -73,7 +73,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     quick = options.quick
     refuse_unknown_methods(options)
     with threadpool_limits(1):
-        studied = Studied.of(
+        studied = StudiedScene.of(
             scene,
             options.quantities,
             max(QUICK_CELL_FACTORS if quick else CELL_FACTORS),
@@ -118,7 +118,7 @@ def refuse_unknown_methods(options: Options) -> None:
         raise SceneError(f"--methods: {unknown[0]} {reason}: give some of {', '.join(available)}")
 
 
-def families(studied: Studied, options: Options) -> Iterator[DrawnFamily]:
+def families(studied: StudiedScene, options: Options) -> Iterator[DrawnFamily]:
     """Yield the families of the study, or the user's sequences if there are any."""
     problem, quick = studied.problem, options.quick
     kind = CONTACT_KINDS[problem.contact]
@@ -150,7 +150,7 @@ def label_of(family: str) -> str:
 
 
 def curves_of(
-    studied: Studied, drawn: Iterable[DrawnFamily], table: pd.DataFrame, against: str
+    studied: StudiedScene, drawn: Iterable[DrawnFamily], table: pd.DataFrame, against: str
 ) -> Iterator[Curve]:
     """Yield one curve of errors for each quantity of each family, over its solved levels."""
     norms = {measure.name: measure for measure in studied.measures if not measure.signed}
