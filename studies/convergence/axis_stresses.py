@@ -33,7 +33,7 @@ They need a second factorisation.
 """
 
 
-def by_boussinesq(space: PressureSpace, pressures: Array, poisson_ratio: float) -> Array:
+def boussinesq_stresses(space: PressureSpace, pressures: Array, poisson_ratio: float) -> Array:
     """Return the exact stresses zz and rr (states, depths, 2) due to pressures (states, size)."""
     local, weights = gauss(POINTS)
     half = space.widths[:, None] / 2
@@ -47,7 +47,7 @@ def by_boussinesq(space: PressureSpace, pressures: Array, poisson_ratio: float) 
     return np.stack([forces @ axial, forces @ radial / (4 * np.pi)], axis=-1)
 
 
-def by_elements(half_space: HalfSpace, pressures: Array) -> Array:
+def element_stresses(half_space: HalfSpace, pressures: Array) -> Array:
     """Return the stresses zz and rr (states, depths, 2) of finite elements due to pressures.
 
     Raises

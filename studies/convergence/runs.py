@@ -27,7 +27,7 @@ from ..scene.scene import Scene
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
 from ..tables import Row
-from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
+from .axis_stresses import MOST_UNKNOWNS, boussinesq_stresses, element_stresses
 from .contact_kinds import CONTACT_KINDS
 from .measures import (
     PRESSURE_PART,
@@ -106,7 +106,7 @@ class StudiedScene:
         exact = evaluation.checked | kind.closed_forms(problem, evaluation.checked)
         states = states_inside(problem, evaluation)
         if len(states):
-            exact[STRESSES] = by_boussinesq(
+            exact[STRESSES] = boussinesq_stresses(
                 evaluation.compliance.space, states, problem.poisson_ratio
             )
         values = dict[str, float]()
@@ -152,7 +152,7 @@ class StudiedScene:
             states = states_inside(problem, evaluation)
             if len(states):
                 with stages("inside"):
-                    values[STRESSES] = by_elements(half_space, states)
+                    values[STRESSES] = element_stresses(half_space, states)
         self.solved[way.name, setting] = values
         row: dict[str, object] = {"unknowns": discretised.unknowns or compliance.space.size}
         row |= {
