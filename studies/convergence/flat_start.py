@@ -15,11 +15,11 @@ analysis). Degree 4 reaches roundoff before its order is 11.
 
 On quadrilaterals in layers, with the ratio q of neighbouring layers, the degree k itself is raised
 (hp). The distances of the inner and the outer end of a layer from the singular point have the ratio
-q, so that polynomials on the layer converge like ``r^k`` with ``r = (1-sqrt q)/(1+sqrt q)``, by the Bernstein ellipse
-(Gui & Babuška 1986), and energies converge like ``r^2k``: by a factor of 9 for each degree if q =
-1/4. Inner layers have lower degrees but less and less energy. They reduce the factor a little, and
-powers of k increase it at low degrees. The size of a level with a raised degree is ``10^-degree``,
-so that its order is the number of digits gained with each degree.
+q. By the Bernstein ellipse (Gui & Babuška 1986), polynomials on the layer converge like ``r^k``
+with ``r = (1-sqrt q)/(1+sqrt q)``, and energies like ``r^2k``: by a factor of 9 for each degree if
+q = 1/4. Inner layers have lower degrees but less and less energy. They reduce the factor a little,
+and powers of k increase it at low degrees. The size of a level with a raised degree is
+``10^-degree``, so that its order is the number of digits gained with each degree.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -159,9 +159,9 @@ def work(name: str, setting: float) -> float:
 def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
     """Return the convergence rates of polynomials, by the ratios of neighbouring element sizes.
 
-    The error of a polynomial on an element is multiplied by the rate with each degree. The distances
-    of the two ends of the element from the singular point of the function have the same ratio, so
-    that the rate is (1 - q) / (1 + q) with q = sqrt(ratio) (Bernstein ellipse).
+    With each degree, the error of a polynomial on an element is multiplied by the rate. The
+    distances of the two ends of the element from the singular point of the function have the same
+    ratio, so that the rate is (1 - q) / (1 + q) with q = sqrt(ratio) (Bernstein ellipse).
     """
     return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
 
