@@ -54,7 +54,7 @@ from .theories import (
     ROUNDOFF,
 )
 
-PUNCH_RIM, RING_EDGE = 1e-13, 1e-7
+RIM_SIZE, RING_EDGE_SIZE = 1e-13, 1e-7
 """Sizes of the smallest elements: in MDR at the rim of the flat punch, and at ring edges.
 
 They are in punch radii.
@@ -76,7 +76,7 @@ XLABELS = {
 """Labels of sizes, by the beginning of the name of a family."""
 QUAD_DEGREES = range(4, 12)
 """Degrees of the displacement on quadrilaterals, from coarse to fine."""
-GAIN = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
+FACTOR_PER_DEGREE = ((1 + FACTOR**0.5) / (1 - FACTOR**0.5)) ** 2
 """Theoretical factor by which each degree on quadrilaterals reduces the error of an energy."""
 
 
@@ -98,26 +98,27 @@ def flat_families(problem: Problem, quick: bool) -> Iterator[Family]:
         return Family(name, sizes, solve, {"d0": theory}, xlabel, partial(work, name))
 
     for degree in (1, 2) if quick else (1, 2, 3, 4):
-        by_grading, sizes = partial(by_mdr, FLAT, PUNCH_RIM, degree), ellipses(GRADINGS[degree])
+        by_grading = partial(discretise_by_mdr, FLAT, RIM_SIZE, degree)
+        sizes = convergence_rates(GRADINGS[degree])
         theory = Theory(2 * degree + 3, 1e-13, ENERGY_OF_PRESSURES, ROUNDOFF)
         yield refine(f"MDR degree {degree}, graded", by_grading, sizes, theory)
     if problem.indentation is None and not problem.loading.varies and not problem.merged.linear:
         yield mdr_on_rings(problem)
     for degree, counts in {2: (4, 6, 8), 3: (3, 4, 5), 4: (1, 2, 3)}.items():
-        by_count = partial(by_triangles, degree, ratio)
+        by_count = partial(discretise_by_triangles, degree, ratio)
         sizes = {count: 1 / count for count in counts}
         # the innermost elements cause a relative error of d0 of 0.06 times their size
         floor, reason = 0.06 * PUNCH_MESH.rim_size, ENERGY_OF_ELEMENTS.format(what="d0")
         theory = Theory(2 * degree, floor, reason, RIM_ELEMENT)
         yield refine(f"FEM P{degree}, graded", by_count, sizes, theory)
     for degree, halvings in {2: (1, 2, 3), 3: (0, 1, 2), 4: (0, 1, 2)}.items():
-        by_halving = partial(by_uniform_triangles, degree, ratio)
+        by_halving = partial(discretise_by_uniform_triangles, degree, ratio)
         sizes = {count: 0.5**count for count in halvings}
         theory = Theory(1.0, reason=ROOT_AT_RIM)
         yield refine(f"FEM P{degree}, uniform", by_halving, sizes, theory)
     raised = {degree: 0.1**degree for degree in QUAD_DEGREES}
-    by_degree = partial(by_quads, FLAT, 0.0, ratio)
-    theory = Theory(np.log10(GAIN), 1e-13, ANALYTIC, ROUNDOFF)
+    by_degree = partial(discretise_by_quads, FLAT, 0.0, ratio)
+    theory = Theory(np.log10(FACTOR_PER_DEGREE), 1e-13, ANALYTIC, ROUNDOFF)
     yield refine("FEM quads, digits per degree", by_degree, raised, theory)
 
 
@@ -128,12 +129,12 @@ def mdr_on_rings(problem: Problem) -> Family:
     except for the gradient, which has a closed form.
     """
     edges, hollow = problem.merged.ring_edges, problem.merged.hollow
-    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15, hollow)[0])
+    exact = ring_quantities(problem, discretise_by_mdr(edges, RING_EDGE_SIZE, 10, 0.15, hollow)[0])
     steady = direct.steady_pressures(*problem.merged)
     exact["RMS gradient"] = direct.rms_slope(edges, steady, inner_radius=problem.inner_radius)
 
     def solve(grading: float) -> Row:
-        compliance, unknowns = by_mdr(edges, RING_EDGE, 1, grading, hollow)
+        compliance, unknowns = discretise_by_mdr(edges, RING_EDGE_SIZE, 1, grading, hollow)
         values = ring_quantities(problem, compliance)
         errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
         return {"unknowns": unknowns, **errors}
@@ -141,8 +142,8 @@ def mdr_on_rings(problem: Problem) -> Family:
     # the gradient has an order lower by two, and depends more on the smallest elements
     energy_theory = Theory(4.0, 2e-10, HISTORY_OF_PRESSURES, RIM_ELEMENT)
     theory = dict.fromkeys(exact, energy_theory)
-    theory["RMS gradient"] = Theory(2.0, RING_EDGE, GRADIENT, RIM_ELEMENT)
-    sizes, name = ellipses((0.6, 0.7, 0.78, 0.84)), "MDR degree 1, rings"
+    theory["RMS gradient"] = Theory(2.0, RING_EDGE_SIZE, GRADIENT, RIM_ELEMENT)
+    sizes, name = convergence_rates((0.6, 0.7, 0.78, 0.84)), "MDR degree 1, rings"
     return Family(name, sizes, solve, theory, XLABELS["MDR"], partial(work, name))
 
 
@@ -156,7 +157,7 @@ def work(name: str, setting: float) -> float:
     return 0.03 + 1.2e-5 * elements * int(name[len("FEM P")]) ** 2
 
 
-def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
+def convergence_rates(gradings: Iterable[float]) -> dict[Any, float]:
     """Return the convergence rates of polynomials, by the ratios of neighbouring element sizes.
 
     With each degree, the error of a polynomial on an element is multiplied by the rate. The
@@ -166,7 +167,7 @@ def ellipses(gradings: Iterable[float]) -> dict[Any, float]:
     return {ratio: (1 - ratio**0.5) / (1 + ratio**0.5) for ratio in gradings}
 
 
-def by_mdr(
+def discretise_by_mdr(
     ring_edges: Array, smallest: float, degree: int, grading: float, hollow: bool = False
 ) -> Discretised:
     """Discretise by MDR of one degree, on a radial mesh with one smallest size at all edges."""
@@ -176,19 +177,21 @@ def by_mdr(
     return energy.compliance(space), space.size
 
 
-def by_triangles(degree: int, poisson_ratio: float, count: int) -> Discretised:
+def discretise_by_triangles(degree: int, poisson_ratio: float, count: int) -> Discretised:
     """Discretise by triangles graded to the rim, each divided into ``count^2`` triangles."""
     mesh = subdivided(triangulated(PUNCH_MESH), count)
     return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
-def by_uniform_triangles(degree: int, poisson_ratio: float, halvings: int) -> Discretised:
+def discretise_by_uniform_triangles(
+    degree: int, poisson_ratio: float, halvings: int
+) -> Discretised:
     """Discretise by triangles of one size after a number of halvings."""
     mesh = bisection.mesh(UNIFORM_MESH).refined(halvings)
     return condense(mesh, FLAT, degree, poisson_ratio, poles=3)
 
 
-def by_quads(
+def discretise_by_quads(
     ring_edges: Array, lower_bound: float, poisson_ratio: float, degree: int, hollow: bool = False
 ) -> Discretised:
     """Discretise by quadrilaterals whose smallest size is 0.1^(degree + 1), but >= `lower_bound`.

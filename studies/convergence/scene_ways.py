@@ -28,7 +28,7 @@ from ..progress import Stages
 from ..sizes.defaults import FACTOR, GROWTH
 from ..study.levels import Theory
 from . import theories
-from .flat_start import QUAD_DEGREES, RING_EDGE, ellipses
+from .flat_start import QUAD_DEGREES, RING_EDGE_SIZE, convergence_rates
 from .measures import PRESSURE_PART
 from .way import Way
 
@@ -244,7 +244,7 @@ def layered_way(problem: Problem, degrees: Iterable[int]) -> Way:
     edges = problem.merged.ring_edges
 
     def make_mesh(degree: int) -> Mesh:
-        smallest = max(0.1 ** (degree + 1), RING_EDGE)
+        smallest = max(0.1 ** (degree + 1), RING_EDGE_SIZE)
         return graded(edges, smallest, smallest, FACTOR, GROWTH, outer=2.5).mesh
 
     def discretise(setting: int, stages: Stages) -> Discretised:
@@ -303,17 +303,17 @@ def radial_graded_way(problem: Problem, method: str, degree: int, gradings: Iter
     edges = problem.merged.ring_edges
 
     def discretise(setting: float, stages: Stages) -> Discretised:
-        breakpoints = graded_breakpoints(edges, RING_EDGE, RADIAL_RIM_SIZE, setting)
+        breakpoints = graded_breakpoints(edges, RING_EDGE_SIZE, RADIAL_RIM_SIZE, setting)
         with stages("condensing"):
             return radial_compliance(method, radial_space(problem, breakpoints, degree))
 
     def work(setting: float) -> float:
-        cells = 2 * len(edges) * np.log(RING_EDGE) / np.log(setting)
+        cells = 2 * len(edges) * np.log(RING_EDGE_SIZE) / np.log(setting)
         return 0.03 + SECONDS_PER_PRESSURE_CUBED * (cells * degree) ** 3
 
     def theory(measure: str) -> Theory:
         return theories.for_graded_pressures(measure, degree, RADIAL_FLOORS)
 
     label = f"{method.upper()} degree {degree}"
-    name, sizes = f"{label}, graded, scene", ellipses(gradings)
+    name, sizes = f"{label}, graded, scene", convergence_rates(gradings)
     return Way(name, label, RADIAL_GRADED, method, sizes, discretise, theory, RATE_LABEL, work)
