@@ -209,7 +209,7 @@ def test_one_sweep_to_a_directory(tmp_path):
     compute_into(tmp_path)
     with pytest.raises(SceneError, match="--resume"):
         compute_into(tmp_path)
-    with pytest.raises(SceneError, match="begun with another file"):
+    with pytest.raises(SceneError, match="begun with another sweep file"):
         sweep(BASE, AXES, KEEP[:1], out=tmp_path, resume=True)
     (tmp_path / "file").touch()
     with pytest.raises(SceneError, match="cannot be written"):
@@ -271,7 +271,9 @@ def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
     assert json.loads(there) == versions()
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     monkeypatch.setattr(store, "versions", lambda: other)
-    with pytest.raises(SceneError, match="begun with another file, ringwear or libraries"):
+    with pytest.raises(
+        SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
+    ):
         compute_into(tmp_path, resume=True)
     assert contents(tmp_path) == contents(undisturbed)
 
