@@ -36,15 +36,15 @@ RESUME_HINT = "finished blocks are stored: continue with --resume"
 DEATHS_BEFORE_SPLIT = 2
 # seconds of computing that workers on this machine have to save, or else they are not started: they
 # take about as long to start and to load libraries
-LEAST_GAIN = 4.0
+LEAST_SECONDS_SAVED = 4.0
 # a first block that took less than these seconds may consist mainly of loading libraries; a second
 # one is then computed here before the time of blocks is estimated
 LOADING_SECONDS = 2.0
 # fraction of the machine's memory that the scenes of a block may use in this process, because
 # no other process would restart this one if it ran out of memory
-MOST_HERE = 0.5
+GREATEST_MEMORY_FRACTION = 0.5
 # seconds to wait for an answer of the scheduler, and for its first worker
-MOST_SILENCE = 20.0
+SCHEDULER_TIMEOUT = 20.0
 
 
 class Piece(NamedTuple):
@@ -202,10 +202,10 @@ def compute_blocks(
 
 
 def _fits_here(block: Sweep) -> bool:
-    """Return whether the scenes of a block need at most `MOST_HERE` of the machine's memory."""
+    """Return whether the scenes of a block need at most `GREATEST_MEMORY_FRACTION` of the machine's memory."""
     scene_memory = find_largest(block)[1] - LIBRARIES
     together = min(block.count, MOST_TOGETHER)
-    return LIBRARIES + together * scene_memory <= MOST_HERE * machine_memory()
+    return LIBRARIES + together * scene_memory <= GREATEST_MEMORY_FRACTION * machine_memory()
 
 
 def _too_short(seconds: list[float], remaining: int, workers: int) -> bool:
@@ -220,7 +220,7 @@ def _too_short(seconds: list[float], remaining: int, workers: int) -> bool:
     if not seconds or (len(seconds) == 1 and seconds[0] < LOADING_SECONDS):
         return True
     # n workers save the part 1 - 1 / n of the computing time of one process
-    return min(seconds) * remaining * (1 - 1 / workers) < LEAST_GAIN
+    return min(seconds) * remaining * (1 - 1 / workers) < LEAST_SECONDS_SAVED
 
 
 def _left_pending(
@@ -306,8 +306,10 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
     try:
         with dask.config.set(limits):
             with signals_wait():
-                client = Client(scheduler, timeout=MOST_SILENCE, **({} if scheduler else processes))
-                client.wait_for_workers(1, timeout=MOST_SILENCE)
+                client = Client(
+                    scheduler, timeout=SCHEDULER_TIMEOUT, **({} if scheduler else processes)
+                )
+                client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
             yield client
     except (CancelledError, OSError, ValueError) as error:
         raise SolverError(

@@ -50,7 +50,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.sweep import workers
 from ringwear.studies.sweep.store import Store
 # the sweep is short, and workers are what is tested
-workers.MOST_HERE = 0.0
+workers.GREATEST_MEMORY_FRACTION = 0.0
 write = Store.write
 def counted(self, number, values):
     write(self, number, values)
@@ -279,7 +279,7 @@ def test_one_code_computes_a_store(tmp_path, undisturbed, monkeypatch):
 
 
 def test_a_scheduler_that_does_not_answer(tmp_path, monkeypatch):
-    monkeypatch.setattr(workers, "MOST_SILENCE", 1.0)
+    monkeypatch.setattr(workers, "SCHEDULER_TIMEOUT", 1.0)
     with pytest.raises(RingwearError, match="does not answer"):
         compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
 
@@ -293,7 +293,7 @@ def test_workers_start_only_if_much_is_left(undisturbed, monkeypatch):
     monkeypatch.setattr(workers, "connect", refuse)
     there = compute_into(undisturbed, resume=True).load()
     xarray.testing.assert_identical(sweep(BASE, AXES, KEEP, workers=2), there)
-    for name, value in (("LEAST_GAIN", 0.0), ("MOST_HERE", 0.0)):
+    for name, value in (("LEAST_SECONDS_SAVED", 0.0), ("GREATEST_MEMORY_FRACTION", 0.0)):
         with monkeypatch.context() as patch:
             patch.setattr(workers, name, value)
             with pytest.raises(RingwearError, match="are started"):
