@@ -202,7 +202,7 @@ def compute_blocks(
 
 
 def _fits_here(block: Sweep) -> bool:
-    """Return whether the scenes of a block need at most `GREATEST_MEMORY_FRACTION` of the machine's memory."""
+    """Return whether the scenes of a block fit into `GREATEST_MEMORY_FRACTION` of the memory."""
     scene_memory = find_largest(block)[1] - LIBRARIES
     together = min(block.count, MOST_TOGETHER)
     return LIBRARIES + together * scene_memory <= GREATEST_MEMORY_FRACTION * machine_memory()
