@@ -36,9 +36,9 @@ from ..tables import Row
 TIMES = np.append(0.0, np.geomspace(1e-2, 20.0, 10))
 """Times of the histories in ``a / (E* k_max v0)``: the start, and times from thin worn layers to
 the steady state."""
-TRUTH = 1e-9
+REFERENCE_RTOL = 1e-9
 """Relative tolerance of the reference history, with which all others are compared."""
-NEGLIGIBLE = 1e-12
+POLES_RTOL = 1e-12
 """Tolerance for the number of far-field poles if the truncation error has to be negligible."""
 ENERGY_FLOOR = 1e-11
 """Relative energy error below which roundoff and the truncation dominate."""
@@ -161,12 +161,14 @@ class Case:
     @cached_property
     def exact(self) -> Results:
         """Results of the reference solution, at the radii of `compared_problem`."""
-        return method("mdr").solve(replace(self.problem, rtol=TRUTH), Stages("mdr")).checked
+        return (
+            method("mdr").solve(replace(self.problem, rtol=REFERENCE_RTOL), Stages("mdr")).checked
+        )
 
     @cached_property
     def compared_problem(self) -> Problem:
         """The problem, with fields at the radii of the reference solution."""
-        return replace(self.problem, compared_on=replace(self.problem, rtol=TRUTH).face)
+        return replace(self.problem, compared_on=replace(self.problem, rtol=REFERENCE_RTOL).face)
 
     def half_space_on(self, mesh: Mesh, degree: int, rtol: float) -> HalfSpace:
         """Return the half-space on a mesh with elements of one degree.

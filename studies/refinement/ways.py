@@ -28,7 +28,7 @@ from ..sizes.defaults import WIDER_TRUNCATION, triangle_degree
 from ..study.levels import Family
 from ..study.options import Options
 from ..tables import Row
-from .case import NEGLIGIBLE, Case, Level, Solved
+from .case import POLES_RTOL, Case, Level, Solved
 from .own_meshes import OwnMeshes, least_eigenvalue
 
 COARSEST_SIZE = 1.2
@@ -82,7 +82,7 @@ class Ways:
 
     def families(self) -> Iterator[Family]:
         """Yield the family of each way, and last that of the user's meshes."""
-        quick, coarsest_unknowns = self.options.quick, self._unknowns_at_first
+        quick, coarsest_unknowns = self.options.quick, self._coarsest_unknowns
         halvings = range(3 if quick else 4)
         yield self._family(
             "uniform", {f"{n} halvings": coarsest_unknowns * 4.0**n for n in halvings}, self._halve
@@ -147,8 +147,8 @@ class Ways:
         return bisection.refined(mesh, mesh.f2t[0, mesh.boundaries["far"]], edges)
 
     @property
-    def _unknowns_at_first(self) -> float:
-        """Approximate unknowns of the coarsest mesh: k^2 nodes, each with two, for two triangles."""
+    def _coarsest_unknowns(self) -> float:
+        """Approximate unknowns of the coarsest mesh: k^2 nodes with 2 each for two triangles."""
         return float(self._coarsest.nelements * self.degree**2)
 
     def _family(
@@ -198,7 +198,7 @@ class Ways:
             for _ in range(int(setting.split()[0])):
                 all_elements = np.arange(mesh.nelements)
                 mesh = bisection.refined(mesh, all_elements, self.case.problem.merged.ring_edges)
-        return self.case.solve(self.case.half_space_on(mesh, self.degree, NEGLIGIBLE), stages)
+        return self.case.solve(self.case.half_space_on(mesh, self.degree, POLES_RTOL), stages)
 
     def _grade(self, setting: str) -> Solved:
         return self._mesh_and_solve("graded", setting, {"mesher": "gmsh", "degree": self.degree})
@@ -249,7 +249,7 @@ class AdaptiveTriangles:
         Triangles are marked by the greatest of their indicators over all states, each relative to
         the energy of its state. The flat start alone would never refine ring edges.
         """
-        half_space = self.case.half_space_on(self.mesh, self.degree, NEGLIGIBLE)
+        half_space = self.case.half_space_on(self.mesh, self.degree, POLES_RTOL)
         solved = self.case.solve_and_estimate(half_space, self._stages)
         solved = replace(solved, seconds=dict(self._stages.seconds))
         with self._stages("meshing"):
