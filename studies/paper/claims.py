@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray
 
-from .theory import FIG7_WEAR_RATIO, STATIONARY, homogeneous, many_rings
+from .theory import FIG7_WEAR_RATIO, STATIONARY_FRACTION, homogeneous, many_rings
 
 VERDICTS = ("holds", "holds with a remark", "does not hold")
 
@@ -63,10 +63,11 @@ def conclude(claims: pd.DataFrame) -> list[str]:
     return [
         "claims: " + ", ".join(f"{count} {verdict}" for verdict, count in verdict_counts.items()),
         *(VERDICTS[2] + ": " + refuted["the paper says"] + ": " + refuted["computed"]),
-        f"`p0 = F/(2 pi a^2)`, `d0 = F/(2 a E*)`; `t_stat` is the time to {STATIONARY:.1%} of the "
-        "displacement difference; `line` is an average over the radius, `area` over the area, and "
-        "gradients are `line` if nothing else is stated. The homogeneous punch has the gradient "
-        f"g0 = {line:.8f} (line), {area:.8f} = 4/pi (area), times p/E*.",
+        "`p0 = F/(2 pi a^2)`, `d0 = F/(2 a E*)`; `t_stat` is the time to "
+        f"{STATIONARY_FRACTION:.1%} of the displacement difference; `line` is an average over the "
+        "radius, `area` over the area, and gradients are `line` if nothing else is stated. The "
+        f"homogeneous punch has the gradient g0 = {line:.8f} (line), {area:.8f} = 4/pi (area), "
+        "times p/E*.",
     ]
 
 
@@ -104,7 +105,7 @@ def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> I
     yield Claim(
         "3.3",
         "for 70 % of the displacement difference only 27 % of the time is needed",
-        f"{seventy:.2%} of the time to {STATIONARY:.1%} of the difference",
+        f"{seventy:.2%} of the time to {STATIONARY_FRACTION:.1%} of the difference",
         0.265 < seventy < 0.275,
         "the limit is not reached at any finite time; the printed 27 % implies that the paper's "
         "run ended at 98.25 % to 98.49 % of the difference, depending on rounding",

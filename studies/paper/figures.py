@@ -18,7 +18,7 @@ from ..figures.style import (
     shade_rings,
 )
 from ..problem.problem import Rings
-from .theory import FIG7_WEAR_RATIO, PERCENTS, STATIONARY
+from .theory import FIG7_WEAR_RATIO, STATE_PERCENTAGES, STATIONARY_FRACTION
 
 AVERAGES = ("average over the radius (line)", "average over the area")
 FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
@@ -27,14 +27,14 @@ FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
 def draw_states(states: xarray.Dataset) -> Figure:
     """Draw Fig. 4: profile, one-dimensional profile and pressure in seven states."""
     rings, radii = Rings.alternating(5, 1.0, 10.0), states.radius.values
-    figure = new_figure(2.05 * len(PERCENTS), 7.4)
-    panels = figure.subplots(3, len(PERCENTS), sharex=True, sharey="row")
+    figure = new_figure(2.05 * len(STATE_PERCENTAGES), 7.4)
+    panels = figure.subplots(3, len(STATE_PERCENTAGES), sharex=True, sharey="row")
     fields = {
         "f_over_d0": "profile $(f-f_{min})/d_0$",
         "g_over_d0": "1D profile $(g-f_{min})/d_0$",
         "p_over_p0": "pressure $p/p_0$",
     }
-    for state, percent in enumerate(PERCENTS):
+    for state, percent in enumerate(STATE_PERCENTAGES):
         worn = float(states.least_wear_over_d0[0, state])
         time = f"$t$ = {float(states.time[state]):.1%} of $t_{{stat}}$"
         least = f"$f_{{min}}$ = {worn:.3g} $d_0$"
@@ -64,7 +64,7 @@ def draw_states(states: xarray.Dataset) -> Figure:
     legend_of(figure, panels[2, -1:])
     figure.suptitle(
         f"Fig. 4: {FIVE_RINGS}, by the displacement difference relative to the steady state; "
-        f"$t_{{stat}}$: {STATIONARY:.1%}; shaded rings wear faster",
+        f"$t_{{stat}}$: {STATIONARY_FRACTION:.1%}; shaded rings wear faster",
         fontsize=10,
     )
     return figure
@@ -83,7 +83,9 @@ def draw_history(states: xarray.Dataset, history: xarray.DataArray) -> Figure:
         marks = gradient.sel(solver="mdr", time=states.time[:-1])
         marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
         axes.plot(marks.time, marks, "kD", **marked)
-        for percent, *place in zip(PERCENTS, marks.time.values, marks.values, strict=False):
+        for percent, *place in zip(
+            STATE_PERCENTAGES, marks.time.values, marks.values, strict=False
+        ):
             placement = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
             axes.annotate(f"{percent} %", place, **placement)
         axes.axhline(1, **FAINT)

@@ -17,7 +17,7 @@ from ..outcome.outcome import Outcome
 from ..outcome.run import run
 from ..sampling.sampler import AVERAGES
 from ..scene.scene import Scene
-from .theory import PERCENTS, STATIONARY
+from .theory import STATE_PERCENTAGES, STATIONARY_FRACTION
 
 # methods that compute histories
 SOLVERS = ("mdr", "fem", "bem")
@@ -45,7 +45,7 @@ class FiveRings:
             half_space__poisson_ratio=scene.half_space.poisson_ratio,
             accuracy__rtol=min(3e-6, rtol),
         )
-        fractions = np.array([*PERCENTS[1:-1], 100 * STATIONARY]) / 100
+        fractions = np.array([*STATE_PERCENTAGES[1:-1], 100 * STATIONARY_FRACTION]) / 100
         *state_times, self.stationary = times_of(self.scene, fractions).tolist()
         # at the last time, the steady state is reached to roundoff
         states = self.scene.changed(wear__times=[0.0, *state_times, 20.0])
@@ -78,12 +78,12 @@ def times_of(scene: Scene, fractions: Array) -> Array:
         wear__times=times.tolist(),
         output__quantities=["displacement_max", "steady_displacement_max"],
     )
-    completed = way_of(run(accurate_scene, ["mdr"]).dataset)[0]
+    completed = completed_fraction(run(accurate_scene, ["mdr"]).dataset)[0]
     # the remaining fraction decays exponentially at late times: interpolate in its logarithm
     return CubicSpline(-np.log1p(-completed), times)(-np.log1p(-fractions))
 
 
-def way_of(worn: xarray.Dataset) -> xarray.DataArray:
+def completed_fraction(worn: xarray.Dataset) -> xarray.DataArray:
     """Return the completed fraction (solver, time) of the change of the greatest displacement."""
     return (worn.displacement_max - 1) / (worn.steady_displacement_max - 1)
 
@@ -113,7 +113,7 @@ def normalised(result: Outcome, stationary: float) -> xarray.Dataset:
             "g_over_d0": greatest - worn.pressure.copy(data=np.array(line_densities)),
             "p_over_p0": worn.pressure * np.pi,
             "least_wear_over_d0": worn.indentation - greatest,
-            "way": way_of(worn),
+            "way": completed_fraction(worn),
             "limiting_f_over_d0": exact.steady_profile,
             "limiting_p_over_p0": exact.steady_pressure * np.pi,
         }

@@ -18,10 +18,10 @@ from ...meshes.radial import Array
 from ..sampling.sampler import AVERAGES
 
 # states of Fig. 4: percentages of the total change of the greatest displacement
-PERCENTS = (0, 10, 30, 50, 70, 90, 100)
+STATE_PERCENTAGES = (0, 10, 30, 50, 70, 90, 100)
 # fraction of this change at which the paper's run ends (t_stat); it follows from the printed 27 %
 # of the time for 70 % of the change
-STATIONARY = 0.984
+STATIONARY_FRACTION = 0.984
 # k2/k1 of Fig. 7, in which the width ratio varies
 FIG7_WEAR_RATIO = 0.01
 
