@@ -208,8 +208,8 @@ def discretise_by_quads(
 
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:
     """Return the approach, the slowest relaxation time and the steady gradient of the rings."""
-    worn = replace(problem, times=np.array([1.0]), steady=True, gradient_average="line")
-    results = FullContact(worn, compliance).results
+    with_history = replace(problem, times=np.array([1.0]), steady=True, gradient_average="line")
+    results = FullContact(with_history, compliance).results
     return {
         "d(1)": float(results["indentation"][0]),
         "slowest relaxation time": float(results["relaxation_time"][0]),

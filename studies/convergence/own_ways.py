@@ -55,12 +55,12 @@ def own_ways(problem: Problem, options: Options) -> Iterator[Way]:
         yield from ways_of_meshes(problem, options)
     for element in options.elements if not options.meshes else ():
         degree, quads = degree_of(element, options.degree), is_on_quadrilaterals(element)
-        shown, name = slice(-1 if options.quick else None), name_of(element)
+        shown_levels, name = slice(-1 if options.quick else None), name_of(element)
         levels = QUAD_UNIFORM_LEVELS if quads else UNIFORM_LEVELS
-        halvings = levels[min(degree, max(levels))][shown]
+        halvings = levels[min(degree, max(levels))][shown_levels]
         yield uniform_way(problem, degree, quads, halvings, element, name)
         levels = QUAD_GRADED_LEVELS if quads else GRADED_LEVELS
-        counts = levels[min(degree, max(levels))][shown]
+        counts = levels[min(degree, max(levels))][shown_levels]
         yield graded_way(problem, degree, quads, counts, element, name)
     if options.steps:
         yield way_of_steps(problem, options.steps)

@@ -185,10 +185,10 @@ def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
     rows = (history.distances > 0) & (history.force > 0)
     if history.pressed is not None:
         rows &= history.pressed.force == 0
-    numbers = np.flatnonzero(rows)
-    if len(numbers) > MOST_STATES_INSIDE:
-        numbers = numbers[np.linspace(0, len(numbers) - 1, MOST_STATES_INSIDE).round().astype(int)]
-    return np.asarray(history.pressure[numbers])
+    indices = np.flatnonzero(rows)
+    if len(indices) > MOST_STATES_INSIDE:
+        indices = indices[np.linspace(0, len(indices) - 1, MOST_STATES_INSIDE).round().astype(int)]
+    return np.asarray(history.pressure[indices])
 
 
 def result_of(

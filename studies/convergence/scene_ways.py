@@ -80,22 +80,22 @@ RADIAL_UNIFORM, RADIAL_GRADED = "uniform radii", "graded radii"
 
 def ways_of_scene(problem: Problem, quick: bool) -> Iterator[Way]:
     """Yield all ways to refine a scene in full contact, each from coarse to fine."""
-    shown = slice(-1 if quick else None)
+    shown_levels = slice(-1 if quick else None)
     for degree, halvings in UNIFORM_LEVELS.items():
-        yield uniform_way(problem, degree, False, halvings[shown])
+        yield uniform_way(problem, degree, False, halvings[shown_levels])
     for degree, halvings in QUAD_UNIFORM_LEVELS.items():
-        yield uniform_way(problem, degree, True, halvings[shown])
+        yield uniform_way(problem, degree, True, halvings[shown_levels])
     for degree, counts in GRADED_LEVELS.items():
-        yield graded_way(problem, degree, False, counts[shown])
+        yield graded_way(problem, degree, False, counts[shown_levels])
     for degree, counts in QUAD_GRADED_LEVELS.items():
-        yield graded_way(problem, degree, True, counts[shown])
+        yield graded_way(problem, degree, True, counts[shown_levels])
     yield layered_way(problem, range(4, 8) if quick else QUAD_DEGREES)
     for degree in (1, 2):
-        yield radial_uniform_way(problem, "mdr", degree, RADIAL_COUNTS[shown])
-    yield radial_uniform_way(problem, "bem", 1, RADIAL_COUNTS[shown])
+        yield radial_uniform_way(problem, "mdr", degree, RADIAL_COUNTS[shown_levels])
+    yield radial_uniform_way(problem, "bem", 1, RADIAL_COUNTS[shown_levels])
     for degree in (1, 2) if quick else (1, 2, 3, 4):
-        yield radial_graded_way(problem, "mdr", degree, RADIAL_GRADINGS[degree][shown])
-    yield radial_graded_way(problem, "bem", 1, RADIAL_GRADINGS[1][shown])
+        yield radial_graded_way(problem, "mdr", degree, RADIAL_GRADINGS[degree][shown_levels])
+    yield radial_graded_way(problem, "bem", 1, RADIAL_GRADINGS[1][shown_levels])
 
 
 @cache

@@ -79,15 +79,15 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
             max(QUICK_CELL_FACTORS if quick else CELL_FACTORS),
             QUICK_MOST_UNKNOWNS if quick else MOST_UNKNOWNS,
         )
-        drawn = list(families(studied, options))
+        drawn_families = list(families(studied, options))
     measure_names = [measure.name for measure in studied.measures]
     user_columns = chain.from_iterable((name, f"value of {name}") for name in options.quantities)
-    theory = chain.from_iterable(each.family.theory for each in drawn)
+    theory = chain.from_iterable(each.family.theory for each in drawn_families)
     columns = dict.fromkeys(
         [*FIRST_COLUMNS, *measure_names, PRESSURE_PART, *user_columns, *theory, *STAGES.values()]
     )
-    table = record.solve("convergence", [each.family for each in drawn], list(columns))
-    curves = list(curves_of(studied, drawn, table, options.against))
+    table = record.solve("convergence", [each.family for each in drawn_families], list(columns))
+    curves = list(curves_of(studied, drawn_families, table, options.against))
     sequences = [curve.sequence for curve in curves]
     return Study(
         "convergence",
@@ -150,25 +150,27 @@ def label_of(family: str) -> str:
 
 
 def curves_of(
-    studied: StudiedScene, drawn: Iterable[DrawnFamily], table: pd.DataFrame, against: str
+    studied: StudiedScene, drawn_families: Iterable[DrawnFamily], table: pd.DataFrame, against: str
 ) -> Iterator[Curve]:
     """Yield one curve of errors for each quantity of each family, over its solved levels."""
     norms = {measure.name: measure for measure in studied.measures if not measure.signed}
-    for family, label, group in ((each.family, each.label, each.group) for each in drawn):
+    for family, label, group in ((each.family, each.label, each.group) for each in drawn_families):
         rows = table[table.family == family.name]
         for quantity, theory in family.theory.items():
-            solved = rows[rows[quantity].notna()]
-            if not len(solved):
+            solved_rows = rows[rows[quantity].notna()]
+            if not len(solved_rows):
                 continue
             fields = None
             if quantity in norms:
-                levels = tuple(studied.solved[family.name, setting] for setting in solved.setting)
+                levels = tuple(
+                    studied.solved[family.name, setting] for setting in solved_rows.setting
+                )
                 fields = MeasuredLevels(
                     norms[quantity], levels, studied.exact, studied.problem.face
                 )
-            sizes, errors = solved[["size", quantity]].to_numpy(float).T
+            sizes, errors = solved_rows[["size", quantity]].to_numpy(float).T
             sequence = Sequence(family.name, quantity, theory, sizes, errors, fields)
-            abscissa = solved[SECONDS if against == "seconds" else against].to_numpy(float)
+            abscissa = solved_rows[SECONDS if against == "seconds" else against].to_numpy(float)
             xlabel = LABELS.get(against, family.xlabel)
             yield Curve(label, group, sequence, abscissa, xlabel, against == "size")
 
@@ -180,20 +182,21 @@ def figures(scene: Scene, curves: list[Curve]) -> Iterator[tuple[str, str, list[
     group, with one panel for each quantity.
     """
     title, groups = scene.title, dict.fromkeys(curve.group for curve in curves)
-    first = next((curve.sequence.quantity for curve in curves), "")
-    if any(curve.sequence.quantity == "d(t)" for curve in curves) and first != "d0":
-        first = "d(t)"
-    shown = [
+    first_quantity = next((curve.sequence.quantity for curve in curves), "")
+    if any(curve.sequence.quantity == "d(t)" for curve in curves) and first_quantity != "d0":
+        first_quantity = "d(t)"
+    first_panels = [
         Panel(group, [curve for curve in curves if (curve.group, curve.sequence.quantity) == key])
         for group in groups
-        for key in [(group, first)]
+        for key in [(group, first_quantity)]
         if group != FLAT_PUNCH
     ]
-    yield "convergence", f"{first}: {title}" if first else title, [p for p in shown if p.curves]
+    first_title = f"{first_quantity}: {title}" if first_quantity else title
+    yield "convergence", first_title, [panel for panel in first_panels if panel.curves]
     for group in groups:
-        of_group = [curve for curve in curves if curve.group == group]
+        group_curves = [curve for curve in curves if curve.group == group]
         panels = dict[str, list[Curve]]()
-        for curve in of_group:
+        for curve in group_curves:
             quantity = curve.sequence.quantity
             name = (
                 f"{method_and_refinement(curve)}: {quantity}" if group == FLAT_PUNCH else quantity
@@ -266,13 +269,15 @@ def explain_d0_orders(sequences: list[Sequence], table: pd.DataFrame) -> Iterato
 
 def _summarise_index(sequences: list[Sequence]) -> Iterator[str]:
     """Yield a sentence on how often the grid convergence index bounds the finest true error."""
-    stated = [(each.richardson[1], each.errors[-1]) for each in sequences]
-    stated = [(index, error) for index, error in stated if np.isfinite(index)]
-    if stated:
-        honest = sum(error <= index for index, error in stated)
+    indices_and_errors = [(each.richardson[1], each.errors[-1]) for each in sequences]
+    indices_and_errors = [
+        (index, error) for index, error in indices_and_errors if np.isfinite(index)
+    ]
+    if indices_and_errors:
+        bounded = sum(error <= index for index, error in indices_and_errors)
         yield (
-            f"The grid convergence index exceeds the true error of the finest level in {honest} of "
-            f"{len(stated)} sequences; {len(sequences) - len(stated)} sequences have no index, "
-            "because they have fewer than three levels or their last three levels do not converge "
-            "monotonically."
+            f"The grid convergence index exceeds the true error of the finest level in {bounded} "
+            f"of {len(indices_and_errors)} sequences; {len(sequences) - len(indices_and_errors)} "
+            "sequences have no index, because they have fewer than three levels or their last "
+            "three levels do not converge monotonically."
         )

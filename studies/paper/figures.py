@@ -35,17 +35,19 @@ def draw_states(states: xarray.Dataset) -> Figure:
         "p_over_p0": "pressure $p/p_0$",
     }
     for state, percent in enumerate(STATE_PERCENTAGES):
-        worn = float(states.least_wear_over_d0[0, state])
-        time = f"$t$ = {float(states.time[state]):.1%} of $t_{{stat}}$"
-        least = f"$f_{{min}}$ = {worn:.3g} $d_0$"
-        title = f"{percent} %\n{time}\n{least}" if percent < 100 else "100 %\nsteady state\n"
+        least_wear = float(states.least_wear_over_d0[0, state])
+        time_label = f"$t$ = {float(states.time[state]):.1%} of $t_{{stat}}$"
+        wear_label = f"$f_{{min}}$ = {least_wear:.3g} $d_0$"
+        title = (
+            f"{percent} %\n{time_label}\n{wear_label}" if percent < 100 else "100 %\nsteady state\n"
+        )
         panels[0, state].set_title(title, fontsize=8.5)
         panels[2, state].plot(radii, 1 / np.sqrt(1 - radii**2), label="unworn", **FAINT)
         panels[2, state].set_xlabel("$r/a$, $x/a$")
         for field, axes in zip(fields, panels[:, state], strict=True):
-            values_of_state = states[field].isel(time=state)
+            state_values = states[field].isel(time=state)
             curves = {
-                solver: values_of_state.sel(solver=solver).values for solver in states.solver.values
+                solver: state_values.sel(solver=solver).values for solver in states.solver.values
             }
             if percent == 100 and field != "g_over_d0":
                 curves["direct"] = states[f"limiting_{field}"].values
@@ -81,13 +83,13 @@ def draw_history(states: xarray.Dataset, history: xarray.DataArray) -> Figure:
             look = method_curve(solver, len(times)) | {"markevery": (4 * order, 12)}
             axes.plot(times, gradient.sel(solver=solver), **look)
         marks = gradient.sel(solver="mdr", time=states.time[:-1])
-        marked = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
-        axes.plot(marks.time, marks, "kD", **marked)
-        for percent, *place in zip(
+        mark_look = {"markerfacecolor": "white", "zorder": 5, "label": "states of Fig. 4"}
+        axes.plot(marks.time, marks, "kD", **mark_look)
+        for percent, *position in zip(
             STATE_PERCENTAGES, marks.time.values, marks.values, strict=False
         ):
-            placement = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
-            axes.annotate(f"{percent} %", place, **placement)
+            label_position = {"xytext": (8, -9), "textcoords": "offset points", "fontsize": 8}
+            axes.annotate(f"{percent} %", position, **label_position)
         axes.axhline(1, **FAINT)
         axes.set(xlabel="time $t/t_{stat}$", title=AVERAGES[average])
     panels[0].set(ylim=(-0.09, 1.09), ylabel=r"RMS gradient $\nabla f/\nabla f_{stat}$")

@@ -98,24 +98,25 @@ def normalised(result: Outcome, stationary: float) -> xarray.Dataset:
     result : result of a run with `SOLVERS` and `direct`
     stationary : time t_stat in the unit of the scene
     """
-    problem, worn = result.scene.problem, result.dataset
-    exact, worn = worn.sel(solver="direct", drop=True), worn.sel(solver=list(SOLVERS))
+    problem, dataset = result.scene.problem, result.dataset
+    direct_dataset = dataset.sel(solver="direct", drop=True)
+    dataset = dataset.sel(solver=list(SOLVERS))
     line_densities = []
     for name in SOLVERS:
         wear = result.solutions[name].wear
         assert wear is not None
         transform = line_density(wear.compliance.space, np.maximum(problem.radii, 1e-6))
         line_densities.append(wear.modal(problem.times).pressure @ transform.T / D0)
-    greatest = worn.displacement_max
+    displacement_max = dataset.displacement_max
     states = xarray.Dataset(
         {
-            "f_over_d0": greatest - worn.displacement,
-            "g_over_d0": greatest - worn.pressure.copy(data=np.array(line_densities)),
-            "p_over_p0": worn.pressure * np.pi,
-            "least_wear_over_d0": worn.indentation - greatest,
-            "way": completed_fraction(worn),
-            "limiting_f_over_d0": exact.steady_profile,
-            "limiting_p_over_p0": exact.steady_pressure * np.pi,
+            "f_over_d0": displacement_max - dataset.displacement,
+            "g_over_d0": displacement_max - dataset.pressure.copy(data=np.array(line_densities)),
+            "p_over_p0": dataset.pressure * np.pi,
+            "least_wear_over_d0": dataset.indentation - displacement_max,
+            "way": completed_fraction(dataset),
+            "limiting_f_over_d0": direct_dataset.steady_profile,
+            "limiting_p_over_p0": direct_dataset.steady_pressure * np.pi,
         }
     )
     return states.assign_coords(time=states.time / stationary)

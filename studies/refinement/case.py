@@ -187,9 +187,11 @@ class Case:
         with stages("condensing"):
             compliance = half_space.compliance()
         with stages("marching"):
-            worn = FullContact(self.compared_problem, compliance)
-            pressures = np.concatenate([worn.history.pressure, worn.wear.steady.pressure[None]])
-        return Solved(half_space, compliance, pressures, worn.checked, stages.seconds)
+            evaluation = FullContact(self.compared_problem, compliance)
+            pressures = np.concatenate(
+                [evaluation.history.pressure, evaluation.wear.steady.pressure[None]]
+            )
+        return Solved(half_space, compliance, pressures, evaluation.checked, stages.seconds)
 
     def solve_and_estimate(self, half_space: HalfSpace, stages: Stages) -> Solved:
         """Solve on a half-space of triangles, and compute the error indicator of each triangle.

@@ -23,24 +23,24 @@ def costs(rows: pd.DataFrame) -> pd.DataFrame:
     It has one row for each case, way, quantity and goal. Unknowns and seconds are NaN if the way
     does not reach the goal. Every row also gives the least error of the way.
     """
-    table = []
+    table_rows = []
     for (case, family), levels in rows.groupby(["case", "family"], sort=False):
         for quantity in ERRORS:
             for goal in GOALS:
-                reached = levels[levels[quantity] <= goal]
-                first = reached.iloc[0] if len(reached) else None
-                table.append(
+                levels_within_goal = levels[levels[quantity] <= goal]
+                first_level = levels_within_goal.iloc[0] if len(levels_within_goal) else None
+                table_rows.append(
                     {
                         "case": case,
                         "family": family,
                         "quantity": quantity,
                         "goal": goal,
-                        "unknowns": np.nan if first is None else first["unknowns"],
-                        SECONDS: np.nan if first is None else first[SECONDS],
+                        "unknowns": np.nan if first_level is None else first_level["unknowns"],
+                        SECONDS: np.nan if first_level is None else first_level[SECONDS],
                         "least error": levels[quantity].min(),
                     }
                 )
-    return pd.DataFrame(table)
+    return pd.DataFrame(table_rows)
 
 
 def conclude(
@@ -86,11 +86,12 @@ def _describe_costs(goal: str, ways: pd.DataFrame) -> str:
 def _describe_indicator(case: str, rows: pd.DataFrame) -> Iterator[str]:
     """Yield a sentence on the effectivity of the indicator, and one on the energy errors."""
     adaptive = rows[rows.family == "adaptive"]
-    least, greatest = adaptive["least effectivity"].min(), adaptive["greatest effectivity"].max()
-    if np.isfinite(least):
+    least_ratio = adaptive["least effectivity"].min()
+    greatest_ratio = adaptive["greatest effectivity"].max()
+    if np.isfinite(least_ratio):
         yield (
-            f"{case}: the error indicator is {least:.1f} to {greatest:.1f} times the true energy "
-            f"error, over {len(adaptive)} adaptive levels and all states."
+            f"{case}: the error indicator is {least_ratio:.1f} to {greatest_ratio:.1f} times the "
+            f"true energy error, over {len(adaptive)} adaptive levels and all states."
         )
     for sequence in sequences(adaptive):
         if sequence.quantity == "energy" and np.isfinite(sequence.order):

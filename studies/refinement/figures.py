@@ -41,10 +41,10 @@ def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
                 axes.plot(levels[column], levels[quantity], **_look(str(family), levels))
                 order = orders.get((f"{case}, {family}", quantity), np.nan)
                 if column == "unknowns" and family == "file" and np.isfinite(order):
-                    last = levels.iloc[-1]
+                    last_level = levels.iloc[-1]
                     axes.annotate(
                         f"order {order:.1f}",
-                        (last[column], last[quantity]),
+                        (last_level[column], last_level[quantity]),
                         xytext=(0, 4),
                         textcoords="offset points",
                         fontsize=6,

@@ -29,11 +29,11 @@ def draw_meshes(case: Case, levels: Sequence[Level]) -> Figure:
     """
     ways = _three_of_each(levels, without=("degree", "file"))
     figure, panels = new_panels(PAGE, 0.75 + 1.35 * max(len(ways), 1), max(len(ways), 1), 3)
-    for row, (way, shown) in zip(panels, ways.items(), strict=False):
-        for axes, level in zip(row, shown, strict=False):
+    for row, (way, way_levels) in zip(panels, ways.items(), strict=False):
+        for axes, level in zip(row, way_levels, strict=False):
             _draw_mesh(axes, case, level)
             axes.set_title(f"{way}: {level.unknowns} unknowns")
-        for axes in row[len(shown) :]:
+        for axes in row[len(way_levels) :]:
             axes.set_axis_off()
         row[0].set_ylabel("depth z/a")
     for axes in panels[-1]:
@@ -53,9 +53,9 @@ def draw_pressure_errors(case: Case, levels: Sequence[Level]) -> Figure:
     columns = min(3, len(ways))
     rows = -(-len(ways) // columns)
     figure, panels = new_panels(PAGE, 0.9 + 1.75 * rows, rows, columns, sharey=True)
-    for axes, (way, shown) in zip(panels.ravel(), ways.items(), strict=False):
-        _draw_pressure_errors(axes, case, shown)
-        axes.set_title(f"{way}: {', '.join(str(level.unknowns) for level in shown)} unknowns")
+    for axes, (way, way_levels) in zip(panels.ravel(), ways.items(), strict=False):
+        _draw_pressure_errors(axes, case, way_levels)
+        axes.set_title(f"{way}: {', '.join(str(level.unknowns) for level in way_levels)} unknowns")
     for axes in panels.ravel()[len(ways) :]:
         axes.set_axis_off()
     for row in panels:
@@ -71,19 +71,21 @@ def draw_pressure_errors(case: Case, levels: Sequence[Level]) -> Figure:
 def draw_own_meshes(case: Case, levels: Sequence[Level]) -> Figure:
     """Draw the user's meshes, the pressure error on each, and the place of the greatest error."""
     if len(levels) > MOST_OWN_MESHES:
-        places = np.linspace(0, len(levels) - 1, MOST_OWN_MESHES).round().astype(np.int64)
-        levels = [levels[place] for place in places]
+        indices = np.linspace(0, len(levels) - 1, MOST_OWN_MESHES).round().astype(np.int64)
+        levels = [levels[index] for index in indices]
     figure, panels = new_panels(PAGE, 3.7, 2, len(levels))
-    for (above, below), level in zip(panels.T, levels, strict=True):
-        place = worst_place(case, level)
-        _draw_mesh(above, case, level)
-        above.plot(place.facet, [0, 0], color=RED, linewidth=3, solid_capstyle="butt")
-        above.plot([np.mean(place.facet)], [0.04], "^", color=RED, markersize=4)
-        above.set_title(f"{level.setting}\n{level.unknowns} unknowns, degree {level.degree}")
-        _draw_pressure_errors(below, case, [level])
-        below.axvspan(*place.facet, color=RED, alpha=0.3, linewidth=0)
-        below.set_title(f"{place.share:.0%} of the squared\nerror next to r = {place.edge:.3g} a")
-        below.set_xlabel("r/a")
+    for (mesh_axes, error_axes), level in zip(panels.T, levels, strict=True):
+        worst = worst_place(case, level)
+        _draw_mesh(mesh_axes, case, level)
+        mesh_axes.plot(worst.facet, [0, 0], color=RED, linewidth=3, solid_capstyle="butt")
+        mesh_axes.plot([np.mean(worst.facet)], [0.04], "^", color=RED, markersize=4)
+        mesh_axes.set_title(f"{level.setting}\n{level.unknowns} unknowns, degree {level.degree}")
+        _draw_pressure_errors(error_axes, case, [level])
+        error_axes.axvspan(*worst.facet, color=RED, alpha=0.3, linewidth=0)
+        error_axes.set_title(
+            f"{worst.share:.0%} of the squared\nerror next to r = {worst.edge:.3g} a"
+        )
+        error_axes.set_xlabel("r/a")
     panels[0, 0].set_ylabel("depth z/a")
     panels[1, 0].set_ylabel("|error of p| / norm of p")
     title = f"{case.name}: your meshes, and their pressure errors, t = {TIMES[1]:g} a/(E* k v₀)"
@@ -117,9 +119,15 @@ def _draw_mesh(axes: Axes, case: Case, level: Level) -> None:
         linewidths=0.25,
     )
     if level.indicators is not None:
-        greatest = level.indicators.max()
-        shown = np.maximum(level.indicators[visible], 10.0**-DECADES * greatest)
-        elements.set(array=shown, cmap="Reds", norm=LogNorm(10.0**-DECADES * greatest, greatest))
+        greatest_indicator = level.indicators.max()
+        clipped_indicators = np.maximum(
+            level.indicators[visible], 10.0**-DECADES * greatest_indicator
+        )
+        elements.set(
+            array=clipped_indicators,
+            cmap="Reds",
+            norm=LogNorm(10.0**-DECADES * greatest_indicator, greatest_indicator),
+        )
     axes.add_collection(elements)
     rings = case.problem.merged
     wear = np.broadcast_to(rings.ends.mean(axis=0), len(rings.widths))

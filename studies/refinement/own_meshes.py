@@ -120,20 +120,22 @@ def worst_place(case: Case, level: Level) -> WorstPlace:
     """Return the place of a mesh at which the squared error of the pressure is greatest."""
     face = case.compared_problem.face
     squares = face.weights * level.pressure_errors**2
-    worst = int(squares.sum(axis=1).argmax())
-    shares = squares[worst] / squares[worst].sum()
+    worst_time = int(squares.sum(axis=1).argmax())
+    shares = squares[worst_time] / squares[worst_time].sum()
     edges = case.problem.merged.ring_edges[1:]
     nearest = np.abs(face.radii[:, None] - edges).argmin(axis=1)
     edge_shares = np.bincount(nearest, shares, len(edges))
     edge = int(edge_shares.argmax())
-    ends = contact_radii(level.mesh)
-    facets = np.clip(np.searchsorted(ends, face.radii, side="right") - 1, 0, len(ends) - 2)
-    facet_shares = np.bincount(facets, np.where(nearest == edge, shares, 0.0), len(ends) - 1)
+    facet_ends = contact_radii(level.mesh)
+    facets = np.clip(
+        np.searchsorted(facet_ends, face.radii, side="right") - 1, 0, len(facet_ends) - 2
+    )
+    facet_shares = np.bincount(facets, np.where(nearest == edge, shares, 0.0), len(facet_ends) - 1)
     facet = int(facet_shares.argmax())
     return WorstPlace(
-        float(TIMES[1:][worst]),
+        float(TIMES[1:][worst_time]),
         float(edges[edge]),
         float(edge_shares[edge]),
-        (float(ends[facet]), float(ends[facet + 1])),
+        (float(facet_ends[facet]), float(facet_ends[facet + 1])),
         float(facet_shares[facet]),
     )

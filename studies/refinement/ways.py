@@ -87,15 +87,19 @@ class Ways:
         yield self._family(
             "uniform", {f"{n} halvings": coarsest_unknowns * 4.0**n for n in halvings}, self._halve
         )
-        rings, most = len(self.case.problem.merged.widths), MOST_UNKNOWNS
+        rings, greatest_unknowns = len(self.case.problem.merged.widths), MOST_UNKNOWNS
         if quick:
-            most = MOST_UNKNOWNS_QUICK if rings > 1 else MOST_UNKNOWNS_OF_ONE_RING_QUICK
+            greatest_unknowns = (
+                MOST_UNKNOWNS_QUICK if rings > 1 else MOST_UNKNOWNS_OF_ONE_RING_QUICK
+            )
         growth = GROWTH if rings > 1 else GROWTH_OF_ONE_RING
         if rings > MANY_RINGS:
             growth = GROWTH_OF_MANY_RINGS
         if self.case.problem.poisson_ratio > 0.49:
             growth = GROWTH_NEAR_INCOMPRESSIBILITY
-        count = max(3, int(np.ceil(np.log(most / coarsest_unknowns) / np.log(growth))) + 1)
+        count = max(
+            3, int(np.ceil(np.log(greatest_unknowns / coarsest_unknowns) / np.log(growth))) + 1
+        )
         adaptive = AdaptiveTriangles(self.case, self._coarsest, self.degree)
         expected = {f"level {n}": coarsest_unknowns * growth**n for n in range(count)}
         yield self._family("adaptive", expected, adaptive.solve_next, 0.8)
@@ -118,8 +122,10 @@ class Ways:
             expected = {f"degree {k}": coarsest_unknowns * ring_factor * (k - 1) for k in degrees}
             yield self._family("degree", expected, self._raise_degree)
         if self.options.meshes:
-            own = OwnMeshes(self.case, self.options)
-            yield self._family("file", dict.fromkeys(own.meshes, 2 * coarsest_unknowns), own.solve)
+            own_meshes = OwnMeshes(self.case, self.options)
+            yield self._family(
+                "file", dict.fromkeys(own_meshes.meshes, 2 * coarsest_unknowns), own_meshes.solve
+            )
 
     @property
     def degree(self) -> int:

@@ -121,13 +121,18 @@ def draw_slope_triangle(
     order : theoretical order of convergence, which the label shows
     color : colour of the curve
     """
-    right, second, *_ = sizes
-    left, high = np.sqrt(right * second), errors[0] / 2
-    low = high * (left / right) ** order
-    axes.plot([left, right, right, left], [low, low, high, low], color=color, linewidth=0.6)
+    coarse_size, second_size, *_ = sizes
+    middle_size, high_error = np.sqrt(coarse_size * second_size), errors[0] / 2
+    low_error = high_error * (middle_size / coarse_size) ** order
+    axes.plot(
+        [middle_size, coarse_size, coarse_size, middle_size],
+        [low_error, low_error, high_error, low_error],
+        color=color,
+        linewidth=0.6,
+    )
     return axes.annotate(
         f"{order:.2g}",
-        (right, np.sqrt(low * high)),
+        (coarse_size, np.sqrt(low_error * high_error)),
         xytext=(2, 0),
         textcoords="offset points",
         va="center",

@@ -213,9 +213,9 @@ def sequences_of(families: Iterable[Family], rows: pd.DataFrame) -> list[Sequenc
     """Return one sequence for each quantity with a theory in each family, if rows have values."""
     sequences = []
     for family in families:
-        solved = rows[rows.family == family.name]
+        family_rows = rows[rows.family == family.name]
         for quantity, theory in family.theory.items():
-            levels = solved[["size", quantity]].dropna().to_numpy(float)
+            levels = family_rows[["size", quantity]].dropna().to_numpy(float)
             if len(levels):
                 sequences.append(Sequence(family.name, quantity, theory, *levels.T))
     return sequences

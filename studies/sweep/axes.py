@@ -119,11 +119,11 @@ class Sweep:
                     "tables [axes], [zip] and [random] of scene keys"
                 )
         base = table.get("base")
-        varied = {
+        columns_by_key = {
             key: values for name in ("axes", "zip") for key, values in table.get(name, {}).items()
         }
-        varied |= table.get("random", {})
-        if base is None or not varied:
+        columns_by_key |= table.get("random", {})
+        if base is None or not columns_by_key:
             raise SceneError(
                 "missing key base, or nothing varies: give base, a file, a bundled scene or a "
                 "table, and [axes], [zip] or [random]"
@@ -131,7 +131,7 @@ class Sweep:
         if isinstance(base, str):
             in_folder = (folder or Path()) / base
             base = Scene.load(in_folder if in_folder.is_file() else base).table()
-        if "units" not in base and has_units(varied.items()):
+        if "units" not in base and has_units(columns_by_key.items()):
             base = base | {"units": "SI"}
         columns = read_columns(table, base)
         base, heights = _without_heights(without_alternatives(base, set(columns)))
@@ -144,12 +144,12 @@ class Sweep:
                 f"into several sweeps of at most {MOST_SCENES} scenes, each with its own directory"
             )
         start = dict.fromkeys(sweep.sizes, 0)
-        tried = [
+        tried_changes = [
             sweep.changes_at(start | {dim: place})
             for dim, size in sweep.sizes.items()
             for place in range(min(size, 200))
         ]
-        scenes = [sweep.scene(changes) for changes in tried]
+        scenes = [sweep.scene(changes) for changes in tried_changes]
         problems = [scene.problem for scene in scenes]
         names = {column.name for column in columns.values()}
         keep = _quantities_to_keep(table.get("keep"), problems, names)
@@ -159,7 +159,7 @@ class Sweep:
         labels = _labels(scenes[0])
         shared = {key: column for key, column in labels.items() if column.dim in dims}
         sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
-        for scene, changes in zip(scenes, tried, strict=True):
+        for scene, changes in zip(scenes, tried_changes, strict=True):
             sweep.check_labels(scene, changes)
         return sweep
 

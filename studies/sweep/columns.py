@@ -54,41 +54,41 @@ def read_columns(table: TomlTable, base: TomlTable) -> dict[str, Column]:
     SceneError
         if a key is given twice, or if its values are invalid, too many or have a wrong unit
     """
-    crossed, zipped = table.get("axes", {}), table.get("zip", {})
-    draws = dict(table.get("random", {}))
-    count, seed = draws.pop("count", 0), draws.pop("seed", None)
-    if draws and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
+    axes, zip_columns = table.get("axes", {}), table.get("zip", {})
+    random_columns = dict(table.get("random", {}))
+    count, seed = random_columns.pop("count", 0), random_columns.pop("seed", None)
+    if random_columns and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
         raise SceneError(
             f"random.count = {count} and random.seed = {seed}: give the number of draws, and a "
             "whole number as the seed of the random generator"
         )
-    sections = {"axes": crossed, "zip": zipped, "random": draws}
+    sections = {"axes": axes, "zip": zip_columns, "random": random_columns}
     for first, second in combinations(sections, 2):
         for key in sections[first].keys() & sections[second].keys():
             raise SceneError(
                 f"{key} is given twice, in [{first}] and in [{second}]: leave one of them out"
             )
-    dims = dict.fromkeys(draws, DRAW)
+    dims_by_key = dict.fromkeys(random_columns, DRAW)
     columns: dict[str, Column] = {}
     # no axis may have the name of a quantity that is kept
-    taken = {*RESERVED, *map(str, table.get("keep") or ())}
-    for key, values in (crossed | zipped | draws).items():
+    used_names = {*RESERVED, *map(str, table.get("keep") or ())}
+    for key, values in (axes | zip_columns | random_columns).items():
         if key == "punch.heights":
             raise SceneError(
                 "punch.heights are functions, which cannot be values of an axis: give the heights "
                 "by punch.profile = { kind = 'table', ... }"
             )
         *_, name = parts = key.split(".")
-        if name in {*taken, *(column.name for column in columns.values())}:
+        if name in {*used_names, *(column.name for column in columns.values())}:
             name = "_".join(parts[-2:])
-        if key in zipped:
+        if key in zip_columns:
             # the first column of [zip] names the dimension of all its columns
-            dims |= dict.fromkeys(zipped, dims.get(key, name))
-        numbers = read_values(key, values, base, count if key in draws else 0, seed)
-        columns[key] = Column(name, dims.get(key, name), numbers)
-        if key in crossed:
+            dims_by_key |= dict.fromkeys(zip_columns, dims_by_key.get(key, name))
+        numbers = read_values(key, values, base, count if key in random_columns else 0, seed)
+        columns[key] = Column(name, dims_by_key.get(key, name), numbers)
+        if key in axes:
             _refuse_repeats(key, numbers)
-    if len({len(columns[key].values) for key in zipped}) > 1:
+    if len({len(columns[key].values) for key in zip_columns}) > 1:
         raise SceneError("columns of [zip] vary together: give all of them one length")
     return columns
 
@@ -114,8 +114,8 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
         if isinstance(source, list) and source:
             _refuse_too_many(key, draws or len(source))
             values = _in_units(key, source, base)
-            drawn = generator.integers(len(values), size=draws)
-            return [values[place] for place in drawn] if draws else values
+            drawn_indices = generator.integers(len(values), size=draws)
+            return [values[index] for index in drawn_indices] if draws else values
         ((kind, numbers),) = source.items()
         space = SPACED[kind]
         (first, last), count = _in_units(key, numbers[:2], base), numbers[2:]
@@ -128,8 +128,8 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
         spaced = space(first, last, count[0])
         # geomspace of whole numbers yields whole numbers only up to roundoff: round them
         nearly_whole = np.abs(spaced - spaced.round()) <= 1e-12 * np.abs(spaced)
-        whole = isinstance(first, int) and nearly_whole.all()
-        return (spaced.round().astype(int) if whole else spaced).tolist()
+        all_whole = isinstance(first, int) and nearly_whole.all()
+        return (spaced.round().astype(int) if all_whole else spaced).tolist()
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
             f"{key} = {shown(source)}: give a list of values, or linspace or geomspace = [first, "
@@ -148,10 +148,10 @@ def has_units(columns: Iterable[tuple[str, object]]) -> bool:
 
 def _in_units(key: str, values: Values, base: TomlTable) -> Values:
     """Return values of a key as numbers in the units of the base."""
-    stated = {"units": base["units"]} if "units" in base else {}
-    table = without_quantities(stated | _nest(key, values), Scene)
-    for part in key.split("."):
-        table = table[part]
+    units = {"units": base["units"]} if "units" in base else {}
+    table = without_quantities(units | _nest(key, values), Scene)
+    for key_part in key.split("."):
+        table = table[key_part]
     return list(table)
 
 
@@ -159,8 +159,8 @@ def _nest(key: str, value: object) -> TomlTable:
     """Return nested dictionaries with a value at one scene key."""
     *outer, last = key.split(".")
     table: TomlTable = {last: value}
-    for part in reversed(outer):
-        table = {part: table}
+    for key_part in reversed(outer):
+        table = {key_part: table}
     return table
 
 

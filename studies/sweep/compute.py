@@ -77,7 +77,7 @@ def _compute_together(
 ) -> None:
     """Solve problems on one discretisation; write results in the scenes' units into `values`."""
     solutions: dict[int, list[Solution]] = {number: [] for number in problems}
-    for place, name in enumerate(solvers):
+    for solver_index, name in enumerate(solvers):
         results = solve(method(name), list(problems.values()))
         for (number, problem), solution in zip(problems.items(), results, strict=True):
             if isinstance(solution, Exception):
@@ -93,7 +93,7 @@ def _compute_together(
             errors = {error_name(name): error for name, error in solution.errors.items()}
             quantities = in_units(problem, quantities) | errors
             for key in quantities.keys() & values.keys():
-                target, result = values[key][number, place, ...], np.asarray(quantities[key])
+                target, result = values[key][number, solver_index, ...], np.asarray(quantities[key])
                 # a scene may have more modes or fewer rings than the arrays of the store
                 common_part = common(target.shape, result.shape)
                 target[common_part] = result[common_part]

@@ -180,16 +180,16 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     with output_folder(out, "sweep", [PICTURE]) as hidden:
         failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
     status, reasons = dataset["status"].values, dataset["reason"].to_series()
-    done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
-    lines = [f"{done} scenes finished, {failed} failed, {left} left: see {out}"]
+    finished, failed, pending = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
+    lines = [f"{finished} scenes finished, {failed} failed, {pending} left: see {out}"]
     for reason, count in reasons[reasons != ""].value_counts().head(10).items():
         lines.append(f"{reason} ({count} scenes)")
-    if failed or left:
+    if failed or pending:
         lines.append("--resume computes the scenes left, --retry-failed also those that failed")
     disagreeing = int((dataset["disagreement"] > 1).sum()) if "disagreement" in dataset else 0
     if disagreeing:
         lines.append(f"methods disagree in {disagreeing} scenes")
-    return lines + failures, done == plan.count and not failures, not disagreeing
+    return lines + failures, finished == plan.count and not failures, not disagreeing
 
 
 def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:
@@ -201,18 +201,20 @@ def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:
     numerical = (
         column for column in plan.columns.values() if dataset[column.name].dtype.kind in "fi"
     )
-    names = {column.dim: column.name for column in numerical}
-    drawn_dims = sorted(names, key=lambda dim: -plan.sizes[dim])[:2]
-    shown = [name for name in plan.keep if not {"radius", "ring"} & {*dataset[name].dims}][:4]
-    figure = new_figure(6.0, 0.6 + 3.5 * len(shown))
-    for number, name in enumerate(shown if drawn_dims else (), 1):
-        axes = figure.add_subplot(len(shown), 1, number)
+    coordinate_names = {column.dim: column.name for column in numerical}
+    drawn_dims = sorted(coordinate_names, key=lambda dim: -plan.sizes[dim])[:2]
+    drawn_quantities = [
+        name for name in plan.keep if not {"radius", "ring"} & {*dataset[name].dims}
+    ][:4]
+    figure = new_figure(6.0, 0.6 + 3.5 * len(drawn_quantities))
+    for number, name in enumerate(drawn_quantities if drawn_dims else (), 1):
+        axes = figure.add_subplot(len(drawn_quantities), 1, number)
         values = dataset[name].dropna("solver", how="all")
-        others = {dim: -(dim == "time") for dim in values.dims if dim not in drawn_dims}
+        other_indices = {dim: -(dim == "time") for dim in values.dims if dim not in drawn_dims}
         if values.size:
-            values, x = values.isel(others), names[drawn_dims[0]]
+            values, x = values.isel(other_indices), coordinate_names[drawn_dims[0]]
             if values[drawn_dims[-1]].size > 8 and len(drawn_dims) > 1:
-                values.plot.pcolormesh(x=x, y=names[drawn_dims[1]], ax=axes)
+                values.plot.pcolormesh(x=x, y=coordinate_names[drawn_dims[1]], ax=axes)
             else:
                 values.plot.line(".", x=x, ax=axes)
             if 0 < 20 * dataset[x].min() < dataset[x].max():

@@ -42,16 +42,20 @@ def template(sweep: Sweep) -> xarray.Dataset:
 
     The dimensions are those of the sweep, followed by `solver` and the dimensions of each quantity.
     """
-    first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
-    edges = varied.get("punch.ring_edges", [])
-    rings = max([len(first.problem.rings.widths), *varied.get("punch.rings", []), *map(len, edges)])
-    units = UnitNames.of("" if "units" in varied else first.units)
+    first_scene = sweep.first
+    varied_values = {key: column.values for key, column in sweep.columns.items()}
+    edges, ring_counts = (
+        varied_values.get("punch.ring_edges", []),
+        varied_values.get("punch.rings", []),
+    )
+    ring_count = max([len(first_scene.problem.rings.widths), *ring_counts, *map(len, edges)])
+    units = UnitNames.of("" if "units" in varied_values else first_scene.units)
 
     def described(text: str, kind: str = "number") -> dict[str, str]:
         return {"long_name": text, "units": units.name(kind)}
 
     coordinates: dict[str, object] = {
-        "ring": np.arange(1, rings + 1),
+        "ring": np.arange(1, ring_count + 1),
         "mode": np.arange(1, SHOWN + 1),
         "state": np.array(STATES, dtype=object),
     }
@@ -104,8 +108,8 @@ def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
     # dimension comes first, because its scenes are neighbours in the store
     last_first = list(sweep.sizes)[::-1]
     for dim in sorted(last_first, key=separate_dims.__contains__):
-        most = min((8 if dim in separate_dims else 64) * scale, most_in_memory)
-        block[dim] = max(1, min(most // prod(block.values()), sweep.sizes[dim]))
+        greatest_size = min((8 if dim in separate_dims else 64) * scale, most_in_memory)
+        block[dim] = max(1, min(greatest_size // prod(block.values()), sweep.sizes[dim]))
     return {dim: block[dim] for dim in sweep.sizes}
 
 
@@ -255,11 +259,11 @@ def _refuse_other_store(path: Path, identity: dict[str, str]) -> None:
         )
 
 
-def _copy_metadata(fresh: Path, path: Path) -> None:
+def _copy_metadata(source: Path, path: Path) -> None:
     """Copy the files of an empty store, each atomically, with the root last."""
-    files = [file.relative_to(fresh) for file in sorted(fresh.rglob("*")) if file.is_file()]
+    files = [file.relative_to(source) for file in sorted(source.rglob("*")) if file.is_file()]
     for file in sorted(files, key=lambda file: file == Path(ROOT)):
-        target, content = path / file, (fresh / file).read_bytes()
+        target, content = path / file, (source / file).read_bytes()
         if not (target.is_file() and target.read_bytes() == content):
             target.parent.mkdir(parents=True, exist_ok=True)
             partial = target.with_name(f"{target.name}.partial")

@@ -131,7 +131,7 @@ def compute_blocks(
         Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in shapes.items()
     )
     running: dict[Future, Piece] = {}
-    checked = set[str]()
+    checked_workers = set[str]()
     # values of blocks that were split, and the number of their scenes that are still missing
     gathered, missing = dict[int, dict[str, Array]](), dict[int, int]()
     with connect(scheduler, workers, memory) as client:
@@ -140,9 +140,9 @@ def compute_blocks(
         while True:
             # each thread has at most one block: a waiting block would die with the worker
             threads = client.nthreads()
-            if set(threads) - checked:
+            if set(threads) - checked_workers:
                 _check_workers(client)
-                checked |= set(threads)
+                checked_workers |= set(threads)
             thread_count = max(1, sum(threads.values()))
             while waiting and len(running) < thread_count:
                 piece = waiting.popleft()
@@ -204,8 +204,8 @@ def compute_blocks(
 def _fits_here(block: Sweep) -> bool:
     """Return whether the scenes of a block fit into `GREATEST_MEMORY_FRACTION` of the memory."""
     scene_memory = find_largest(block)[1] - LIBRARIES
-    together = min(block.count, MOST_TOGETHER)
-    return LIBRARIES + together * scene_memory <= GREATEST_MEMORY_FRACTION * machine_memory()
+    scene_count = min(block.count, MOST_TOGETHER)
+    return LIBRARIES + scene_count * scene_memory <= GREATEST_MEMORY_FRACTION * machine_memory()
 
 
 def _too_short(seconds: list[float], remaining: int, workers: int) -> bool:
@@ -256,11 +256,12 @@ def _check_workers(client: "Client") -> None:
     SolverError
         its message names the worker and both versions
     """
-    for worker, reply in client.run(computed_with, on_error="return").items():
-        if reply != computed_with():
+    for worker, versions_of_worker in client.run(computed_with, on_error="return").items():
+        if versions_of_worker != computed_with():
             raise SolverError(
-                f"{worker} has another ringwear or other libraries, {reply}, than this process, "
-                f"{computed_with()}: install the same code and versions on it; {RESUME_HINT}"
+                f"{worker} has another ringwear or other libraries, {versions_of_worker}, than "
+                f"this process, {computed_with()}: install the same code and versions on it; "
+                f"{RESUME_HINT}"
             )
 
 
