@@ -47,11 +47,13 @@ class Measure(NamedTuple):
 D0 = Measure("d0", FLAT_INDENTATION, signed=True)
 P0 = Measure("pressure at start", FLAT_PRESSURE)
 INSIDE = Measure("stresses inside", STRESSES)
+"""Measures of the discretisation itself."""
 START = (
     Measure("indentation at start", "indentation", "start"),
     Measure("force at start", "normal_force", "start"),
     Measure("pressure at start", "pressure", "start"),
 )
+"""Measures of the start of a run, used if the start is not flat."""
 LATER = (
     Measure("d(t)", "indentation", "later"),
     Measure("normal force", "normal_force", "later"),
@@ -62,11 +64,13 @@ LATER = (
     Measure("contact radius", "contact_radius", "later"),
     Measure("worn volume", "ring_worn_volume", "later"),
 )
+"""Measures at the times after the start."""
 TIMELESS = (
     Measure("relaxation time", "relaxation_time", signed=True),
     Measure("steady slope", "steady_rms_slope", signed=True),
     Measure("steady profile", "steady_profile"),
 )
+"""Measures that do not depend on time."""
 
 
 def measures_of(problem: Problem, exact: Results) -> tuple[Measure, ...]:

@@ -63,7 +63,7 @@ class StudiedScene:
     quantities : functions of a result, defined by the user, by name
     exact_values : values of these functions for the reference run
     most_unknowns_inside : greatest number of unknowns for which stresses inside are computed
-    solved : results of the levels by family and setting
+    level_results : results of the solved levels by family and setting
     """
 
     scene: Scene
@@ -73,7 +73,7 @@ class StudiedScene:
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     exact_values: Mapping[str, float] = field(default_factory=dict)
     most_unknowns_inside: int = MOST_UNKNOWNS
-    solved: dict[tuple[str, Hashable], Results] = field(default_factory=dict)
+    level_results: dict[tuple[str, Hashable], Results] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -124,7 +124,7 @@ class StudiedScene:
         return cls(scene, problem, exact, measures, quantities, values, most_unknowns_inside)
 
     def family(self, way: Way) -> Family:
-        """Return the family of a way; its `solve` stores the results of each level in `solved`."""
+        """Return the family of a way; its `solve` stores the results in `level_results`."""
 
         def solve(setting: Hashable) -> Row:
             return self._solve(way, setting)
@@ -139,7 +139,7 @@ class StudiedScene:
         return way.method == "fem" or measure.quantity != STRESSES
 
     def _solve(self, way: Way, setting: Hashable) -> Row:
-        """Solve a level, store its results in `solved`, and return its row of the table."""
+        """Solve a level, store its results in `level_results`, and return its row of the table."""
         stages = Stages(way.method)
         problem = way.problem_at(setting) if way.problem_at else self.problem
         discretised = way.discretise(setting, stages)
@@ -153,7 +153,7 @@ class StudiedScene:
             if len(states):
                 with stages("inside"):
                     values[STRESSES] = element_stresses(half_space, states)
-        self.solved[way.name, setting] = values
+        self.level_results[way.name, setting] = values
         row: dict[str, object] = {"unknowns": discretised.unknowns or compliance.space.size}
         row |= {
             column: round(stages.seconds.get(stage, 0.0), 4) for stage, column in STAGES.items()

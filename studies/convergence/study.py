@@ -163,7 +163,7 @@ def curves_of(
             fields = None
             if quantity in norms:
                 levels = tuple(
-                    studied.solved[family.name, setting] for setting in solved_rows.setting
+                    studied.level_results[family.name, setting] for setting in solved_rows.setting
                 )
                 fields = MeasuredLevels(
                     norms[quantity], levels, studied.exact, studied.problem.face

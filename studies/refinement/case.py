@@ -54,7 +54,7 @@ PHASES = ("meshing", "assembling", "condensing", "marching", "estimating")
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
+class MeshSolution:
     """A solution on one mesh.
 
     Parameters
@@ -180,7 +180,7 @@ class Case:
         poles = pole_orders(replace(self.problem, rtol=rtol), truncation(mesh))
         return HalfSpace(solid, pressure_space(solid, rings.ring_edges, rings.hollow), poles)
 
-    def solve(self, half_space: HalfSpace, stages: Stages) -> Solved:
+    def solve(self, half_space: HalfSpace, stages: Stages) -> MeshSolution:
         """Condense a half-space, and compute the wear of the punch on it."""
         with stages("assembling"):
             _ = half_space.lower_triangle
@@ -191,9 +191,9 @@ class Case:
             pressures = np.concatenate(
                 [evaluation.history.pressure, evaluation.wear.steady.pressure[None]]
             )
-        return Solved(half_space, compliance, pressures, evaluation.checked, stages.seconds)
+        return MeshSolution(half_space, compliance, pressures, evaluation.checked, stages.seconds)
 
-    def solve_and_estimate(self, half_space: HalfSpace, stages: Stages) -> Solved:
+    def solve_and_estimate(self, half_space: HalfSpace, stages: Stages) -> MeshSolution:
         """Solve on a half-space of triangles, and compute the error indicator of each triangle.
 
         Raises
@@ -201,52 +201,52 @@ class Case:
         MeshError
             if the mesh has quadrilaterals
         """
-        solved = self.solve(half_space, stages)
+        solution = self.solve(half_space, stages)
         # states before the load rises have no energy
-        loaded = solved.energies > 0
-        pressures = solved.pressures[loaded]
+        loaded = solution.energies > 0
+        pressures = solution.pressures[loaded]
         with stages("estimating"):
             displacements = half_space.displacements(pressures)
             squares = squared_indicators(
                 half_space.solid, displacements, half_space.space, pressures
             )
-        return replace(solved, indicators=squares / solved.energies[loaded, None])
+        return replace(solution, indicators=squares / solution.energies[loaded, None])
 
-    def errors(self, solved: Solved) -> dict[str, float]:
+    def errors(self, solution: MeshSolution) -> dict[str, float]:
         """Return the relative errors of a solution, each in the norm of its quantity.
 
         The entry `history` is the greatest error over all times, and `pressure` is the greatest
         over the times after the start.
         """
-        errors = differences(solved.results, self.exact, self.compared_problem.face)
+        errors = differences(solution.results, self.exact, self.compared_problem.face)
         return {
-            "d0": abs(flat_d0_error(solved.compliance)),
+            "d0": abs(flat_d0_error(solution.compliance)),
             "history": float(errors["indentation"].max()),
             "start pressure": float(errors["pressure"][0]),
             "pressure": float(errors["pressure"][1:].max()),
             "steady": float(errors["steady_displacement_max"]),
             "slope": float(errors["steady_rms_slope"]),
-            "energy": float(np.sqrt(max(solved.relative_energy_errors.max(), 0.0))),
+            "energy": float(np.sqrt(max(solution.relative_energy_errors.max(), 0.0))),
         }
 
-    def row(self, solved: Solved) -> Row:
+    def row(self, solution: MeshSolution) -> Row:
         """Return the row of a level: its sizes, its errors, and its seconds by phase."""
         return {
             "case": self.name,
-            "degree": solved.degree,
-            "unknowns": solved.half_space.unknowns,
-            "elements": solved.mesh.nelements,
-            "multipliers": solved.compliance.space.size,
-            "smallest facet": float(np.diff(contact_radii(solved.mesh)).min()),
-            **self.errors(solved),
-            **solved.effectivities,
-            **{phase: solved.seconds.get(phase, 0.0) for phase in PHASES},
-            SECONDS: sum(solved.seconds.values()),
+            "degree": solution.degree,
+            "unknowns": solution.half_space.unknowns,
+            "elements": solution.mesh.nelements,
+            "multipliers": solution.compliance.space.size,
+            "smallest facet": float(np.diff(contact_radii(solution.mesh)).min()),
+            **self.errors(solution),
+            **solution.effectivities,
+            **{phase: solution.seconds.get(phase, 0.0) for phase in PHASES},
+            SECONDS: sum(solution.seconds.values()),
         }
 
-    def pressure_errors(self, solved: Solved) -> Array:
+    def pressure_errors(self, solution: MeshSolution) -> Array:
         """Return the absolute errors (T, R) of p(t) after the start, over the norm of p(t)."""
-        values, exact = solved.results["pressure"][1:], self.exact["pressure"][1:]
+        values, exact = solution.results["pressure"][1:], self.exact["pressure"][1:]
         weights = self.compared_problem.face.weights
         norms = np.sqrt(np.sum(weights * exact**2, axis=1) / np.sum(weights))
         return np.asarray(np.abs(values - exact) / norms[:, None])
@@ -278,17 +278,17 @@ class Level:
     indicators: Array | None = None
 
     @classmethod
-    def of(cls, case: Case, family: str, setting: str, solved: Solved) -> "Level":
+    def of(cls, case: Case, family: str, setting: str, solution: MeshSolution) -> "Level":
         """Return the level of a solution."""
         return cls(
             case.name,
             family,
             setting,
-            solved.mesh,
-            solved.degree,
-            solved.half_space.unknowns,
-            case.pressure_errors(solved),
-            solved.greatest_indicators,
+            solution.mesh,
+            solution.degree,
+            solution.half_space.unknowns,
+            case.pressure_errors(solution),
+            solution.greatest_indicators,
         )
 
 

@@ -16,7 +16,7 @@ from ..progress import Stages
 from ..sizes.defaults import triangle_degree
 from ..study.options import Options
 from ..study.own_mesh import named_meshes, own_mesh
-from .case import TIMES, Case, Level, Solved
+from .case import TIMES, Case, Level, MeshSolution
 
 DEGREES = {"triangles": range(2, 5), "quadrilaterals": range(2, 17)}
 """Degrees of the displacement for which stable multipliers exist, by kind of elements."""
@@ -63,7 +63,7 @@ class OwnMeshes:
                     f"give {DEGREES[kind][0]} to {DEGREES[kind][-1]}"
                 )
 
-    def solve(self, name: str) -> Solved:
+    def solve(self, name: str) -> MeshSolution:
         """Solve on a mesh; on triangles, also compute the error indicator."""
         stages = Stages("file")
         with stages("meshing"):
@@ -83,17 +83,17 @@ class OwnMeshes:
         return triangle_degree(problem)
 
 
-def least_eigenvalue(solved: Solved) -> float:
+def least_eigenvalue(solution: MeshSolution) -> float:
     """Return the least ratio of the finite-element energy and the MDR energy of a pressure.
 
     It is the square of the inf-sup constant of the multipliers. If it is near 0, some pressures
     have almost no effect on the displacement. It is NaN if there are more than `MOST_PRESSURES`
     pressures.
     """
-    if solved.compliance.space.size > MOST_PRESSURES:
+    if solution.compliance.space.size > MOST_PRESSURES:
         return np.nan
-    exact = energy.compliance(solved.compliance.space)
-    return least_ratio_of_energies(solved.compliance.factor, exact.factor)
+    exact = energy.compliance(solution.compliance.space)
+    return least_ratio_of_energies(solution.compliance.factor, exact.factor)
 
 
 class WorstPlace(NamedTuple):

@@ -28,7 +28,7 @@ from ..sizes.defaults import WIDER_TRUNCATION, triangle_degree
 from ..study.levels import Family
 from ..study.options import Options
 from ..tables import Row
-from .case import POLES_RTOL, Case, Level, Solved
+from .case import POLES_RTOL, Case, Level, MeshSolution
 from .own_meshes import OwnMeshes, least_eigenvalue
 
 COARSEST_SIZE = 1.2
@@ -161,7 +161,7 @@ class Ways:
         self,
         name: str,
         unknowns: dict[str, float],
-        solve: Callable[[str], Solved],
+        solve: Callable[[str], MeshSolution],
         extra_work: float = 0.0,
     ) -> Family:
         """Return a family of levels, without the levels that are expected to be too large.
@@ -175,11 +175,13 @@ class Ways:
         """
 
         def solve_level(setting: str) -> Row:
-            solved = solve(setting)
-            self.levels.append(Level.of(self.case, name, setting, solved))
-            row = self.case.row(solved)
+            solution = solve(setting)
+            self.levels.append(Level.of(self.case, name, setting, solution))
+            row = self.case.row(solution)
             # the multipliers may be unstable only on meshes of the user
-            return {**row, "least eigenvalue": least_eigenvalue(solved)} if name == "file" else row
+            return (
+                {**row, "least eigenvalue": least_eigenvalue(solution)} if name == "file" else row
+            )
 
         def work(setting: str) -> float:
             # measured on two cores: a constant time, and a time proportional to the unknowns
@@ -197,7 +199,7 @@ class Ways:
         ]
         return Family(name, dict.fromkeys(settings, np.nan), solve_level, work=work)
 
-    def _halve(self, setting: str) -> Solved:
+    def _halve(self, setting: str) -> MeshSolution:
         stages = Stages("uniform")
         with stages("meshing"):
             mesh = self._coarsest
@@ -206,20 +208,20 @@ class Ways:
                 mesh = bisection.refined(mesh, all_elements, self.case.problem.merged.ring_edges)
         return self.case.solve(self.case.half_space_on(mesh, self.degree, POLES_RTOL), stages)
 
-    def _grade(self, setting: str) -> Solved:
+    def _grade(self, setting: str) -> MeshSolution:
         return self._mesh_and_solve("graded", setting, {"mesher": "gmsh", "degree": self.degree})
 
-    def _layer(self, setting: str) -> Solved:
+    def _layer(self, setting: str) -> MeshSolution:
         return self._mesh_and_solve("layered", setting, LAYERED_SETTINGS)
 
-    def _mesh_and_solve(self, name: str, setting: str, sizes: Mapping[str, object]) -> Solved:
+    def _mesh_and_solve(self, name: str, setting: str, sizes: Mapping[str, object]) -> MeshSolution:
         """Solve on the mesh that ringwear makes for the `rtol` in the setting."""
         stages, problem = Stages(name), self._with_rtol(float(setting.split()[1]), sizes)
         with stages("meshing"):
             chosen_mesh = half_space_mesh(problem)
         return self.case.solve(half_space_on(problem, chosen_mesh), stages)
 
-    def _raise_degree(self, setting: str) -> Solved:
+    def _raise_degree(self, setting: str) -> MeshSolution:
         stages, problem = Stages("degree"), self._with_rtol(DEGREE_MESH_RTOL, LAYERED_SETTINGS)
         with stages("meshing"):
             mesh = half_space_mesh(problem).mesh
@@ -249,18 +251,18 @@ class AdaptiveTriangles:
     degree: int
     _stages: Stages = field(default_factory=lambda: Stages("adaptive"))
 
-    def solve_next(self, _: str) -> Solved:
+    def solve_next(self, _: str) -> MeshSolution:
         """Solve the next level, compute its error indicators, and refine its mesh for later levels.
 
         Triangles are marked by the greatest of their indicators over all states, each relative to
         the energy of its state. The flat start alone would never refine ring edges.
         """
         half_space = self.case.half_space_on(self.mesh, self.degree, POLES_RTOL)
-        solved = self.case.solve_and_estimate(half_space, self._stages)
-        solved = replace(solved, seconds=dict(self._stages.seconds))
+        solution = self.case.solve_and_estimate(half_space, self._stages)
+        solution = replace(solution, seconds=dict(self._stages.seconds))
         with self._stages("meshing"):
-            assert solved.greatest_indicators is not None
-            marked = fewest_with_share(solved.greatest_indicators, MARKED_SHARE)
+            assert solution.greatest_indicators is not None
+            marked = fewest_with_share(solution.greatest_indicators, MARKED_SHARE)
             edges = self.case.problem.merged.ring_edges
             self.mesh = bisection.refined(self.mesh, marked, edges)
-        return solved
+        return solution

@@ -102,7 +102,7 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
     source : list of values, or a dictionary ``{"linspace": [...]}`` or ``{"geomspace": [...]}``
     base : base scene as nested dictionaries; values are converted to its units
     draws : number of random draws; 0 if the column is not random
-    seed : seed of the random generator; None if the column is not random
+    seed : seed of the random generator; None without [random]
 
     Raises
     ------

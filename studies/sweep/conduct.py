@@ -139,7 +139,8 @@ def compute(
     folder : folder of the store
     resume, retry_failed : as in the function `sweep`
     workers, scheduler : as in the function `sweep`
-    memory : memory in GiB that all processes on this machine may use; None for no limit
+    memory : memory in GiB that all processes on this machine may use; if None, they may use all
+        memory of the machine
     """
     with lock_folder(folder):
         store = Store(sweep, folder, resume or retry_failed)

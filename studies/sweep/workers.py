@@ -98,7 +98,8 @@ def compute_blocks(
     blank : empty results of one scene (`store.template`)
     workers : number of processes on this machine
     scheduler : address of a Dask scheduler; None for processes on this machine
-    memory : memory in GiB that all processes on this machine may use; None for no limit
+    memory : memory in GiB that all processes on this machine may use; if None, they may use all
+        memory of the machine
 
     Raises
     ------
