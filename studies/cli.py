@@ -258,12 +258,12 @@ def _options_of_study(options: argparse.Namespace) -> "Options":
     from .study.options import Options
     from .study.own_objects import load_element, load_quantity
 
-    values = {name: getattr(options, name) for name in STUDIES[options.study].takes}
-    if "quantities" in values:
-        values["quantities"] = dict(map(load_quantity, values["quantities"]))
-    if "elements" in values:
-        values["elements"] = tuple(map(load_element, values["elements"]))
-    return Options(options.quick, **values)
+    given = {name: getattr(options, name) for name in STUDIES[options.study].option_names}
+    if "quantities" in given:
+        given["quantities"] = dict(map(load_quantity, given["quantities"]))
+    if "elements" in given:
+        given["elements"] = tuple(map(load_element, given["elements"]))
+    return Options(options.quick, **given)
 
 
 def _sweep(options: argparse.Namespace) -> Status:
@@ -381,7 +381,7 @@ def _parser() -> argparse.ArgumentParser:
             for study, row in STUDIES.items():
                 subparser = names.add_parser(study, help=row.purpose)
                 add_arguments(subparser, ("scene", "--out", "--quick"), row.scene)
-                for option in row.takes:
+                for option in row.option_names:
                     flag, settings = OF_STUDIES[option]
                     subparser.add_argument(flag, dest=option, **settings)
     return parser

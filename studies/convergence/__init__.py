@@ -1,1 +1,1 @@
-"""The study of convergence: every quantity on every way to refine, with orders of theory."""
+"""The convergence study: orders of every quantity for every way to refine, and their theory."""

@@ -1,9 +1,10 @@
 """Ways to refine the cells of a face on which contact opens, closes and spreads.
 
-MDR, boundary elements, and finite elements of degree 1 to 4 on triangles and of degree 1 and 2 on
-quadrilaterals, all with pressures that are linear on ever smaller cells; with displacements of
-degree 1 they are linear on pairs of facets, which is stable. Left out are higher degrees of the
-pressure: their sign is asked for at nodes, and an edge within an element spoils them.
+The ways are MDR, boundary elements, and finite elements of degree 1 to 4 on triangles and of degree
+1 and 2 on quadrilaterals. Pressures are linear on cells, which become smaller from level to level.
+With displacements of degree 1, pressures are linear on pairs of facets, which is stable. Higher
+degrees of the pressure are left out, because the sign of the pressure is enforced only at nodes and
+a contact edge inside an element makes them inaccurate.
 """
 
 from collections.abc import Iterator
@@ -27,18 +28,18 @@ from ..progress import Stages
 from . import theories
 from .way import Way
 
-FINER, QUICK_FINER = (0.25, 0.5, 1.0, 2.0), (0.125, 0.25, 0.5)
-"""How many times as many cells as rtol 1e-4 asks for, from coarse to fine."""
-CELLS = "size of cells over that of rtol 1e-4"
+CELL_FACTORS, QUICK_CELL_FACTORS = (0.25, 0.5, 1.0, 2.0), (0.125, 0.25, 0.5)
+"""Number of cells over the number for rtol 1e-4, from coarse to fine (`cells_of`)."""
+CELL_SIZE_LABEL = "cell size over that for rtol 1e-4"
 ON_PRESSURES, ON_TRIANGLES, ON_QUADS = "cells", "cells, triangles", "cells, quadrilaterals"
-"""Groups of ways, each drawn in a figure of its own."""
-REACH, NEGLIGIBLE = 5.0, 1e-10
-"""Truncation of quadrilaterals, and the energy that the poles beyond may leave out."""
+"""Groups of ways; each group is drawn in one figure."""
+TRUNCATION, NEGLIGIBLE_ENERGY = 5.0, 1e-10
+"""Truncation radius of quadrilaterals in punch radii; relative energy error of the far field."""
 
 
 def ways_of_cells(problem: Problem, quick: bool) -> Iterator[Way]:
-    """Yield every way to refine the cells of a face, from coarse to fine."""
-    sizes = {finer: 1 / finer for finer in (QUICK_FINER if quick else FINER)}
+    """Yield all ways to refine the cells of a face, each from coarse to fine."""
+    sizes = {factor: 1 / factor for factor in (QUICK_CELL_FACTORS if quick else CELL_FACTORS)}
 
     def way(
         name: str, group: str, method: str, seconds: float, degree: int = 0, quads: bool = False
@@ -55,7 +56,9 @@ def ways_of_cells(problem: Problem, quick: bool) -> Iterator[Way]:
         def work(setting: float) -> float:
             return seconds * (0.2 + setting**2)
 
-        return Way(name, name, group, method, sizes, discretise, theories.of_cells, CELLS, work)
+        return Way(
+            name, name, group, method, sizes, discretise, theories.for_cells, CELL_SIZE_LABEL, work
+        )
 
     yield way("MDR", ON_PRESSURES, "mdr", 3.0)
     yield way("BEM", ON_PRESSURES, "bem", 3.0)
@@ -66,28 +69,39 @@ def ways_of_cells(problem: Problem, quick: bool) -> Iterator[Way]:
 
 
 def elements_on(
-    problem: Problem, cells: ContactCells, finer: float, degree: int, quads: bool
+    problem: Problem, cells: ContactCells, cell_factor: float, degree: int, quads: bool
 ) -> Discretised:
-    """Return finite elements whose facets on the contact are no larger than cells, condensed.
+    """Return condensed finite elements whose facets on the contact are no larger than the cells.
 
-    A triangle becomes three quadrilaterals, and a facet of it two: their triangles are those of
-    cells twice as large.
+    Each quadrilateral mesh is made from triangles: a triangle becomes three quadrilaterals, and
+    each of its facets two facets. These triangles are therefore made for cells twice as large.
+
+    Parameters
+    ----------
+    problem : problem with its ring edges and Poisson's ratio
+    cells : cells of the contact
+    cell_factor : number of cells over the number for rtol 1e-4
+    degree : polynomial degree of the displacement
+    quads : whether the elements are quadrilaterals, not triangles
     """
     if not quads:
         half_space = even_half_space(cells, problem.poisson_ratio, degree=degree)
     else:
-        larger = first_contact(problem, finer / 2)[1]
+        larger = first_contact(problem, cell_factor / 2)[1]
         edges, size = larger.ring_edges, larger.edge_size
-        field = SizeField(edges, size, size, TRIANGLE_GROWTH, REACH, larger.largest, 0.125, larger)
+        field = SizeField(
+            edges, size, size, TRIANGLE_GROWTH, TRUNCATION, larger.largest, 0.125, larger
+        )
         mesh = subdivided(
             bisection.mesh(field), 1, np.array(edges), into_quads=True, log_polar=False
         )
         solid = AxisymmetricElasticity(mesh, degree, problem.poisson_ratio)
         space = pressure_space(solid, np.array(edges), larger.hollow)
         linear = replace(space, degrees=np.minimum(space.degrees, 1))
-        half_space = HalfSpace(solid, linear, enough_poles(REACH, NEGLIGIBLE))
+        half_space = HalfSpace(solid, linear, enough_poles(TRUNCATION, NEGLIGIBLE_ENERGY))
     if degree == 1:
-        # broken at ring edges, there are more linear pressures on facets than contact nodes
+        # linear pressures on single facets, discontinuous at ring edges, would outnumber the nodes
+        # on the contact, and so be unstable
         half_space = replace(half_space, space=half_space.space.coarser())
     compliance = half_space.compliance()
     return Discretised(compliance, lambda: compliance, half_space.unknowns, half_space=half_space)

@@ -1,9 +1,9 @@
-"""What the convergence study does differently for flat and for shaped punches.
+"""Differences between flat and shaped punches in the convergence study.
 
-A flat punch keeps full contact. Its levels are exact in time, its flat start is known in closed
-form, and its reference is MDR at the finest accuracy. The contact of any other punch moves: its
-levels are marched on cells, and its reference has cells half as large as the smallest, and a start
-that is fitted to its edges.
+A flat punch keeps full contact. Its levels are exact in time, its flat start has a closed form, and
+its reference is MDR at the finest accuracy. The contact edges of any other punch move. Its levels
+are computed by a march on cells. Its reference has cells half as large as those of the finest
+level, and its start is computed with functions fitted to the contact edges.
 """
 
 from abc import ABC, abstractmethod
@@ -34,28 +34,28 @@ from . import theories
 from .measures import FLAT_INDENTATION, FLAT_PRESSURE
 
 STEP_TOLERANCE_FACTOR = 0.2
-"""Where contact moves: steps in time err by less than cells (a factor on their tolerance)."""
+"""Factor on the tolerance of time steps in moving contact, so that cells dominate the error."""
 
 
 TheoryOfMeasure = Callable[[str], Theory]
-"""The theory of a measure by its name."""
+"""Function that returns the theory of a measure by its name."""
 
 
 class ContactKind(ABC):
-    """How problems of one contact regime are studied.
+    """How the study treats problems of one contact regime.
 
     Attributes
     ----------
-    refuses_elements : why meshes and elements of the user's own are refused; empty if they are not
-    no_order : why no order can be judged where no sequence has a theory
+    elements_refusal : why meshes and elements of the user are refused; empty if they are accepted
+    no_theory_reason : why no order can be compared with theory, if no sequence has a theory
     """
 
-    refuses_elements: str = ""
-    no_order: str = ""
+    elements_refusal: str = ""
+    no_theory_reason: str = ""
 
     @abstractmethod
-    def studied(self, problem: Problem) -> Problem:
-        """Return a problem as every level solves it: exact in time, with all quantities.
+    def prepare(self, problem: Problem) -> Problem:
+        """Return the problem that every level solves: with the modal march and all quantities.
 
         Raises
         ------
@@ -64,60 +64,60 @@ class ContactKind(ABC):
         """
 
     @abstractmethod
-    def reference(self, problem: Problem, finer: float, stages: Stages) -> Evaluation:
-        """Return the run that levels are measured by.
+    def reference(self, problem: Problem, cell_factor: float, stages: Stages) -> Evaluation:
+        """Return the reference run, with which the levels are compared.
 
         Parameters
         ----------
-        problem : as every level solves it
-        finer : how many times as many cells the finest level has as rtol 1e-4 asks for
-        stages : tells of the progress
+        problem : problem that every level solves
+        cell_factor : number of cells of the finest level over the number for rtol 1e-4
+        stages : timer of the stages, which logs progress
         """
 
     @abstractmethod
     def evaluate(self, problem: Problem, compliance: Compliance) -> Evaluation:
-        """Return a compliance worn and sampled, as the pipeline of every method does."""
+        """Compute wear on a compliance and its quantities, as the pipeline of every method does."""
 
     @abstractmethod
     def flat_start(self, problem: Problem, compliance: Compliance) -> Results:
-        """Return the flat start by the pressures of the space itself, under the force 1."""
+        """Return the flat start computed in the pressure space itself, under the force 1."""
 
     @abstractmethod
     def closed_forms(self, problem: Problem, results: Results) -> Results:
-        """Return what is known exactly, of the quantities in the results and of flat starts."""
+        """Return closed-form values of the flat start and of quantities in the results."""
 
     @abstractmethod
     def theory_of_steps(self, short: bool) -> TheoryOfMeasure:
-        """Return the theory of the implicit march, given whether all of its steps are short."""
+        """Return the theory of the implicit march, depending on whether all steps are short."""
 
 
 class FlatPunch(ContactKind):
     """A flat punch, which keeps full contact."""
 
-    no_order = theories.OWN_MESH
+    no_theory_reason = theories.OWN_MESH
 
-    def studied(self, problem: Problem) -> Problem:
-        """Return the problem with the radii that fields of all levels are compared at."""
+    def prepare(self, problem: Problem) -> Problem:
+        """Return the problem with the radii at which fields of all levels are compared."""
         problem = replace(problem, march="modal", step=None, quantities=None)
         return replace(problem, compared_on=problem.face)
 
-    def reference(self, problem: Problem, finer: float, stages: Stages) -> Evaluation:
+    def reference(self, problem: Problem, cell_factor: float, stages: Stages) -> Evaluation:
         """Return MDR at the finest accuracy."""
         finest = replace(problem, rtol=FINEST_RTOL, mdr=MdrAccuracy())
         return self.evaluate(problem, MDR.discretise(finest, stages).compliance)
 
     def evaluate(self, problem: Problem, compliance: Compliance) -> Evaluation:
-        """Return the history that is exact in time."""
+        """Return the evaluation of the history, which is exact in time."""
         return FullContact(problem, compliance)
 
     def flat_start(self, problem: Problem, compliance: Compliance) -> Results:
-        """Return the indentation and the pressure at the radii of the face."""
+        """Return the indentation, and the pressure at the radii of the face."""
         pressed = press_flat(compliance)
         pressure = compliance.space.matrix(problem.face.radii) @ pressed.pressure
         return {FLAT_INDENTATION: np.asarray(pressed.indentation), FLAT_PRESSURE: pressure}
 
     def closed_forms(self, problem: Problem, results: Results) -> Results:
-        """Return the flat start, and the slope of the steady state where k is constant on rings."""
+        """Return the flat start and, if k is constant on each ring, the steady RMS slope."""
         flat = flat_punch(problem.inner_radius)
         exact = {
             FLAT_INDENTATION: np.asarray(flat.indentation),
@@ -135,33 +135,34 @@ class FlatPunch(ContactKind):
         return exact
 
     def theory_of_steps(self, short: bool) -> TheoryOfMeasure:
-        """Return the first order of the implicit march."""
-        return partial(theories.of_steps, short)
+        """Return the theory of the implicit march, which has order one in short steps."""
+        return partial(theories.for_steps, short)
 
 
 class ShapedPunch(ContactKind):
     """A punch whose contact opens, closes and spreads."""
 
-    refuses_elements = (
-        "study convergence takes meshes and elements of your own for flat punches under a force "
-        "that never falls: cells of a face follow its contact; leave them out"
+    elements_refusal = (
+        "study convergence accepts your own meshes and elements only for flat punches under a "
+        "force that never decreases, because other punches need cells that follow the contact; "
+        "leave the meshes and elements out"
     )
-    no_order = theories.MOVING_EDGES
+    no_theory_reason = theories.MOVING_EDGES
 
-    def studied(self, problem: Problem) -> Problem:
-        """Return the history alone, with sizes of cells that are counted from one accuracy."""
+    def prepare(self, problem: Problem) -> Problem:
+        """Return the problem of the history alone, with rtol 1e-4, to which cell sizes refer."""
         if not len(problem.times):
             raise SceneError(
-                "the steady state of this punch is that of a flat one: give wear.times for a "
-                "history, or a flat punch"
+                "the steady state of this punch equals that of a flat punch: give wear.times for a "
+                "history, or study a flat punch"
             )
         problem = replace(problem, march="modal", step=None, quantities=None)
         problem = replace(problem, rtol=1e-4, steady=False)
         return replace(problem, compared_on=problem.face)
 
-    def reference(self, problem: Problem, finer: float, stages: Stages) -> Evaluation:
-        """Return the march on cells half as large as the finest, from a fitted start."""
-        compliance = ring_kernel.compliance(first_contact(problem, 2 * finer)[1].space())
+    def reference(self, problem: Problem, cell_factor: float, stages: Stages) -> Evaluation:
+        """Return the march on cells half as large as on the finest level, from a fitted start."""
+        compliance = ring_kernel.compliance(first_contact(problem, 2 * cell_factor)[1].space())
         start = fitted_start(problem, stages)
         return MovingContact(problem, compliance, start, STEP_TOLERANCE_FACTOR)
 
@@ -174,21 +175,25 @@ class ShapedPunch(ContactKind):
         return {}
 
     def closed_forms(self, problem: Problem, results: Results) -> Results:
-        """Return nothing: a contact that moves has no closed form."""
+        """Return nothing: there is no closed form if the contact moves."""
         return {}
 
     def theory_of_steps(self, short: bool) -> TheoryOfMeasure:
-        """Return why there is no order: steps are taken where contact moves, too."""
-        return theories.of_steps_in_moving_contact
+        """Return a theory without an order, because contact moves during the steps."""
+        return theories.for_steps_in_moving_contact
 
 
-KINDS: dict[object, ContactKind] = {FULL_CONTACT: FlatPunch(), MOVING_CONTACT: ShapedPunch()}
-"""How problems are studied, by their contact regime."""
+CONTACT_KINDS: dict[object, ContactKind] = {
+    FULL_CONTACT: FlatPunch(),
+    MOVING_CONTACT: ShapedPunch(),
+}
+"""Treatment of problems by their contact regime."""
 
 
 def fitted_start(problem: Problem, stages: Stages) -> FittedPress | None:
-    """Return the unworn press fitted to the edges of its contact; None where that is not had."""
+    """Return the unworn contact with functions fitted to its edges; None if there is no fit."""
     intervals, _ = first_contact(problem)
     presses, _ = fitted_starts(problem, intervals, MDR.discretise(problem, stages))
-    # where edges within the contact are free, cells show the start as they show the rest
+    # there is no fit, for example, if edges inside the contact are free; then the cells of the
+    # march also approximate the start
     return presses[0] if presses else None

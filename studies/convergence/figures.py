@@ -1,4 +1,4 @@
-"""Figures of the study: a panel for each measure or group of ways, few curves in each."""
+"""Draw the figures of the study: one panel for each measure or group of ways."""
 
 from collections.abc import Sequence as Listed
 from dataclasses import dataclass
@@ -31,26 +31,26 @@ COLORS = {
     "BEM": "#2e7d32",
     "BEM degree 1": "#2e7d32",
 }
-"""Colours of curves by their labels; others take those of `SPARE_COLORS` in turn."""
+"""Colours of curves by their labels. Other labels get the colours of `SPARE_COLORS` in turn."""
 SPARE_COLORS = ("#c0392b", "#0072b2", "#2e7d32", "#e69f00", "#4a235a", "#7f8c8d")
 MARKERS = "os^Dvx+*"
 MOST_COLUMNS = 4
 LABELS = {"unknowns": "number of unknowns", "seconds": "seconds of the level"}
-"""What abscissas are called that are not the size of theory."""
+"""Labels of the abscissas other than the size that theory refers to."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A sequence as it is drawn.
+    """A sequence of errors with its abscissa and label.
 
     Parameters
     ----------
-    label : shared by all sequences with the same elements
-    group : of ways that are drawn together
-    sequence : its errors
-    abscissa : (n,) of each level
-    xlabel : what the abscissa is called
-    by_size : whether the abscissa is the size of theory
+    label : label of the curve; all sequences with the same elements have the same label
+    group : group of ways that are drawn in one figure
+    sequence : errors of the levels
+    abscissa : (n,) abscissa of each level
+    xlabel : label of the abscissa
+    by_size : whether the abscissa is the size that theory refers to
     """
 
     label: str
@@ -63,14 +63,14 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """A title and what is drawn under it."""
+    """The title of a panel, and its curves."""
 
     title: str
     curves: Listed[Curve]
 
 
 def draw(title: str, panels: Listed[Panel]) -> Figure:
-    """Draw errors in panels, logarithmic, with one legend for all of them."""
+    """Draw errors on logarithmic axes in panels, with one legend for all panels."""
     columns = max(1, min(3 if len(panels) in (5, 6, 9) else MOST_COLUMNS, len(panels)))
     rows = max(1, -(-len(panels) // columns))
     figure, grid = new_panels(max(2.9 * columns, 5.0), 2.5 * rows + 1.3, rows, columns)
@@ -86,12 +86,12 @@ def draw(title: str, panels: Listed[Panel]) -> Figure:
 
 
 def color_of(label: str, labels: list[str]) -> str:
-    """Return the colour of the curves of a label, one of the labels of a figure."""
+    """Return the colour of the curves with a label, which is one of the labels of the figure."""
     return COLORS.get(label, SPARE_COLORS[labels.index(label) % len(SPARE_COLORS)])
 
 
 def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
-    lowest = dict[float, Curve]()
+    lowest_curves = dict[float, Curve]()
     for curve in panel.curves:
         number = labels.index(curve.label)
         errors = np.where(curve.sequence.errors > 0, curve.sequence.errors, np.nan)
@@ -108,17 +108,17 @@ def _draw_panel(axes: "Axes", panel: Panel, labels: list[str]) -> None:
         )
         order = curve.sequence.theory.order
         if curve.by_size and np.isfinite(order) and len(errors) > 1:
-            # of curves of the same order one triangle is enough, below the lowest of them
-            other = lowest.setdefault(order, curve)
+            # curves of the same order share one triangle, below the lowest of these curves
+            other = lowest_curves.setdefault(order, curve)
             if curve.sequence.errors[0] < other.sequence.errors[0]:
-                lowest[order] = curve
+                lowest_curves[order] = curve
     triangles = [
         draw_slope_triangle(
             axes, curve.abscissa, curve.sequence.errors, order, color_of(curve.label, labels)
         )
-        for order, curve in lowest.items()
+        for order, curve in lowest_curves.items()
     ]
-    # room for the labels of triangles
+    # make room for the labels of the triangles
     axes.margins(x=0.12)
     axes.set_title(panel.title, fontsize=8)
     if panel.curves:

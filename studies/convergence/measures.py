@@ -1,9 +1,10 @@
-"""What is measured of a level, and by how much it errs, in the norms of the package.
+"""Define the measures of a level, and compute their errors in the norms of the package.
 
-A measure is a quantity of a run (`studies/problem/quantities.py`) at the start or later, or one of
-three that are taken from the discretisation itself: the indentation and the pressure of the flat
-start by the pressures of its own space (a run seeks the start among functions that suit it better,
-which would hide the singular rim), and the stresses on the axis.
+A measure is a quantity of a run (`studies/problem/quantities.py`), at the start or at later times,
+or one of three quantities of the discretisation itself. These are the indentation and the pressure
+of the flat start, computed in the pressure space of the level, and the stresses on the axis. (A run
+computes the flat start with functions that are adapted to its singularity, which would hide the
+error at the singular rim.)
 """
 
 from collections.abc import Callable
@@ -21,9 +22,9 @@ from ..sampling.norms import Results, differences
 from ..study.orders import FieldLevels
 
 FLAT_INDENTATION, FLAT_PRESSURE, STRESSES = "flat indentation", "flat pressure", "stresses"
-"""Measures that no run has, by their names among results."""
+"""Names, in results, of the measures that are not quantities of a run."""
 PRESSURE_PART = "d0 by the pressures alone"
-"""Column of the error that the pressures of a level make on the exact half-space."""
+"""Column with the error of d0 if the pressures of a level act on the exact half-space (MDR)."""
 
 
 class Measure(NamedTuple):
@@ -31,10 +32,10 @@ class Measure(NamedTuple):
 
     Parameters
     ----------
-    name : of the column
-    quantity : by its name among results
-    when : `start`, `later`, or nothing where it has no time
-    signed : whether it is one number, whose error has a sign
+    name : name of the column
+    quantity : name of the quantity in results
+    when : `start` or `later`; empty if the quantity does not depend on time
+    signed : whether the quantity is a single number, so that its error has a sign
     """
 
     name: str
@@ -46,11 +47,13 @@ class Measure(NamedTuple):
 D0 = Measure("d0", FLAT_INDENTATION, signed=True)
 P0 = Measure("pressure at start", FLAT_PRESSURE)
 INSIDE = Measure("stresses inside", STRESSES)
+"""Measures of the discretisation itself."""
 START = (
     Measure("indentation at start", "indentation", "start"),
     Measure("force at start", "normal_force", "start"),
     Measure("pressure at start", "pressure", "start"),
 )
+"""Measures of the start of a run, used if the start is not flat."""
 LATER = (
     Measure("d(t)", "indentation", "later"),
     Measure("normal force", "normal_force", "later"),
@@ -61,32 +64,34 @@ LATER = (
     Measure("contact radius", "contact_radius", "later"),
     Measure("worn volume", "ring_worn_volume", "later"),
 )
+"""Measures at the times after the start."""
 TIMELESS = (
     Measure("relaxation time", "relaxation_time", signed=True),
     Measure("steady slope", "steady_rms_slope", signed=True),
     Measure("steady profile", "steady_profile"),
 )
+"""Measures that do not depend on time."""
 
 
 def measures_of(problem: Problem, exact: Results) -> tuple[Measure, ...]:
-    """Return what can be measured of a problem, given its exact results."""
-    found = [D0, P0]
+    """Return the measures that a problem has, given its exact results."""
+    candidates = [D0, P0]
     at_start, later = rows_at(exact, "start"), rows_at(exact, "later")
-    given = {problem.load_regime.given}
-    if "normal_force" in given and len(problem.wear_coefficients) == 1:
-        # one ring carries the force that is given, and loses the volume that goes with it
-        given |= {"ring_force", "ring_worn_volume"}
+    prescribed = {problem.load_regime.given}
+    if "normal_force" in prescribed and len(problem.wear_coefficients) == 1:
+        # a single ring carries the prescribed force, which determines its worn volume
+        prescribed |= {"ring_force", "ring_worn_volume"}
     if at_start.any() and FLAT_INDENTATION not in exact:
-        found += [measure for measure in START if measure.quantity not in given]
+        candidates += [measure for measure in START if measure.quantity not in prescribed]
     if later.any():
-        found += [measure for measure in LATER if measure.quantity not in given]
-    found += TIMELESS
-    chosen = [measure for measure in found if measure.quantity in exact]
-    return (*chosen, INSIDE) if STRESSES in exact else tuple(chosen)
+        candidates += [measure for measure in LATER if measure.quantity not in prescribed]
+    candidates += TIMELESS
+    measures = [measure for measure in candidates if measure.quantity in exact]
+    return (*measures, INSIDE) if STRESSES in exact else tuple(measures)
 
 
 def rows_at(exact: Results, when: str) -> NDArray[np.bool_]:
-    """Return which of the times of results (T,) are the start, or later."""
+    """Return a mask (T,) of the times of results that are the loaded start, or later times."""
     times = exact.get("time", np.zeros(0))
     if when == "later":
         return times > 0
@@ -94,7 +99,7 @@ def rows_at(exact: Results, when: str) -> NDArray[np.bool_]:
 
 
 def error(measure: Measure, values: Results, exact: Results, face: Face) -> float:
-    """Return the relative error of a measure, greatest over time; NaN if values lack it."""
+    """Return the relative error of a measure, the greatest over time; NaN if `values` lack it."""
     name = measure.quantity
     if name not in values:
         return np.nan
@@ -103,26 +108,27 @@ def error(measure: Measure, values: Results, exact: Results, face: Face) -> floa
         return float(value / reference - 1)
     if name == FLAT_PRESSURE:
         weights = face.weights * face.edge_weights
-        wrong = weights @ (values[name] - exact[name]) ** 2
-        return float(np.sqrt(wrong / (weights @ exact[name] ** 2)))
+        squared_error = weights @ (values[name] - exact[name]) ** 2
+        return float(np.sqrt(squared_error / (weights @ exact[name] ** 2)))
     if name == STRESSES:
         states = len(exact[name])
-        greatest = np.abs(exact[name]).reshape(states, -1).max(axis=1)
-        wrong = np.abs(values[name] - exact[name]).reshape(states, -1).max(axis=1)
-        return float((wrong / greatest).max())
+        greatest_stress = np.abs(exact[name]).reshape(states, -1).max(axis=1)
+        errors = np.abs(values[name] - exact[name]).reshape(states, -1).max(axis=1)
+        return float((errors / greatest_stress).max())
     difference = differences({name: values[name]}, exact, face)[name]
     return float((difference[rows_at(exact, measure.when)] if measure.when else difference).max())
 
 
 @dataclass(frozen=True)
 class MeasuredLevels(FieldLevels):
-    """The levels of one measure that has no sign, from coarse to fine.
+    """Levels of one measure whose error is a norm, from coarse to fine.
 
     Parameters
     ----------
-    measure : a norm
+    measure : measure without a sign
     levels : results of each level
-    exact, face : what they are compared with, and where
+    exact : reference results that the levels are compared with
+    face : points and weights of the norms on the face of the punch
     """
 
     measure: Measure
@@ -130,14 +136,16 @@ class MeasuredLevels(FieldLevels):
     exact: Results
     face: Face
 
-    def _norm_of(self, wrong: Callable[[str], Array]) -> float:
-        """Return the norm of a difference to the exact result, relative to this."""
+    def _norm_of(self, deviation: Callable[[str], Array]) -> float:
+        """Return the norm of a deviation, relative to the norm of the exact result."""
         name = self.measure.quantity
-        return error(self.measure, {name: self.exact[name] + wrong(name)}, self.exact, self.face)
+        return error(
+            self.measure, {name: self.exact[name] + deviation(name)}, self.exact, self.face
+        )
 
     @cached_property
     def changes(self) -> Array:
-        """(n-1,) norms of the differences between neighbouring levels, relative."""
+        """(n-1,) relative norms of the differences between neighbouring levels."""
         pairs = zip(self.levels[:-1], self.levels[1:], strict=True)
 
         def norm(coarse: Results, fine: Results) -> float:
@@ -146,7 +154,7 @@ class MeasuredLevels(FieldLevels):
         return np.array([norm(coarse, fine) for coarse, fine in pairs])
 
     def error_of_limit(self, weight: float) -> float:
-        """Return the error of the finest field and `weight` times its last change, relative."""
+        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
         coarse, fine = self.levels[-2:]
 
         def limit(name: str) -> Array:

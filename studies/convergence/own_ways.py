@@ -1,4 +1,4 @@
-"""Sequences of the user's own: meshes, elements, and steps in time."""
+"""Sequences of levels given by the user: meshes, elements, and time steps."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -20,7 +20,7 @@ from ..study.levels import Theory
 from ..study.options import Options
 from ..study.own_mesh import named_meshes, own_mesh
 from . import theories
-from .contact_kinds import KINDS
+from .contact_kinds import CONTACT_KINDS
 from .scene_ways import (
     GRADED_LEVELS,
     QUAD_GRADED_LEVELS,
@@ -34,60 +34,63 @@ from .scene_ways import (
 from .way import Way
 
 OWN_MESHES, STEPS = "your meshes", "steps in time"
-"""Groups of ways, each drawn in a figure of its own."""
+"""Groups of ways; each group is drawn in one figure."""
 MESH_LABEL = r"1 / $\sqrt{\mathrm{number\ of\ elements}}$"
-STEP_LABEL = "step in time, in the unit of the scene"
-SHORT_STEP = 0.25
-"""Part of the first of the times up to which the error there is in proportion to the step."""
+STEP_LABEL = "time step, in the unit of the scene"
+LONGEST_STEP_FRACTION = 0.25
+"""Longest step, over the earliest time, for which the error there is proportional to the step."""
 QUAD_DEGREE, TRIANGLE_DEGREE = 2, 2
-"""Degrees on meshes of the user's, where none is asked for."""
+"""Default degrees of the displacement on meshes of the user."""
 
 
 def own_ways(problem: Problem, options: Options) -> Iterator[Way]:
-    """Yield the sequences that a user asks for, in place of the study's.
+    """Yield the user's sequences, which replace those of the study.
 
     Raises
     ------
     SceneError
-        if a mesh, an element or a step does not go with the scene
+        if a mesh, an element or a step does not fit the scene
     """
     if options.meshes:
         yield from ways_of_meshes(problem, options)
     for element in options.elements if not options.meshes else ():
         degree, quads = degree_of(element, options.degree), is_on_quadrilaterals(element)
-        shown, name = slice(-1 if options.quick else None), name_of(element)
+        shown_levels, name = slice(-1 if options.quick else None), name_of(element)
         levels = QUAD_UNIFORM_LEVELS if quads else UNIFORM_LEVELS
-        halvings = levels[min(degree, max(levels))][shown]
+        halvings = levels[min(degree, max(levels))][shown_levels]
         yield uniform_way(problem, degree, quads, halvings, element, name)
         levels = QUAD_GRADED_LEVELS if quads else GRADED_LEVELS
-        counts = levels[min(degree, max(levels))][shown]
+        counts = levels[min(degree, max(levels))][shown_levels]
         yield graded_way(problem, degree, quads, counts, element, name)
     if options.steps:
         yield way_of_steps(problem, options.steps)
 
 
 def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
-    """Yield the user's meshes with each of the user's elements, or with Lagrange's of a degree.
+    """Yield the user's meshes with each of the user's elements, or with Lagrange elements.
 
     Raises
     ------
     SceneError
-        if a mesh is none of the scene's half-space, or an element does not go with it
+        if a mesh is not a mesh of the scene's half-space, or if an element does not fit the meshes
     """
-    if refused := KINDS[problem.contact].refuses_elements:
-        raise SceneError(refused)
+    if refusal := CONTACT_KINDS[problem.contact].elements_refusal:
+        raise SceneError(refusal)
     meshes = {
-        name: mesh_of_option(problem, each) for name, each in named_meshes(options.meshes).items()
+        name: mesh_of_option(problem, source)
+        for name, source in named_meshes(options.meshes).items()
     }
     on_quads = {isinstance(mesh, MeshQuad) for mesh in meshes.values()}
     if len(on_quads) > 1:
-        raise SceneError("--mesh: a sequence is of triangles or of quadrilaterals, not of both")
+        raise SceneError(
+            "--mesh: the meshes of a sequence are all triangles or all quadrilaterals, not both"
+        )
     (quads,) = on_quads
     elements: Sequence[Element | None] = options.elements or (None,)
     for element in elements:
         if element is not None and is_on_quadrilaterals(element) != quads:
             kind = "quadrilaterals" if quads else "triangles"
-            raise SceneError(f"--element {name_of(element)}: your meshes are of {kind}")
+            raise SceneError(f"--element {name_of(element)}: your meshes consist of {kind}")
         degree = options.degree or (QUAD_DEGREE if quads else TRIANGLE_DEGREE)
         label = f"FEM {'Q' if quads else 'P'}{degree}"
         if element is not None:
@@ -98,7 +101,10 @@ def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
 def way_of_meshes(
     problem: Problem, meshes: dict[str, Mesh], degree: int, element: Element | None, label: str
 ) -> Way:
-    """Return meshes by their names, from coarse to fine, with elements of a degree."""
+    """Return the way through the user's meshes, from coarse to fine, with elements of one degree.
+
+    If `element` is None, elements are Lagrange elements of the degree.
+    """
 
     def discretise(setting: str, stages: Stages) -> Discretised:
         mesh = meshes[setting]
@@ -110,7 +116,7 @@ def way_of_meshes(
         return seconds_of_elements(mesh.nelements, degree, isinstance(mesh, MeshQuad))
 
     sizes = {name: float(mesh.nelements**-0.5) for name, mesh in meshes.items()}
-    theory = partial(_nothing_expected, theories.OWN_MESH)
+    theory = partial(_without_order, theories.OWN_MESH)
     return Way(
         f"{label}, your meshes",
         label,
@@ -125,29 +131,29 @@ def way_of_meshes(
 
 
 def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
-    """Return steps in time of the implicit march, on the finest discretisation of the study.
+    """Return the way through time steps of the implicit march, on an accurate MDR discretisation.
 
     Raises
     ------
     SceneError
-        if there is no history, or a step is not positive
+        if the scene has no history or a load that varies, or if a step is not positive
     """
     if not len(problem.times) or min(steps) <= 0 or problem.loading.varies:
         raise SceneError(
             "--steps: give positive steps, and a scene with wear.times under a constant load"
         )
-    sharp = replace(problem, rtol=min(problem.rtol, 1e-5))
+    accurate = replace(problem, rtol=min(problem.rtol, 1e-5))
 
     def discretise(_: float, stages: Stages) -> Discretised:
         with stages("condensing"):
-            compliance = MDR.discretise(sharp, stages).compliance
+            compliance = MDR.discretise(accurate, stages).compliance
         return Discretised(compliance, lambda: compliance)
 
     def problem_at(setting: float) -> Problem:
         return replace(problem, march="implicit", step=setting / problem.units.time)
 
-    short = max(steps) / problem.units.time <= SHORT_STEP * problem.earliest
-    theory = KINDS[problem.contact].theory_of_steps(short)
+    short = max(steps) / problem.units.time <= LONGEST_STEP_FRACTION * problem.earliest
+    theory = CONTACT_KINDS[problem.contact].theory_of_steps(short)
     sizes = {step: step for step in steps}
     name = "MDR, implicit march"
     return Way(
@@ -155,40 +161,40 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
     )
 
 
-def mesh_of_option(problem: Problem, given: str | Path | Mesh) -> Mesh:
-    """Return a mesh of the user's, read from a file if it is one.
+def mesh_of_option(problem: Problem, source: str | Path | Mesh) -> Mesh:
+    """Return a mesh of the user: a mesh of scikit-fem, or one read from a file.
 
     Raises
     ------
     SceneError
-        if it is no mesh of the scene's half-space
+        if it is not a mesh of the scene's half-space
     """
     try:
-        return own_mesh(problem, given)
+        return own_mesh(problem, source)
     except MeshError as error:
         raise SceneError(f"--mesh {error}") from error
 
 
 def name_of(element: Element) -> str:
-    """Return the name of an element as scikit-fem has it."""
+    """Return the name of an element's class, without the prefix "Element"."""
     return type(element).__name__.removeprefix("Element")
 
 
-def degree_of(element: Element, asked: int | None) -> int:
-    """Return the degree of an element along a side.
+def degree_of(element: Element, chosen_degree: int | None) -> int:
+    """Return the degree chosen by the user, or else the degree of the element along a side.
 
     Raises
     ------
     SceneError
-        if the element is not continuous with one function for each vertex
+        if the element is not continuous, or does not have one function for each vertex
     """
     if not isinstance(element, ElementH1) or element.nodal_dofs != 1:
         raise SceneError(
             f"--element {name_of(element)}: the displacement has to be continuous, with one "
             "function for each vertex: give an element such as ElementTriP2 or ElementQuad2"
         )
-    return asked or 1 + int(element.facet_dofs)
+    return chosen_degree or 1 + int(element.facet_dofs)
 
 
-def _nothing_expected(reason: str, _: str) -> Theory:
+def _without_order(reason: str, _: str) -> Theory:
     return Theory(order=np.nan, reason=reason)

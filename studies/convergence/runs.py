@@ -1,8 +1,9 @@
-"""A level as a run: a discretisation that the study fixes, worn and sampled as any method's is.
+"""Solve a level as a run with a discretisation that the study prescribes, and measure its errors.
 
-Every level has all quantities of the scene, so that a function of a result works on it. What levels
-are measured by is one reference run (`contact_kinds.py`). Closed forms take its place where there
-are any: flat starts and the slope of the steady state.
+Wear and sampling are the same as for every method, so that a level has all quantities of the scene
+and a function of a result works on it. The exact results, with which levels are compared, come from
+one reference run (`contact_kinds.py`). Closed forms replace its values for flat starts and for the
+RMS slope of the steady state, where they exist.
 """
 
 from collections.abc import Hashable, Mapping
@@ -26,8 +27,8 @@ from ..scene.scene import Scene
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
 from ..tables import Row
-from .axis_stresses import MOST_UNKNOWNS, by_boussinesq, by_elements
-from .contact_kinds import KINDS
+from .axis_stresses import MOST_UNKNOWNS, boussinesq_stresses, element_stresses
+from .contact_kinds import CONTACT_KINDS
 from .measures import (
     PRESSURE_PART,
     STRESSES,
@@ -44,25 +45,25 @@ STAGES = {
     "marching": "march s",
     "inside": "inside s",
 }
-"""Columns of the table by the stage of a level that they tell the seconds of."""
-STATES_INSIDE = 3
-"""Most times at which stresses inside are compared."""
+"""Columns with the seconds of each stage of a level, by the name of the stage."""
+MOST_STATES_INSIDE = 3
+"""Greatest number of times at which stresses inside the half-space are compared."""
 
 
 @dataclass(frozen=True)
-class Studied:
-    """A scene with its exact results, and the results of each level that was solved.
+class StudiedScene:
+    """A scene with its exact results, and the results of the levels solved so far.
 
     Parameters
     ----------
-    scene : that is studied
-    problem : its problem as every level solves it
-    exact : results that levels are measured by
-    measures : what is measured of each level
-    quantities : the user's functions of a result
-    exact_values : their values of the reference run
-    most_inside : unknowns up to which stresses inside are recovered
-    solved : results by family and setting, as they come
+    scene : scene that is studied
+    problem : problem that every level solves
+    exact : exact results, with which levels are compared
+    measures : measures whose errors are computed on each level
+    quantities : functions of a result, defined by the user, by name
+    exact_values : values of these functions for the reference run
+    most_unknowns_inside : greatest number of unknowns for which stresses inside are computed
+    level_results : results of the solved levels by family and setting
     """
 
     scene: Scene
@@ -71,40 +72,41 @@ class Studied:
     measures: tuple[Measure, ...]
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     exact_values: Mapping[str, float] = field(default_factory=dict)
-    most_inside: int = MOST_UNKNOWNS
-    solved: dict[tuple[str, Hashable], Results] = field(default_factory=dict)
+    most_unknowns_inside: int = MOST_UNKNOWNS
+    level_results: dict[tuple[str, Hashable], Results] = field(default_factory=dict)
 
     @classmethod
     def of(
         cls,
         scene: Scene,
         quantities: Mapping[str, Quantity],
-        finer: float,
-        most_inside: int = MOST_UNKNOWNS,
-    ) -> "Studied":
-        """Return a scene with its exact results.
+        cell_factor: float,
+        most_unknowns_inside: int = MOST_UNKNOWNS,
+    ) -> "StudiedScene":
+        """Compute the exact results of a scene.
 
         Parameters
         ----------
-        scene, quantities : that are studied
-        finer : how many times as many cells the finest level has as rtol 1e-4 asks for; only for
-            punches whose contact moves
-        most_inside : unknowns up to which stresses inside are recovered
+        scene : scene that is studied
+        quantities : functions of a result, defined by the user, by name
+        cell_factor : number of cells of the finest level over the number for rtol 1e-4; used only
+            if the contact moves
+        most_unknowns_inside : greatest number of unknowns for which stresses inside are computed
 
         Raises
         ------
         SceneError
-            if a function of a result fails, or if there is nothing to measure
+            if a function of a result fails, or if the scene has no quantity to study
         RingwearError
             if the reference cannot be computed
         """
-        kind = KINDS[scene.problem.contact]
-        problem, stages = kind.studied(scene.problem), Stages("reference")
-        evaluation = kind.reference(problem, finer, stages)
+        kind = CONTACT_KINDS[scene.problem.contact]
+        problem, stages = kind.prepare(scene.problem), Stages("reference")
+        evaluation = kind.reference(problem, cell_factor, stages)
         exact = evaluation.checked | kind.closed_forms(problem, evaluation.checked)
         states = states_inside(problem, evaluation)
         if len(states):
-            exact[STRESSES] = by_boussinesq(
+            exact[STRESSES] = boussinesq_stresses(
                 evaluation.compliance.space, states, problem.poisson_ratio
             )
         values = dict[str, float]()
@@ -112,14 +114,17 @@ class Studied:
             discretised = Discretised(evaluation.compliance, lambda: evaluation.compliance)
             result = result_of(scene, "mdr", evaluation, discretised, stages)
             try:
-                values = {name: take(name, of, result) for name, of in quantities.items()}
-            except RingwearError as failed:
-                raise SceneError(str(failed)) from failed
+                values = {
+                    name: evaluate_quantity(name, quantity, result)
+                    for name, quantity in quantities.items()
+                }
+            except RingwearError as error_of_function:
+                raise SceneError(str(error_of_function)) from error_of_function
         measures = measures_of(problem, exact)
-        return cls(scene, problem, exact, measures, quantities, values, most_inside)
+        return cls(scene, problem, exact, measures, quantities, values, most_unknowns_inside)
 
     def family(self, way: Way) -> Family:
-        """Return the family of a way, whose levels are solved, measured and kept."""
+        """Return the family of a way; its `solve` stores the results in `level_results`."""
 
         def solve(setting: Hashable) -> Row:
             return self._solve(way, setting)
@@ -130,60 +135,66 @@ class Studied:
         return Family(way.name, way.sizes, solve, theory, way.xlabel, way.work)
 
     def _has(self, way: Way, measure: Measure) -> bool:
-        """Return whether a way has a measure: stresses inside are those of finite elements."""
+        """Return whether a way has a measure: only finite elements have stresses inside."""
         return way.method == "fem" or measure.quantity != STRESSES
 
     def _solve(self, way: Way, setting: Hashable) -> Row:
-        """Return the row of a level."""
+        """Solve a level, store its results in `level_results`, and return its row of the table."""
         stages = Stages(way.method)
         problem = way.problem_at(setting) if way.problem_at else self.problem
         discretised = way.discretise(setting, stages)
         compliance, half_space = discretised.compliance, discretised.half_space
         with stages("marching"):
-            kind = KINDS[problem.contact]
+            kind = CONTACT_KINDS[problem.contact]
             evaluation = kind.evaluate(problem, compliance)
             values = evaluation.checked | kind.flat_start(problem, compliance)
-        if half_space is not None and discretised.unknowns <= self.most_inside:
+        if half_space is not None and discretised.unknowns <= self.most_unknowns_inside:
             states = states_inside(problem, evaluation)
             if len(states):
                 with stages("inside"):
-                    values[STRESSES] = by_elements(half_space, states)
-        self.solved[way.name, setting] = values
+                    values[STRESSES] = element_stresses(half_space, states)
+        self.level_results[way.name, setting] = values
         row: dict[str, object] = {"unknowns": discretised.unknowns or compliance.space.size}
-        row |= {column: round(stages.seconds.get(of, 0.0), 4) for of, column in STAGES.items()}
+        row |= {
+            column: round(stages.seconds.get(stage, 0.0), 4) for stage, column in STAGES.items()
+        }
         face = problem.face
         for measure in self.measures:
             if self._has(way, measure):
                 row[measure.name] = error(measure, values, self.exact, face)
-        if PRESSURE_PART in way.parts:
+        if PRESSURE_PART in way.error_parts:
             row[PRESSURE_PART] = flat_d0_error(energy.compliance(compliance.space))
         if self.quantities:
             result = result_of(self.scene, way.method, evaluation, discretised, stages)
             for name, quantity in self.quantities.items():
-                value, exact = take(name, quantity, result), self.exact_values[name]
+                value, exact = evaluate_quantity(name, quantity, result), self.exact_values[name]
                 row[f"value of {name}"] = value
                 row[name] = value / exact - 1 if exact else value
         return row
 
 
 def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
-    """Return pressures (states, size) of a few times at which nothing singular is pressed."""
+    """Return pressures (states, size) at a few times at which the contact is loaded and worn.
+
+    The start and times with a fitted press (`history.pressed`) are left out, because the pressure
+    is singular there.
+    """
     if not len(problem.times):
         return np.zeros((0, evaluation.compliance.space.size))
     history = evaluation.history[problem.checked]
     rows = (history.distances > 0) & (history.force > 0)
     if history.pressed is not None:
         rows &= history.pressed.force == 0
-    numbers = np.flatnonzero(rows)
-    if len(numbers) > STATES_INSIDE:
-        numbers = numbers[np.linspace(0, len(numbers) - 1, STATES_INSIDE).round().astype(int)]
-    return np.asarray(history.pressure[numbers])
+    indices = np.flatnonzero(rows)
+    if len(indices) > MOST_STATES_INSIDE:
+        indices = indices[np.linspace(0, len(indices) - 1, MOST_STATES_INSIDE).round().astype(int)]
+    return np.asarray(history.pressure[indices])
 
 
 def result_of(
     scene: Scene, method: str, evaluation: Evaluation, discretised: Discretised, stages: Stages
 ) -> Outcome:
-    """Return the result of a run with one method, whose errors nobody has estimated."""
+    """Return the result of a run with one method, without error estimates."""
     moving = evaluation if isinstance(evaluation, MovingContact) else None
     solution = Solution(
         evaluation.results,
@@ -201,21 +212,24 @@ def result_of(
     )
 
 
-def take(name: str, quantity: Quantity, result: Outcome) -> float:
-    """Return the value of a user's function of a result.
+def evaluate_quantity(name: str, quantity: Quantity, result: Outcome) -> float:
+    """Return the value of a function of a result that the user defined.
 
     Raises
     ------
     RingwearError
-        if the function fails, or returns no finite number
+        if the function fails, or does not return a finite number
     """
     try:
         value = float(quantity(result))
-    except Exception as failed:
+    except Exception as error_of_function:
         raise RingwearError(
-            f"quantity {name} fails: {type(failed).__name__}: {failed}; it takes the result of a "
-            "run, whose dataset has one solver, and returns a number"
-        ) from failed
+            f"quantity {name} fails: {type(error_of_function).__name__}: {error_of_function}; the "
+            "function has to accept the result of a run, whose dataset has one solver, and to "
+            "return a number"
+        ) from error_of_function
     if not np.isfinite(value):
-        raise RingwearError(f"quantity {name} is {value}: it has to return a finite number")
+        raise RingwearError(
+            f"quantity {name} is {value}: the function has to return a finite number"
+        )
     return value

@@ -1,6 +1,6 @@
-"""What theory expects of each measure, in a sentence with its source, or why it expects nothing.
+"""Theoretical order of each measure, with its reason and source, or why there is none.
 
-The sources:
+Sources:
 
 - Babuška & Suri, The p and h-p versions of the finite element method, SIAM Review 36 (1994).
 - Grisvard, Elliptic Problems in Nonsmooth Domains (1985): singular exponents where boundary
@@ -16,77 +16,85 @@ The sources:
 from ..study.levels import Theory
 
 ROOT_AT_RIM = (
-    "The displacement behaves as the root of the distance from the rim (Grisvard 1985), of which "
-    "elements of one size h miss h^(1/2) in the energy norm, and d0 is an energy, which errs by "
-    "the square (Strang & Fix 1973)."
+    "The displacement behaves like the square root of the distance from the rim (Grisvard 1985). "
+    "Elements of one size h approximate it with an error of order h^(1/2) in the energy norm. d0 "
+    "is an energy, so that its error is the square of this (Strang & Fix 1973)."
 )
 ROOT_OF_PRESSURE = (
-    "The pressure is infinite as the inverse root of the distance from the rim; with a weight that "
-    "vanishes there, the element at the rim misses a part of size h^(1/2) of it."
+    "The pressure is infinite like the inverse square root of the distance from the rim. In a norm "
+    "whose weight vanishes there, the error on the element at the rim is of order h^(1/2)."
 )
 ENERGY_OF_ELEMENTS = (
-    "On meshes graded to every edge, displacements of degree k err by h^k in the energy norm "
-    "(Babuška & Suri 1994), and {what} by the square."
+    "On meshes graded to every edge, displacements of degree k have errors of order h^k in the "
+    "energy norm (Babuška & Suri 1994), and the error of {what} is the square of this."
 )
 ENERGY_OF_PRESSURES = (
-    "Pressures of degree q err by h^(q+3/2) in the energy norm, of order -1/2 (Sauter & Schwab "
-    "2011), and d0 by the square."
+    "Pressures of degree q have errors of order h^(q+3/2) in the energy norm, a Sobolev norm of "
+    "order -1/2 (Sauter & Schwab 2011), and the error of d0 is the square of this."
 )
 HISTORY_OF_PRESSURES = (
-    "Wear weighs pressures by their mean square, in which degree q errs by h^(q+1) (Sauter & "
-    "Schwab 2011); eigenvalues and histories err by the square."
+    "Wear involves the mean square of the pressure, in which pressures of degree q have errors of "
+    "order h^(q+1) (Sauter & Schwab 2011). The errors of eigenvalues and histories are the squares "
+    "of this."
 )
 GRADIENT = (
-    "A gradient loses an order of h to the displacement, and its mean square is of order 2q where "
-    "histories are of order 2q+2 (Sauter & Schwab 2011, by an inverse inequality)."
+    "A gradient converges one order of h more slowly than the displacement, so that its mean "
+    "square is of order 2q if histories are of order 2q+2 (Sauter & Schwab 2011, by an inverse "
+    "inequality)."
 )
 MEAN_SQUARE_OF_PRESSURES = (
-    "Pressures of degree q err by h^(q+1) in the mean square on meshes graded to every edge "
-    "(Sauter & Schwab 2011)."
+    "On meshes graded to every edge, pressures of degree q have errors of order h^(q+1) in the "
+    "mean square (Sauter & Schwab 2011)."
 )
 ANALYTIC = (
-    "On geometric layers the error of an energy falls by a factor of 9 with each degree: the "
-    "function is analytic in Bernstein's ellipse up to the singular point, one layer away (Gui & "
-    "Babuška 1986)."
+    "On geometric layers the error of an energy decreases by a factor of 9 with each degree, "
+    "because the function is analytic in the Bernstein ellipse up to the singular point, which is "
+    "one layer away (Gui & Babuška 1986)."
 )
 LAYERS = (
-    "No order is expected: layers further in have lower degrees, and become smaller with each "
-    "degree, so that several errors fall together."
+    "No order is expected: inner layers have lower degrees, and the smallest layer shrinks with "
+    "each degree, so that several kinds of error decrease together."
 )
-STEP = "The implicit method of Euler is of order one in the step (Hairer, Nørsett & Wanner 1993)."
+STEP = "The implicit Euler method has order one in the step (Hairer, Nørsett & Wanner 1993)."
 
 LOGARITHM = (
-    "No power is known: beside ring edges slopes behave as logarithms, so that powers of h have "
-    "logarithms as factors, and layers that wear has blunted are resolved late."
+    "No order is expected: near ring edges slopes behave like logarithms, so that errors are "
+    "powers of h times logarithms, and only the finest levels resolve the layers that wear has "
+    "smoothed."
 )
 OTHER_NORM = (
-    "No theory is known to us: the method is best in the energy norm, and this norm is another one."
+    "No theory is known to us: the method minimises the error in the energy norm, and this is "
+    "another norm."
 )
 MOVING_EDGES = (
     "No theory is known to us: edges of the contact lie anywhere within a cell, so that errors "
-    "scatter from level to level."
+    "vary irregularly from level to level."
 )
 OWN_MESH = "No order is expected: how your meshes are graded is not known."
-OWN_ELEMENT = "No order is expected: which polynomials your element holds is not known."
-OWN_QUANTITY = "No order is expected of a quantity of your own."
-NO_TIME = "No order is expected: it does not depend on time."
-LONG_STEPS = "No order is expected: some steps are longer than a quarter of the first of the times."
+OWN_ELEMENT = "No order is expected: the polynomials in the space of your element are not known."
+OWN_QUANTITY = "No order is expected: the theory of your own quantity is not known."
+NO_TIME = "No order is expected: this quantity does not depend on the time steps."
+LONG_STEPS = (
+    "No order is expected: some steps are longer than a quarter of the earliest time after the "
+    "start."
+)
 STEP_WITH_CONTACT = (
-    "No theory is known to us where edges of the contact move: the rates of wear jump there."
+    "No theory is known to us if edges of the contact move: the rate of wear jumps at these edges."
 )
 
 RIM_ELEMENT = "the innermost elements at the rim and at ring edges, which stay coarse"
 ROUNDOFF = "roundoff"
-REFERENCE = "the reference, which is known to no more digits"
+REFERENCE = "the error of the reference"
+"""The causes of floors: errors that do not decrease with the size of the levels."""
 
 ENERGY_NAMES = {"d(t)": "d(t)", "relaxation time": "relaxation times"}
-"""Measures that are energies, or eigenvalues, and what sentences call them."""
+"""Measures that are energies or eigenvalues, and their names in sentences."""
 TIMELESS = ("d0", "pressure at start", "relaxation time", "steady slope", "steady profile")
-"""Measures that steps in time do not change."""
+"""Measures that do not depend on the time step."""
 
 
-def of_uniform(measure: str) -> Theory:
-    """Return what elements or cells of one size lead to, whatever their degree."""
+def for_uniform_meshes(measure: str) -> Theory:
+    """Return the theory of elements or cells of one size, which is the same for all degrees."""
     if measure == "d0":
         return Theory(1.0, 0.0, ROOT_AT_RIM)
     if measure == "pressure at start":
@@ -94,14 +102,14 @@ def of_uniform(measure: str) -> Theory:
     return Theory(reason=LOGARITHM)
 
 
-def of_graded_elements(measure: str, degree: int, floors: dict[str, float]) -> Theory:
-    """Return what finite elements on meshes graded to every edge lead to.
+def for_graded_elements(measure: str, degree: int, floors: dict[str, float]) -> Theory:
+    """Return the theory of finite elements on meshes graded to every edge.
 
     Parameters
     ----------
-    measure : by its name
-    degree : of the displacement
-    floors : relative errors that levels do not go below, by measure
+    measure : name of the measure
+    degree : polynomial degree of the displacement
+    floors : relative errors below which the order is not fitted, by measure
     """
     floor, cause = floors.get(measure, 0.0), RIM_ELEMENT if measure in floors else ""
     if measure == "d0" or measure in ENERGY_NAMES:
@@ -110,11 +118,12 @@ def of_graded_elements(measure: str, degree: int, floors: dict[str, float]) -> T
     return Theory(reason=OTHER_NORM)
 
 
-def of_graded_pressures(measure: str, degree: int, floors: dict[str, float]) -> Theory:
-    """Return what MDR and boundary elements on graded meshes lead to, by the pressure's degree.
+def for_graded_pressures(measure: str, degree: int, floors: dict[str, float]) -> Theory:
+    """Return the theory of MDR and boundary elements on graded meshes, for a pressure degree.
 
-    Even degrees come up to the order of d0, odd ones fall to that of the history: plane waves
-    ``exp(ikx)`` at kh = 0.7 give the orders 5.34, 6.60, 9.21 and 10.77 of d0 (Fourier analysis).
+    As the mesh is refined, the observed order of d0 rises to 2 degree + 3 for even degrees and
+    falls to it for odd ones: plane waves ``exp(ikx)`` at kh = 0.7 give the orders 5.34, 6.60, 9.21
+    and 10.77 for degrees 1 to 4 (Fourier analysis).
     """
     floor, cause = floors.get(measure, 0.0), RIM_ELEMENT if measure in floors else ""
     if measure == "d0":
@@ -126,18 +135,18 @@ def of_graded_pressures(measure: str, degree: int, floors: dict[str, float]) -> 
     return Theory(reason=OTHER_NORM)
 
 
-def of_steps_in_moving_contact(_: str) -> Theory:
-    """Return what the implicit march leads to where contact opens, closes and spreads."""
+def for_steps_in_moving_contact(_: str) -> Theory:
+    """Return the theory of the implicit march if contact opens, closes and spreads."""
     return Theory(reason=STEP_WITH_CONTACT)
 
 
-def of_steps(short: bool, measure: str) -> Theory:
-    """Return what the implicit march leads to in full contact.
+def for_steps(short: bool, measure: str) -> Theory:
+    """Return the theory of the implicit march in full contact.
 
     Parameters
     ----------
-    short : whether all steps are shorter than the first of the times
-    measure : by its name
+    short : whether all steps are at most a quarter of the earliest time after the start
+    measure : name of the measure
     """
     if measure in TIMELESS:
         return Theory(reason=NO_TIME)
@@ -146,6 +155,6 @@ def of_steps(short: bool, measure: str) -> Theory:
     return Theory(1.0, 0.0, STEP)
 
 
-def of_cells(_: str) -> Theory:
-    """Return what cells lead to on which contact opens, closes and spreads."""
+def for_cells(_: str) -> Theory:
+    """Return the theory of cells on which contact opens, closes and spreads."""
     return Theory(reason=MOVING_EDGES)

@@ -1,4 +1,4 @@
-"""A way to refine the discretisation of a scene, which becomes a family of the study."""
+"""A way to refine the discretisation of a scene. The study makes one family of levels from it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,17 +16,18 @@ class Way:
 
     Parameters
     ----------
-    name : of its family in the table
-    label : of its curves, shared by all ways with the same elements
-    group : of ways that are drawn together
-    method : whose discretisation it is: `mdr`, `bem` or `fem`
-    sizes : settings of the levels, each with its size
-    discretise : (setting, stages) -> what is worn
-    theory : name of a measure -> what is expected of its errors
-    xlabel : what the size is called
-    work : setting -> seconds that its level is expected to take
-    problem_at : setting -> the problem that is solved; by default the same at all levels
-    parts : columns of the table that tell parts of an error
+    name : name of its family in the table
+    label : label of its curves; all ways with the same elements have the same label
+    group : group of ways that are drawn in one figure
+    method : method that discretises: `mdr`, `bem` or `fem`
+    sizes : size of each level, by the setting of the level
+    discretise : function of (setting, stages) that returns the discretisation of a level
+    theory : function that returns the theoretical order of a measure by its name
+    xlabel : label of the size in figures
+    work : function that returns the expected seconds of the level of a setting
+    problem_at : function that returns the problem to solve for a setting; None if all levels solve
+        the same problem
+    error_parts : further columns of the table, each with a part of an error
     """
 
     name: str
@@ -39,4 +40,4 @@ class Way:
     xlabel: str
     work: Callable[[Any], float] = lambda _: 1.0
     problem_at: Callable[[Any], Problem] | None = None
-    parts: tuple[str, ...] = ()
+    error_parts: tuple[str, ...] = ()

@@ -1,1 +1,1 @@
-"""The paper, again."""
+"""The paper study: figures and claims of the paper, computed anew."""

@@ -1,6 +1,6 @@
-"""The whole paper again: Figs. 4 to 7, and its claims checked (`ringwear study paper`).
+"""Compute Figs. 4 to 7 of the paper anew, and check its claims (`ringwear study paper`).
 
-The punches are the paper's; Poisson's ratio and the accuracy are those of the scene.
+The punches are those of the paper; Poisson's ratio and the accuracy are those of the scene.
 """
 
 import pandas as pd
@@ -17,56 +17,68 @@ from ..sweep.conduct import sweep
 from ..tables import keeping_rows
 from . import claims, figures
 from .running_in import FiveRings
-from .theory import WEAR_RATIO_OF_WIDTHS, homogeneous, many_rings
+from .theory import FIG7_WEAR_RATIO, homogeneous, many_rings
 
 
 def conduct(scene: Scene, options: Options, record: Record) -> Study:
     """Compute the figures, their data, and the table of claims."""
-    drawn = dict[str, Figure]()
+    drawn_figures = dict[str, Figure]()
     tables = dict[str, pd.DataFrame]()
     table, conclusions = pd.DataFrame(), record.conclusions
     with keeping_rows(conclusions):
-        five = FiveRings(scene)
-        states, history = five.states, five.history
+        five_rings = FiveRings(scene)
+        states, history = five_rings.states, five_rings.history
         conclusions.append(
-            f"Figs. 4, 5: {', '.join(states.solver.values)}; 70 % of the displacement difference "
-            f"after {float(states.time[4]):.1%} of t_stat"
+            f"Figs. 4, 5 by {', '.join(states.solver.values)}: 70 % of the displacement difference "
+            f"is reached after {float(states.time[4]):.1%} of t_stat"
         )
-        drawn["fig4"] = figures.draw_states(states)
+        drawn_figures["fig4"] = figures.draw_states(states)
         fields = states[["least_wear_over_d0", "f_over_d0", "g_over_d0", "p_over_p0"]]
         tables["fig4"] = fields.to_dataframe().reset_index()
-        drawn["fig5"] = figures.draw_history(states, history)
+        drawn_figures["fig5"] = figures.draw_history(states, history)
         tables["fig5"] = history.to_dataframe("gradient").reset_index()
         curves = {}
         for number in (6, 7):
             counts = (2, 4, 8) if options.quick else (2, 4, 8, 16, 32, 64)
             curves[number] = compute_gradients(number, scene, counts)
-            drawn[f"fig{number}"] = figures.draw_gradients(number, curves[number])
+            drawn_figures[f"fig{number}"] = figures.draw_gradients(number, curves[number])
             tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
-            conclusions.append(f"Fig. {number}: finite elements within {difference:.0e}")
+            conclusions.append(
+                f"Fig. {number}: finite elements differ from direct integration by at most "
+                f"{difference:.0e}"
+            )
         table = claims.tabulate_claims(states, history, curves[6], curves[7])
         conclusions += claims.conclude(table)
     tables["claims"] = table
     return Study(
-        "paper", scene, table, conclusions=tuple(conclusions), figures=drawn, tables=tables
+        "paper", scene, table, conclusions=tuple(conclusions), figures=drawn_figures, tables=tables
     )
 
 
 def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xarray.Dataset:
-    """Return the data of Fig. 6 or 7, by the bundled sweep of that name.
+    """Return the data of Fig. 6 or 7, computed by the bundled sweep `fig6` or `fig7`.
 
-    `direct`, and `fem` at some points, NaN elsewhere, over (ratio, rings, gradient_average);
-    `limit`, of many rings, over (gradient_average, ratio). Of the scene, Poisson's ratio and the
-    accuracy are taken.
+    Parameters
+    ----------
+    figure : 6 or 7
+    scene : scene with the Poisson's ratio and the accuracy of finite elements
+    counts : numbers of rings
+
+    Returns
+    -------
+    xarray.Dataset
+        Normalised gradients `direct` and `fem` over (ratio, rings, gradient_average), and the limit
+        of many rings `limit` over (gradient_average, ratio). `fem` is computed at some points and
+        NaN elsewhere.
     """
     bundled = Sweep.load(f"fig{figure}")
     base, axes = bundled.table["base"], bundled.table["axes"] | {"punch.rings": list(counts)}
     by_direct = sweep(base, axes, bundled.keep)
-    varied = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
-    ratio = varied.removeprefix("punch.")
-    some = {
-        varied: by_direct[ratio].values[::25].tolist(),
+    varied_key = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
+    ratio_name = varied_key.removeprefix("punch.")
+    fem_points = {
+        varied_key: by_direct[ratio_name].values[::25].tolist(),
         "punch.rings": [count for count in counts if count <= 16],
     }
     by_fem = sweep(
@@ -76,16 +88,16 @@ def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xar
             "half_space": base["half_space"] | {"poisson_ratio": scene.half_space.poisson_ratio},
             "accuracy": {"rtol": scene.accuracy.rtol},
         },
-        axes | some,
+        axes | fem_points,
         bundled.keep,
     )
-    unit = xarray.DataArray(homogeneous(), {"gradient_average": list(AVERAGES)})
+    homogeneous_gradient = xarray.DataArray(homogeneous(), {"gradient_average": list(AVERAGES)})
     curves = xarray.Dataset(
         {
-            name: slopes.steady_rms_slope.sel(solver=name, drop=True) / unit
+            name: slopes.steady_rms_slope.sel(solver=name, drop=True) / homogeneous_gradient
             for name, slopes in (("direct", by_direct), ("fem", by_fem))
         }
-    ).rename({ratio: "ratio"})
+    ).rename({ratio_name: "ratio"})
     ratios = curves.ratio.values
-    limit = many_rings(ratios, 1.0) if figure == 6 else many_rings(WEAR_RATIO_OF_WIDTHS, ratios)
+    limit = many_rings(ratios, 1.0) if figure == 6 else many_rings(FIG7_WEAR_RATIO, ratios)
     return curves.assign(limit=(("gradient_average", "ratio"), limit))

@@ -1,1 +1,1 @@
-"""How to refine a mesh: each way, from uniform to adaptive, and meshes of the user's own."""
+"""The refinement study: ways to refine a mesh, from uniform to adaptive, and the user's meshes."""

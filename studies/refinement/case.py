@@ -1,9 +1,10 @@
-"""A punch whose meshes are compared, and how far a mesh is from the truth of it.
+"""Solve a punch on the meshes to compare, and compute the errors on each mesh.
 
-The truth is a far finer MDR, and closed forms for the indentation of a flat start. The energy error
-of finite elements is known without a finer mesh. For a pressure p, MDR has the exact energy
-``p . A_mdr p``, and elements whose displacement is u_h give ``p . A_fem p``. Their difference is
-the energy of u - u_h, because u_h is the best displacement that the elements have.
+The reference is a far finer MDR, and a closed form for the indentation of the flat start. The
+energy error of finite elements can be computed without a finer mesh. For a pressure p, MDR gives
+the exact energy ``p . A_mdr p``, and elements with the displacement u_h give ``p . A_fem p``. Their
+difference is the energy of u - u_h, because u_h is the best approximation in the finite-element
+space.
 """
 
 from collections.abc import Iterator, Mapping
@@ -33,37 +34,39 @@ from ..study.levels import SECONDS
 from ..tables import Row
 
 TIMES = np.append(0.0, np.geomspace(1e-2, 20.0, 10))
-"""Times of the histories, in ``a / (E* k_max v0)``: the start, and from thin layers to the end."""
-TRUTH = 1e-9
-"""Relative accuracy of the history that all others are compared with."""
-NEGLIGIBLE = 1e-12
-"""Accuracy that decides on the number of poles where truncation must not be seen."""
+"""Times of the histories in ``a / (E* k_max v0)``: the start, and times from thin worn layers to
+the steady state."""
+REFERENCE_RTOL = 1e-9
+"""Relative tolerance of the reference history, with which all others are compared."""
+POLES_RTOL = 1e-12
+"""Tolerance for the number of far-field poles if the truncation error has to be negligible."""
 ENERGY_FLOOR = 1e-11
-"""Energy errors, relative to the energy, below which roundoff and truncation are above_floor."""
+"""Relative energy error below which roundoff and the truncation dominate."""
 ERRORS = {
     "d0": "indentation d(0)",
     "history": "indentation d(t)",
     "pressure": "pressure p(t)",
     "slope": "steady RMS slope",
 }
-"""Columns of the errors that are drawn, and what they are errors of."""
+"""Columns of the errors that are drawn, and the names of their quantities."""
 PHASES = ("meshing", "assembling", "condensing", "marching", "estimating")
-"""Columns with the seconds of a level, by what took them."""
+"""Phases of a level: columns with their seconds."""
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
-    """A half-space, pressed, worn, and compared with the truth.
+class MeshSolution:
+    """A solution on one mesh.
 
     Parameters
     ----------
-    half_space : of finite elements
-    compliance : of its pressures
-    pressures : (states, size) of the history from the start on, then of the steady state
+    half_space : half-space in finite elements
+    compliance : compliance on its pressure space
+    pressures : (states, size) coefficients of the pressures of the history, from the start on, and
+        of the steady state
     results : quantities on the face of the punch
-    seconds : that it took, by phase
-    indicators : (states, m) squared error indicators of triangles, over the energy of each state;
-        None if there are none
+    seconds : seconds by phase
+    indicators : (states, m) squared error indicators of the m triangles, over the energy of each
+        state; None if they were not computed
     """
 
     half_space: HalfSpace
@@ -75,38 +78,42 @@ class Solved:
 
     @property
     def degree(self) -> int:
-        """Degree of the displacement."""
+        """Polynomial degree of the displacement."""
         return self.half_space.solid.degree
 
     @property
     def mesh(self) -> Mesh:
-        """The mesh, with its boundaries named."""
+        """The mesh with its named boundaries."""
         return self.half_space.solid.mesh
 
     @cached_property
     def energies(self) -> Array:
-        """(states,) energy of each state by the finite elements."""
+        """(states,) finite-element energy of each state."""
         return np.sum((self.pressures @ self.compliance.factor.T) ** 2, axis=1)
 
     @cached_property
     def relative_energy_errors(self) -> Array:
-        """(states,) energy of the error of the displacement over that of the state."""
+        """(states,) energy of the displacement error over the energy of the state."""
         exact = energy.compliance(self.compliance.space)
         exact_energies = np.sum((self.pressures @ exact.factor.T) ** 2, axis=1)
-        differences = exact_energies - self.energies
-        unloaded = np.zeros(len(differences))
-        return np.divide(differences, exact_energies, out=unloaded, where=exact_energies > 0)
+        energy_errors = exact_energies - self.energies
+        # errors of unloaded states are 0
+        relative_errors = np.zeros(len(energy_errors))
+        return np.divide(
+            energy_errors, exact_energies, out=relative_errors, where=exact_energies > 0
+        )
 
     @property
     def greatest_indicators(self) -> Array | None:
-        """(m,) the greatest indicator of each triangle over the states, if there are any."""
+        """(m,) greatest indicator of each triangle over the states; None without indicators."""
         return None if self.indicators is None else self.indicators.max(axis=0)
 
     @cached_property
     def effectivities(self) -> dict[str, float]:
-        """The least and greatest ratio of indicator and energy error over the states.
+        """Least and greatest ratio of the indicator and the true energy error over the states.
 
-        Errors below `ENERGY_FLOOR` are left out; it is empty if nothing is left.
+        States with energy errors below `ENERGY_FLOOR` are left out. The dictionary is empty if no
+        states remain or if there are no indicators.
         """
         if self.indicators is None:
             return {}
@@ -123,12 +130,12 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A flat punch under a force, and what is known of it.
+    """A flat punch under a force, with its reference solution.
 
     Parameters
     ----------
-    name : in tables and figures
-    problem : with the times `TIMES`, whatever those of the scene are
+    name : name in tables and figures
+    problem : problem of the scene, but with the times `TIMES`
     """
 
     name: str
@@ -136,8 +143,8 @@ class Case:
 
     @classmethod
     def all_of(cls, scene: Scene) -> "Iterator[Case]":
-        """Yield the flat punch of one ring, and the scene if that is another punch."""
-        watched = replace(
+        """Yield the case of the flat punch of one ring and, if it differs, that of the scene."""
+        with_times = replace(
             scene.problem,
             times=TIMES,
             steady=True,
@@ -147,109 +154,118 @@ class Case:
             mdr=MdrAccuracy(),
             gradient_average="line",
         )
-        yield cls("flat punch", replace(watched, rings=Rings(FLAT, np.ones(1)), graded=None))
-        if len(watched.merged.wear_coefficients) > 1 or watched.inner_radius:
-            yield cls("scene", watched)
+        yield cls("flat punch", replace(with_times, rings=Rings(FLAT, np.ones(1)), graded=None))
+        if len(with_times.merged.wear_coefficients) > 1 or with_times.inner_radius:
+            yield cls("scene", with_times)
 
     @cached_property
     def exact(self) -> Results:
-        """The truth at the radii of `watched`."""
-        return method("mdr").solve(replace(self.problem, rtol=TRUTH), Stages("mdr")).checked
+        """Results of the reference solution, at the radii of `compared_problem`."""
+        return (
+            method("mdr").solve(replace(self.problem, rtol=REFERENCE_RTOL), Stages("mdr")).checked
+        )
 
     @cached_property
-    def watched(self) -> Problem:
-        """The problem, with fields at the radii of the truth."""
-        return replace(self.problem, compared_on=replace(self.problem, rtol=TRUTH).face)
+    def compared_problem(self) -> Problem:
+        """The problem, with fields at the radii of the reference solution."""
+        return replace(self.problem, compared_on=replace(self.problem, rtol=REFERENCE_RTOL).face)
 
     def half_space_on(self, mesh: Mesh, degree: int, rtol: float) -> HalfSpace:
-        """Return the half-space on a mesh, in elements of one degree.
+        """Return the half-space on a mesh with elements of one degree.
 
-        `rtol` decides on the number of poles of its far field.
+        The tolerance `rtol` determines the number of poles of the far field.
         """
         rings = self.problem.merged
         solid = AxisymmetricElasticity(mesh, degree, self.problem.poisson_ratio)
         poles = pole_orders(replace(self.problem, rtol=rtol), truncation(mesh))
         return HalfSpace(solid, pressure_space(solid, rings.ring_edges, rings.hollow), poles)
 
-    def solve(self, half_space: HalfSpace, stages: Stages) -> Solved:
-        """Condense a half-space, and let the punch wear on it."""
+    def solve(self, half_space: HalfSpace, stages: Stages) -> MeshSolution:
+        """Condense a half-space, and compute the wear of the punch on it."""
         with stages("assembling"):
             _ = half_space.lower_triangle
         with stages("condensing"):
             compliance = half_space.compliance()
         with stages("marching"):
-            worn = FullContact(self.watched, compliance)
-            pressures = np.concatenate([worn.history.pressure, worn.wear.steady.pressure[None]])
-        return Solved(half_space, compliance, pressures, worn.checked, stages.seconds)
+            evaluation = FullContact(self.compared_problem, compliance)
+            pressures = np.concatenate(
+                [evaluation.history.pressure, evaluation.wear.steady.pressure[None]]
+            )
+        return MeshSolution(half_space, compliance, pressures, evaluation.checked, stages.seconds)
 
-    def solve_and_estimate(self, half_space: HalfSpace, stages: Stages) -> Solved:
-        """Solve on a half-space of triangles, and estimate the error of each triangle.
+    def solve_and_estimate(self, half_space: HalfSpace, stages: Stages) -> MeshSolution:
+        """Solve on a half-space of triangles, and compute the error indicator of each triangle.
 
         Raises
         ------
         MeshError
             if the mesh has quadrilaterals
         """
-        solved = self.solve(half_space, stages)
-        # before a load rises nothing presses
-        pressed = solved.energies > 0
-        pressures = solved.pressures[pressed]
+        solution = self.solve(half_space, stages)
+        # states before the load rises have no energy
+        loaded = solution.energies > 0
+        pressures = solution.pressures[loaded]
         with stages("estimating"):
-            moved = half_space.displacements(pressures)
-            squares = squared_indicators(half_space.solid, moved, half_space.space, pressures)
-        return replace(solved, indicators=squares / solved.energies[pressed, None])
+            displacements = half_space.displacements(pressures)
+            squares = squared_indicators(
+                half_space.solid, displacements, half_space.space, pressures
+            )
+        return replace(solution, indicators=squares / solution.energies[loaded, None])
 
-    def errors(self, solved: Solved) -> dict[str, float]:
+    def errors(self, solution: MeshSolution) -> dict[str, float]:
         """Return the relative errors of a solution, each in the norm of its quantity.
 
-        Those of a history are the greatest over all times but the start.
+        The entry `history` is the greatest error over all times, and `pressure` is the greatest
+        over the times after the start.
         """
-        found = differences(solved.results, self.exact, self.watched.face)
+        errors = differences(solution.results, self.exact, self.compared_problem.face)
         return {
-            "d0": abs(flat_d0_error(solved.compliance)),
-            "history": float(found["indentation"].max()),
-            "start pressure": float(found["pressure"][0]),
-            "pressure": float(found["pressure"][1:].max()),
-            "steady": float(found["steady_displacement_max"]),
-            "slope": float(found["steady_rms_slope"]),
-            "energy": float(np.sqrt(max(solved.relative_energy_errors.max(), 0.0))),
+            "d0": abs(flat_d0_error(solution.compliance)),
+            "history": float(errors["indentation"].max()),
+            "start pressure": float(errors["pressure"][0]),
+            "pressure": float(errors["pressure"][1:].max()),
+            "steady": float(errors["steady_displacement_max"]),
+            "slope": float(errors["steady_rms_slope"]),
+            "energy": float(np.sqrt(max(solution.relative_energy_errors.max(), 0.0))),
         }
 
-    def row(self, solved: Solved) -> Row:
-        """Return the row of a level: its size, its errors, and the seconds that it took."""
+    def row(self, solution: MeshSolution) -> Row:
+        """Return the row of a level: its sizes, its errors, and its seconds by phase."""
         return {
             "case": self.name,
-            "degree": solved.degree,
-            "unknowns": solved.half_space.unknowns,
-            "elements": solved.mesh.nelements,
-            "multipliers": solved.compliance.space.size,
-            "smallest facet": float(np.diff(contact_radii(solved.mesh)).min()),
-            **self.errors(solved),
-            **solved.effectivities,
-            **{phase: solved.seconds.get(phase, 0.0) for phase in PHASES},
-            SECONDS: sum(solved.seconds.values()),
+            "degree": solution.degree,
+            "unknowns": solution.half_space.unknowns,
+            "elements": solution.mesh.nelements,
+            "multipliers": solution.compliance.space.size,
+            "smallest facet": float(np.diff(contact_radii(solution.mesh)).min()),
+            **self.errors(solution),
+            **solution.effectivities,
+            **{phase: solution.seconds.get(phase, 0.0) for phase in PHASES},
+            SECONDS: sum(solution.seconds.values()),
         }
 
-    def pressure_errors(self, solved: Solved) -> Array:
-        """Return the errors (T, R) of p(t) after the start, over the norm of p(t)."""
-        values, exact = solved.results["pressure"][1:], self.exact["pressure"][1:]
-        weights = self.watched.face.weights
+    def pressure_errors(self, solution: MeshSolution) -> Array:
+        """Return the absolute errors (T, R) of p(t) after the start, over the norm of p(t)."""
+        values, exact = solution.results["pressure"][1:], self.exact["pressure"][1:]
+        weights = self.compared_problem.face.weights
         norms = np.sqrt(np.sum(weights * exact**2, axis=1) / np.sum(weights))
         return np.asarray(np.abs(values - exact) / norms[:, None])
 
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A mesh that was solved on.
+    """A solved level, with its mesh and pressure errors.
 
     Parameters
     ----------
-    case, family, setting : of its row
-    mesh : with its boundaries named
-    degree : of the displacement
-    unknowns : number of the displacement's
-    pressure_errors : (T, R) of p(t) after the start, at the radii of the face, over the norm of p
-    indicators : (m,) of the triangles, squares; greatest over the states; None if there are none
+    case, family, setting : entries of its row in the table
+    mesh : mesh with its named boundaries
+    degree : polynomial degree of the displacement
+    unknowns : number of unknowns of the displacement
+    pressure_errors : (T, R) absolute errors of p(t) after the start, at the radii of the face, over
+        the norm of p(t)
+    indicators : (m,) squared error indicator of each triangle, the greatest over the states; None
+        if there are none
     """
 
     case: str
@@ -262,17 +278,17 @@ class Level:
     indicators: Array | None = None
 
     @classmethod
-    def of(cls, case: Case, family: str, setting: str, solved: Solved) -> "Level":
-        """Return the level that was solved."""
+    def of(cls, case: Case, family: str, setting: str, solution: MeshSolution) -> "Level":
+        """Return the level of a solution."""
         return cls(
             case.name,
             family,
             setting,
-            solved.mesh,
-            solved.degree,
-            solved.half_space.unknowns,
-            case.pressure_errors(solved),
-            solved.greatest_indicators,
+            solution.mesh,
+            solution.degree,
+            solution.half_space.unknowns,
+            case.pressure_errors(solution),
+            solution.greatest_indicators,
         )
 
 
@@ -297,4 +313,4 @@ COLUMNS = [
     "least eigenvalue",
     *PHASES,
 ]
-"""Columns of the table of the study, besides those of every study."""
+"""Columns of the table of this study, in addition to those of every study."""

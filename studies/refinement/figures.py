@@ -1,4 +1,4 @@
-"""Figures of the ways to refine: errors over unknowns and seconds, and the error indicator."""
+"""Draw errors of the ways to refine over unknowns and seconds, and the error indicator."""
 
 import textwrap
 
@@ -12,7 +12,7 @@ from matplotlib.ticker import LogLocator
 from ..figures.style import FAINT, PAGE, Look, complete, new_panels, set_logarithmic
 from ..study.levels import SECONDS
 from .case import ERRORS
-from .observed_orders import NAMES, sequences
+from .observed_orders import FAMILY_NAMES, sequences
 
 LOOKS: dict[str, Look] = {
     "uniform": {"color": "#8a8a8a", "marker": "o", "linestyle": ":"},
@@ -22,29 +22,29 @@ LOOKS: dict[str, Look] = {
     "degree": {"color": "#8e44ad", "marker": "v", "linestyle": (0, (5, 1, 1, 1))},
     "file": {"color": "black", "marker": "x", "linestyle": "-"},
 }
-"""The curve of each family."""
-LARGE = 10.0
-"""Effectivity beyond which its axis is logarithmic."""
+"""Look of the curve of each family."""
+LARGE_EFFECTIVITY = 10.0
+"""If effectivities exceed this value, their axis is logarithmic."""
 THOUSANDS = "thousands of unknowns"
-"""Label of axes whose ticks are `_mark_thousands`."""
+"""Label of axes with the ticks of `_mark_thousands`."""
 
 
 def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
-    """Draw the errors of every way over a column of the table, a row of panels for each case."""
+    """Draw the errors of every way over a column of the table, one row of panels for each case."""
     cases = list(rows["case"].unique())
     figure, panels = new_panels(PAGE, 0.9 + 2.0 * len(cases), len(cases), len(ERRORS))
     orders = {(sequence.name, sequence.quantity): sequence.order for sequence in sequences(rows)}
     for axes_of_case, case in zip(panels, cases, strict=True):
-        for axes, (quantity, what) in zip(axes_of_case, ERRORS.items(), strict=True):
-            of_case = rows[rows["case"] == case]
-            for family, levels in of_case.groupby("family", sort=False):
+        for axes, (quantity, title) in zip(axes_of_case, ERRORS.items(), strict=True):
+            case_rows = rows[rows["case"] == case]
+            for family, levels in case_rows.groupby("family", sort=False):
                 axes.plot(levels[column], levels[quantity], **_look(str(family), levels))
                 order = orders.get((f"{case}, {family}", quantity), np.nan)
                 if column == "unknowns" and family == "file" and np.isfinite(order):
-                    last = levels.iloc[-1]
+                    last_level = levels.iloc[-1]
                     axes.annotate(
                         f"order {order:.1f}",
-                        (last[column], last[quantity]),
+                        (last_level[column], last_level[quantity]),
                         xytext=(0, 4),
                         textcoords="offset points",
                         fontsize=6,
@@ -55,15 +55,15 @@ def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
                 _mark_thousands(axes)
             axes.grid(True, color="0.92", linewidth=0.5)
             axes.axhline(1e-3, **FAINT)
-            axes.set_title(f"{case}\n{what}")
+            axes.set_title(f"{case}\n{title}")
         axes_of_case[0].set_ylabel("relative error")
     for axes in panels[-1]:
         axes.set_xlabel(label)
     note = "The dotted line is an error of 1e-3."
     if column == SECONDS:
-        note += " Seconds of an adaptive mesh are those of all its levels so far, with estimates."
+        note += " The seconds of an adaptive mesh include all coarser levels and error estimates."
     elif (rows.family == "file").any():
-        note += " The order of your meshes is the slope over N^(-1/2), N the unknowns."
+        note += " The order of your meshes is the slope over N^(-1/2) with N unknowns."
     return complete(
         figure,
         [f"Errors of each way to refine, over {column}"],
@@ -79,8 +79,8 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
     cases = list(rows["case"].unique())
     figure, panels = new_panels(PAGE, 0.9 + 1.9 * len(cases), len(cases), 2)
     for (ratios, energies), case in zip(panels, cases, strict=True):
-        of_case = rows[rows["case"] == case]
-        for family, levels in of_case.groupby("family", sort=False):
+        case_rows = rows[rows["case"] == case]
+        for family, levels in case_rows.groupby("family", sort=False):
             look = _look(str(family), levels)
             estimated = levels.dropna(subset="least effectivity")
             if len(estimated):
@@ -95,10 +95,10 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
             energies.plot(levels["unknowns"], levels["energy"].where(levels["energy"] > 0), **look)
         ratios.set_ylabel("indicator over error")
         set_logarithmic(ratios, "x")
-        if of_case["greatest effectivity"].max() > LARGE:
+        if case_rows["greatest effectivity"].max() > LARGE_EFFECTIVITY:
             set_logarithmic(ratios, "y")
         else:
-            ratios.set_ylim(0, LARGE)
+            ratios.set_ylim(0, LARGE_EFFECTIVITY)
         ratios.set_title(f"{case}\neffectivity, least and greatest over the states")
         set_logarithmic(energies, "x", "y")
         energies.set_ylabel("relative error")
@@ -108,7 +108,7 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
             axes.grid(True, color="0.92", linewidth=0.5)
     for axes in panels[-1]:
         axes.set_xlabel(THOUSANDS)
-    title = "The error indicator, and the error that it stands for"
+    title = "The error indicator, and the error that it estimates"
     return complete(figure, [title], panels[:, 1], across=0.6, down=0.5)
 
 
@@ -119,8 +119,8 @@ def _mark_thousands(axes: Axes) -> None:
 
 
 def _look(family: str, levels: pd.DataFrame) -> Look:
-    """Return the curve of a family; that of the user's meshes is called by their names."""
-    label = NAMES[family]
+    """Return the look of the curve of a family; the user's meshes have their names as label."""
+    label = FAMILY_NAMES[family]
     if family in ("uniform", "graded", "adaptive"):
         label += f", degree {levels['degree'].iloc[0]}"
     if family == "file":

@@ -1,4 +1,4 @@
-"""Names of the ways to refine, and observed orders of those that refine one kind of elements."""
+"""Name the ways to refine, and fit the orders of those whose elements have one degree."""
 
 import pandas as pd
 
@@ -6,7 +6,7 @@ from ..study.levels import Theory
 from ..study.orders import Sequence
 from .case import ERRORS
 
-NAMES = {
+FAMILY_NAMES = {
     "uniform": "uniform triangles",
     "graded": "triangles graded before solving",
     "adaptive": "adaptive triangles",
@@ -14,21 +14,22 @@ NAMES = {
     "degree": "rising degree",
     "file": "your meshes",
 }
-"""What the families are called in sentences and figures."""
+"""Names of the families in sentences and figures."""
 BEST_ORDER = (
-    "elements of degree k have the order k at best, and marked so they reach it (Stevenson, Found. "
-    "Comput. Math. 7, 2007, doi 10.1007/s10208-005-0183-0)"
+    "elements of degree k have at best the order k, and refinement with this marking reaches it "
+    "(Stevenson, Found. Comput. Math. 7, 2007, doi 10.1007/s10208-005-0183-0)"
 )
-"""Theory of the energy error on adaptive meshes."""
+"""Theory of the order of the energy error on adaptive meshes."""
 
 
 def sequences(rows: pd.DataFrame) -> list[Sequence]:
-    """Return errors over N^(-1/2), N the unknowns, for the ways that refine one kind of elements.
+    """Return errors over N^(-1/2), N the unknowns, for uniform, adaptive and the user's meshes.
 
-    In the plane N^(-1/2) stands for the size of the elements. Of adaptive meshes the finer half of
-    the levels counts: the coarser half is still on its way to the singularities.
+    In the plane, N^(-1/2) is proportional to the size of uniform elements. For adaptive meshes only
+    the finer half of the levels is used, because the coarser levels do not yet resolve the
+    singularities.
     """
-    found = []
+    fitted = []
     for (case, family), all_levels in rows.groupby(["case", "family"], sort=False):
         levels = all_levels
         if family == "adaptive":
@@ -41,5 +42,5 @@ def sequences(rows: pd.DataFrame) -> list[Sequence]:
                 theory = Theory(reason=BEST_ORDER)
             sizes = levels["unknowns"].to_numpy(float) ** -0.5
             errors = levels[quantity].to_numpy(float)
-            found.append(Sequence(f"{case}, {family}", quantity, theory, sizes, errors))
-    return found
+            fitted.append(Sequence(f"{case}, {family}", quantity, theory, sizes, errors))
+    return fitted

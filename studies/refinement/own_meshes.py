@@ -1,4 +1,4 @@
-"""Meshes of the user's own: read, solved on, and told where to refine them."""
+"""Read meshes of the user, solve on them, and find where their pressure error is greatest."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,22 +16,22 @@ from ..progress import Stages
 from ..sizes.defaults import triangle_degree
 from ..study.options import Options
 from ..study.own_mesh import named_meshes, own_mesh
-from .case import TIMES, Case, Level, Solved
+from .case import TIMES, Case, Level, MeshSolution
 
 DEGREES = {"triangles": range(2, 5), "quadrilaterals": range(2, 17)}
-"""Degrees of the displacement for which there are stable multipliers."""
+"""Degrees of the displacement for which stable multipliers exist, by kind of elements."""
 DEGREE_ON_QUADRILATERALS = 6
-"""Degree on a user's quadrilaterals, if neither the study nor the scene has one."""
+"""Degree on quadrilaterals of the user, if neither the option nor the scene specifies it."""
 
 
 @dataclass(frozen=True, eq=False)
 class OwnMeshes:
-    """The meshes of the user, on a case.
+    """The meshes of the user for a case.
 
     Parameters
     ----------
-    case : what is solved
-    options : with the meshes, and the degree if it is given
+    case : case that is solved
+    options : options of the study, with the meshes and the degree
     """
 
     case: Case
@@ -39,32 +39,32 @@ class OwnMeshes:
 
     @cached_property
     def meshes(self) -> dict[str, str | Path | Mesh]:
-        """What the user gave, by what it is called."""
+        """Mesh files and meshes of the user, by their names."""
         return named_meshes(self.options.meshes)
 
     def refuse(self) -> None:
-        """Raise if a mesh is not one of a half-space, or if the degree does not go with it.
+        """Raise an error if a mesh does not fit the half-space, or if the degree does not fit it.
 
         Raises
         ------
         SceneError
-            which names the mesh and what is wrong
+            its message names the mesh and the fault
         """
-        for name, given in self.meshes.items():
+        for name, source in self.meshes.items():
             try:
-                mesh = own_mesh(self.case.problem, given)
+                mesh = own_mesh(self.case.problem, source)
             except MeshError as error:
-                where = f"{name}: " if isinstance(given, Mesh) else ""
+                where = f"{name}: " if isinstance(source, Mesh) else ""
                 raise SceneError(f"--mesh {where}{error}") from error
             kind = "quadrilaterals" if isinstance(mesh, MeshQuad) else "triangles"
             if self._degree_on(mesh) not in DEGREES[kind]:
                 raise SceneError(
-                    f"--degree {self._degree_on(mesh)}: does not go with {name}, which has {kind}: "
+                    f"--degree {self._degree_on(mesh)}: does not fit {name}, which has {kind}: "
                     f"give {DEGREES[kind][0]} to {DEGREES[kind][-1]}"
                 )
 
-    def solve(self, name: str) -> Solved:
-        """Solve on a mesh; on triangles, errors are estimated, too."""
+    def solve(self, name: str) -> MeshSolution:
+        """Solve on a mesh; on triangles, also compute the error indicator."""
         stages = Stages("file")
         with stages("meshing"):
             mesh = own_mesh(self.case.problem, self.meshes[name])
@@ -74,7 +74,7 @@ class OwnMeshes:
         return self.case.solve(half_space, stages)
 
     def _degree_on(self, mesh: Mesh) -> int:
-        """Return the degree asked for, or that of the scene, or the default of the elements."""
+        """Return the degree of the options, or else that of the scene, or else the default."""
         problem = self.case.problem
         if self.options.degree is not None:
             return self.options.degree
@@ -83,28 +83,30 @@ class OwnMeshes:
         return triangle_degree(problem)
 
 
-def least_eigenvalue(solved: Solved) -> float:
-    """Return the least ratio of the energies of a pressure by finite elements and by MDR.
+def least_eigenvalue(solution: MeshSolution) -> float:
+    """Return the least ratio of the finite-element energy and the MDR energy of a pressure.
 
-    It is the square of the inf-sup constant of the multipliers; near 0 some pressures are not seen
-    by the displacement. It is NaN if there are more than `MOST_PRESSURES`.
+    It is the square of the inf-sup constant of the multipliers. If it is near 0, some pressures
+    have almost no effect on the displacement. It is NaN if there are more than `MOST_PRESSURES`
+    pressures.
     """
-    if solved.compliance.space.size > MOST_PRESSURES:
+    if solution.compliance.space.size > MOST_PRESSURES:
         return np.nan
-    exact = energy.compliance(solved.compliance.space)
-    return least_ratio_of_energies(solved.compliance.factor, exact.factor)
+    exact = energy.compliance(solution.compliance.space)
+    return least_ratio_of_energies(solution.compliance.factor, exact.factor)
 
 
 class WorstPlace(NamedTuple):
-    """Where on the contact the pressure of a mesh errs most.
+    """Place on the contact with the greatest error of the pressure.
 
     Parameters
     ----------
-    time : at which it errs most
-    edge : ring edge next to which that is, or the rim, in punch radii
-    share : of the squared error at that time, nearer to this edge than to any other
-    facet : ends of the facet there that has the greatest part of it
-    share_of_facet : that part
+    time : time at which the error is greatest, in ``a / (E* k_max v0)``
+    edge : ring edge, or rim, with the greatest error near it, in punch radii
+    share : fraction of the squared error at that time that is nearer to this edge than to any other
+    facet : ends of the facet with the greatest part of that error, in punch radii
+    share_of_facet : fraction of the squared error at that time on this facet and nearest to this
+        edge
     """
 
     time: float
@@ -115,23 +117,25 @@ class WorstPlace(NamedTuple):
 
 
 def worst_place(case: Case, level: Level) -> WorstPlace:
-    """Return where the pressure errs most on a mesh, by its error in the norm of the pressure."""
-    face = case.watched.face
+    """Return the place of a mesh at which the squared error of the pressure is greatest."""
+    face = case.compared_problem.face
     squares = face.weights * level.pressure_errors**2
-    worst = int(squares.sum(axis=1).argmax())
-    shares = squares[worst] / squares[worst].sum()
+    worst_time = int(squares.sum(axis=1).argmax())
+    shares = squares[worst_time] / squares[worst_time].sum()
     edges = case.problem.merged.ring_edges[1:]
     nearest = np.abs(face.radii[:, None] - edges).argmin(axis=1)
-    of_edges = np.bincount(nearest, shares, len(edges))
-    edge = int(of_edges.argmax())
-    ends = contact_radii(level.mesh)
-    facets = np.clip(np.searchsorted(ends, face.radii, side="right") - 1, 0, len(ends) - 2)
-    of_facets = np.bincount(facets, np.where(nearest == edge, shares, 0.0), len(ends) - 1)
-    facet = int(of_facets.argmax())
+    edge_shares = np.bincount(nearest, shares, len(edges))
+    edge = int(edge_shares.argmax())
+    facet_ends = contact_radii(level.mesh)
+    facets = np.clip(
+        np.searchsorted(facet_ends, face.radii, side="right") - 1, 0, len(facet_ends) - 2
+    )
+    facet_shares = np.bincount(facets, np.where(nearest == edge, shares, 0.0), len(facet_ends) - 1)
+    facet = int(facet_shares.argmax())
     return WorstPlace(
-        float(TIMES[1:][worst]),
+        float(TIMES[1:][worst_time]),
         float(edges[edge]),
-        float(of_edges[edge]),
-        (float(ends[facet]), float(ends[facet + 1])),
-        float(of_facets[facet]),
+        float(edge_shares[edge]),
+        (float(facet_ends[facet]), float(facet_ends[facet + 1])),
+        float(facet_shares[facet]),
     )

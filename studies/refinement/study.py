@@ -1,7 +1,7 @@
-"""Refine the mesh in every way, and tell what each accuracy costs (`ringwear study refinement`).
+"""Refine a mesh in every way, and report what each accuracy costs (`ringwear study refinement`).
 
-The punch is flat, once of one ring, and once that of the scene. The truth is a far finer MDR. What
-the ways are is told in `ways.py`, what is measured in `case.py`.
+The study solves two cases: a flat punch of one ring, and the flat punch of the scene. The reference
+is a far finer MDR. `ways.py` defines the ways to refine, and `case.py` the errors.
 """
 
 from collections.abc import Iterable, Mapping
@@ -28,7 +28,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     Raises
     ------
     SceneError
-        if a mesh of the user's does not fit the flat punch, and so fits nothing
+        if a mesh of the user does not fit the flat punch, so that it fits no case
     """
     cases = {case.name: case for case in Case.all_of(scene)}
     OwnMeshes(cases["flat punch"], options).refuse()
@@ -52,7 +52,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
 def draw_figures(
     cases: Mapping[str, Case], rows: pd.DataFrame, levels: Iterable[Level]
 ) -> dict[str, Figure]:
-    """Return all figures by their names; those that have nothing to show are left out."""
+    """Return all figures by their names; figures without data are left out."""
     if rows.empty:
         return {}
     levels = list(levels)
@@ -62,11 +62,11 @@ def draw_figures(
         "indicator": draw_indicator(rows),
     }
     for name, case in cases.items():
-        of_case = [level for level in levels if level.case == name]
+        case_levels = [level for level in levels if level.case == name]
         suffix = name.replace(" ", "_")
-        if of_case:
-            figures[f"meshes_{suffix}"] = draw_meshes(case, of_case)
-            figures[f"pressure_error_{suffix}"] = draw_pressure_errors(case, of_case)
-        if own := [level for level in of_case if level.family == "file"]:
-            figures[f"own_meshes_{suffix}"] = draw_own_meshes(case, own)
+        if case_levels:
+            figures[f"meshes_{suffix}"] = draw_meshes(case, case_levels)
+            figures[f"pressure_error_{suffix}"] = draw_pressure_errors(case, case_levels)
+        if own_levels := [level for level in case_levels if level.family == "file"]:
+            figures[f"own_meshes_{suffix}"] = draw_own_meshes(case, own_levels)
     return figures

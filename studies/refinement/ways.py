@@ -1,10 +1,12 @@
-"""The ways to refine a mesh, each a family of levels from coarse to fine.
+"""Define the ways to refine a mesh; each is a family of levels from coarse to fine.
 
-`uniform` divides every triangle into four. `graded` sizes triangles before anything is solved, by
-what is known of the singularities. `adaptive` solves, estimates, marks and refines. `layered` is
-the default of ringwear, quadrilaterals in layers round the ring edges, whose sizes and degrees
-follow from the accuracy. `degree` raises the degree on one such mesh. `file` has the meshes of the
-user.
+- `uniform` divides every triangle into four.
+- `graded` chooses the sizes of triangles before solving, from the known singularities.
+- `adaptive` repeatedly solves, estimates errors, marks triangles and refines them.
+- `layered` is the default of ringwear: quadrilaterals in layers around the ring edges, with sizes
+  and degrees that follow from `rtol`.
+- `degree` raises the degree on one such mesh.
+- `file` uses the meshes of the user.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -27,49 +29,52 @@ from ..sizes.defaults import WIDER_TRUNCATION, triangle_degree
 from ..study.levels import Family
 from ..study.options import Options
 from ..tables import Row
-from .case import NEGLIGIBLE, Case, Level, Solved
+from .case import POLES_RTOL, Case, Level, MeshSolution
 from .own_meshes import OwnMeshes, least_eigenvalue
 
-COARSEST = 1.2
-"""Size of the first triangles, in a; they are smaller only where a ring edge has to be a vertex."""
-MARKED = 0.5
-"""Share of the squared indicators that the marked triangles have (Dörfler)."""
+COARSEST_SIZE = 1.2
+"""Size of the triangles of the coarsest mesh, in punch radii.
+
+Triangles are smaller only where a ring edge has to be a vertex.
+"""
+MARKED_SHARE = 0.5
+"""Fraction of the sum of the squared indicators in the marked triangles (Dörfler)."""
 GROWTH, GROWTH_OF_ONE_RING, GROWTH_NEAR_INCOMPRESSIBILITY = 1.16, 1.12, 1.22
-"""Factor by which the unknowns grow from one adaptive level to the next, measured."""
+"""Measured factors of the unknowns of an adaptive level over those of the level before."""
 MOST_UNKNOWNS = 60_000
-"""Unknowns that the adaptive levels go up to."""
+"""Unknowns of the finest adaptive level, approximately."""
 MOST_UNKNOWNS_QUICK = 30_000
-"""Unknowns that those of the quick study go up to, a little beyond a pressure within 1e-3."""
+"""The same in the quick study: slightly more than a pressure error of 1e-3 needs."""
 MOST_UNKNOWNS_OF_ONE_RING_QUICK = 15_000
-"""The same of one ring, where that pressure takes less."""
+"""The same in the quick study for one ring, where this pressure error needs fewer unknowns."""
 MANY_RINGS, GROWTH_OF_MANY_RINGS = 8, 1.2
-"""Rings beyond which the unknowns of adaptive levels grow faster, and by which factor."""
+"""Number of rings above which the unknowns of adaptive levels grow by this larger factor."""
 MOST_EXPECTED, MOST_EXPECTED_QUICK = 250_000, 55_000
-"""Unknowns beyond which levels are left out, as with many rings."""
+"""Levels with more expected unknowns are left out, for example with many rings."""
 LEAST_LEVELS, LEAST_LEVELS_QUICK = 2, 1
-"""Levels of each way that are solved all the same."""
+"""Number of levels of each way that are always solved."""
 ACCURACIES = tuple(10.0 ** (-half / 2) for half in range(2, 13))
-"""Accuracies that graded and layered meshes are made for."""
+"""Values of `rtol` for which graded and layered meshes are made."""
 ACCURACIES_QUICK = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-LAYERS = {"mesher": "quads"}
-"""Settings of the default mesh."""
-FIRST = "0 halvings"
-"""The setting of the first level of all, which waits for the truth of its case."""
-SECONDS_OF_TRUTH = 0.17
-"""Seconds that the truth takes for each ring, measured with five rings."""
-ACCURACY_OF_LAYERS = 1e-7
-"""Accuracy that the mesh is made for on which the degree is raised."""
+LAYERED_SETTINGS = {"mesher": "quads"}
+"""Settings of the default mesh (`accuracy.fem`)."""
+FIRST_SETTING = "0 halvings"
+"""Setting of the first level of a case, whose time includes the reference solution."""
+REFERENCE_SECONDS = 0.17
+"""Seconds of the reference solution for each ring, measured with five rings."""
+DEGREE_MESH_RTOL = 1e-7
+"""Value of `rtol` for which the mesh is made on which the degree is raised."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """The ways to refine a mesh of a case.
+    """The ways to refine a mesh for a case.
 
     Parameters
     ----------
-    case : what is solved
-    options : of the study
-    levels : to which each level that is solved is added
+    case : case that is solved
+    options : options of the study
+    levels : list to which each solved level is appended
     """
 
     case: Case
@@ -77,129 +82,154 @@ class Ways:
     levels: list[Level]
 
     def families(self) -> Iterator[Family]:
-        """Yield each way, and last the user's meshes."""
-        quick, start = self.options.quick, self._unknowns_at_first
+        """Yield the family of each way, and last that of the user's meshes."""
+        quick, coarsest_unknowns = self.options.quick, self._coarsest_unknowns
         halvings = range(3 if quick else 4)
         yield self._family(
-            "uniform", {f"{n} halvings": start * 4.0**n for n in halvings}, self._halve
+            "uniform", {f"{n} halvings": coarsest_unknowns * 4.0**n for n in halvings}, self._halve
         )
-        rings, most = len(self.case.problem.merged.widths), MOST_UNKNOWNS
+        rings, greatest_unknowns = len(self.case.problem.merged.widths), MOST_UNKNOWNS
         if quick:
-            most = MOST_UNKNOWNS_QUICK if rings > 1 else MOST_UNKNOWNS_OF_ONE_RING_QUICK
+            greatest_unknowns = (
+                MOST_UNKNOWNS_QUICK if rings > 1 else MOST_UNKNOWNS_OF_ONE_RING_QUICK
+            )
         growth = GROWTH if rings > 1 else GROWTH_OF_ONE_RING
         if rings > MANY_RINGS:
             growth = GROWTH_OF_MANY_RINGS
         if self.case.problem.poisson_ratio > 0.49:
             growth = GROWTH_NEAR_INCOMPRESSIBILITY
-        count = max(3, int(np.ceil(np.log(most / start) / np.log(growth))) + 1)
+        count = max(
+            3, int(np.ceil(np.log(greatest_unknowns / coarsest_unknowns) / np.log(growth))) + 1
+        )
         adaptive = AdaptiveTriangles(self.case, self._coarsest, self.degree)
-        expected = {f"level {n}": start * growth**n for n in range(count)}
+        expected = {f"level {n}": coarsest_unknowns * growth**n for n in range(count)}
         yield self._family("adaptive", expected, adaptive.solve_next, 0.8)
         accuracies = ACCURACIES_QUICK if quick else ACCURACIES
-        # unknowns as measured with 1 to 32 rings
-        of_rings = 0.95 + 0.025 * rings
-        expected = {f"rtol {x:.0e}": start * of_rings * (10 * x) ** -0.2 for x in accuracies}
+        # fits to the unknowns measured with 1 to 32 rings
+        ring_factor = 0.95 + 0.025 * rings
+        expected = {
+            f"rtol {x:.0e}": coarsest_unknowns * ring_factor * (10 * x) ** -0.2 for x in accuracies
+        }
         yield self._family("graded", expected, self._grade)
-        if not unavailable():  # layers are made by gmsh
-            of_rings, power = 4 + rings / 8, 0.04 + 0.0037 * rings
-            expected = {f"rtol {x:.0e}": start * of_rings * (10 * x) ** -power for x in accuracies}
+        if not unavailable():  # gmsh makes the layered meshes
+            ring_factor, power = 4 + rings / 8, 0.04 + 0.0037 * rings
+            expected = {
+                f"rtol {x:.0e}": coarsest_unknowns * ring_factor * (10 * x) ** -power
+                for x in accuracies
+            }
             yield self._family("layered", expected, self._layer, 1.0)
             degrees = range(4, 8 if quick else 10)
-            of_rings = 0.3 + 0.07 * rings
-            expected = {f"degree {k}": start * of_rings * (k - 1) for k in degrees}
+            ring_factor = 0.3 + 0.07 * rings
+            expected = {f"degree {k}": coarsest_unknowns * ring_factor * (k - 1) for k in degrees}
             yield self._family("degree", expected, self._raise_degree)
         if self.options.meshes:
-            own = OwnMeshes(self.case, self.options)
-            yield self._family("file", dict.fromkeys(own.meshes, 2 * start), own.solve)
+            own_meshes = OwnMeshes(self.case, self.options)
+            yield self._family(
+                "file", dict.fromkeys(own_meshes.meshes, 2 * coarsest_unknowns), own_meshes.solve
+            )
 
     @property
     def degree(self) -> int:
-        """Degree of the displacement on triangles, as the scene has it, or the highest."""
+        """Degree of the displacement on triangles: that of the scene, or else the highest."""
         return triangle_degree(self.case.problem)
 
     @cached_property
     def _coarsest(self) -> MeshTri:
-        """The mesh that all levels of uniform and adaptive triangles begin with.
+        """The coarsest mesh of uniform and adaptive triangles.
 
-        Its outer boundary is refined once: the indicator does not see by how much nodal values
-        there differ from the poles that they stand for.
+        Its outer boundary is refined once, because the error indicator does not include the
+        difference between the nodal values there and the poles that they interpolate.
         """
         edges = self.case.problem.merged.ring_edges
         mesh = bisection.mesh(
-            SizeField(tuple(edges.tolist()), COARSEST, COARSEST, 0.0, WIDER_TRUNCATION, COARSEST)
+            SizeField(
+                tuple(edges.tolist()),
+                COARSEST_SIZE,
+                COARSEST_SIZE,
+                0.0,
+                WIDER_TRUNCATION,
+                COARSEST_SIZE,
+            )
         )
         return bisection.refined(mesh, mesh.f2t[0, mesh.boundaries["far"]], edges)
 
     @property
-    def _unknowns_at_first(self) -> float:
-        """About the unknowns of the coarsest mesh: k^2 nodes for two triangles."""
+    def _coarsest_unknowns(self) -> float:
+        """Approximate unknowns of the coarsest mesh: k^2 nodes with 2 each for two triangles."""
         return float(self._coarsest.nelements * self.degree**2)
 
     def _family(
         self,
         name: str,
         unknowns: dict[str, float],
-        solve: Callable[[str], Solved],
-        more: float = 0.0,
+        solve: Callable[[str], MeshSolution],
+        extra_work: float = 0.0,
     ) -> Family:
-        """Return a family of levels with about so many unknowns each, those that are most_unknowns.
+        """Return a family of levels, without the levels that are expected to be too large.
 
-        `more` is what their time exceeds that of uniform triangles by, as a part of it.
+        Parameters
+        ----------
+        name : name of the family
+        unknowns : expected unknowns of each level, by its setting
+        solve : function that solves the level of a setting
+        extra_work : time for each unknown in addition to that of uniform triangles, relative to it
         """
 
         def solve_level(setting: str) -> Row:
-            solved = solve(setting)
-            self.levels.append(Level.of(self.case, name, setting, solved))
-            row = self.case.row(solved)
-            # of the user's meshes nobody knows yet whether their multipliers are stable
-            return {**row, "least eigenvalue": least_eigenvalue(solved)} if name == "file" else row
+            solution = solve(setting)
+            self.levels.append(Level.of(self.case, name, setting, solution))
+            row = self.case.row(solution)
+            # the multipliers may be unstable only on meshes of the user
+            return (
+                {**row, "least eigenvalue": least_eigenvalue(solution)} if name == "file" else row
+            )
 
         def work(setting: str) -> float:
-            # measured on two cores: what all levels take, and what grows with the unknowns
+            # measured on two cores: a constant time, and a time proportional to the unknowns
             rings = len(self.case.problem.merged.widths)
-            truth = SECONDS_OF_TRUTH * rings if setting == FIRST else 0.0
-            return truth + 0.03 + 7e-6 * (1 + more) * unknowns[setting]
+            reference = REFERENCE_SECONDS * rings if setting == FIRST_SETTING else 0.0
+            return reference + 0.03 + 7e-6 * (1 + extra_work) * unknowns[setting]
 
-        most_unknowns, least = MOST_EXPECTED, LEAST_LEVELS
+        most_unknowns, least_levels = MOST_EXPECTED, LEAST_LEVELS
         if self.options.quick:
-            most_unknowns, least = MOST_EXPECTED_QUICK, LEAST_LEVELS_QUICK
+            most_unknowns, least_levels = MOST_EXPECTED_QUICK, LEAST_LEVELS_QUICK
         settings = [
             setting
             for number, (setting, count) in enumerate(unknowns.items())
-            if number < least or count <= most_unknowns
+            if number < least_levels or count <= most_unknowns
         ]
         return Family(name, dict.fromkeys(settings, np.nan), solve_level, work=work)
 
-    def _halve(self, setting: str) -> Solved:
+    def _halve(self, setting: str) -> MeshSolution:
         stages = Stages("uniform")
         with stages("meshing"):
             mesh = self._coarsest
             for _ in range(int(setting.split()[0])):
-                every = np.arange(mesh.nelements)
-                mesh = bisection.refined(mesh, every, self.case.problem.merged.ring_edges)
-        return self.case.solve(self.case.half_space_on(mesh, self.degree, NEGLIGIBLE), stages)
+                all_elements = np.arange(mesh.nelements)
+                mesh = bisection.refined(mesh, all_elements, self.case.problem.merged.ring_edges)
+        return self.case.solve(self.case.half_space_on(mesh, self.degree, POLES_RTOL), stages)
 
-    def _grade(self, setting: str) -> Solved:
+    def _grade(self, setting: str) -> MeshSolution:
         return self._mesh_and_solve("graded", setting, {"mesher": "gmsh", "degree": self.degree})
 
-    def _layer(self, setting: str) -> Solved:
-        return self._mesh_and_solve("layered", setting, LAYERS)
+    def _layer(self, setting: str) -> MeshSolution:
+        return self._mesh_and_solve("layered", setting, LAYERED_SETTINGS)
 
-    def _mesh_and_solve(self, name: str, setting: str, sizes: Mapping[str, object]) -> Solved:
-        """Solve on the mesh that ringwear makes for an accuracy."""
-        stages, problem = Stages(name), self._for_accuracy(float(setting.split()[1]), sizes)
+    def _mesh_and_solve(self, name: str, setting: str, sizes: Mapping[str, object]) -> MeshSolution:
+        """Solve on the mesh that ringwear makes for the `rtol` in the setting."""
+        stages, problem = Stages(name), self._with_rtol(float(setting.split()[1]), sizes)
         with stages("meshing"):
-            chosen = half_space_mesh(problem)
-        return self.case.solve(half_space_on(problem, chosen), stages)
+            chosen_mesh = half_space_mesh(problem)
+        return self.case.solve(half_space_on(problem, chosen_mesh), stages)
 
-    def _raise_degree(self, setting: str) -> Solved:
-        stages, problem = Stages("degree"), self._for_accuracy(ACCURACY_OF_LAYERS, LAYERS)
+    def _raise_degree(self, setting: str) -> MeshSolution:
+        stages, problem = Stages("degree"), self._with_rtol(DEGREE_MESH_RTOL, LAYERED_SETTINGS)
         with stages("meshing"):
             mesh = half_space_mesh(problem).mesh
         degree = int(setting.split()[1])
-        return self.case.solve(self.case.half_space_on(mesh, degree, ACCURACY_OF_LAYERS), stages)
+        return self.case.solve(self.case.half_space_on(mesh, degree, DEGREE_MESH_RTOL), stages)
 
-    def _for_accuracy(self, rtol: float, sizes: Mapping[str, object]) -> Problem:
+    def _with_rtol(self, rtol: float, sizes: Mapping[str, object]) -> Problem:
         return replace(self.case.problem, rtol=rtol, fem=FemAccuracy.model_validate(sizes))
 
 
@@ -207,13 +237,14 @@ class Ways:
 class AdaptiveTriangles:
     """Triangles that are refined where the error indicator is greatest.
 
-    Each level refines the mesh of the one before, and its seconds are those of all levels so far.
+    Each level refines the mesh of the previous level. The seconds of a level include those of all
+    previous levels.
 
     Parameters
     ----------
-    case : what is solved
-    mesh : of the next level
-    degree : of the displacement
+    case : case that is solved
+    mesh : mesh of the next level
+    degree : polynomial degree of the displacement
     """
 
     case: Case
@@ -221,18 +252,18 @@ class AdaptiveTriangles:
     degree: int
     _stages: Stages = field(default_factory=lambda: Stages("adaptive"))
 
-    def solve_next(self, _: str) -> Solved:
-        """Solve the next level, estimate its errors, and refine its mesh for the level after it.
+    def solve_next(self, _: str) -> MeshSolution:
+        """Solve the next level, compute its error indicators, and refine its mesh for later levels.
 
-        An element counts by the greatest of its indicators over all states, each over the energy of
-        its state. By the flat start alone, ring edges would never be refined.
+        Triangles are marked by the greatest of their indicators over all states, each relative to
+        the energy of its state. The flat start alone would never refine ring edges.
         """
-        half_space = self.case.half_space_on(self.mesh, self.degree, NEGLIGIBLE)
-        solved = self.case.solve_and_estimate(half_space, self._stages)
-        solved = replace(solved, seconds=dict(self._stages.seconds))
+        half_space = self.case.half_space_on(self.mesh, self.degree, POLES_RTOL)
+        solution = self.case.solve_and_estimate(half_space, self._stages)
+        solution = replace(solution, seconds=dict(self._stages.seconds))
         with self._stages("meshing"):
-            assert solved.greatest_indicators is not None
-            marked = fewest_with_share(solved.greatest_indicators, MARKED)
+            assert solution.greatest_indicators is not None
+            marked = fewest_with_share(solution.greatest_indicators, MARKED_SHARE)
             edges = self.case.problem.merged.ring_edges
             self.mesh = bisection.refined(self.mesh, marked, edges)
-        return solved
+        return solution

@@ -1,1 +1,1 @@
-"""What all studies share: levels, orders, figures of errors, and the value that a study returns."""
+"""Parts shared by all studies: levels, orders, figures of errors, and the class `Study`."""

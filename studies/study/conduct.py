@@ -1,4 +1,4 @@
-"""The call of a study, by name: `ringwear.study`, and what the command line calls."""
+"""Call a study by its name: `ringwear.study` in Python, and `conduct` for the command line."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -31,51 +31,54 @@ def study(
     steps: Sequence[float] = (),
     against: str = "size",
 ) -> Study:
-    """Conduct a study of a scene: solve its levels, fit orders, draw figures, and conclude.
+    """Conduct a study of a scene: solve its levels, fit orders, draw figures, write conclusions.
 
-    Progress goes to the logger `ringwear`. Ctrl-C ends the levels, and the study holds those that
-    were solved.
+    Progress is reported to the logger `ringwear`. After Ctrl-C no further level is solved, and the
+    returned study contains the levels that were solved before.
 
     Parameters
     ----------
     name : ``"convergence"``, ``"refinement"``, ``"elements"``, ``"extremes"``, ``"tradeoff"``,
         ``"truncation"``, ``"march"`` or ``"paper"``
-    scene : a Scene, the name of a bundled one, a file, or nested dictionaries; by default the
-        study's own
-    quick : whether a smaller version will do
-    quantities : numbers of one's own, functions of the result of a run, by what they are called:
+    scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
+        study's own scene
+    quick : whether to conduct a smaller version of the study
+    quantities : your own quantities: names and functions that take the result of a run and return a
+        number, such as
         ``{"p at the centre": lambda result: float(result.dataset.pressure[0, 0, 0])}``
-    methods : names of methods, in place of those that the study compares
-    meshes : mesh files or scikit-fem meshes of one's own, from coarse to fine
-    degree : of the finite elements on `meshes`
-    elements : elements of scikit-fem, in place of those that the study compares
-    steps : in time, in the units of the scene, from coarse to fine
-    against : what figures draw errors against: ``"size"``, that of theory, ``"unknowns"`` or
-        ``"seconds"``
+    methods : names of the methods to study, instead of the study's own selection
+    meshes : your mesh files or scikit-fem meshes, from coarse to fine
+    degree : polynomial degree of the finite elements on `meshes`
+    elements : elements of scikit-fem to study, instead of the study's own selection
+    steps : time steps in the units of the scene, from coarse to fine
+    against : abscissa of the figures of errors: ``"size"`` (the size that the theoretical order
+        refers to), ``"unknowns"`` or ``"seconds"``
 
     Returns
     -------
-    study : with `table`, `orders`, `conclusions`, `figures`, `to_markdown()`, `to_latex()` and
-        `save(folder)`
+    Study
+        It has `table`, `orders`, `conclusions`, `figures`, `to_markdown()`, `to_latex()` and
+        `save(folder)`.
 
     Raises
     ------
     SceneError
-        if there is no study of that name, or if it does not go with the scene or an option
+        if there is no study of that name, or if the study does not accept the scene or an option
     RingwearError
-        if what all levels need cannot be computed; a level that fails is a row of the table
+        if the reference solution of all levels cannot be computed; a single level that fails
+        raises nothing and is a row of the table
 
     Examples
     --------
     >>> import ringwear
-    >>> found = ringwear.study("truncation", "five_rings", quick=True)
-    >>> [float(order) for order in found.orders["expected order"]]
+    >>> truncation = ringwear.study("truncation", "five_rings", quick=True)
+    >>> [float(order) for order in truncation.orders["expected order"]]
     [1.0, 5.0, 9.0, 13.0]
     """
     if name not in STUDIES:
-        near = nearest(str(name), STUDIES)
-        meant = f"did you mean {near}? Else " if near else ""
-        raise SceneError(f"there is no study {name!r}: {meant}give one of {', '.join(STUDIES)}")
+        similar = nearest(str(name), STUDIES)
+        hint = f"did you mean {similar}? Otherwise " if similar else ""
+        raise SceneError(f"there is no study {name!r}: {hint}give one of {', '.join(STUDIES)}")
     if quantities is not None and not isinstance(quantities, Mapping):
         quantities = {function.__name__: function for function in quantities}
     options = Options(
@@ -92,58 +95,59 @@ def study(
 
 
 def conduct(name: str, scene: Scene, options: Options, record: Record | None = None) -> Study:
-    """Conduct a study of a scene, and record its rows as they come.
+    """Conduct a study of a scene, and write the row of each level as soon as it is solved.
 
     Raises
     ------
     SceneError
-        if the study does not go with the scene or an option
+        if the study does not accept the scene or an option
     """
     refuse_what_does_not_fit(name, scene, options)
     with in_style():
-        found = STUDIES[name].conduct(scene, options, record or Record())
-    return replace(found, purpose=STUDIES[name].purpose)
+        result = STUDIES[name].conduct(scene, options, record or Record())
+    return replace(result, purpose=STUDIES[name].purpose)
 
 
 def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
-    """Raise if a study does not know the punch of a scene, or what to do with an option.
+    """Raise an error if a study does not accept the punch of a scene or one of the options.
 
     Raises
     ------
     SceneError
-        which names the studies that do, or the options that the study takes
+        its message names the studies that accept this punch, or the options that the study accepts
     """
     listed, problem = STUDIES[name], scene.problem
     flat = problem.full_contact and problem.indentation is None
-    if not (listed.of_any_punch or flat):
+    if not (listed.any_punch or flat):
         raise SceneError(
-            f"study {name} is about flat punches under a force, whose edges stay: leave out "
-            "punch.recess and punch.profile, and give load.normal_force; studies "
-            f"{_those_that('of_any_punch')} take any punch"
+            f"study {name} accepts only flat punches under a force, whose contact edges are fixed: "
+            "leave out punch.recess and punch.profile, and give load.normal_force; the "
+            f"studies {_studies_with('any_punch')} accept any punch"
         )
-    if problem.merged.linear and not listed.along_radius:
+    if problem.merged.linear and not listed.radial_wear:
         raise SceneError(
-            f"study {name} is about rings, each with one wear coefficient: give "
-            "punch.wear_coefficients in place of punch.wear_coefficient along the radius; studies "
-            f"{_those_that('along_radius')} take it"
+            f"study {name} accepts only rings, each with one wear coefficient: give "
+            "punch.wear_coefficients instead of punch.wear_coefficient along the radius; the "
+            f"studies {_studies_with('radial_wear')} accept it"
         )
-    if problem.ground is not None and not listed.of_layers:
-        knowing = " and ".join(name for name, study in STUDIES.items() if study.of_layers)
+    if problem.ground is not None and not listed.layered:
+        accepting = " and ".join(name for name, study in STUDIES.items() if study.layered)
         raise SceneError(
-            f"study {name} is about a homogeneous half-space: leave out half_space.layers; "
-            f"studies {knowing} take them"
+            f"study {name} accepts only a homogeneous half-space: leave out half_space.layers; "
+            f"studies {accepting} accept them"
         )
-    for option in options.given:
-        if option not in listed.takes:
-            which = ", ".join(listed.takes) or "none but quick"
-            raise SceneError(f"study {name} does not take {option}: its options are {which}")
+    for option in options.changed:
+        if option not in listed.option_names:
+            accepted = ", ".join(listed.option_names) or "none but quick"
+            raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
     if options.against not in ABSCISSAS:
         raise SceneError(
-            f"against = {options.against!r} is no abscissa: give one of {', '.join(ABSCISSAS)}"
+            f"against = {options.against!r} is not an abscissa of the figures: give one of "
+            f"{', '.join(ABSCISSAS)}"
         )
 
 
-def _those_that(trait: str) -> str:
-    """Return the names of the studies with a trait of `ListedStudy`, as a list in words."""
-    *names, last = (name for name, listed in STUDIES.items() if getattr(listed, trait))
+def _studies_with(flag: str) -> str:
+    """Return the names of the studies for which a flag of `ListedStudy` is set, as "a, b and c"."""
+    *names, last = (name for name, listed in STUDIES.items() if getattr(listed, flag))
     return f"{', '.join(names)} and {last}"

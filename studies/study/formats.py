@@ -1,4 +1,4 @@
-"""Tables of studies in Markdown and LaTeX, for papers and notes."""
+"""Write tables of studies in Markdown and LaTeX, for papers and notes."""
 
 import re
 
@@ -11,8 +11,8 @@ SPECIAL = {
     "^": r"\textasciicircum{}",
     **{character: f"\\{character}" for character in "&%$#_{}"},
 }
-"""Characters that LaTeX reads as commands, and what prints them."""
-LETTERS = {
+"""Characters that are commands in LaTeX, and the code that prints each of them."""
+SYMBOLS = {
     "ν": r"$\nu$",
     "Δ": r"$\Delta$",
     "×": r"$\times$",
@@ -25,7 +25,7 @@ LETTERS = {
     "∞": r"$\infty$",
     "λ": r"$\lambda$",
 }
-"""Letters that plain LaTeX does not know, and what prints them."""
+"""Symbols that plain LaTeX cannot read, and the code that prints each of them."""
 
 
 def to_markdown(table: pd.DataFrame) -> str:
@@ -37,14 +37,14 @@ def to_markdown(table: pd.DataFrame) -> str:
 
 def to_latex(table: pd.DataFrame) -> str:
     """Return a table as a `tabular` with the rules of the package `booktabs`."""
-    head = " & ".join(escape_latex(str(name)) for name in table.columns)
+    header = " & ".join(escape_latex(str(name)) for name in table.columns)
     body = [" & ".join(map(escape_latex, row)) + r" \\" for row in cells(table)]
-    aligned = "".join("r" if np.issubdtype(kind, np.number) else "l" for kind in _kinds(table))
+    alignment = "".join("r" if np.issubdtype(kind, np.number) else "l" for kind in _kinds(table))
     return "\n".join(
         [
-            rf"\begin{{tabular}}{{{aligned}}}",
+            rf"\begin{{tabular}}{{{alignment}}}",
             r"\toprule",
-            head + r" \\",
+            header + r" \\",
             r"\midrule",
             *body,
             r"\bottomrule",
@@ -55,21 +55,21 @@ def to_latex(table: pd.DataFrame) -> str:
 
 
 def cells(table: pd.DataFrame) -> list[list[str]]:
-    """Return the cells of a table as text: numbers with four digits, and nothing where none is."""
+    """Return the cells of a table as text: numbers with four digits, and "" for NaN or None."""
     return [[_as_text(cell) for cell in row] for row in table.itertuples(index=False)]
 
 
 def escape_latex(text: str) -> str:
-    """Return a text that LaTeX prints as it is; parts between dollar signs are formulas already."""
+    """Escape a text for LaTeX, except parts between dollar signs, which are formulas already."""
     parts = re.split(r"(\$[^$]+\$)", text)
     return "".join(
-        part if number % 2 else "".join(SPECIAL.get(each, LETTERS.get(each, each)) for each in part)
+        part if number % 2 else "".join(SPECIAL.get(each, SYMBOLS.get(each, each)) for each in part)
         for number, part in enumerate(parts)
     )
 
 
 def _kinds(table: pd.DataFrame) -> list[np.dtype]:
-    """Return numpy's type of each column; texts are objects."""
+    """Return the numpy type of each column; columns of texts have the type object."""
     return [
         kind if isinstance(kind, np.dtype) else np.dtype(object) for kind in table.dtypes.tolist()
     ]

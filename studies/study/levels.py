@@ -1,7 +1,8 @@
-"""The levels of a study: solved one after the other, recorded at once, timed and announced.
+"""Solve the levels of a study, one after the other, and write one row of a table for each.
 
-A study lists families. A family is one way to refine (a mesh, a step, an outer boundary, the dial
-of a method), from coarse to fine. Each level of it becomes a row of the table of the study.
+A study lists families. A family is one way to refine from coarse to fine: a mesh, a time step, the
+radius of the outer boundary, or the tolerance of a method. Each level of a family is one row of the
+study's table. Its wall time and peak memory are measured, and progress is logged.
 """
 
 import resource
@@ -22,18 +23,18 @@ from ..progress import LOG
 from ..tables import Row, keeping_rows, without_formulas
 
 SECONDS, MEMORY = "seconds", "peak MiB"
-"""Columns that every table of levels has: seconds of wall time, and memory at its peak."""
+"""Columns of every table of levels: wall time in seconds, and peak memory in MiB."""
 
 
 class Theory(NamedTuple):
-    """What is expected of the errors of a quantity.
+    """Theoretical order of convergence of a quantity.
 
     Parameters
     ----------
     order : slope of log error over log size; NaN if there is no theory
-    floor : relative errors below it are shown but not counted
-    reason : a sentence that says why the order is what it is, with its source
-    floor_cause : what errors below the floor consist of, such as roundoff
+    floor : relative error; levels with smaller errors are shown but not used to fit the order
+    reason : a sentence that explains the order, with its source
+    floor_cause : source of the errors below the floor, such as roundoff
     """
 
     order: float = np.nan
@@ -47,13 +48,13 @@ class Family(NamedTuple):
 
     Parameters
     ----------
-    name : of the family
-    sizes : settings of its levels, each with its size; NaN where settings have none
-    solve : setting -> row of the table
-    theory : of the quantities whose orders are fitted
-    xlabel : what its size is called
-    work : setting -> seconds that a level is expected to take; from these, and from the seconds
-        that levels took so far, follows the time left
+    name : name of the family
+    sizes : size of each level, by the setting of the level; NaN if a setting has no size
+    solve : function that solves the level of a setting and returns its row of the table
+    theory : theory of each quantity whose order is fitted, by the name of the quantity
+    xlabel : label of the size in figures
+    work : function that returns the expected seconds of the level of a setting. The remaining time
+        is estimated from these seconds and from the measured seconds of the levels solved so far.
     """
 
     name: str
@@ -66,11 +67,13 @@ class Family(NamedTuple):
 
 @dataclass
 class Progress:
-    """Which level of how many is solved, and how much time is left.
+    """Number of solved levels, and estimate of the remaining time.
 
     Parameters
     ----------
-    expected : seconds that each level was expected to take, on any machine
+    expected : expected seconds of each level; only their ratios matter
+    done : number of levels that are solved
+    elapsed : seconds that these levels took
     """
 
     expected: list[float]
@@ -78,7 +81,7 @@ class Progress:
     elapsed: float = 0.0
 
     def announce(self, family: str, setting: Hashable) -> None:
-        """Report which level begins, and the time left from the second level on."""
+        """Log which level begins and, from the second level on, the estimated remaining time."""
         LOG.info(
             "   level %d of %d%s: %s, %s ...",
             self.done + 1,
@@ -90,41 +93,45 @@ class Progress:
 
     @property
     def seconds_left(self) -> float:
-        """What levels are expected to take still, by what those before took."""
+        """Estimated seconds of the remaining levels: expected seconds times measured / expected."""
         expected = sum(self.expected[: self.done])
         return self.elapsed / expected * sum(self.expected[self.done :]) if expected else 0.0
 
     def finish(self, seconds: float) -> None:
-        """Count a level that took some seconds."""
+        """Count one more solved level, which took the given seconds."""
         self.done += 1
         self.elapsed += seconds
 
 
 @dataclass(frozen=True)
 class Record:
-    """Where rows of levels go while a study works: a table on disk, or nowhere.
+    """Solver of levels that writes each row to a table on disk, or keeps rows only in memory.
 
     Parameters
     ----------
-    folder : of the tables; None keeps rows in memory alone
-    conclusions : of levels that failed and of an interruption, as they come
+    folder : folder of the tables; if None, rows are kept only in memory
+    conclusions : sentences about levels that failed and about an interruption, appended as they
+        occur
     """
 
     folder: Path | None = None
     conclusions: list[str] = field(default_factory=list)
 
     def solve(self, name: str, families: Iterable[Family], columns: list[str]) -> pd.DataFrame:
-        """Solve every level of every family; return the table, a row for each.
+        """Solve every level of every family; return the table with one row for each level.
 
-        A row is in the file `name.csv` as soon as its level is solved. A level that fails is a row,
-        too, with a remark, and a conclusion. Ctrl-C keeps the rows before it.
+        A row is written to the file `name.csv` as soon as its level is solved. A level that fails
+        also has a row, with a remark, and adds a conclusion. After Ctrl-C the rows of the levels
+        that were solved before are kept.
         """
         families, rows = list(families), list[Row]()
         columns = [*columns, *(name for name in (SECONDS, MEMORY, "remark") if name not in columns)]
         path = self.folder / f"{name}.csv" if self.folder else None
         if path:
             pd.DataFrame(columns=columns).to_csv(path, index=False)
-        progress = Progress([of.work(setting) for of in families for setting in of.sizes])
+        progress = Progress(
+            [family.work(setting) for family in families for setting in family.sizes]
+        )
         with threadpool_limits(1), keeping_rows(self.conclusions):
             for family in families:
                 for setting, size in family.sizes.items():
@@ -133,13 +140,13 @@ class Record:
                     progress.finish(seconds)
                     rows.append({"family": family.name, "setting": setting, "size": size} | row)
                     if path:
-                        last = pd.DataFrame([rows[-1]], columns=columns)
-                        without_formulas(last).to_csv(path, mode="a", header=False, index=False)
+                        new_row = pd.DataFrame([rows[-1]], columns=columns)
+                        without_formulas(new_row).to_csv(path, mode="a", header=False, index=False)
         return pd.DataFrame(rows, columns=columns)
 
     def _solve_level(self, family: Family, setting: Hashable) -> tuple[dict[str, Any], float]:
-        """Return the row of a level with its cost, and the seconds that it took."""
-        _forget_peak()
+        """Solve a level; return its row with wall time and peak memory, and its seconds."""
+        _reset_peak()
         start = time.perf_counter()
         try:
             row = dict(family.solve(setting))
@@ -150,21 +157,21 @@ class Record:
         return {SECONDS: round(seconds, 4), MEMORY: round(_peak_mebibytes(), 1)} | row, seconds
 
 
-def _forget_peak() -> None:
-    """Start to count the greatest memory of this process anew, which Linux alone can do."""
+def _reset_peak() -> None:
+    """Start to measure the peak memory of this process anew, which is possible only on Linux."""
     try:
         Path("/proc/self/clear_refs").write_text("5", "ascii")
     except OSError:
-        # elsewhere the peak is that of all levels so far
+        # on other systems the reported peak is the maximum over all levels so far
         return
 
 
 def _peak_mebibytes() -> float:
-    """Return the greatest memory of this process, since it was forgotten if that can be done."""
+    """Return the peak memory of this process in MiB, on Linux since the last `_reset_peak`."""
     try:
         status = Path("/proc/self/status").read_text("ascii")
     except OSError:
-        greatest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        return greatest / (2**20 if sys.platform == "darwin" else 2**10)
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        return peak / (2**20 if sys.platform == "darwin" else 2**10)
     (line,) = (line for line in status.splitlines() if line.startswith("VmHWM"))
     return float(line.split()[1]) / 2**10

@@ -1,8 +1,9 @@
-"""The studies by name: where each is, and what it takes. Nothing is imported until it is used.
+"""List of the studies: the module, the options and the accepted scenes of each.
 
-A study is a file with a function ``conduct(scene, options, record)``: it solves its levels on the
-record, which writes each row as it comes, and returns a `Study` with tables, figures and
-conclusions, a sentence each; `INTERRUPTED` is among them if it was stopped.
+A module is imported only when its study is conducted. It has a function
+``conduct(scene, options, record)``, which solves the levels by `Record.solve` and returns a `Study`
+with tables, figures and conclusions. `Record.solve` writes each row as soon as its level is solved.
+Each conclusion is one sentence. `INTERRUPTED` is one of the conclusions if the study was stopped.
 """
 
 from collections.abc import Callable
@@ -19,28 +20,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ListedStudy:
-    """A study before it is conducted.
+    """Where the code of a study is, and which scenes and options it accepts.
 
     Parameters
     ----------
-    module : the module that conducts it, relative to `ringwear.studies`
-    purpose : what it studies
-    seconds : that `--quick` takes
-    scene : its scene by default
-    takes : names of the options that it knows besides `quick` (`studies/study/conduct.py`)
-    of_any_punch : whether it takes any punch
-    along_radius : whether it takes wear that varies along the radius
-    of_layers : whether it takes layered ground
+    module : module with the function `conduct`, relative to `ringwear.studies`
+    purpose : subject of the study, in one phrase
+    seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
+    scene : name of the default scene
+    option_names : names of the options that it accepts besides `quick` (`studies/study/options.py`)
+    any_punch : whether it accepts any punch, not only flat punches under a force
+    radial_wear : whether it accepts a wear coefficient that varies along the radius
+    layered : whether it accepts a layered half-space
     """
 
     module: str
     purpose: str
     seconds: int
     scene: str = "five_rings"
-    takes: tuple[str, ...] = ()
-    of_any_punch: bool = False
-    along_radius: bool = False
-    of_layers: bool = False
+    option_names: tuple[str, ...] = ()
+    any_punch: bool = False
+    radial_wear: bool = False
+    layered: bool = False
 
     @property
     def conduct(self) -> "Callable[[Scene, Options, Record], Study]":
@@ -53,56 +54,56 @@ class ListedStudy:
 STUDIES: dict[str, ListedStudy] = {
     "paper": ListedStudy(
         "paper.study",
-        "the whole paper again: Figs. 4 to 7 redrawn, its claims checked, and what it leaves open",
+        "the whole paper: Figs. 4 to 7 redrawn, its claims checked, and its open questions",
         30,
     ),
     "convergence": ListedStudy(
         "convergence.study",
-        "orders of convergence of every quantity, in element size and degree, beside theory",
+        "orders of convergence of every quantity in element size and degree, compared with theory",
         24,
-        takes=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
-        of_any_punch=True,
-        along_radius=True,
+        option_names=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
+        any_punch=True,
+        radial_wear=True,
     ),
     "truncation": ListedStudy(
         "numerics.truncation",
-        "what the outer boundary costs, for every far field and Poisson's ratio",
+        "errors due to the outer boundary, for every far field and Poisson's ratio",
         3,
-        along_radius=True,
-        of_layers=True,
+        radial_wear=True,
+        layered=True,
     ),
     "march": ListedStudy(
         "numerics.march",
-        "orders of the time marches, and where the explicit one blows up",
+        "orders of the time marches, and the stability limit of the explicit one",
         2,
-        takes=("steps",),
-        along_radius=True,
+        option_names=("steps",),
+        radial_wear=True,
     ),
     "refinement": ListedStudy(
         "refinement.study",
-        "uniform, graded, adaptive and layered meshes, and meshes of your own: what accuracy costs",
+        "cost of accuracy on uniform, graded, adaptive, layered and your own meshes",
         15,
-        takes=("meshes", "degree"),
-        along_radius=True,
+        option_names=("meshes", "degree"),
+        radial_wear=True,
     ),
     "elements": ListedStudy(
         "elements.study",
-        "which pair of displacement and pressure is stable, by scikit-fem's elements or your own",
+        "stable pairs of displacement and pressure spaces: elements of scikit-fem, or your own",
         7,
-        takes=("elements",),
+        option_names=("elements",),
     ),
     "extremes": ListedStudy(
         "extremes.study",
-        "extreme parameters: true errors over promised ones beside a naive solver, and a map",
+        "extreme parameters: true over promised errors, of ringwear and a naive solver, and a map",
         25,
     ),
     "tradeoff": ListedStudy(
         "tradeoff.study",
-        "speed against accuracy: tolerance, estimate and true error of every method and march",
+        "speed against accuracy: tolerance, error estimate and true error of each method and march",
         25,
-        takes=("quantities", "methods"),
-        of_any_punch=True,
-        along_radius=True,
-        of_layers=True,
+        option_names=("quantities", "methods"),
+        any_punch=True,
+        radial_wear=True,
+        layered=True,
     ),
 }

@@ -1,4 +1,4 @@
-"""What a user asks of a study besides its scene."""
+"""Options of a study."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
@@ -11,22 +11,22 @@ if TYPE_CHECKING:
 Quantity: TypeAlias = Callable[..., float]
 """A function that takes the result of a run and returns a number."""
 ABSCISSAS = ("size", "unknowns", "seconds")
-"""What errors can be drawn against: the size of theory, the number of unknowns, or the time."""
+"""Abscissas of figures of errors: size that theory refers to, number of unknowns, wall time."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """What a user asks of a study besides its scene.
+    """Options of a study: what the user chooses besides its name and scene.
 
     Parameters
     ----------
-    quick : whether a smaller version will do
-    quantities : functions of a result, by what they are called; empty for the study's own
-    methods : names of methods, in place of those that the study compares
-    meshes : mesh files or scikit-fem meshes, from coarse to fine
-    degree : of the finite elements on `meshes`
-    elements : elements of scikit-fem, in place of those that the study compares
-    steps : in time, in units of the scene, from coarse to fine
+    quick : whether to conduct a smaller version of the study
+    quantities : the user's own quantities: names and functions of the result of a run
+    methods : names of the methods to study; empty for the study's own selection
+    meshes : the user's mesh files or scikit-fem meshes, from coarse to fine
+    degree : polynomial degree of the finite elements on `meshes`
+    elements : elements of scikit-fem to study; empty for the study's own selection
+    steps : time steps in units of the scene, from coarse to fine
     against : abscissa of the figures, one of `ABSCISSAS`
     """
 
@@ -40,8 +40,8 @@ class Options:
     against: str = "size"
 
     @property
-    def given(self) -> list[str]:
-        """Names of what the user has asked for, besides `quick`."""
+    def changed(self) -> list[str]:
+        """Names of the options, except `quick`, that differ from their defaults."""
         names = [option.name for option in fields(self) if option.name != "quick"]
         default = Options()
         return [name for name in names if getattr(self, name) != getattr(default, name)]

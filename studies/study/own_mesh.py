@@ -1,4 +1,4 @@
-"""Meshes of the user's own, as studies take them: files, or meshes of scikit-fem."""
+"""Read meshes of the user for a study: mesh files, or meshes of scikit-fem."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -11,33 +11,33 @@ from ...meshes.half_space import as_half_space
 from ..problem.problem import Problem
 
 
-def own_mesh(problem: Problem, given: str | Path | Mesh) -> Mesh:
-    """Return the user's mesh, read from a file if it is one.
+def own_mesh(problem: Problem, source: str | Path | Mesh) -> Mesh:
+    """Return a mesh of the user, in punch radii, with its boundaries named.
 
-    Files are in the units of the scene, meshes of scikit-fem in punch radii.
+    A file is in the units of the scene, a mesh of scikit-fem in punch radii.
 
     Raises
     ------
     MeshError
-        if a ring edge is not a vertex of it, or if it is no mesh of a half-space
+        if a ring edge is not a vertex of the mesh, or if it is not a mesh of a half-space
     """
-    if isinstance(given, Mesh):
-        return as_half_space(given, problem.merged.ring_edges)
-    return files.read(given, problem.merged.ring_edges, problem.units.length)
+    if isinstance(source, Mesh):
+        return as_half_space(source, problem.merged.ring_edges)
+    return files.read(source, problem.merged.ring_edges, problem.units.length)
 
 
-def named_meshes(given: Sequence[str | Path | Mesh]) -> dict[str, str | Path | Mesh]:
-    """Return meshes by the names of their files, or by their numbers, which start at 1.
+def named_meshes(sources: Sequence[str | Path | Mesh]) -> dict[str, str | Path | Mesh]:
+    """Return meshes by the names of their files, or as `mesh 1`, `mesh 2`, ... if not from files.
 
-    Files of one name in several folders have their paths, and their number behind these.
+    If several files have the same name, the key is the path, followed by the number in parentheses.
     """
     names = [
         f"mesh {number}" if isinstance(mesh, Mesh) else Path(mesh).name
-        for number, mesh in enumerate(given, 1)
+        for number, mesh in enumerate(sources, 1)
     ]
     count = Counter(names)
-    unique = [
+    unique_names = [
         name if count[name] == 1 else f"{mesh} ({number})"
-        for number, (name, mesh) in enumerate(zip(names, given, strict=True), 1)
+        for number, (name, mesh) in enumerate(zip(names, sources, strict=True), 1)
     ]
-    return dict(zip(unique, given, strict=True))
+    return dict(zip(unique_names, sources, strict=True))

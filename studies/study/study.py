@@ -1,4 +1,4 @@
-"""The value that a study returns: a table, its orders, its figures and its conclusions."""
+"""Results of a study: tables, orders of convergence, figures and conclusions."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -23,25 +23,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Study:
-    """What a study found.
+    """Results of a study.
 
     Parameters
     ----------
-    name : of the study, as the command line calls it
-    scene : that was studied
+    name : name of the study, as on the command line
+    scene : scene that was studied
     table : one row for each level that was solved
-    orders : one row for each sequence of levels: observed orders beside those of theory, and
-        Richardson's limit; empty for studies without orders
-    conclusions : what the tables and figures say, a sentence each
-    figures : by the name of their file, without its ending
-    tables : further tables, by the name of their file, without its ending
-    purpose : what the study is for, for its page
+    orders : one row for each sequence of levels: observed and theoretical order, and Richardson's
+        limit; empty for studies without orders
+    conclusions : sentences that summarise the tables and figures
+    figures : figures by the name of their file, without its extension
+    tables : further tables by the name of their file, without its extension
+    purpose : subject of the study, shown on its page
 
     Examples
     --------
     >>> import ringwear
     >>> march = ringwear.study("march", "five_rings", quick=True)
-    >>> march.orders["expected order"].dropna().tolist()  # Euler's methods are of the first order
+    >>> march.orders["expected order"].dropna().tolist()  # both Euler methods have order 1
     [1.0, 1.0]
     """
 
@@ -62,13 +62,13 @@ class Study:
     def _repr_html_(self) -> str:
         """Return the conclusions, the orders and the figures as HTML, for notebooks."""
         parts = [f"<pre>{escape(repr(self))}</pre>"]
-        shown = self.orders if len(self.orders) else self.table
-        parts.append(shown.to_html(index=False, max_rows=40, float_format="{:.4g}".format))
+        main_table = self.orders if len(self.orders) else self.table
+        parts.append(main_table.to_html(index=False, max_rows=40, float_format="{:.4g}".format))
         parts += map(html_of, self.figures.values())
         return "".join(parts)
 
     def to_markdown(self, table: str = "") -> str:
-        """Return a table in Markdown, with rows and columns as on disk.
+        """Return a table in Markdown, with the same rows and columns as in the files of `save`.
 
         Parameters
         ----------
@@ -86,12 +86,13 @@ class Study:
         return to_latex(self._named(table))
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write what ``ringwear study NAME --out folder`` does; return the names of the files.
+        """Write the same files as ``ringwear study NAME --out folder``; return their names.
 
         Raises
         ------
         SceneError
-            if the folder cannot be written to, or holds files of others with these names
+            if the folder cannot be written to, or if it contains files with these names that
+            ringwear has not written
         RingwearError
             if a figure cannot be drawn
         """
@@ -101,7 +102,7 @@ class Study:
         return out.written
 
     def write(self, folder: Path) -> list[str]:
-        """Write tables, figures and the page to a folder; return what could not be made."""
+        """Write tables, figures and the page to a folder; return a message for each failure."""
         failures = list[str]()
         for name, table in self._tables().items():
             write_csv(table, folder / f"{name}.csv")
@@ -117,22 +118,22 @@ class Study:
         return failures + make(folder / "report.html", write)
 
     def _named(self, table: str) -> pd.DataFrame:
-        """Return the table of a name, or that of the levels.
+        """Return a table by its name; the table of levels for the name of the study or "".
 
         Raises
         ------
         SceneError
-            if there is no such table, naming those that there are
+            if there is no such table; the message lists the names of the existing tables
         """
         if table in ("", self.name):
             return self.table
         tables = self._tables()
         if table not in tables:
-            raise SceneError(f"no table {table!r} in this study: give one of {', '.join(tables)}")
+            raise SceneError(f"this study has no table {table!r}: give one of {', '.join(tables)}")
         return tables[table]
 
     def _tables(self) -> dict[str, pd.DataFrame]:
-        """Return every table that is not empty, by the name of its file."""
+        """Return every table that has columns, by the name of its file."""
         tables = {"orders": self.orders, **self.tables}
         if not any(table is self.table for table in self.tables.values()):
             tables = {self.name: self.table} | tables

@@ -1,4 +1,4 @@
-"""A study of orders: families refined, orders fitted, errors drawn."""
+"""Conduct a study of orders: solve families, fit orders of convergence, and draw errors."""
 
 from collections.abc import Iterable
 
@@ -14,15 +14,15 @@ from .study import Study
 def study_orders(
     families: Iterable[Family], record: Record, name: str, scene: Scene, ylabel: str
 ) -> Study:
-    """Solve families, fit their orders, draw their errors, and say how orders agree with theory.
+    """Solve families, fit their orders, draw their errors, and compare the orders with theory.
 
     Parameters
     ----------
-    families : from coarse to fine
-    record : where rows go as they come
-    name : of the study, its table and its figure
-    scene : that is studied
-    ylabel : what the errors are called
+    families : ways to refine, each from coarse to fine
+    record : solver of the levels, which writes their rows
+    name : name of the study, its table and its figure
+    scene : scene that is studied
+    ylabel : label of the errors in the figure
     """
     families = list(families)
     quantities = dict.fromkeys(quantity for family in families for quantity in family.theory)

@@ -1,1 +1,1 @@
-"""Sweeps: scenes over axes of scene keys, in one labelled dataset."""
+"""Sweeps: many scenes over axes of scene keys, with their results in one labelled dataset."""

@@ -1,19 +1,20 @@
-"""A sweep file: a base scene, the quantities to keep, and axes of scene keys.
+"""Read a sweep: a base scene, the quantities to keep, and axes of scene keys.
 
-Each scene is one point of a labelled grid.
+Each scene is one point of a labelled grid. A sweep file reads:
 
     base = "five_rings"                                    # a bundled scene, a file, or a table
     keep = ["steady_rms_slope", "relaxation_time"]         # default: all without radius and ring
-    [axes]                                                 # crossed with each other
+    [axes]                                                 # all combinations of their values
     "punch.rings" = [2, 4, 8]
     "punch.wear_ratio" = { geomspace = [1e-4, 1e4, 81] }   # or linspace
-    [zip]                                                  # columns that go together: one dimension
-    [random]                                               # draws: one dimension, `draw`
+    [zip]                                                  # vary together along one dimension
+    [random]                                               # draws along one dimension, `draw`
     count = 1000
     seed = 1
-    "punch.width_ratio" = { geomspace = [0.1, 10.0] }      # log-uniform; or linspace, a list
+    "punch.width_ratio" = { geomspace = [0.1, 10.0] }      # log-uniform; or linspace, or a list
 
-A dimension has the name of the last part of its key, or of its last two where that is taken.
+A dimension is named after the last part of its key, or after the last two parts if that name is in
+use.
 """
 
 import tomllib
@@ -37,9 +38,9 @@ from ..scene.scene import Scene
 from ..scene.sources import bundled
 from .columns import Column, has_units, read_columns
 
-# scenes of one sweep
+# greatest number of scenes of one sweep
 MOST_SCENES = 1_000_000_000
-# answers of a run that can be kept, and the quantities that they are computed from
+# answers of a run that a sweep can keep, and the quantities from which they are computed
 ANSWERS = {
     "worn_volume": ("profile", "ring_worn_volume"),
     "force_share": ("ring_force", "normal_force", "indentation", "steady_pressure"),
@@ -47,6 +48,7 @@ ANSWERS = {
     "time_to_90": ("indentation", "time_to_90"),
     "time_to_99": ("indentation", "time_to_99"),
 }
+# all quantities and answers that a sweep can keep
 KEEPABLE = {
     name: quantity
     for name, quantity in QUANTITIES.items()
@@ -60,18 +62,21 @@ class Sweep:
 
     Parameters
     ----------
-    table : the sweep as nested dictionaries, its base a table: enough to make it again
-    columns : by scene key what varies; columns along one dimension go together
+    table : the sweep as nested dictionaries, with the base scene as a table. It determines the
+        sweep completely, except for `heights`
+    columns : values that vary, by scene key; columns along one dimension vary together
     keep : names of the quantities to keep
-    shared : by scene key what all scenes have in common: the methods, and times and radii of the
+    shared : values that all scenes share, by scene key: the methods, and the times and radii of the
         quantities to keep
-    heights : functions added to the face of each scene (`Scene.with_heights`), which no table holds
-    profiles : by file the radii and heights of the profiles that scenes name; no file is read again
+    heights : functions added to the face of each scene (`Scene.with_heights`), which a table cannot
+        contain
+    profiles : radii and heights of the profiles that scenes read from files, by file; no file is
+        read a second time
 
     Raises
     ------
     SceneError
-        from `load` and `of`, naming the key, the value and the remedy
+        from `load` and `of`; its message gives the key, the value and the remedy
     """
 
     table: TomlTable
@@ -83,35 +88,42 @@ class Sweep:
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
-        """Read a sweep file, or a bundled one by its name."""
+        """Read a sweep from a file, or a bundled sweep by its name."""
         path, folder = Path(source), Path(str(files("ringwear.studies"))) / "sweep" / "files"
         file = path if path.exists() else folder / f"{source}.toml"
         try:
             refuse_device(file)
             table = tomllib.loads(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
-            raise SceneError(_unread(str(source), error)) from error
+            raise SceneError(_explain_unreadable(str(source), error)) from error
         return cls.of(table, path.parent)
 
     @classmethod
     def of(cls, table: TomlTable, folder: Path | None = None) -> Self:
-        """Make a sweep from nested dictionaries; a base that is a file is sought in a folder, too.
+        """Make a sweep from nested dictionaries.
 
-        Of each axis up to 200 values are tried, beside the first of the others. Values that are
-        bad beyond that fail as scenes, with the reason.
+        Up to 200 values of each axis are checked, together with the first values of the other axes.
+        A scene with an invalid value that is not checked here fails later, with the reason.
+
+        Parameters
+        ----------
+        table : the sweep as nested dictionaries
+        folder : folder in which the files of the base scene and of profiles are sought first
         """
         kinds: dict[str, type | UnionType] = {"base": str | dict, "keep": list}
         kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
         for key, value in table.items():
             if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
-                    f"{key} = {value!r} is not understood: give base, keep, which is a list of "
-                    "quantities, and tables [axes], [zip] and [random] of scene keys"
+                    f"{key} = {value!r} is invalid: give base, keep (a list of quantities), and "
+                    "tables [axes], [zip] and [random] of scene keys"
                 )
         base = table.get("base")
-        varied = {key: of for name in ("axes", "zip") for key, of in table.get(name, {}).items()}
-        varied |= table.get("random", {})
-        if base is None or not varied:
+        columns_by_key = {
+            key: values for name in ("axes", "zip") for key, values in table.get(name, {}).items()
+        }
+        columns_by_key |= table.get("random", {})
+        if base is None or not columns_by_key:
             raise SceneError(
                 "missing key base, or nothing varies: give base, a file, a bundled scene or a "
                 "table, and [axes], [zip] or [random]"
@@ -119,7 +131,7 @@ class Sweep:
         if isinstance(base, str):
             in_folder = (folder or Path()) / base
             base = Scene.load(in_folder if in_folder.is_file() else base).table()
-        if "units" not in base and has_units(varied.items()):
+        if "units" not in base and has_units(columns_by_key.items()):
             base = base | {"units": "SI"}
         columns = read_columns(table, base)
         base, heights = _without_heights(without_alternatives(base, set(columns)))
@@ -128,32 +140,32 @@ class Sweep:
         sweep = cls(table, columns, heights=heights, profiles=profiles)
         if sweep.count > MOST_SCENES:
             raise SceneError(
-                f"{sweep.count} scenes are too many for one store: cut the sweep into several of "
-                f"at most {MOST_SCENES}, by an axis, each with a directory of its own"
+                f"{sweep.count} scenes are too many for one store: split the sweep along an axis "
+                f"into several sweeps of at most {MOST_SCENES} scenes, each with its own directory"
             )
         start = dict.fromkeys(sweep.sizes, 0)
-        tried = [
+        tried_changes = [
             sweep.changes_at(start | {dim: place})
             for dim, size in sweep.sizes.items()
             for place in range(min(size, 200))
         ]
-        scenes = [sweep.scene(changes) for changes in tried]
+        scenes = [sweep.scene(changes) for changes in tried_changes]
         problems = [scene.problem for scene in scenes]
         names = {column.name for column in columns.values()}
-        keep = _checked_keep(table.get("keep"), problems, names)
+        keep = _quantities_to_keep(table.get("keep"), problems, names)
         dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
         if "worn_volume" in keep and "wear.times" not in columns:
-            dims.add("time")  # by the last of which it is worn
+            dims.add("time")  # the worn volume refers to the last time
         labels = _labels(scenes[0])
         shared = {key: column for key, column in labels.items() if column.dim in dims}
         sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
-        for scene, changes in zip(scenes, tried, strict=True):
+        for scene, changes in zip(scenes, tried_changes, strict=True):
             sweep.check_labels(scene, changes)
         return sweep
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Numbers of values along each dimension."""
+        """Number of values along each dimension."""
         return {column.dim: len(column.values) for column in self.columns.values()}
 
     @property
@@ -163,25 +175,26 @@ class Sweep:
 
     @cached_property
     def first(self) -> Scene:
-        """The scene of the first values."""
+        """The scene with the first value of every column."""
         return self.scene(next(self.changes()))
 
     def changes(self) -> Iterator[TomlTable]:
-        """Yield what each scene changes of the base, in the order of the store."""
+        """Yield the changes of each scene with respect to the base, in the order of the store."""
         for places in product(*map(range, self.sizes.values())):
             yield self.changes_at(dict(zip(self.sizes, places, strict=True)))
 
     def changes_at(self, places: dict[str, int]) -> TomlTable:
-        """Return what the scene at a place along each dimension changes of the base."""
+        """Return the changes of the scene at a place along each dimension."""
         return {key: values[places[dim]] for key, (_, dim, values) in self.columns.items()}
 
     def scene(self, changes: TomlTable) -> Scene:
-        """Return the scene of some changes.
+        """Return the base scene with some changes.
 
         Raises
         ------
         SceneError
-            if there is no such scene, or it does not fit the others
+            if the changed scene is invalid, or if its methods, times or radii differ from
+            those that all scenes share
         """
         table = self.table["base"]
         for key, value in changes.items():
@@ -194,23 +207,23 @@ class Sweep:
         return scene
 
     def check_labels(self, scene: Scene, changes: TomlTable) -> None:
-        """Refuse a scene of some changes that has not what all scenes share."""
+        """Raise an error if a changed scene has other labels than all scenes share (`shared`)."""
         labels = _labels(scene)
         for key, column in self.shared.items():
             if not column.values or labels[key] != column:
                 raise SceneError(
-                    f"{_name_of(changes)}: not all scenes have the same {key}, over which "
-                    f"something is kept: give the base {key} as numbers, or keep only what is not "
-                    "over them"
+                    f"{_name_of(changes)}: not all scenes have the same {key}, but a kept quantity "
+                    f"depends on them: give the base {key} as numbers, or keep only quantities "
+                    "that do not depend on them"
                 )
 
     def problem(self, changes: TomlTable) -> Problem:
-        """Return the problem of some changes, asking for what is to be kept and nothing else."""
-        quantities = (part for name in self.keep for part in ANSWERS.get(name, (name,)))
+        """Return the problem of a changed scene, with only the quantities to keep."""
+        quantities = (quantity for name in self.keep for quantity in ANSWERS.get(name, (name,)))
         return self.scene(changes).problem.with_quantities(frozenset(quantities))
 
     def part(self, region: dict[str, slice]) -> "Sweep":
-        """Return a box of the grid, a slice of each dimension, as a sweep of its own."""
+        """Return the sweep of the scenes in a region of the grid: a slice of each dimension."""
         columns = {
             key: Column(name, dim, values[region[dim]])
             for key, (name, dim, values) in self.columns.items()
@@ -223,7 +236,7 @@ def _name_of(changes: TomlTable) -> str:
 
 
 def _labels(scene: Scene) -> dict[str, Column]:
-    """Return what of a scene labels its results."""
+    """Return the methods, times and radii of a scene, which label its results."""
     return {
         "methods": Column("solver", "solver", scene.methods),
         "wear.times": Column("time", "time", scene.wear.times),
@@ -232,7 +245,7 @@ def _labels(scene: Scene) -> dict[str, Column]:
 
 
 def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
-    """Return nested dictionaries with another value at a path; those given stay as they are."""
+    """Return a copy of nested dictionaries with another value at a path."""
     key, *rest = path
     if rest:
         inner = table.get(key)
@@ -243,28 +256,28 @@ def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
     return table | {key: value}
 
 
-def _unread(source: str, error: OSError | ValueError) -> str:
-    """Return why a sweep file cannot be read, and what to give."""
-    there = (files("ringwear.studies") / "sweep" / "files").iterdir()
-    names = sorted(file.name.removesuffix(".toml") for file in there)
+def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
+    """Return a message that explains why a sweep file cannot be read, and what to give instead."""
+    bundled_files = (files("ringwear.studies") / "sweep" / "files").iterdir()
+    names = sorted(file.name.removesuffix(".toml") for file in bundled_files)
     reason = str(error.strerror).lower() if isinstance(error, OSError) else str(error)
-    near = nearest(source, names)
-    meant = f"did you mean {near}? Else " if near else ""
+    similar = nearest(source, names)
+    hint = f"did you mean {similar}? Otherwise " if similar else ""
     if source in bundled():
-        reason, meant = "it is a scene", f"a scene is computed by `ringwear run {source}`; "
+        reason, hint = "it is a scene", f"compute a scene with `ringwear run {source}`; "
     return (
-        f"{source} cannot be read as a sweep: {reason}; {meant}give a sweep file, TOML in UTF-8, "
+        f"{source} cannot be read as a sweep: {reason}; {hint}give a sweep file, TOML in UTF-8, "
         f"or one of {', '.join(names)}"
     )
 
 
 def _with_entry(tables: list[TomlTable], path: list[str], value: object) -> list[TomlTable]:
-    """Return a list of tables with another value at a path that begins with a number."""
+    """Return a copy of a list of tables with another value at a path that begins with an index."""
     number, *rest = path
     if not number.isdigit() or int(number) >= len(tables) or not rest:
         raise SceneError(
             f"there is no {'.'.join(path)} in a list of {len(tables)} tables: they are numbered "
-            "from 0 on"
+            "from 0"
         )
     changed = [*tables]
     changed[int(number)] = _changed(changed[int(number)], rest, value)
@@ -272,7 +285,7 @@ def _with_entry(tables: list[TomlTable], path: list[str], value: object) -> list
 
 
 def _profile_file(table: TomlTable) -> str:
-    """Return the file that the profile of a scene's table is to be read from; empty if none."""
+    """Return the file from which the profile of a scene is read; empty if there is none."""
     punch = table.get("punch")
     profile = punch.get("profile") if isinstance(punch, dict) else None
     if not isinstance(profile, dict) or {"radii", "heights"} & profile.keys():
@@ -281,9 +294,9 @@ def _profile_file(table: TomlTable) -> str:
 
 
 def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) -> TomlTable:
-    """Return radii and heights of all files that profiles of a sweep are given by, by file.
+    """Read the files of all profiles of a sweep; return their radii and heights by file.
 
-    Files are sought in the folder of the sweep file, then where the command was given.
+    A file is sought first in the folder of the sweep file, then in the working directory.
     """
     tables = [base]
     for key, column in columns.items():
@@ -301,45 +314,53 @@ def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) ->
 
 
 def _without_heights(base: TomlTable) -> tuple[TomlTable, tuple[Height, ...]]:
-    """Return the base without the functions of its face, and these."""
+    """Return the base without the functions of its face, and these functions."""
     punch = base.get("punch")
     if not isinstance(punch, dict) or "heights" not in punch:
         return base, ()
-    left = {key: value for key, value in punch.items() if key != "heights"}
-    return base | {"punch": left}, tuple(punch["heights"])
+    other_keys = {key: value for key, value in punch.items() if key != "heights"}
+    return base | {"punch": other_keys}, tuple(punch["heights"])
 
 
-def _checked_keep(
+def _quantities_to_keep(
     keep: list[str] | None, problems: list[Problem], axes: Iterable[str]
 ) -> tuple[str, ...]:
-    """Return the quantities to keep: those named, or by default those without radius and ring.
+    """Return the names of the quantities to keep.
 
-    The default holds if `keep` is None. Relaxation times are left out of it, too, if there are no
-    times. A quantity that is an axis is never kept.
+    If `keep` is None, these are all quantities that do not depend on radius or ring; without times,
+    relaxation times are left out, too. A quantity that is also an axis is never kept.
+
+    Parameters
+    ----------
+    keep : names given by the user; None for the default
+    problems : problems of the scenes that are checked
+    axes : names of the columns of the sweep
 
     Raises
     ------
     SceneError
-        if `keep` is empty or names something that is no quantity of these scenes
+        if `keep` is empty, or if it names something that is not a quantity of these scenes
     """
-    given = set[str]().union(*map(_given, problems)) - set(axes)
+    available = set[str]().union(*map(_quantities_of, problems)) - set(axes)
     if keep is None:
         left_out = {"radius", "ring"} if len(problems[0].times) else {"radius", "ring", "mode"}
         return tuple(
-            name for name in KEEPABLE if name in given and left_out.isdisjoint(KEEPABLE[name].dims)
+            name
+            for name in KEEPABLE
+            if name in available and left_out.isdisjoint(KEEPABLE[name].dims)
         )
-    computed = {of for of in KEEPABLE if not given.isdisjoint(ANSWERS.get(of, (of,)))}
-    if not keep or not set(map(str, keep)) <= computed:
-        strange = next((str(name) for name in keep if str(name) not in computed), "")
+    computable = {name for name in KEEPABLE if not available.isdisjoint(ANSWERS.get(name, (name,)))}
+    if not keep or not set(map(str, keep)) <= computable:
+        unknown = next((str(name) for name in keep if str(name) not in computable), "")
         raise SceneError(
-            f"keep = {keep!r} names what is no quantity of such punches"
-            f"{did_you_mean(strange, computed) if strange else ':'} give a list of "
-            f"{', '.join(sorted(computed))}; histories need wear.times, and steady quantities "
+            f"keep = {keep!r} names something that is not a quantity of these scenes"
+            f"{did_you_mean(unknown, computable) if unknown else ':'} give a list of "
+            f"{', '.join(sorted(computable))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )
     return tuple(dict.fromkeys(keep))
 
 
-def _given(problem: Problem) -> frozenset[str]:
-    """Return the quantities that a problem has."""
+def _quantities_of(problem: Problem) -> frozenset[str]:
+    """Return the names of all quantities of a problem."""
     return problem.with_quantities(GROUPS["all"]).quantities or frozenset()

@@ -1,6 +1,6 @@
-"""What varies in a sweep: values of scene keys, each along a dimension of the store.
+"""Read the columns of a sweep: values of scene keys, each along a dimension of the store.
 
-Values are numbers in the units of the base, whatever units they are written in.
+Values with units are converted to numbers in the units of the base scene.
 """
 
 from collections import Counter
@@ -17,21 +17,21 @@ from ..problem.unit_names import without_quantities
 from ..scene.explain import shown
 from ..scene.scene import Scene
 
-# values of one key, of whatever kind the scene declares
+# values of one key, of the type that the scene declares for it
 Values = list[Any]
 DRAW = "draw"
-# labels of the store that no axis may have for its name
+# names in the store that no axis may have
 RESERVED = (
     *("solver", "time", "radius", "ring", "mode", "state"),
     *("status", "reason", "disagreement", "code"),
 )
-# values of one axis; a list of them is kept in memory
+# greatest number of values of one axis, because the list of values is held in memory
 MOST_VALUES = 10_000_000
 SPACED: dict[str, Callable[..., Array]] = {"linspace": np.linspace, "geomspace": np.geomspace}
 
 
 class Column(NamedTuple):
-    """Values of a scene key, under the name of its coordinate, along a dimension of the store."""
+    """Values of a scene key along a dimension of the store, with the name of their coordinate."""
 
     name: str
     dim: str
@@ -39,124 +39,142 @@ class Column(NamedTuple):
 
 
 def read_columns(table: TomlTable, base: TomlTable) -> dict[str, Column]:
-    """Return by scene key what varies: each of the axes along a dimension of its own.
+    """Return the columns of a sweep by scene key.
+
+    Each axis has its own dimension. All columns of [zip] share one dimension, and so do all columns
+    of [random].
 
     Parameters
     ----------
-    table : the sweep, with [axes], [zip] and [random]
-    base : its scene, whose units values are converted to
+    table : the sweep as nested dictionaries, with [axes], [zip] and [random]
+    base : base scene as nested dictionaries; values are converted to its units
 
     Raises
     ------
     SceneError
-        if a key is given twice, or its values are not understood, too many or not of its unit
+        if a key is given twice, or if its values are invalid, too many or have a wrong unit
     """
-    crossed, zipped = table.get("axes", {}), table.get("zip", {})
-    draws = dict(table.get("random", {}))
-    count, seed = draws.pop("count", 0), draws.pop("seed", None)
-    if draws and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
+    axes, zip_columns = table.get("axes", {}), table.get("zip", {})
+    random_columns = dict(table.get("random", {}))
+    count, seed = random_columns.pop("count", 0), random_columns.pop("seed", None)
+    if random_columns and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
         raise SceneError(
-            f"random.count = {count} and random.seed = {seed}: give how many, and a whole number "
-            "that the draws begin from"
+            f"random.count = {count} and random.seed = {seed}: give the number of draws, and a "
+            "whole number as the seed of the random generator"
         )
-    given = {"axes": crossed, "zip": zipped, "random": draws}
-    for first, second in combinations(given, 2):
-        for key in given[first].keys() & given[second].keys():
+    sections = {"axes": axes, "zip": zip_columns, "random": random_columns}
+    for first, second in combinations(sections, 2):
+        for key in sections[first].keys() & sections[second].keys():
             raise SceneError(
                 f"{key} is given twice, in [{first}] and in [{second}]: leave one of them out"
             )
-    dims = dict.fromkeys(draws, DRAW)
+    dims_by_key = dict.fromkeys(random_columns, DRAW)
     columns: dict[str, Column] = {}
-    # a quantity that is kept has its name for itself
-    taken = {*RESERVED, *map(str, table.get("keep") or ())}
-    for key, values in (crossed | zipped | draws).items():
+    # no axis may have the name of a quantity that is kept
+    used_names = {*RESERVED, *map(str, table.get("keep") or ())}
+    for key, values in (axes | zip_columns | random_columns).items():
         if key == "punch.heights":
             raise SceneError(
-                "punch.heights are functions, which no axis can hold: give the heights by "
-                "punch.profile = { kind = 'table', ... }"
+                "punch.heights are functions, which cannot be values of an axis: give the heights "
+                "by punch.profile = { kind = 'table', ... }"
             )
         *_, name = parts = key.split(".")
-        if name in {*taken, *(column.name for column in columns.values())}:
+        if name in {*used_names, *(column.name for column in columns.values())}:
             name = "_".join(parts[-2:])
-        if key in zipped:
-            # the first of them names the dimension of all
-            dims |= dict.fromkeys(zipped, dims.get(key, name))
-        numbers = read_values(key, values, base, count if key in draws else 0, seed)
-        columns[key] = Column(name, dims.get(key, name), numbers)
-        if key in crossed:
+        if key in zip_columns:
+            # the first column of [zip] names the dimension of all its columns
+            dims_by_key |= dict.fromkeys(zip_columns, dims_by_key.get(key, name))
+        numbers = read_values(key, values, base, count if key in random_columns else 0, seed)
+        columns[key] = Column(name, dims_by_key.get(key, name), numbers)
+        if key in axes:
             _refuse_repeats(key, numbers)
-    if len({len(columns[key].values) for key in zipped}) > 1:
-        raise SceneError("columns of [zip] go together: give them one length")
+    if len({len(columns[key].values) for key in zip_columns}) > 1:
+        raise SceneError("columns of [zip] vary together: give all of them one length")
     return columns
 
 
-def read_values(key: str, given: Any, base: TomlTable, draws: int, seed: int | None) -> Values:
-    """Return the values of an axis: a list, evenly spaced, or so many random draws."""
+def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | None) -> Values:
+    """Return the values of a column: a list, evenly spaced values, or random draws.
+
+    Parameters
+    ----------
+    key : scene key of the column
+    source : list of values, or a dictionary ``{"linspace": [...]}`` or ``{"geomspace": [...]}``
+    base : base scene as nested dictionaries; values are converted to its units
+    draws : number of random draws; 0 if the column is not random
+    seed : seed of the random generator; None without [random]
+
+    Raises
+    ------
+    SceneError
+        if the values are invalid, too many or have a wrong unit
+    """
     generator = np.random.default_rng([seed or 0, *key.encode()])
     try:
-        if isinstance(given, list) and given:
-            _refuse_too_many(key, draws or len(given))
-            values = _in_units(key, given, base)
-            drawn = generator.integers(len(values), size=draws)
-            return [values[place] for place in drawn] if draws else values
-        ((kind, numbers),) = given.items()
+        if isinstance(source, list) and source:
+            _refuse_too_many(key, draws or len(source))
+            values = _in_units(key, source, base)
+            drawn_indices = generator.integers(len(values), size=draws)
+            return [values[index] for index in drawn_indices] if draws else values
+        ((kind, numbers),) = source.items()
         space = SPACED[kind]
         (first, last), count = _in_units(key, numbers[:2], base), numbers[2:]
         _refuse_too_many(key, draws or count[0])
         if draws:
-            part = generator.uniform(size=draws)
+            fractions = generator.uniform(size=draws)
             if kind == "linspace":
-                return (first + (last - first) * part).tolist()
-            return (first * (last / first) ** part).tolist()
+                return (first + (last - first) * fractions).tolist()
+            return (first * (last / first) ** fractions).tolist()
         spaced = space(first, last, count[0])
-        # whole numbers stay whole, although powers are computed with roundoff
-        near = np.abs(spaced - spaced.round()) <= 1e-12 * np.abs(spaced)
-        whole = isinstance(first, int) and near.all()
-        return (spaced.round().astype(int) if whole else spaced).tolist()
+        # geomspace of whole numbers yields whole numbers only up to roundoff: round them
+        nearly_whole = np.abs(spaced - spaced.round()) <= 1e-12 * np.abs(spaced)
+        all_whole = isinstance(first, int) and nearly_whole.all()
+        return (spaced.round().astype(int) if all_whole else spaced).tolist()
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
-            f"{key} = {shown(given)}: give a list of values, or linspace or geomspace = [first, "
-            "last, count] in braces, without count to draw from"
+            f"{key} = {shown(source)}: give a list of values, or linspace or geomspace = [first, "
+            "last, count] in braces; leave out count for random draws"
         ) from None
 
 
 def has_units(columns: Iterable[tuple[str, object]]) -> bool:
-    """Return whether any values of scene keys are written with a unit."""
+    """Return whether any values of the columns (scene key, values) are written with a unit."""
     numbers = (
-        (key, next(iter(of.values()), None) if isinstance(of, dict) else of) for key, of in columns
+        (key, next(iter(values.values()), None) if isinstance(values, dict) else values)
+        for key, values in columns
     )
-    return any("units" in without_quantities(_nest(key, of), Scene) for key, of in numbers)
+    return any("units" in without_quantities(_nest(key, values), Scene) for key, values in numbers)
 
 
 def _in_units(key: str, values: Values, base: TomlTable) -> Values:
     """Return values of a key as numbers in the units of the base."""
-    stated = {"units": base["units"]} if "units" in base else {}
-    table = without_quantities(stated | _nest(key, values), Scene)
-    for part in key.split("."):
-        table = table[part]
+    units = {"units": base["units"]} if "units" in base else {}
+    table = without_quantities(units | _nest(key, values), Scene)
+    for key_part in key.split("."):
+        table = table[key_part]
     return list(table)
 
 
 def _nest(key: str, value: object) -> TomlTable:
-    """Return the table of a scene that has one key."""
+    """Return nested dictionaries with a value at one scene key."""
     *outer, last = key.split(".")
     table: TomlTable = {last: value}
-    for part in reversed(outer):
-        table = {part: table}
+    for key_part in reversed(outer):
+        table = {key_part: table}
     return table
 
 
 def _refuse_too_many(key: str, count: int) -> None:
     if count > MOST_VALUES:
         raise SceneError(
-            f"{key} has {count} values: give at most {MOST_VALUES}, or cut the sweep into several"
+            f"{key} has {count} values: give at most {MOST_VALUES}, or split the sweep into several"
         )
 
 
 def _refuse_repeats(key: str, values: Values) -> None:
-    """Refuse an axis that has a value twice: neither could be selected by it."""
-    # lists and tables by what they look like
-    alike = (value if isinstance(value, int | float) else repr(value) for value in values)
-    value, count = Counter(alike).most_common(1)[0]
+    """Raise an error if an axis has a value twice, because scenes are selected by the value."""
+    # lists and tables are compared by their text
+    comparable = (value if isinstance(value, int | float) else repr(value) for value in values)
+    value, count = Counter(comparable).most_common(1)[0]
     if count > 1:
         raise SceneError(f"{key} has {value} twice: give each value of an axis once")

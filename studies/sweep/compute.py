@@ -1,6 +1,6 @@
 """Compute a block of scenes.
 
-Scenes that can share a discretisation do, and one that fails fails alone.
+Scenes share a discretisation if they can. If one scene fails, the others are still computed.
 """
 
 from collections.abc import Sequence
@@ -26,9 +26,9 @@ from ..versions import stamp
 from .axes import ANSWERS, Sweep
 from .store import DONE, FAILED, PENDING
 
-# gmsh has one state for a whole process, whose threads a cluster may give several blocks
-ONE_AT_A_TIME = Lock()
-# scenes that are solved together at most: their solutions take memory
+# Dask may run several blocks in threads of one process, in which gmsh has only one global state
+COMPUTING_LOCK = Lock()
+# greatest number of scenes that are solved together: all their solutions are in memory at once
 MOST_TOGETHER = 64
 
 
@@ -37,13 +37,13 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
 
     Parameters
     ----------
-    sweep : the block, as a sweep of its own
-    blank : the template of a scene
+    sweep : sweep that consists of the scenes of the block
+    blank : empty results of one scene (`store.template`)
 
     Returns
     -------
-    values of each variable, in the shape that they have in the store; `code` is of what this
-    process has computed them with
+    Values of each variable, in the shape that they have in the store. The variable `code` is the
+    hash of the code and versions that this process has computed them with.
     """
     values = {
         str(name): np.stack([variable.values] * sweep.count)
@@ -57,13 +57,13 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
         except SceneError as error:
             values["reason"][number], values["status"][number] = str(error), FAILED
     numbers, solvers = list(problems), blank["solver"].values.tolist()
-    with ONE_AT_A_TIME, threadpool_limits(1):
+    with COMPUTING_LOCK, threadpool_limits(1):
         for group in groups(list(problems.values())):
             for start in range(0, len(group), MOST_TOGETHER):
-                part = group[start : start + MOST_TOGETHER]
-                together = {numbers[at]: problems[numbers[at]] for at in part}
-                _compute_together(together, solvers, sweep.keep, values)
-    # of all that the computing has loaded
+                indices = group[start : start + MOST_TOGETHER]
+                subgroup = {numbers[index]: problems[numbers[index]] for index in indices}
+                _compute_together(subgroup, solvers, sweep.keep, values)
+    # only now has this process loaded all modules that the results depend on
     values["code"][:] = stamp()
     shape = sweep.sizes.values()
     return {name: array.reshape(*shape, *array.shape[1:]) for name, array in values.items()}
@@ -75,37 +75,37 @@ def _compute_together(
     keep: tuple[str, ...],
     values: dict[str, Array],
 ) -> None:
-    """Put results of problems that share a discretisation in their places, in the scenes' units."""
+    """Solve problems on one discretisation; write results in the scenes' units into `values`."""
     solutions: dict[int, list[Solution]] = {number: [] for number in problems}
-    for place, name in enumerate(solvers):
+    for solver_index, name in enumerate(solvers):
         results = solve(method(name), list(problems.values()))
         for (number, problem), solution in zip(problems.items(), results, strict=True):
             if isinstance(solution, Exception):
                 reason = f"{name}: {type(solution).__name__}: {solution}"
-                # more memory mends it
+                # the scene can be computed with more memory
                 status = PENDING if isinstance(solution, MemoryError) else FAILED
                 values["reason"][number], values["status"][number] = reason, status
                 continue
             solutions[number].append(solution)
-            given = solution.results
+            quantities = solution.results
             if ANSWERS.keys() & set(keep):
-                given = given | answer(problem, solution)
+                quantities = quantities | answer(problem, solution)
             errors = {error_name(name): error for name, error in solution.errors.items()}
-            given = in_units(problem, given) | errors
-            for quantity in given.keys() & values.keys():
-                target, result = values[quantity][number, place, ...], np.asarray(given[quantity])
-                # more modes may be there, and fewer rings
-                both = common(target.shape, result.shape)
-                target[both] = result[both]
+            quantities = in_units(problem, quantities) | errors
+            for key in quantities.keys() & values.keys():
+                target, result = values[key][number, solver_index, ...], np.asarray(quantities[key])
+                # a scene may have more modes or fewer rings than the arrays of the store
+                common_part = common(target.shape, result.shape)
+                target[common_part] = result[common_part]
     if "disagreement" in values:
         for number, problem in problems.items():
             values["disagreement"][number] = disagreement(problem, solutions[number], keep)
 
 
 def solve(solver: Method, problems: Sequence[Problem]) -> list[Solution | Exception]:
-    """Return each problem's solution, or why it has none.
+    """Solve problems together; return the solution of each problem, or the error that it caused.
 
-    What fails together is tried again one by one.
+    If solving them together fails, each problem is solved alone.
     """
     try:
         for problem in problems:

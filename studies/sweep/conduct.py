@@ -1,4 +1,4 @@
-"""Conduct a sweep, as a command or in Python: compute what is not finished in its store."""
+"""Conduct a sweep from the command line or in Python: compute unfinished blocks of its store."""
 
 import argparse
 import time
@@ -25,6 +25,7 @@ from .cost import estimate_cost
 from .store import DONE, FAILED, PENDING, Store
 from .workers import compute_blocks
 
+# file of the figure that the command draws
 PICTURE = "sweep.png"
 
 
@@ -46,31 +47,36 @@ def sweep(
 
     Parameters
     ----------
-    base : the scene that all others are changed from: a Scene, a bundled name, a file or nested
-        dictionaries
-    axes : values of scene keys such as ``"punch.rings"``, named as in `Scene.changed`, each crossed
-        with every other: a list or an array, ``{"linspace": [...]}`` or
-        ``{"geomspace": [first, last, count]}``
-    keep : names of quantities; by default all that need neither radius nor ring
-    zip : keys whose values go together
-    random : ``count``, ``seed``, and what to draw each key from
-    out : directory to keep the store in, readable while it grows; by default results stay in memory
-    workers, scheduler : processes on this machine (in a script, call from under ``if __name__ ==
-        "__main__"`` if more than one), or the address of a Dask scheduler
-    resume : go on with what is in `out`
-    retry_failed : then try again the scenes that have failed
+    base : base scene, of which the other scenes are variants: a Scene, a bundled name, a file or
+        nested dictionaries
+    axes : values of scene keys such as ``"punch.rings"``, named as in `Scene.changed`: a list or an
+        array, ``{"linspace": [...]}`` or ``{"geomspace": [first, last, count]}``. The sweep has all
+        combinations of the values of all axes.
+    keep : names of the quantities to keep; by default all quantities that do not depend on radius
+        or ring
+    zip : values of scene keys that vary together, along one dimension
+    random : ``count``, ``seed``, and the values or range that each key is drawn from
+    out : directory of the store, which is readable while it grows; by default results stay in
+        memory
+    workers : number of processes on this machine; if there are more than one, a script has to call
+        this function under ``if __name__ == "__main__"``
+    scheduler : address of a Dask scheduler, instead of processes on this machine
+    resume : whether to continue the sweep in `out`
+    retry_failed : whether to continue the sweep in `out` and compute failed scenes again
 
     Returns
     -------
-    Dataset whose dimensions are the axes, then solver, time and so on, in the scenes' own units:
-    the quantities kept, the relative error that each method states of them (``<quantity>_error``),
-    and `status` (1 done, 2 failed) and `reason` of each scene.
+    xarray.Dataset
+        Its dimensions are the axes, followed by solver, time and so on. It contains the quantities
+        to keep, in the units of the scenes, the relative error estimate of each method
+        (``<quantity>_error``), and `status` (1 done, 2 failed) and `reason` of each scene.
 
     Raises
     ------
     SceneError
-        if the axes or the base are not understood, or the base has functions (`with_heights`),
-        which neither a store nor other processes are given; single scenes that fail raise nothing
+        if the axes or the base scene are invalid, or if a base scene with functions
+        (`with_heights`) is to be stored or sent to other processes; a single scene that fails
+        raises nothing
     """
     table = {
         "base": _table_of(base) if isinstance(base, Scene) else base,
@@ -79,22 +85,22 @@ def sweep(
         "zip": _by_key(zip),
         "random": _by_key(random),
     }
-    given = Sweep.of({name: value for name, value in table.items() if value is not None})
-    if given.heights and (out is not None or workers > 1 or scheduler is not None):
+    plan = Sweep.of({name: value for name, value in table.items() if value is not None})
+    if plan.heights and (out is not None or workers > 1 or scheduler is not None):
         raise SceneError(
-            "functions of with_heights can be swept over in memory by one process only: leave out "
-            "`out`, `workers` and `scheduler`, or give the heights by punch.profile = { kind = "
-            "'table', ... }"
+            "a sweep of a scene with functions of with_heights runs only in memory and in one "
+            "process: leave out `out`, `workers` and `scheduler`, or give the heights by "
+            "punch.profile = { kind = 'table', ... }"
         )
     options = resume, retry_failed, workers, scheduler
     if out is not None:
-        return compute(given, Path(out), *options)
+        return compute(plan, Path(out), *options)
     with TemporaryDirectory() as folder:
-        return compute(given, Path(folder), *options).load()
+        return compute(plan, Path(folder), *options).load()
 
 
 def _by_key(axes: Mapping[str, object] | None) -> TomlTable | None:
-    """Return axes by scene keys as files have them, with dots and with lists of numbers."""
+    """Return axes in the form of sweep files: scene keys with dots, and lists of values."""
     if axes is None:
         return None
     if not isinstance(axes, Mapping):
@@ -109,7 +115,7 @@ def _as_list(values: Any) -> object:
 
 
 def _table_of(scene: Scene) -> TomlTable:
-    """Return a scene as nested dictionaries, with the functions of its face."""
+    """Return a scene as nested dictionaries, including the functions of `with_heights`."""
     table = scene.table()
     if scene.punch.heights:
         table["punch"]["heights"] = scene.punch.heights
@@ -125,25 +131,43 @@ def compute(
     scheduler: str | None,
     memory: float | None = None,
 ) -> xarray.Dataset:
-    """Compute what is not finished of the store in a folder, and return all that is there."""
+    """Compute the unfinished blocks of the store in a folder; return the dataset of all blocks.
+
+    Parameters
+    ----------
+    sweep : sweep to compute
+    folder : folder of the store
+    resume, retry_failed : as in the function `sweep`
+    workers, scheduler : as in the function `sweep`
+    memory : memory in GiB that all processes on this machine may use; if None, they may use all
+        memory of the machine
+    """
     with lock_folder(folder):
         store = Store(sweep, folder, resume or retry_failed)
-        blocks, began = store.unfinished(retry_failed), time.perf_counter()
+        blocks, start = store.unfinished(retry_failed), time.perf_counter()
         results = compute_blocks(blocks, store.blank, workers, scheduler, memory)
         for count, (number, values) in enumerate(results, 1):
             store.write(number, values)
-            left = (time.perf_counter() - began) / count * (len(blocks) - count)
-            ahead = f", about {left:.0f} s left ..." if left else ""
-            LOG.info("   sweep  %d of %d blocks%s", count, len(blocks), ahead)
+            seconds_left = (time.perf_counter() - start) / count * (len(blocks) - count)
+            estimate = f", about {seconds_left:.0f} s left ..." if seconds_left else ""
+            LOG.info("   sweep  %d of %d blocks%s", count, len(blocks), estimate)
         return store.dataset()
 
 
 def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
-    """Conduct the command.
+    """Conduct a sweep for the command line.
+
+    Parameters
+    ----------
+    source : sweep file, or the name of a bundled sweep
+    out : output folder
+    options : options of the command line
 
     Returns
     -------
-    What there is to say, a line each; whether all scenes are done; whether methods agree.
+    lines : text to print
+    complete : whether all scenes are done and all files are written
+    agree : whether the methods agree in all scenes
     """
     plan = Sweep.load(source)
     if options.dry_run:
@@ -151,44 +175,49 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
     if out.is_dir():
         refuse_foreign_folders(out)
         Folder(out, "sweep").refuse_to_replace([PICTURE])
-    kinds = options.resume, options.retry_failed
-    workers = options.workers, options.scheduler, options.memory
-    dataset = compute(plan, out, *kinds, *workers)
+    resume_options = options.resume, options.retry_failed
+    worker_options = options.workers, options.scheduler, options.memory
+    dataset = compute(plan, out, *resume_options, *worker_options)
     with output_folder(out, "sweep", [PICTURE]) as hidden:
         failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
     status, reasons = dataset["status"].values, dataset["reason"].to_series()
-    done, failed, left = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
-    lines = [f"{done} scenes finished, {failed} failed, {left} left: see {out}"]
+    finished, failed, pending = (int((status == flag).sum()) for flag in (DONE, FAILED, PENDING))
+    lines = [f"{finished} scenes finished, {failed} failed, {pending} left: see {out}"]
     for reason, count in reasons[reasons != ""].value_counts().head(10).items():
         lines.append(f"{reason} ({count} scenes)")
-    if failed or left:
-        lines.append("--resume computes what is left, and --retry-failed what failed, too")
+    if failed or pending:
+        lines.append("--resume computes the scenes left, --retry-failed also those that failed")
     disagreeing = int((dataset["disagreement"] > 1).sum()) if "disagreement" in dataset else 0
     if disagreeing:
         lines.append(f"methods disagree in {disagreeing} scenes")
-    return lines + failures, done == plan.count and not failures, not disagreeing
+    return lines + failures, finished == plan.count and not failures, not disagreeing
 
 
 def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:
-    """Draw up to four of the quantities kept over the two longest axes of numbers.
+    """Draw up to four of the kept quantities over the two longest numerical axes.
 
-    By the first method that has them, at the first value of other axes, and at the last time.
+    The figure shows the first method that has the quantity, at the first value of the other axes,
+    and at the last time.
     """
-    numbers = (of for of in plan.columns.values() if dataset[of.name].dtype.kind in "fi")
-    places = {of.dim: of.name for of in numbers}
-    across = sorted(places, key=lambda dim: -plan.sizes[dim])[:2]
-    shown = [name for name in plan.keep if not {"radius", "ring"} & {*dataset[name].dims}][:4]
-    figure = new_figure(6.0, 0.6 + 3.5 * len(shown))
-    for number, name in enumerate(shown if across else (), 1):
-        axes = figure.add_subplot(len(shown), 1, number)
-        part = dataset[name].dropna("solver", how="all")
-        others = {dim: -(dim == "time") for dim in part.dims if dim not in across}
-        if part.size:
-            part, x = part.isel(others), places[across[0]]
-            if part[across[-1]].size > 8 and len(across) > 1:
-                part.plot.pcolormesh(x=x, y=places[across[1]], ax=axes)
+    numerical = (
+        column for column in plan.columns.values() if dataset[column.name].dtype.kind in "fi"
+    )
+    coordinate_names = {column.dim: column.name for column in numerical}
+    drawn_dims = sorted(coordinate_names, key=lambda dim: -plan.sizes[dim])[:2]
+    drawn_quantities = [
+        name for name in plan.keep if not {"radius", "ring"} & {*dataset[name].dims}
+    ][:4]
+    figure = new_figure(6.0, 0.6 + 3.5 * len(drawn_quantities))
+    for number, name in enumerate(drawn_quantities if drawn_dims else (), 1):
+        axes = figure.add_subplot(len(drawn_quantities), 1, number)
+        values = dataset[name].dropna("solver", how="all")
+        other_indices = {dim: -(dim == "time") for dim in values.dims if dim not in drawn_dims}
+        if values.size:
+            values, x = values.isel(other_indices), coordinate_names[drawn_dims[0]]
+            if values[drawn_dims[-1]].size > 8 and len(drawn_dims) > 1:
+                values.plot.pcolormesh(x=x, y=coordinate_names[drawn_dims[1]], ax=axes)
             else:
-                part.plot.line(".", x=x, ax=axes)
+                values.plot.line(".", x=x, ax=axes)
             if 0 < 20 * dataset[x].min() < dataset[x].max():
                 set_logarithmic(axes, "x")
     figure.savefig(file)

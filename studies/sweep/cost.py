@@ -1,4 +1,4 @@
-"""What a sweep will take, by computing its largest scene."""
+"""Estimate the time and memory of a sweep by computing its largest scene."""
 
 import time
 
@@ -11,58 +11,70 @@ from .axes import Sweep
 from .compute import compute_block
 from .store import template
 
-# values of an axis that are tried for the largest scene
-TRIED = 40
+# greatest number of values of an axis that are tried in the search for the largest scene
+MOST_TRIED = 40
 
 
 def estimate_cost(sweep: Sweep, workers: int, memory: float | None) -> list[str]:
-    """Say what a sweep will take, a line each, by computing its largest scene as a probe.
+    """Return lines of text about the time, memory and size of a sweep.
+
+    The largest scene is computed as a probe.
 
     Parameters
     ----------
-    workers : processes of this machine
-    memory : GiB that they may take together; None for those of the machine
+    sweep : sweep that is to be computed
+    workers : number of processes on this machine
+    memory : memory in GiB that they may use together; None for all memory of the machine
     """
     blank = template(sweep)
-    of_scene = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
-    places, needed = find_largest(sweep)
+    blank_scene = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
+    places, needed_memory = find_largest(sweep)
     probe = sweep.part({dim: slice(place, place + 1) for dim, place in places.items()})
-    # the second time everything is loaded
+    # the second time is measured, when all libraries are loaded
     for _ in range(2):
         start = time.perf_counter()
-        compute_block(probe, of_scene)
+        compute_block(probe, blank_scene)
         seconds = time.perf_counter() - start
-    names = [f"{key} = {str(value)[:40]}" for key, value in sweep.changes_at(places).items()]
+    probe_changes = [
+        f"{key} = {str(value)[:40]}" for key, value in sweep.changes_at(places).items()
+    ]
     limit = (machine_memory() if memory is None else memory) / workers
-    fits = "" if needed <= limit else ": too little, give --memory GIB or fewer --workers"
+    remark = "" if needed_memory <= limit else ": too little, give --memory GIB or fewer --workers"
     return [
         f"{sweep.count} scenes; a store of {blank.nbytes / 2**20:.3g} MiB before compression",
-        f"a probe, the largest scene alone ({', '.join(names)}), took {seconds:.2g} s; if all took "
-        f"as long, the sweep would take {seconds * sweep.count / workers:.2g} s by {workers} "
-        "processes; smaller scenes, and scenes that share a discretisation, take less",
-        f"memory: about {needed:.2g} GiB for the largest scene, of the {limit:.2g} GiB that each "
-        f"process has{fits}; scenes that share a discretisation take more together, and are split "
-        "if that is too much",
+        f"a probe, the largest scene alone ({', '.join(probe_changes)}), took {seconds:.2g} s; if "
+        f"every scene took as long, the sweep would take {seconds * sweep.count / workers:.2g} s "
+        f"by {workers} processes; smaller scenes and scenes that share a discretisation take less "
+        "time",
+        f"memory: about {needed_memory:.2g} GiB for the largest scene, of the {limit:.2g} GiB "
+        f"that each process has{remark}; scenes that share a discretisation need more memory "
+        "together; if it is too much, they are split into smaller groups",
     ]
 
 
 def find_largest(sweep: Sweep) -> tuple[dict[str, int], float]:
-    """Return where the scene is that needs most memory, and how many GiB.
+    """Return the place of the scene that needs most memory, by dimension, and its memory in GiB.
 
-    One dimension after the other is followed to its largest, the others being where they were.
+    The search maximises the predicted memory over one dimension after the other, with the places
+    along all other dimensions fixed.
     """
-    best, most = dict.fromkeys(sweep.sizes, 0), (-1.0, 0)
+    largest_places, greatest_needs = dict.fromkeys(sweep.sizes, 0), (-1.0, 0)
     for dim, size in sweep.sizes.items():
-        tried = np.unique(np.linspace(0, size - 1, min(size, TRIED)).round().astype(int))
-        for place in tried.tolist():
-            needed = _size(sweep, sweep.changes_at(best | {dim: place}))
-            if needed > most:
-                best, most = best | {dim: place}, needed
-    return best, most[0]
+        tried_places = np.unique(
+            np.linspace(0, size - 1, min(size, MOST_TRIED)).round().astype(int)
+        )
+        for place in tried_places.tolist():
+            needs = _memory_and_rings(sweep, sweep.changes_at(largest_places | {dim: place}))
+            if needs > greatest_needs:
+                largest_places, greatest_needs = largest_places | {dim: place}, needs
+    return largest_places, greatest_needs[0]
 
 
-def _size(sweep: Sweep, changes: TomlTable) -> tuple[float, int]:
-    """Return the GiB that a scene needs, and its rings; less than nothing if there is none."""
+def _memory_and_rings(sweep: Sweep, changes: TomlTable) -> tuple[float, int]:
+    """Return the memory in GiB that a scene needs, and its number of rings.
+
+    They are -1 and 0 if there is no such scene.
+    """
     try:
         scene = sweep.scene(changes)
         return predict_memory(scene), len(scene.problem.wear_coefficients)

@@ -1,10 +1,10 @@
-"""The store: a Zarr group whose axes are the sweep's, readable by xarray while it grows.
+"""The store of a sweep: a Zarr group with the sweep's axes, readable by xarray while it grows.
 
-A block of scenes is computed at once, and written at once as one file (a chunk) of each array, the
-status of its scenes last: a block is finished if that is there, together with all other chunks,
-whose checksums are right, and if the code of the store has computed it. Nothing in the store
-depends on the order of the blocks, on the clock or on the machine's name: an interrupted sweep ends
-with the same bytes.
+The scenes of a block are computed together and then written as one file (a chunk) of each array.
+The chunk of their status is written last. A block is finished if its status and all its other
+chunks exist, if their checksums are right, and if it was computed by the code of the store. Nothing
+in the store depends on the order of the blocks, on the clock or on the machine's name. A sweep that
+was interrupted and resumed therefore ends with the same bytes as an undisturbed one.
 """
 
 import json
@@ -31,26 +31,31 @@ from ..versions import code, stamp, versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
 from .axes import ANSWERS, KEEPABLE, Sweep
 
-# what may become of a scene
+# status of a scene
 PENDING, DONE, FAILED = 0, 1, 2
+# file of a Zarr group with its metadata
 ROOT = "zarr.json"
 
 
 def template(sweep: Sweep) -> xarray.Dataset:
-    """Return the results of all scenes before any is computed, as views that take no memory.
+    """Return an empty dataset for the results of all scenes; its arrays are views without memory.
 
-    Dimensions are the sweep's, then `solver` and those of each quantity.
+    The dimensions are those of the sweep, followed by `solver` and the dimensions of each quantity.
     """
-    first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
-    edges = varied.get("punch.ring_edges", [])
-    rings = max([len(first.problem.rings.widths), *varied.get("punch.rings", []), *map(len, edges)])
-    units = UnitNames.of("" if "units" in varied else first.units)
+    first_scene = sweep.first
+    varied_values = {key: column.values for key, column in sweep.columns.items()}
+    edges, ring_counts = (
+        varied_values.get("punch.ring_edges", []),
+        varied_values.get("punch.rings", []),
+    )
+    ring_count = max([len(first_scene.problem.rings.widths), *ring_counts, *map(len, edges)])
+    units = UnitNames.of("" if "units" in varied_values else first_scene.units)
 
     def described(text: str, kind: str = "number") -> dict[str, str]:
         return {"long_name": text, "units": units.name(kind)}
 
     coordinates: dict[str, object] = {
-        "ring": np.arange(1, rings + 1),
+        "ring": np.arange(1, ring_count + 1),
         "mode": np.arange(1, SHOWN_RELAXATION_TIMES + 1),
         "state": np.array(STATES, dtype=object),
     }
@@ -73,32 +78,38 @@ def template(sweep: Sweep) -> xarray.Dataset:
             error = described(ERROR.format(name, NORMS[quantity.norm]))
             add(error_name(name), ("solver", *quantity.error_dims), error)
     if dataset.sizes["solver"] > 1:
-        definition = "greatest difference over its uncertainty: above 1 methods disagree"
+        definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
         add("disagreement", (), described(definition))
-    add("reason", (), described("why the scene has failed"), np.array("", dtype=object))
-    add("code", (), described("hash of the code and versions that computed it"), np.uint64(0))
+    add("reason", (), described("reason why the scene failed"), np.array("", dtype=object))
+    add(
+        "code", (), described("hash of the code and versions that computed the scene"), np.uint64(0)
+    )
     add("status", (), described("0: pending, 1: done, 2: failed"), np.uint8(PENDING))
-    # without labels that no variable has
+    # drop coordinates that no variable has
     return dataset[[*dataset.data_vars]]
 
 
 def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
-    """Return how many scenes along each dimension are computed, written and read at once.
+    """Return the size of a block along each dimension of the sweep, in scenes.
 
-    A block holds the scenes of one geometry as far as that is not too many, for they share a
-    discretisation; of few scenes, or of shaped punches, it takes several geometries. Large sweeps
-    have larger blocks.
+    The scenes of a block are computed, written and read together. A block contains scenes of one
+    geometry, up to a limit, because they share a discretisation. If one geometry has few scenes, or
+    if punches are shaped, a block contains several geometries. Blocks of large sweeps are larger.
     """
     shared = sweep.first.problem.contact.shared_keys
-    larger = min(max(sweep.count // 8192, 1), 64)
-    in_memory = 2**27 * sweep.count // blank.nbytes
-    unlike = {column.dim for key, column in sweep.columns.items() if not key.startswith(shared)}
+    scale = min(max(sweep.count // 8192, 1), 64)
+    # scenes whose results take 128 MiB
+    most_in_memory = 2**27 * sweep.count // blank.nbytes
+    separate_dims = {
+        column.dim for key, column in sweep.columns.items() if not key.startswith(shared)
+    }
     block: dict[str, int] = {}
-    # the last dimensions first, as their scenes stand side by side in the store
+    # dimensions of scenes that share a discretisation come first; within both groups the last
+    # dimension comes first, because its scenes are neighbours in the store
     last_first = list(sweep.sizes)[::-1]
-    for dim in sorted(last_first, key=unlike.__contains__):
-        most = min((8 if dim in unlike else 64) * larger, in_memory)
-        block[dim] = max(1, min(most // prod(block.values()), sweep.sizes[dim]))
+    for dim in sorted(last_first, key=separate_dims.__contains__):
+        greatest_size = min((8 if dim in separate_dims else 64) * scale, most_in_memory)
+        block[dim] = max(1, min(greatest_size // prod(block.values()), sweep.sizes[dim]))
     return {dim: block[dim] for dim in sweep.sizes}
 
 
@@ -107,27 +118,28 @@ class Store:
 
     Parameters
     ----------
-    sweep : what is computed
-    folder : where `sweep.zarr` is or will be
-    resume : whether to go on with what is there
+    sweep : sweep whose results are stored
+    folder : folder that contains `sweep.zarr`, or in which it is created
+    resume : whether to continue an existing store
 
     Attributes
     ----------
-    blank : the template of one scene
+    path : path of `sweep.zarr`
+    blank : empty results of one scene
     """
 
     def __init__(self, sweep: Sweep, folder: Path, resume: bool) -> None:
         self.path = folder / "sweep.zarr"
         if self.path.exists() and not resume:
             raise SceneError(
-                f"{self.path} is there: go on with it by --resume, or give another --out"
+                f"{self.path} already exists: continue it with --resume, or give another --out"
             )
-        about = {
+        identity = {
             "sweep": json.dumps(sweep.table),
             "versions": json.dumps(versions()),
             "code": code(),
         }
-        _refuse_another(self.path, about)
+        _refuse_other_store(self.path, identity)
         blank = template(sweep)
         self.blank = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
         self._sweep, block = sweep, block_sizes(sweep, blank)
@@ -135,29 +147,29 @@ class Store:
             [slice(start, start + block[dim]) for start in range(0, size, block[dim])]
             for dim, size in sweep.sizes.items()
         ]
-        # the box of the grid that each block is
+        # the slice of each dimension that a block covers
         self._regions = [dict(zip(block, box, strict=True)) for box in product(*parts)]
-        # what is damaged is found by its checksum
+        # checksums reveal damaged chunks
         compressed: dict[str, object] = {"compressors": [ZstdCodec(level=0, checksum=True)]}
         encoding: dict[str, dict[str, object]] = {str(name): compressed for name in blank.variables}
         for name, variable in blank.data_vars.items():
             chunks = (*block.values(), *variable.shape[len(block) :])
             encoding[str(name)] = compressed | {"chunks": chunks}
         with TemporaryDirectory() as fresh, warnings.catch_warnings():
-            # texts, and metadata in one place, are not in the specification yet
+            # zarr warns that texts and consolidated metadata are not yet in the specification
             warnings.simplefilter("ignore")
-            # results that are all empty make no files
-            blank.assign_attrs(about).to_zarr(fresh, mode="w", zarr_format=3, encoding=encoding)
-            _copy_labels(Path(fresh), self.path)
-        for left in self.path.rglob("*.partial"):
-            left.unlink()
+            # a chunk without any results is not written as a file
+            blank.assign_attrs(identity).to_zarr(fresh, mode="w", zarr_format=3, encoding=encoding)
+            _copy_metadata(Path(fresh), self.path)
+        for leftover in self.path.rglob("*.partial"):
+            leftover.unlink()
         self._group = zarr.open_group(self.path, mode="r+")
 
     def unfinished(self, retry_failed: bool) -> dict[int, Sweep]:
-        """Return the blocks to compute, each as a sweep of its own, by number.
+        """Return the blocks to compute, each as a sweep, by number.
 
-        They are those that are not finished, or cannot be read, and if wanted those in which scenes
-        have failed.
+        They are the blocks that are not finished or cannot be read. If `retry_failed` is set, they
+        include the blocks with failed scenes.
         """
         final = (DONE,) if retry_failed else (DONE, FAILED)
         return {
@@ -167,15 +179,15 @@ class Store:
         }
 
     def _is_finished(self, place: tuple[slice, ...], final: tuple[int, ...]) -> bool:
-        """Return whether all scenes of a block have a final status, and can be read."""
+        """Return whether a block can be read and all its scenes have one of the final statuses."""
         try:
             return bool(np.isin(self._group["status"][place], final).all() and self._read(place))
-        # what is damaged fails in many ways
+        # reading a damaged chunk can raise many kinds of errors
         except Exception:
             return False
 
     def _read(self, place: tuple[slice, ...]) -> dict[str, Array]:
-        """Return what is there of a block; nothing if chunks are lost or of another code."""
+        """Return the stored values of a block; empty if chunks are lost or from other code."""
         names = [str(name) for name in self.blank]
         if not all(self._chunk(name, place).exists() for name in names):
             return {}
@@ -192,60 +204,66 @@ class Store:
     def write(self, number: int, values: dict[str, Array]) -> None:
         """Write the results of a block.
 
-        Scenes that are done stay where they were not computed again, as for lack of memory.
+        Scenes of the block that are still pending, because memory was insufficient, keep the
+        results of an earlier run if that run has finished them.
         """
         place = tuple(self._regions[number].values())
-        pending, before = values["status"] == PENDING, dict[str, Array]()
+        pending, stored = values["status"] == PENDING, dict[str, Array]()
         if pending.any():
-            # what is damaged fails in many ways
+            # reading a damaged chunk can raise many kinds of errors
             with suppress(Exception):
-                before = self._read(place)
-        kept = pending & (before["status"] == DONE) if before else pending & False
-        # also what is empty is a file, so that one that is lost is missed
+                stored = self._read(place)
+        reused = pending & (stored["status"] == DONE) if stored else pending & False
+        # empty chunks are written as files, too, so that a lost file is noticed
         with zarr.config.set({"array.write_empty_chunks": True}):
             for name, array in values.items():
-                if kept.any():
+                if reused.any():
                     array = array.copy()
-                    array[kept] = before[name][kept]
+                    array[reused] = stored[name][reused]
                 self._group[name][place] = array
 
     def dataset(self) -> xarray.Dataset:
-        """Return what is there so far, read when it is used."""
-        # times in "hours" stay numbers
+        """Return the results stored so far; values are read when they are used."""
+        # without this argument, times in "hours" would become durations
         return xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
 
 
-def _refuse_another(path: Path, about: dict[str, str]) -> None:
-    """Refuse a store of something else, and one that does not say of what.
+def _refuse_other_store(path: Path, identity: dict[str, str]) -> None:
+    """Raise an error if a store belongs to another sweep, or if its root does not show its sweep.
+
+    Parameters
+    ----------
+    path : path of the store, which need not exist
+    identity : sweep, versions and code of the sweep to store, as in the attributes of the root
 
     Raises
     ------
     SceneError
-        if its root says something else than `about`, or is damaged or lost
+        if the root has other attributes than `identity`, or is damaged or lost
     """
     try:
-        there = json.loads((path / ROOT).read_text("utf-8"))["attributes"]
-        same = about.items() <= there.items()
+        attributes = json.loads((path / ROOT).read_text("utf-8"))["attributes"]
+        same = identity.items() <= attributes.items()
     except (OSError, ValueError, KeyError, AttributeError, TypeError):
-        # a store whose making was stopped has no root yet, and no results
+        # a store whose creation was interrupted has neither a root nor results
         if not (path / ROOT).exists() and not (path / "status" / "c").exists():
             return
         raise SceneError(
-            f"{path / ROOT} is damaged or lost, which says what has computed the store: put a copy "
-            "of it there, or give another --out"
+            f"{path / ROOT} is damaged or lost. It records the sweep and the code of the store: "
+            "restore a copy of it, or give another --out"
         ) from None
     if not same:
         raise SceneError(
-            f"{path} was begun with another file, ringwear or libraries: go on by these, "
-            "or give another --out"
+            f"{path} was begun with another sweep file, other code of ringwear or other libraries: "
+            "continue with those, or give another --out"
         )
 
 
-def _copy_labels(fresh: Path, path: Path) -> None:
-    """Copy the labels of a store in order, each file as a whole, the root last."""
-    files = [file.relative_to(fresh) for file in sorted(fresh.rglob("*")) if file.is_file()]
+def _copy_metadata(source: Path, path: Path) -> None:
+    """Copy the files of an empty store, each atomically, with the root last."""
+    files = [file.relative_to(source) for file in sorted(source.rglob("*")) if file.is_file()]
     for file in sorted(files, key=lambda file: file == Path(ROOT)):
-        target, content = path / file, (fresh / file).read_bytes()
+        target, content = path / file, (source / file).read_bytes()
         if not (target.is_file() and target.read_bytes() == content):
             target.parent.mkdir(parents=True, exist_ok=True)
             partial = target.with_name(f"{target.name}.partial")

@@ -1,6 +1,7 @@
 """Compute blocks of scenes, in this process or by the workers of a Dask cluster.
 
-A block that ends its workers, as for lack of memory, is split, down to single scenes.
+If a block kills its workers, for example because memory is insufficient, it is split into halves,
+repeatedly down to single scenes.
 """
 
 import logging
@@ -29,20 +30,21 @@ from .store import PENDING
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-RESUME = "what is finished is there: go on with --resume"
-# deaths of workers of this machine by which a block is split: one may have another cause
-DEATHS = 2
-# seconds of computing that workers of this machine have to spare this process to be started: they
+RESUME_HINT = "finished blocks are stored: continue with --resume"
+# number of workers on this machine that a block has to kill before it is split; a single death may
+# have another cause
+DEATHS_BEFORE_SPLIT = 2
+# seconds of computing that workers on this machine have to save, or else they are not started: they
 # take about as long to start and to load libraries
-LEAST_GAIN = 4.0
-# seconds that a first block may take to load libraries, so that another one is to tell how long
-# blocks take
-LOADING = 2.0
-# part of the machine's memory that the scenes of a block may take in this process, which no other
-# one protects from running out of it
-MOST_HERE = 0.5
-# seconds that a scheduler may take to answer, and its first worker to come
-MOST_SILENCE = 20.0
+LEAST_SECONDS_SAVED = 4.0
+# a first block that took less than these seconds may consist mainly of loading libraries; a second
+# one is then computed here before the time of blocks is estimated
+LOADING_SECONDS = 2.0
+# fraction of the machine's memory that the scenes of a block may use in this process, because
+# no other process would restart this one if it ran out of memory
+GREATEST_MEMORY_FRACTION = 0.5
+# seconds to wait for an answer of the scheduler, and for its first worker
+SCHEDULER_TIMEOUT = 20.0
 
 
 class Piece(NamedTuple):
@@ -50,8 +52,8 @@ class Piece(NamedTuple):
 
     Parameters
     ----------
-    number : of the block
-    box : a slice of each of its dimensions
+    number : number of the block
+    box : slice of the block along each dimension
     """
 
     number: int
@@ -59,17 +61,17 @@ class Piece(NamedTuple):
 
     @property
     def sizes(self) -> list[int]:
-        """Number of scenes along each dimension of the box."""
-        return [part.stop - part.start for part in self.box]
+        """Number of scenes of the piece along each dimension."""
+        return [extent.stop - extent.start for extent in self.box]
 
     def halves(self) -> "tuple[Piece, Piece]":
-        """Return both halves along the longest dimension."""
+        """Return the two halves of the piece, cut along its longest dimension."""
         along = int(np.argmax(self.sizes))
-        part, (before, after) = self.box[along], (self.box[:along], self.box[along + 1 :])
-        middle = (part.start + part.stop) // 2
+        extent, (before, after) = self.box[along], (self.box[:along], self.box[along + 1 :])
+        middle = (extent.start + extent.stop) // 2
         return (
-            Piece(self.number, (*before, slice(part.start, middle), *after)),
-            Piece(self.number, (*before, slice(middle, part.stop), *after)),
+            Piece(self.number, (*before, slice(extent.start, middle), *after)),
+            Piece(self.number, (*before, slice(middle, extent.stop), *after)),
         )
 
 
@@ -80,18 +82,30 @@ def compute_blocks(
     scheduler: str | None,
     memory: float | None,
 ) -> Iterator[tuple[int, dict[str, Array]]]:
-    """Yield blocks of a sweep by number, and their values as `compute_block` gives them.
+    """Yield the number of each block of a sweep, and its values as returned by `compute_block`.
 
-    Dask gives what a lost worker had to another, and starts a new one. What is lost again is split
-    in halves. A single scene that ends its workers stays pending, with the reason. One worker of
-    any memory is this process itself, which also computes small blocks as long as too little is
-    left for more workers to be worth their start.
+    If a worker dies, Dask starts a new one and gives the block to another worker. If it kills that
+    worker, too, the block is split into halves (on a cluster, after as many deaths as its scheduler
+    allows). A single scene that kills its workers stays
+    pending, with the reason.
+
+    One worker without a memory limit is this process itself. With several workers, this process
+    also computes small blocks if the remaining work is too short to justify starting workers.
+
+    Parameters
+    ----------
+    blocks : blocks to compute, each as a sweep, by number
+    blank : empty results of one scene (`store.template`)
+    workers : number of processes on this machine
+    scheduler : address of a Dask scheduler; None for processes on this machine
+    memory : memory in GiB that all processes on this machine may use; if None, they may use all
+        memory of the machine
 
     Raises
     ------
     SolverError
-        if the scheduler is lost, has no workers, or has one with another ringwear or none, whose
-        blocks are not yielded
+        if the scheduler is lost, if it has no workers, or if a worker has other code or versions or
+        no ringwear; the blocks of such a worker are not yielded
     """
     workers = min(workers, len(blocks))
     if scheduler is None and memory is None:
@@ -105,101 +119,109 @@ def compute_blocks(
             values = compute_block(remaining.pop(number), blank)
             seconds.append(time.process_time() - began)
             if (values["code"] != stamp()).any():
-                raise SolverError(f"this process has loaded files that were edited; {RESUME}")
+                raise SolverError(
+                    f"files of ringwear were edited before this process loaded them; {RESUME_HINT}"
+                )
             yield number, values
         blocks = remaining
     if not blocks:
         return
     workers = min(workers, len(blocks))
-    whole = {number: block.sizes.values() for number, block in blocks.items()}
+    shapes = {number: block.sizes.values() for number, block in blocks.items()}
     waiting = deque(
-        Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in whole.items()
+        Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in shapes.items()
     )
     running: dict[Future, Piece] = {}
-    checked = set[str]()
+    checked_workers = set[str]()
+    # values of blocks that were split, and the number of their scenes that are still missing
     gathered, missing = dict[int, dict[str, Array]](), dict[int, int]()
     with connect(scheduler, workers, memory) as client:
         from distributed import KilledWorker, wait
 
         while True:
-            # none waits behind another, with which its worker might die
+            # each thread has at most one block: a waiting block would die with the worker
             threads = client.nthreads()
-            if set(threads) - checked:
+            if set(threads) - checked_workers:
                 _check_workers(client)
-                checked |= set(threads)
-            window = max(1, sum(threads.values()))
-            while waiting and len(running) < window:
+                checked_workers |= set(threads)
+            thread_count = max(1, sum(threads.values()))
+            while waiting and len(running) < thread_count:
                 piece = waiting.popleft()
                 block = blocks[piece.number]
-                part = block.part(dict(zip(block.sizes, piece.box, strict=True)))
-                running[client.submit(compute_block, part, blank, pure=False)] = piece
+                scenes = block.part(dict(zip(block.sizes, piece.box, strict=True)))
+                running[client.submit(compute_block, scenes, blank, pure=False)] = piece
             if not running:
                 return
             try:
                 finished = wait(list(running), 30, "FIRST_COMPLETED").done
             except TimeoutError:
-                LOG.warning("   sweep  nothing for 30 s from %d workers", len(client.nthreads()))
+                LOG.warning("   sweep  no results for 30 s from %d workers", len(client.nthreads()))
                 continue
             for future in finished:
                 piece = running.pop(future)
                 number, sizes = piece.number, piece.sizes
                 error = future.exception() if future.status == "error" else None
                 if isinstance(error, KilledWorker) and prod(sizes) > 1:
-                    LOG.info("   sweep  %d scenes end their workers: split", prod(sizes))
+                    LOG.info("   sweep  %d scenes kill their workers: they are split", prod(sizes))
                     waiting.extendleft(reversed(piece.halves()))
                     continue
                 if isinstance(error, KilledWorker):
                     values = _left_pending(blank, sizes, workers, scheduler, memory)
                 elif error:
                     reason = f"{type(error).__name__}: {error}".splitlines()[0]
-                    raise SolverError(f"a worker cannot compute ({reason}); {RESUME}") from error
+                    raise SolverError(
+                        f"a worker cannot compute ({reason}); {RESUME_HINT}"
+                    ) from error
                 else:
                     values = future.result()
                     if (values["code"] != stamp()).any():
                         raise SolverError(
-                            "a worker has another ringwear or other libraries than are here, and "
-                            f"what it has computed is not kept: install the same on it; {RESUME}"
+                            "a worker has another ringwear or other libraries than this process, "
+                            "and its results are discarded: install the same code and versions on "
+                            f"it; {RESUME_HINT}"
                         )
-                if prod(sizes) < prod(whole[number]):
-                    missing.setdefault(number, prod(whole[number]))
-                    total = gathered.setdefault(
+                if prod(sizes) < prod(shapes[number]):
+                    missing.setdefault(number, prod(shapes[number]))
+                    block_values = gathered.setdefault(
                         number,
                         {
-                            name: np.empty((*whole[number], *of.shape[len(sizes) :]), of.dtype)
-                            for name, of in values.items()
+                            name: np.empty(
+                                (*shapes[number], *array.shape[len(sizes) :]), array.dtype
+                            )
+                            for name, array in values.items()
                         },
                     )
-                    for name, of in values.items():
-                        total[name][piece.box] = of
+                    for name, array in values.items():
+                        block_values[name][piece.box] = array
                     missing[number] -= prod(sizes)
                     if missing[number]:
                         continue
                     values = gathered.pop(number)
-                if left := int((values["status"] == PENDING).sum()):
-                    LOG.warning("   sweep  %d scenes end worker after worker: left out", left)
+                if pending := int((values["status"] == PENDING).sum()):
+                    LOG.warning("   sweep  %d scenes kill every worker: left out", pending)
                 yield number, values
 
 
 def _fits_here(block: Sweep) -> bool:
-    """Return whether this process has far more memory than the scenes of a block need."""
-    of_scene = find_largest(block)[1] - LIBRARIES
-    together = min(block.count, MOST_TOGETHER)
-    return LIBRARIES + together * of_scene <= MOST_HERE * machine_memory()
+    """Return whether the scenes of a block fit into `GREATEST_MEMORY_FRACTION` of the memory."""
+    scene_memory = find_largest(block)[1] - LIBRARIES
+    scene_count = min(block.count, MOST_TOGETHER)
+    return LIBRARIES + scene_count * scene_memory <= GREATEST_MEMORY_FRACTION * machine_memory()
 
 
-def _too_short(seconds: list[float], left: int, workers: int) -> bool:
-    """Return whether workers would not be worth their start.
+def _too_short(seconds: list[float], remaining: int, workers: int) -> bool:
+    """Return whether the remaining work is too short to justify starting workers.
 
     Parameters
     ----------
-    seconds : of computing that each block has taken in this process
-    left : number of blocks that are left
-    workers : how many would share them
+    seconds : seconds of computing of each block in this process so far
+    remaining : number of remaining blocks
+    workers : number of workers that would share them
     """
-    if not seconds or (len(seconds) == 1 and seconds[0] < LOADING):
+    if not seconds or (len(seconds) == 1 and seconds[0] < LOADING_SECONDS):
         return True
-    # one of the workers could be this process
-    return min(seconds) * left * (1 - 1 / workers) < LEAST_GAIN
+    # n workers save the part 1 - 1 / n of the computing time of one process
+    return min(seconds) * remaining * (1 - 1 / workers) < LEAST_SECONDS_SAVED
 
 
 def _left_pending(
@@ -209,73 +231,92 @@ def _left_pending(
     scheduler: str | None,
     memory: float | None,
 ) -> dict[str, Array]:
-    """Return the values of a scene that ends its workers."""
+    """Return the values of a scene that kills its workers: empty, pending, and with the reason."""
     values = {
-        str(name): np.broadcast_to(of.values, (*sizes, *of.shape)).copy()
-        for name, of in blank.data_vars.items()
+        str(name): np.broadcast_to(variable.values, (*sizes, *variable.shape)).copy()
+        for name, variable in blank.data_vars.items()
     }
-    had = "the memory that its workers have"
+    available = "the memory of its workers"
     if scheduler is None:
-        had = f"{worker_memory(workers, memory):.3g} GiB, the part of --memory of a worker"
-    values["reason"][...] = f"ended worker after worker: it seems to need more than {had}"
+        available = f"{worker_memory(workers, memory):.3g} GiB, the share of --memory of one worker"
+    values["reason"][...] = f"killed every worker: it seems to need more than {available}"
     values["code"][...] = stamp()
     return values
 
 
 def worker_memory(workers: int, memory: float | None) -> float:
-    """Return the GiB that each process of this machine may take."""
+    """Return the memory in GiB that each process on this machine may use."""
     return (machine_memory() if memory is None else memory) / workers
 
 
 def _check_workers(client: "Client") -> None:
-    """Refuse workers with another ringwear, or none, before they are given anything."""
-    for worker, reply in client.run(computed_with, on_error="return").items():
-        if reply != computed_with():
+    """Raise an error if a worker has other code or versions of ringwear, or no ringwear.
+
+    Raises
+    ------
+    SolverError
+        its message names the worker and both versions
+    """
+    for worker, versions_of_worker in client.run(computed_with, on_error="return").items():
+        if versions_of_worker != computed_with():
             raise SolverError(
-                f"{worker} has another ringwear or other libraries, {reply}; here are "
-                f"{computed_with()}:"
-                f" install the same on it; {RESUME}"
+                f"{worker} has another ringwear or other libraries, {versions_of_worker}, than "
+                f"this process, {computed_with()}: install the same code and versions on it; "
+                f"{RESUME_HINT}"
             )
 
 
 @contextmanager
 def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterator["Client"]:
-    """Connect to a Dask scheduler, or to so many processes of this machine.
+    """Connect to a Dask scheduler, or start a number of processes on this machine.
 
-    Processes that take more than their part of the memory (GiB; by default of the machine's) are
-    ended, and started anew.
+    A process that uses more than its share of the memory is ended and started again.
+
+    Parameters
+    ----------
+    scheduler : address of a Dask scheduler; None to start processes
+    workers : number of processes to start
+    memory : memory in GiB that all these processes may use; None for all memory of the machine
+
+    Raises
+    ------
+    SolverError
+        if the scheduler does not answer, has no workers or is lost
     """
-    # a library that is stopped while it is loaded or starts processes leaves some of them
+    # signals wait, because Dask would leave processes behind if it were interrupted while it is
+    # loaded or starts them
     with signals_wait():
         import dask
         from distributed import Client
 
     client: Client | None = None
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
-    # results leave at once: there is nothing to spill, nor to wait for
+    # workers return results at once, so that spilling data or pausing would not free memory
     limits: dict[str, object] = {
-        f"distributed.worker.memory.{at}": False for at in ("target", "spill", "pause")
+        f"distributed.worker.memory.{action}": False for action in ("target", "spill", "pause")
     }
-    limits["distributed.scheduler.allowed-failures"] = DEATHS - 1
+    limits["distributed.scheduler.allowed-failures"] = DEATHS_BEFORE_SPLIT - 1
     processes: dict[str, object] = {
         "n_workers": workers,
         "threads_per_worker": 1,
         "memory_limit": int(worker_memory(workers, memory) * 2**30),
         "dashboard_address": ":0",
         "silence_logs": logging.CRITICAL,
-        # Ctrl-C is the affair of this process
+        # only this process reacts to Ctrl-C
         "preload": ["import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"],
     }
     try:
         with dask.config.set(limits):
             with signals_wait():
-                client = Client(scheduler, timeout=MOST_SILENCE, **({} if scheduler else processes))
-                client.wait_for_workers(1, timeout=MOST_SILENCE)
+                client = Client(
+                    scheduler, timeout=SCHEDULER_TIMEOUT, **({} if scheduler else processes)
+                )
+                client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
             yield client
     except (CancelledError, OSError, ValueError) as error:
         raise SolverError(
             f"the scheduler {scheduler} does not answer, has no workers or is lost ({error}): "
-            f"start it by `dask scheduler`, and some `dask worker`; {RESUME}"
+            f"start it with `dask scheduler`, and workers with `dask worker`; {RESUME_HINT}"
         ) from error
     finally:
         if client is not None:

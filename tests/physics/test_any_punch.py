@@ -252,9 +252,19 @@ def test_an_indentation_that_does_not_touch_is_refused():
 @pytest.mark.parametrize(
     ("base", "axes", "keep", "words"),
     [
-        ("sphere", {"accuracy.rtol": [1e-2, 1e-3]}, ["relaxation_time"], "no quantity of such"),
+        (
+            "sphere",
+            {"accuracy.rtol": [1e-2, 1e-3]},
+            ["relaxation_time"],
+            "not a quantity of these scenes",
+        ),
         ("sphere", {"load.indentation": [-1.0, 0.1]}, None, "load.indentation = -1"),
-        (SCENE, {"accuracy.rtol": [1e-2, 1e-3]}, ["contact_radius"], "no quantity of such"),
+        (
+            SCENE,
+            {"accuracy.rtol": [1e-2, 1e-3]},
+            ["contact_radius"],
+            "not a quantity of these scenes",
+        ),
     ],
 )
 def test_sweeps_refuse_at_the_door(base, axes, keep, words):

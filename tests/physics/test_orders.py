@@ -6,27 +6,27 @@ import pytest
 
 from ringwear import Scene
 from ringwear.studies.convergence.flat_start import (
-    GAIN,
+    FACTOR_PER_DEGREE,
     GRADINGS,
-    PUNCH_RIM,
     QUAD_DEGREES,
-    RING_EDGE,
-    by_mdr,
-    by_quads,
-    ellipses,
+    RIM_SIZE,
+    RING_EDGE_SIZE,
+    convergence_rates,
+    discretise_by_mdr,
+    discretise_by_quads,
     ring_quantities,
 )
 from ringwear.studies.numerics.core import FLAT, flat_d0_error
 from ringwear.studies.numerics.layered_truncation import move_outwards_on_layers
 from ringwear.studies.numerics.truncation import move_outwards
 from ringwear.studies.study.levels import Theory
-from ringwear.studies.study.orders import WITHIN, Sequence, sequences_of
+from ringwear.studies.study.orders import ORDER_TOLERANCE, Sequence, sequences_of
 
 
 def assert_order(fitted, cap):
     """By least squares and between the last levels, as the tables of the studies have it."""
-    assert fitted.order == pytest.approx(fitted.theory.order, abs=WITHIN)
-    assert fitted.last_order == pytest.approx(fitted.theory.order, abs=WITHIN)
+    assert fitted.order == pytest.approx(fitted.theory.order, abs=ORDER_TOLERANCE)
+    assert fitted.last_order == pytest.approx(fitted.theory.order, abs=ORDER_TOLERANCE)
     assert fitted.errors[-1] <= cap
 
 
@@ -38,8 +38,8 @@ def d0_error(discretised):
 @pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
 def test_indentation_by_mdr_on_meshes_graded_to_the_rim(degree, cap):
     """Degree 4 is on its way to 11 when roundoff ends it."""
-    sizes = ellipses(GRADINGS[degree])
-    errors = [d0_error(by_mdr(FLAT, PUNCH_RIM, degree, grading)) for grading in sizes]
+    sizes = convergence_rates(GRADINGS[degree])
+    errors = [d0_error(discretise_by_mdr(FLAT, RIM_SIZE, degree, grading)) for grading in sizes]
     theory = Theory(2 * degree + 3)
     fitted = Sequence("", "", theory, np.array(list(sizes.values())), np.array(errors))
     assert min(errors) > 0
@@ -58,14 +58,18 @@ def assert_factor(errors, cap):
     everywhere.
     """
     assert (errors[:-2] / errors[2:]).min() >= 20
-    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * GAIN
+    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * FACTOR_PER_DEGREE
     assert errors[-1] <= cap
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("ratio", "cap"), [(0.0, 3e-12), (0.3, 3e-12), (0.45, 5e-12)])
 def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
-    errors = [d0_error(by_quads(FLAT, 0.0, ratio, degree)) for degree in QUAD_DEGREES if degree > 4]
+    errors = [
+        d0_error(discretise_by_quads(FLAT, 0.0, ratio, degree))
+        for degree in QUAD_DEGREES
+        if degree > 4
+    ]
     # too stiff a solid, always
     assert max(errors) < 0
     assert_factor(np.abs(errors), cap)
@@ -76,9 +80,9 @@ def test_rings_on_quadrilaterals_by_the_degree():
     """The finer degrees, up to roundoff, are for the study."""
     problem = Scene.load("five_rings").problem
     edges = problem.ring_edges
-    exact = ring_quantities(problem, by_mdr(edges, RING_EDGE, 10, 0.15)[0])
+    exact = ring_quantities(problem, discretise_by_mdr(edges, RING_EDGE_SIZE, 10, 0.15)[0])
     degrees = [
-        ring_quantities(problem, by_quads(edges, RING_EDGE, 0.3, degree)[0])
+        ring_quantities(problem, discretise_by_quads(edges, RING_EDGE_SIZE, 0.3, degree)[0])
         for degree in range(4, 9)
     ]
     for name in ("d(1)", "slowest relaxation time"):

@@ -7,8 +7,8 @@ from ringwear import Scene
 from ringwear.mdr import energy
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import graded_breakpoints
-from ringwear.studies.convergence.axis_stresses import DEPTHS, by_boussinesq, by_elements
-from ringwear.studies.convergence.runs import Studied
+from ringwear.studies.convergence.axis_stresses import DEPTHS, boussinesq_stresses, element_stresses
+from ringwear.studies.convergence.runs import StudiedScene
 from ringwear.studies.convergence.scene_ways import (
     graded_way,
     radial_graded_way,
@@ -23,7 +23,7 @@ from ringwear.studies.wear.flat_contact import press_flat
 
 @pytest.fixture(scope="module")
 def five_rings():
-    return Studied.of(Scene.load("five_rings"), {}, 1.0)
+    return StudiedScene.of(Scene.load("five_rings"), {}, 1.0)
 
 
 def orders(studied, way):
@@ -88,14 +88,14 @@ def test_stresses_on_the_axis_are_those_of_the_flat_punch(ratio):
     breakpoints = graded_breakpoints(np.array([0.0, 1.0]), 1e-13, 1e-13, 0.3)
     space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, 5), np.array([0.0, 1.0]))
     pressed = press_flat(energy.compliance(space))
-    found = by_boussinesq(space, pressed.pressure[None], ratio)[0]
+    found = boussinesq_stresses(space, pressed.pressure[None], ratio)[0]
     np.testing.assert_allclose(found, flat_punch_on_axis(ratio), atol=1e-6)
 
 
 def test_stresses_of_elements_on_the_axis_converge_to_them():
-    studied = Studied.of(Scene.load("flat_punch"), {}, 1.0)
+    studied = StudiedScene.of(Scene.load("flat_punch"), {}, 1.0)
     way = graded_way(studied.problem, 4, False, (1,))
     made = way.discretise(1, Stages("fem"))
     pressed = press_flat(made.compliance)
-    found = by_elements(made.half_space, pressed.pressure[None])[0]
+    found = element_stresses(made.half_space, pressed.pressure[None])[0]
     np.testing.assert_allclose(found, flat_punch_on_axis(0.3), atol=2e-3 / np.pi)

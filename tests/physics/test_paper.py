@@ -16,8 +16,13 @@ from ringwear import Scene, run, study, sweep
 from ringwear.mdr import direct
 from ringwear.mdr.transforms import profile_transform
 from ringwear.meshes.radial import alternating_edges
-from ringwear.studies.paper.running_in import FiveRings, way_of
-from ringwear.studies.paper.theory import PERCENTS, STATIONARY, homogeneous, many_rings
+from ringwear.studies.paper.running_in import FiveRings, completed_fraction
+from ringwear.studies.paper.theory import (
+    STATE_PERCENTAGES,
+    STATIONARY_FRACTION,
+    homogeneous,
+    many_rings,
+)
 from ringwear.studies.problem.problem import Rings
 
 RATIOS = 10.0 ** np.linspace(-4, 4, 41)
@@ -100,9 +105,11 @@ def test_many_rings_of_unequal_width():
 def test_times_of_the_states(five):
     assert float(five.states.time[4]) == pytest.approx(0.27, abs=0.005)
     for way, tolerance in zip(five.states.way.values, (1e-7, 1e-5, 1e-5), strict=True):
-        np.testing.assert_allclose(way, np.array(PERCENTS) / 100, atol=tolerance)
+        np.testing.assert_allclose(way, np.array(STATE_PERCENTAGES) / 100, atol=tolerance)
     stationary = five.scene.changed(accuracy__rtol=1e-8, wear__times=[five.stationary])
-    assert way_of(run(stationary, ["mdr"]).dataset).item() == pytest.approx(STATIONARY, rel=1e-9)
+    assert completed_fraction(run(stationary, ["mdr"]).dataset).item() == pytest.approx(
+        STATIONARY_FRACTION, rel=1e-9
+    )
 
 
 def test_methods_agree_in_every_state(five):

@@ -112,7 +112,7 @@ def test_time_steps_of_the_user_converge_with_first_order():
     ("options", "message"),
     [
         ({"methods": ["direct"]}, "has no sequence of levels"),
-        ({"methods": ["abaqus"]}, "is no method"),
+        ({"methods": ["abaqus"]}, "is not a method"),
         ({"elements": [skfem.ElementTriCR()]}, "has to be continuous"),
         ({"quantities": {"q": lambda result: result.nothing}}, "quantity q fails: AttributeError"),
         ({"quantities": {"q": lambda _: np.nan}}, "quantity q is nan"),

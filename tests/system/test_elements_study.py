@@ -188,8 +188,8 @@ def test_elements_from_the_command_line(tmp_path):
     ("element", "message"),
     [
         ("ElementTriCR", "ElementTriCR cannot carry the displacement: it is not continuous"),
-        ("ElementTriP9", "is no element"),
-        ("{}/own.py:broken", "is no element"),
+        ("ElementTriP9", "is not an element"),
+        ("{}/own.py:broken", "is not an element"),
         ("{}/own.py:Missing", "has no Missing"),
     ],
 )

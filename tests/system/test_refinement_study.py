@@ -19,7 +19,7 @@ from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.sections import FemAccuracy
 from ringwear.studies.refinement import case as cases
 from ringwear.studies.refinement import ways
-from ringwear.studies.refinement.case import NEGLIGIBLE, Case, Level
+from ringwear.studies.refinement.case import POLES_RTOL, Case, Level
 from ringwear.studies.refinement.conclusions import costs
 from ringwear.studies.refinement.own_meshes import (
     OwnMeshes,
@@ -47,7 +47,7 @@ def family_of(case, way, quick=True):
 
 @pytest.mark.parametrize("punch", ["flat", "five", pytest.param("narrow", marks=pytest.mark.slow)])
 def test_uniform_refinement_is_of_first_order_and_refines_the_contact(punch, monkeypatch):
-    monkeypatch.setattr(cases, "TRUTH", 1e-3)  # d0 has a closed form
+    monkeypatch.setattr(cases, "REFERENCE_RTOL", 1e-3)  # d0 has a closed form
     # the quick study leaves out levels that are larger because of a narrow ring
     family = family_of(case_of(PUNCHES[punch]), "uniform", quick=punch != "narrow")
     first, last_but_one, last = map(family.solve, list(family.sizes)[:3])
@@ -199,4 +199,4 @@ def test_costs_are_those_of_the_first_level_that_reaches_a_goal():
 def test_poles_make_the_truncation_negligible():
     case = case_of(PUNCHES["flat"])
     mesh = ways.Ways(case, Options(), [])._coarsest
-    assert len(case.half_space_on(mesh, 4, NEGLIGIBLE).poles) > 4
+    assert len(case.half_space_on(mesh, 4, POLES_RTOL).poles) > 4

@@ -53,7 +53,7 @@ def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
         (lambda: study("convergance"), "give one of paper, convergence"),
         (lambda: study("march", "sphere"), "flat punches under a force"),
         (lambda: study("elements", "pin_on_disc"), "one wear coefficient"),
-        (lambda: study("march", meshes=["a.msh"]), "does not take meshes"),
+        (lambda: study("march", meshes=["a.msh"]), "does not accept meshes"),
     ],
 )
 def test_a_study_refuses_unknown_options(call, message):

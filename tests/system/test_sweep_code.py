@@ -84,7 +84,7 @@ def test_a_resume_with_altered_code_is_refused(tmp_path):
     refused = run_with(finder, tmp_path, "--workers", "1", "--resume")
     assert refused.returncode == 2
     (line,) = refused.stderr.splitlines()
-    assert "begun with another file, ringwear or libraries" in line
+    assert "begun with another sweep file, other code of ringwear or other libraries" in line
     assert contents(tmp_path / "out") == before
     # the original code continues
     alter(tmp_path / "copy", STEADY[0], STEADY[2], STEADY[1])

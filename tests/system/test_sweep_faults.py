@@ -48,7 +48,7 @@ from ringwear.studies.cli import main
 from ringwear.studies.sweep import workers
 from ringwear.studies.sweep.store import Store
 # start workers although the sweep is short, because the test is about them
-workers.MOST_HERE = 0.0
+workers.GREATEST_MEMORY_FRACTION = 0.0
 write = Store.write
 def counted(self, number, values):
     write(self, number, values)
@@ -207,7 +207,7 @@ def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path):
     compute_into(tmp_path)
     with pytest.raises(SceneError, match="--resume"):
         compute_into(tmp_path)
-    with pytest.raises(SceneError, match="begun with another file"):
+    with pytest.raises(SceneError, match="begun with another sweep file"):
         sweep(BASE, AXES, KEEP[:1], out=tmp_path, resume=True)
     (tmp_path / "file").touch()
     with pytest.raises(SceneError, match="cannot be written"):
@@ -270,13 +270,15 @@ def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch
     assert json.loads(there) == versions()
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     monkeypatch.setattr(store, "versions", lambda: other)
-    with pytest.raises(SceneError, match="begun with another file, ringwear or libraries"):
+    with pytest.raises(
+        SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
+    ):
         compute_into(tmp_path, resume=True)
     assert contents(tmp_path) == contents(undisturbed)
 
 
 def test_a_scheduler_that_does_not_answer_is_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr(workers, "MOST_SILENCE", 1.0)
+    monkeypatch.setattr(workers, "SCHEDULER_TIMEOUT", 1.0)
     with pytest.raises(RingwearError, match="does not answer"):
         compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
 
@@ -290,7 +292,7 @@ def test_workers_start_only_if_much_is_left(undisturbed, monkeypatch):
     monkeypatch.setattr(workers, "connect", refuse)
     there = compute_into(undisturbed, resume=True).load()
     xarray.testing.assert_identical(sweep(BASE, AXES, KEEP, workers=2), there)
-    for name, value in (("LEAST_GAIN", 0.0), ("MOST_HERE", 0.0)):
+    for name, value in (("LEAST_SECONDS_SAVED", 0.0), ("GREATEST_MEMORY_FRACTION", 0.0)):
         with monkeypatch.context() as patch:
             patch.setattr(workers, name, value)
             with pytest.raises(RingwearError, match="are started"):

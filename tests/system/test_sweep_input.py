@@ -99,7 +99,7 @@ def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
     now = Sweep.of({"base": base, "axes": axes, "keep": KEEP})
     assert again == [now.problem(of).profile.sampled()[1].max() for of in now.changes()]
     write_profile("profile.csv", 0.9)
-    with pytest.raises(SceneError, match="begun with another file"):
+    with pytest.raises(SceneError, match="begun with another sweep file"):
         sweep(base, axes, KEEP, out="out", resume=True)
     write_profile("profile.csv", 0.5)
     xarray.testing.assert_identical(

@@ -16,7 +16,7 @@ from ringwear.meshes.errors import SceneError
 from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import alternating_edges
 from ringwear.studies.convergence.measures import PRESSURE_PART
-from ringwear.studies.convergence.study import say_of_parts
+from ringwear.studies.convergence.study import explain_d0_orders
 from ringwear.studies.study.levels import Theory
 from ringwear.studies.study.orders import Sequence
 from ringwear.studies.study.own_mesh import named_meshes
@@ -103,9 +103,9 @@ def test_parts_of_opposite_signs_explain_an_order_that_differs():
     rows = {"family": "Q2", "size": sizes, "d0": whole, PRESSURE_PART: pressures}
     sequence = Sequence("Q2", "d0", Theory(1.0), sizes, whole)
     assert sequence.verdict == "no"
-    (said,) = say_of_parts([sequence], pd.DataFrame(rows))
-    assert "pressures alone err by +2.5e-03 with the order 1.00" in said
-    assert "displacements alone err by -3.4e-03 with the order 0.90" in said
+    (said,) = explain_d0_orders([sequence], pd.DataFrame(rows))
+    assert "+2.5e-03 due to the pressures (order 1.00)" in said
+    assert "-3.4e-03 due to the displacements (order 0.90)" in said
 
 
 def test_meshes_of_one_name_in_two_folders_have_numbers():
