@@ -117,8 +117,17 @@ def _from_time_on(problem: Problem, first: int) -> Problem:
     return replace(problem, times=problem.times[first:])
 
 
-def left_out_of_promise(problem: Problem, solutions: Mapping[str, Solution]) -> list[LeftOut]:
-    """Return the quantities that are not promised and whose error estimates are too large."""
+def left_out_of_promise(
+    problem: Problem, solutions: Mapping[str, Solution], times: Sequence[float]
+) -> list[LeftOut]:
+    """Return the quantities that are not promised and whose error estimates are too large.
+
+    Parameters
+    ----------
+    problem : the problem
+    solutions : solutions by method
+    times : all times of the scene, exactly as it gives them
+    """
     rows, allowed = [], allowed_error(problem)
     names = {name for solution in solutions.values() for name in solution.errors}
     for quantity in (name for name in DESCRIBED if name in names):
@@ -136,11 +145,11 @@ def left_out_of_promise(problem: Problem, solutions: Mapping[str, Solution]) -> 
         }
         if not reasons:
             continue
-        times: tuple[float, ...] = ()
+        excluded_times: tuple[float, ...] = ()
         if DESCRIBED[quantity].dims[:1] == ("time",):
-            compared = problem.times[problem.checked] * problem.units.time
-            times = tuple(compared[list(reasons)].tolist())
-        rows.append(LeftOut(quantity, times, next(iter(reasons.values()))))
+            compared = np.asarray(times)[problem.checked]
+            excluded_times = tuple(compared[list(reasons)].tolist())
+        rows.append(LeftOut(quantity, excluded_times, next(iter(reasons.values()))))
     return rows
 
 

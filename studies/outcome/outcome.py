@@ -111,7 +111,7 @@ class Outcome:
     @cached_property
     def left_out_of_promise(self) -> tuple[LeftOut, ...]:
         """Quantities that cannot be promised, with the times and the reason."""
-        return tuple(left_out_of_promise(self.scene.problem, self.solutions))
+        return tuple(left_out_of_promise(self.scene.problem, self.solutions, self.scene.wear.times))
 
     @property
     def quantities(self) -> dict[str, str]:
@@ -136,21 +136,19 @@ class Outcome:
 
     @property
     def short_of(self) -> dict[str, float]:
-        """Error estimates of the indentation that are larger than `rtol`, by method.
+        """Error estimates of the indentation that are larger than is allowed, by method.
 
         The stated error also contains the error by which cells represent the face, which the
-        difference to a coarser solution does not; if edges of the contact move, it may be twice as
-        large as `rtol`, as in the verdict.
+        difference to a coarser solution does not. If edges of the contact move, both may be twice
+        as large as `rtol`, as in the verdict.
         """
-        rtol = self.scene.accuracy.rtol
         allowed = allowed_error(self.scene.problem)
         short = {}
         for name, solution in self.solutions.items():
             error = solution.error_estimate
             if "indentation" in solution.errors:
-                stated_error = solution.greatest_error("indentation")
-                error = max(error, stated_error if stated_error > allowed else 0.0)
-            if error > rtol:
+                error = max(error, solution.greatest_error("indentation"))
+            if error > allowed:
                 short[name] = error
         return short
 

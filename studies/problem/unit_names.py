@@ -242,11 +242,11 @@ class UnitNames:
     ) -> tuple[float, str]:
         """Return a time in the next smaller unit if it has fewer digits there: 30 h, not 1.25 days.
 
-        Times that a scene gives in hours are thereby written in hours.
+        A whole number keeps its unit: 15 min, not 900 s.
         """
         choices = list(self._choices("time").items())
         index = [choice for choice, _ in choices].index(name) if name in dict(choices) else 0
-        if index and value:
+        if index and value and not number.is_integer():
             smaller, smaller_size = choices[index - 1]
             in_smaller = float(f"{value * self.size('time') / smaller_size:.{digits}g}")
             exact = abs(in_smaller * smaller_size / self.size("time") / value - 1) < 1e-9

@@ -26,7 +26,11 @@ def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
 def print_account(account: Account, verbose: bool) -> None:
     """Print the answer, the verdict and the remarks; if `verbose`, the whole account of a run."""
     print_lines(["", account.title, *account.defaults, ""])
-    print_answers(account.answers[:6])
+    if account.answers:
+        print_answers(account.answers[:6])
+    else:
+        # a load that varies has no numbers of its own; what each ring has lost is the answer then
+        print_table(account.rings)
     print_lines(["", account.verdict_line])
     if not verbose:
         print_lines(account.remarks)

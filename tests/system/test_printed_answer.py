@@ -8,6 +8,7 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.meshes.radial import alternating_edges
+from ringwear.studies.cli import main
 from ringwear.studies.outcome.scope import time_scale
 from ringwear.studies.report.printed import print_account
 from ringwear.studies.report.words import Account
@@ -58,6 +59,20 @@ def test_the_answer_is_printed_first(five, capsys):
             parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
         assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
         assert verbose or len(told.splitlines()) < 16
+
+
+def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, capsys):
+    """Fields that are left out of the promise, at times exactly as in the scene, are no failure."""
+    scene = Scene.load("duty_cycle")
+    command = ["run", "duty_cycle", "--methods", "mdr,bem", "--out", str(tmp_path / "out")]
+    assert main([*command, "--no-figures", "--no-report"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len([line for line in lines if line.startswith(("  1 ", "  2 ", "  3 "))]) == 3
+    assert any(line.startswith("The methods agree in all but") for line in lines)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    excluded = [time for row in summary["left_out_of_promise"] for time in row["times"]]
+    assert 14.0 in excluded
+    assert set(excluded) <= set(scene.wear.times)
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,7 @@ def test_a_scene_without_units_takes_no_quantities():
         (108000.0, "time", "30 h"),
         (1000.0, "time", "1000 s"),
         (1080.0, "time", "18 min"),
+        (900.0, "time", "15 min"),
         (1.5e8, "pressure", "150 MPa"),
         (2.5e-8, "displacement", "25 nm"),
         (1e-9, "volume", "1 mm³"),
