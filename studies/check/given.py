@@ -1,4 +1,4 @@
-"""Results of another program as a method, which stand beside ours in tables and figures."""
+"""Results of another program as a method, so that tables and figures show them beside ours."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -15,40 +15,40 @@ from ..scene.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class Given(Method):
-    """What another program says of a scene; it states no error of its own.
+    """A method whose solution is read from another program; it has no error estimates.
 
     Parameters
     ----------
-    name : as figures and tables call it
-    given : its quantities at the times and radii of the scene, NaN where it gives none; in the
-        units of the scene
+    name : of the program in figures and tables
+    values : its quantities at the times and radii of the scene, in the units of the scene; NaN
+        where it has none
     """
 
     name: str
-    given: Results
+    values: Results
     what: str = "results of another program"
     lacks: ClassVar[dict[str, str]] = {"steady state": "its results are over time"}
 
     @classmethod
-    def tabled(cls, name: str, table: pd.DataFrame, scene: Scene) -> "Given":
-        """Return what a table gives (`tables.read`), at the times and radii of a scene."""
-        given = {}
+    def from_table(cls, name: str, table: pd.DataFrame, scene: Scene) -> "Given":
+        """Return the results in a table (`tables.read`) at the times and radii of a scene."""
+        values = {}
         for quantity in table.columns.difference(["time", "radius"], sort=False):
-            along = ["time", "radius"] if quantity in FIELDS else ["time"]
-            values = table.dropna(subset=[quantity]).groupby(along)[quantity].first()
+            dimensions = ["time", "radius"] if quantity in FIELDS else ["time"]
+            series = table.dropna(subset=[quantity]).groupby(dimensions)[quantity].first()
             if quantity in FIELDS:
-                values = values.unstack().reindex(columns=scene.output.radii)
-            given[quantity] = values.reindex(scene.wear.times).to_numpy()
-        return cls(name, given)
+                series = series.unstack().reindex(columns=scene.output.radii)
+            values[quantity] = series.reindex(scene.wear.times).to_numpy()
+        return cls(name, values)
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
-        """Return what is given, non-dimensional."""
+        """Return the results of the program, non-dimensional."""
         results = {
             name: values / getattr(problem.units, QUANTITIES[name].unit)
-            for name, values in self.given.items()
+            for name, values in self.values.items()
         }
         return Solution(results, {}, {}, {})
 
     def refusal(self, problem: Problem) -> str:
-        """Return nothing: it has solved the problem already."""
+        """Return an empty text: the program has already solved the problem."""
         return ""
