@@ -24,7 +24,7 @@ from ..scene.scene import Scene, Source
 from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
 from .checked import CheckedOutcome
-from .given import Given
+from .other_program import OtherProgram
 from .tables import OthersResults, read
 
 Kind = TypeVar("Kind", bound=CheckedOutcome)
@@ -105,7 +105,7 @@ def check_as(
     scene = scene.changed(**changes)
     # mdr-grid is the paper's own algorithm, of first order: not accurate enough for a reference
     our_methods = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
-    their_methods = [Given.from_table(name, table, scene) for name, table in tables.items()]
+    their_methods = [OtherProgram.from_table(name, table, scene) for name, table in tables.items()]
     result = run(scene, [*(listed(methods) if methods else our_methods), *their_methods])
     values = {field.name: getattr(result, field.name) for field in fields(Outcome)}
     values["solutions"] = {

@@ -14,7 +14,7 @@ from ..scene.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
-class Given(Method):
+class OtherProgram(Method):
     """A method whose solution is read from another program; it has no error estimates.
 
     Parameters
@@ -30,7 +30,7 @@ class Given(Method):
     lacks: ClassVar[dict[str, str]] = {"steady state": "its results are over time"}
 
     @classmethod
-    def from_table(cls, name: str, table: pd.DataFrame, scene: Scene) -> "Given":
+    def from_table(cls, name: str, table: pd.DataFrame, scene: Scene) -> "OtherProgram":
         """Return the results in a table (`tables.read`) at the times and radii of a scene."""
         values = {}
         for quantity in table.columns.difference(["time", "radius"], sort=False):
