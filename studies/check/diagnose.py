@@ -16,7 +16,7 @@ from ..problem.unit_names import UnitNames
 from .causes import of_model, of_output
 from .causes.cause import Cause
 from .causes.comparison import Comparison
-from .causes.hypotheses import Hypothesis, Mistake, Weighing, alike, explained, setting_with
+from .causes.hypotheses import Hypothesis, HypothesisSearch, Mistake, alike, explained, setting_with
 from .causes.mesh import patterns
 from .causes.model import Model
 
@@ -103,11 +103,11 @@ def diagnose(comparison: Comparison) -> list[Diagnosis]:
     flat punches under one load. For other punches these mistakes may not be found.
     """
     model = Model(comparison)
-    weighing = Weighing(model, CAUSES)
+    search = HypothesisSearch(model, CAUSES)
     if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
         return []
-    none = weighing.hypothesis(())
-    hypotheses = weighing.all()
+    none = search.hypothesis(())
+    hypotheses = search.all()
     likeliest = hypotheses[0][0]
     diagnoses = _diagnose_mistakes(model, none, hypotheses) + _diagnose_mesh(model, likeliest)
     return sorted(diagnoses, key=lambda diagnosis: -diagnosis.confidence)

@@ -95,7 +95,7 @@ def setting_with(mistakes: Iterable[Mistake]) -> Setting:
 
 
 @dataclass(frozen=True, eq=False)
-class Weighing:
+class HypothesisSearch:
     """Find hypotheses that explain the results, and compute their probabilities.
 
     Parameters
