@@ -16,7 +16,14 @@ from ..problem.unit_names import UnitNames
 from .causes import of_model, of_output
 from .causes.cause import Cause
 from .causes.comparison import Comparison
-from .causes.hypotheses import Hypothesis, HypothesisSearch, Mistake, alike, explained, setting_with
+from .causes.hypotheses import (
+    Hypothesis,
+    HypothesisSearch,
+    Mistake,
+    alike,
+    explained_error_part,
+    setting_with,
+)
 from .causes.mesh import patterns
 from .causes.model import Model
 
@@ -107,7 +114,7 @@ def diagnose(comparison: Comparison) -> list[Diagnosis]:
     if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
         return []
     none = search.hypothesis(())
-    hypotheses = search.all()
+    hypotheses = search.ranked_hypotheses()
     likeliest = hypotheses[0][0]
     diagnoses = _diagnose_mistakes(model, none, hypotheses) + _diagnose_mesh(model, likeliest)
     return sorted(diagnoses, key=lambda diagnosis: -diagnosis.confidence)
@@ -138,7 +145,7 @@ def _diagnose_mistakes(
     """
     confidence, best = dict[Cause, float](), dict[Cause, Hypothesis]()
     for hypothesis, probability in hypotheses:
-        explained_part = explained(hypothesis, none, model.comparison.membership)
+        explained_part = explained_error_part(hypothesis, none, model.comparison.membership)
         for mistake in hypothesis.mistakes:
             cause = mistake.cause
             confidence[cause] = confidence.get(cause, 0.0) + probability * explained_part

@@ -201,7 +201,7 @@ class HypothesisSearch:
         """Return the score before the errors of the program have been estimated."""
         return self.score(hypothesis, np.full(len(self._comparison.quantities), NOISE), BIAS)
 
-    def best_of(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
+    def best_with(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
         """Return the best hypothesis that adds a cause to other mistakes.
 
         It is None if no size of the cause is possible and has an effect.
@@ -219,7 +219,7 @@ class HypothesisSearch:
         ]
         return max(effective, key=self.rough_score, default=None)
 
-    def all(self) -> list[tuple[Hypothesis, float]]:
+    def ranked_hypotheses(self) -> list[tuple[Hypothesis, float]]:
         """Return all hypotheses with their probabilities, which sum to 1, the likeliest first."""
         values = int(self._comparison.present.sum())
         causes = [
@@ -229,7 +229,7 @@ class HypothesisSearch:
             if cause.fitted_numbers <= values and cause.applies(self.model)
         ]
         # single mistakes, then pairs, then triples
-        levels = [[best for cause in causes if (best := self.best_of(cause, ()))]]
+        levels = [[best for cause in causes if (best := self.best_with(cause, ()))]]
         tried_sets = set[frozenset[Cause]]()
         for count in (MAX_SINGLE, MAX_PAIRS):
             incomplete = [each for each in levels[-1] if each.errors.max() > MESH_ERROR]
@@ -243,7 +243,7 @@ class HypothesisSearch:
                     if cause.group in groups or key in tried_sets:
                         continue
                     tried_sets.add(key)
-                    if combination := self.best_of(cause, hypothesis.mistakes):
+                    if combination := self.best_with(cause, hypothesis.mistakes):
                         combinations.append(combination)
             levels.append(combinations)
         hypotheses = [self.hypothesis(()), *(each for level in levels for each in level)]
@@ -270,7 +270,7 @@ def alike(hypothesis: Hypothesis, other: Hypothesis) -> bool:
     return _difference(hypothesis, other) < MAX_ALIKE_DIFFERENCE
 
 
-def explained(hypothesis: Hypothesis, none: Hypothesis, membership: Array) -> float:
+def explained_error_part(hypothesis: Hypothesis, none: Hypothesis, membership: Array) -> float:
     """Return the part of the error, 0 to 1, that a hypothesis explains.
 
     Only quantities that its mistakes change are counted.

@@ -45,14 +45,14 @@ class FlatHistories:
     Parameters
     ----------
     compliance : of the half-space
-    parts : J arrays (2, N): the shape k_j of each coefficient at both ends of the N rings of the
-        pressure space
+    wear_shapes : J arrays (2, N): the shape k_j of each coefficient at both ends of the N rings of
+        the pressure space
     scene_rings : (N,) index of the scene's ring in which each ring of that space lies; -1 for a
         hole
     """
 
     compliance: Compliance
-    parts: tuple[Array, ...]
+    wear_shapes: tuple[Array, ...]
     scene_rings: Indices
 
     @classmethod
@@ -79,23 +79,23 @@ class FlatHistories:
         covered: Problem = problem
         if problem.graded and table_radii is not None:
             rings = problem.graded
-            parts = _hats(table_radii, rings)
+            wear_shapes = _hats(table_radii, rings)
         else:
             rings = problem.rings
             covered = covering(_with_contrasts(problem))
-            parts = [np.tile(row, (2, 1)) for row in np.eye(len(rings.widths))]
+            wear_shapes = [np.tile(row, (2, 1)) for row in np.eye(len(rings.widths))]
         middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
         scene_rings = ring_of(problem.ring_edges, middles)
         if problem.inner_radius:
             scene_rings = np.append(-1, scene_rings)
-            parts = [np.insert(part, 0, 0.0, axis=1) for part in parts]
+            wear_shapes = [np.insert(shape, 0, 0.0, axis=1) for shape in wear_shapes]
         compliance = energy.compliance(choose_spaces(covered).fine)
-        return cls(compliance, tuple(parts), scene_rings)
+        return cls(compliance, tuple(wear_shapes), scene_rings)
 
     @cached_property
     def masses(self) -> tuple[csr_matrix, ...]:
         """J mass matrices K_j, with the weight k_j."""
-        return tuple(self.compliance.space.mass(part) for part in self.parts)
+        return tuple(self.compliance.space.mass(shape) for shape in self.wear_shapes)
 
     @cached_property
     def volumes(self) -> Array:
@@ -106,18 +106,24 @@ class FlatHistories:
         """
         space, count = self.compliance.space, int(self.scene_rings.max()) + 1
         rows = [
-            [space.uniform @ space.mass(part * (self.scene_rings == ring)) for part in self.parts]
+            [
+                space.uniform @ space.mass(shape * (self.scene_rings == ring))
+                for shape in self.wear_shapes
+            ]
             for ring in range(count)
         ]
         return np.array(rows)
 
-    def shares(self, radii: Array) -> Array:
+    def wear_shapes_at(self, radii: Array) -> Array:
         """Return the shapes k_j (J, R) at radii (R,)."""
         edges = self.compliance.space.ring_edges
         number = ring_of(edges, radii)
         fraction = (radii - edges[number]) / np.diff(edges)[number]
         return np.array(
-            [part[0, number] + (part[1] - part[0])[number] * fraction for part in self.parts]
+            [
+                shape[0, number] + (shape[1] - shape[0])[number] * fraction
+                for shape in self.wear_shapes
+            ]
         )
 
     def solve(self, problem: Problem, coefficients: Array, earliest: float) -> "FlatHistory":
@@ -196,7 +202,7 @@ class FlatHistory:
     def profiles(self, integrals: Array, radii: Array) -> Array:
         """Return worn heights (T, R) from integrals of the pressure (T, n), at radii (R,)."""
         basis = self.punch.compliance.space.matrix(radii)
-        wear = self.coefficients @ self.punch.shares(radii)
+        wear = self.coefficients @ self.punch.wear_shapes_at(radii)
         return np.asarray((basis @ self.mass.backward(integrals.T)).T * wear)
 
     def worn_volumes(self, integrals: Array) -> Array:
@@ -283,9 +289,9 @@ class FlatHistory:
             by_ring = np.einsum("j,rjn->rn", self.coefficients, punch.volumes)
             direct = np.einsum("j,rjn,n->rj", self.coefficients, punch.volumes, pressure)
             return np.asarray(by_ring @ changes + direct)
-        basis, shares = space.matrix(radii), punch.shares(radii)
-        wear = self.coefficients @ shares
-        direct = (self.coefficients[:, None] * shares).T * (basis @ pressure)[:, None]
+        basis, shapes = space.matrix(radii), punch.wear_shapes_at(radii)
+        wear = self.coefficients @ shapes
+        direct = (self.coefficients[:, None] * shapes).T * (basis @ pressure)[:, None]
         return np.asarray(wear[:, None] * (basis @ changes) + direct)
 
 
@@ -319,13 +325,13 @@ def _hats(radii: Array, rings: Rings) -> list[Array]:
     equal.
     """
     inner, outer = rings.ring_edges[:-1], rings.ring_edges[1:]
-    middles, parts = (inner + outer) / 2, np.zeros((len(radii), 2, len(inner)))
+    middles, wear_shapes = (inner + outer) / 2, np.zeros((len(radii), 2, len(inner)))
     for ring, middle in enumerate(middles):
         right = int(np.searchsorted(radii, middle))
         if 0 < right < len(radii):
             ends = np.array([inner[ring], outer[ring]])
             fraction = (ends - radii[right - 1]) / (radii[right] - radii[right - 1])
-            parts[right - 1, :, ring], parts[right, :, ring] = 1 - fraction, fraction
+            wear_shapes[right - 1, :, ring], wear_shapes[right, :, ring] = 1 - fraction, fraction
         else:
-            parts[min(right, len(radii) - 1), :, ring] = 1.0
-    return list(parts)
+            wear_shapes[min(right, len(radii) - 1), :, ring] = 1.0
+    return list(wear_shapes)

@@ -12,7 +12,7 @@ from ...scene.scene import Scene
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter, scene_at
 from .flat_histories import FlatHistories, FlatHistory
-from .rig import Rig, differences, first_time, of_ring
+from .rig import Rig, differences, first_time, values_of_ring
 
 # step of the coordinates in central differences; the history is smooth in them
 STEP = 1e-4
@@ -232,7 +232,7 @@ def _worn(
         integrals = history.pressure_integrals(pressures[:1], depths[:1])
         return history.profiles(integrals, each.radii / length)[0], integrals
     integrals = history.pressure_integrals(pressures, depths)
-    return of_ring(history.worn_volumes(integrals), each.ring), integrals
+    return values_of_ring(history.worn_volumes(integrals), each.ring), integrals
 
 
 def _worn_slopes(
@@ -245,4 +245,4 @@ def _worn_slopes(
         history.worn_slopes(float(time), integral, None)
         for time, integral in zip(times, integrals, strict=True)
     ]
-    return of_ring(np.array(rows), each.ring)
+    return values_of_ring(np.array(rows), each.ring)

@@ -28,7 +28,7 @@ from ...scene.scene import Scene
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter, scene_at
 from .flat_predictor import Logs
-from .rig import Rig, differences, of_ring
+from .rig import Rig, differences, values_of_ring
 
 # spacing of the lattice in logarithms
 SPACING = 0.4
@@ -247,7 +247,7 @@ class MarchedPredictor:
                 heights = history.profile @ space.matrix(radii).T
                 worn[number] = curve(times, np.asarray(heights) + problem.profile(radii))
             elif each.quantity == "worn_volume":
-                worn[number] = curve(times, of_ring(volumes, each.ring))
+                worn[number] = curve(times, values_of_ring(volumes, each.ring))
         depths = history.indentation + problem.profile.standoff
         forces = np.asarray(history.force, dtype=float)
         return March(earliest, latest, curve(times, depths), curve(times, forces), worn)

@@ -81,7 +81,7 @@ def differences(predictor: Predictor, x: Array, steps: Array) -> list[Array]:
     return [np.column_stack(by_parameter) for by_parameter in zip(*columns, strict=True)]
 
 
-def of_ring(values: Array, ring: int | None) -> Array:
+def values_of_ring(values: Array, ring: int | None) -> Array:
     """Return the values of one ring, or the sum over all rings if the ring is None.
 
     Parameters
