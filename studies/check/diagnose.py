@@ -13,7 +13,7 @@ import numpy as np
 from ...meshes.radial import Array
 from ..problem.quantities import QUANTITIES
 from ..problem.unit_names import UnitNames
-from .causes import of_model, of_output
+from .causes import modelling_mistakes, output_mistakes
 from .causes.cause import Cause
 from .causes.comparison import Comparison
 from .causes.hypotheses import (
@@ -30,26 +30,26 @@ from .causes.model import Model
 __all__ = ["Comparison", "Diagnosis", "diagnose"]
 
 CAUSES: tuple[Cause, ...] = (
-    of_model.WearCoefficient(),
-    of_model.TruncatedHalfSpace(),
-    of_output.Sign(),
-    of_output.Units(),
-    of_model.PlaneStrain(),
-    of_model.ForcePerLength(),
-    of_model.Diameter(),
-    of_model.Layer(),
-    of_model.NoLayers(),
-    of_model.Load(),
-    of_model.Stiffness(),
-    of_model.PoissonsRatio(),
-    of_model.SwappedMaterials(),
-    of_output.UnitOfTime(),
-    of_output.UnitOfRadii(),
-    of_output.PressureFactor(),
-    of_output.LengthFactor(),
-    of_output.ForceFactor(),
-    of_output.LateStart(),
-    of_output.FirstOrderStep(),
+    modelling_mistakes.WearCoefficient(),
+    modelling_mistakes.TruncatedHalfSpace(),
+    output_mistakes.Sign(),
+    output_mistakes.Units(),
+    modelling_mistakes.PlaneStrain(),
+    modelling_mistakes.ForcePerLength(),
+    modelling_mistakes.Diameter(),
+    modelling_mistakes.Layer(),
+    modelling_mistakes.NoLayers(),
+    modelling_mistakes.Load(),
+    modelling_mistakes.Stiffness(),
+    modelling_mistakes.PoissonsRatio(),
+    modelling_mistakes.SwappedMaterials(),
+    output_mistakes.UnitOfTime(),
+    output_mistakes.UnitOfRadii(),
+    output_mistakes.PressureFactor(),
+    output_mistakes.LengthFactor(),
+    output_mistakes.ForceFactor(),
+    output_mistakes.LateStart(),
+    output_mistakes.FirstOrderStep(),
 )
 """The mistakes that are considered. Of two that explain the error equally well, the one with the
 higher prior is named first."""
@@ -186,7 +186,7 @@ def _diagnosis(
 ) -> Diagnosis:
     cause, setting = mistake.cause, hypothesis.setting
     size = cause.size(model, mistake.sizes)
-    if isinstance(cause, of_output.Units):
+    if isinstance(cause, output_mistakes.Units):
         size = cause.size_in(model, setting)
     name = cause.name_of(model, setting, mistake.sizes)
     words = cause.sentence(model, setting, mistake.sizes)
