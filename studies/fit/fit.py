@@ -24,9 +24,9 @@ from .statistics.likelihood import (
     Likelihood,
     Point,
     best_points,
+    fix_ineffective_parameters,
     inverse_of_information,
     with_estimated_noise,
-    without_effect,
 )
 from .statistics.profiles import BetterPointError, Profiles
 from .statistics.residual_tests import residual_tests
@@ -145,7 +145,7 @@ def fit_measurements(
     rtol, *finer_rtols = RTOLS
     predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
-    likelihood, combinations = without_effect(likelihood)
+    likelihood, combinations = fix_ineffective_parameters(likelihood)
     points = best_points(likelihood)
     likelihood = with_estimated_noise(likelihood, points)
     error = np.zeros(len(likelihood.noise))

@@ -178,8 +178,8 @@ def inverse_of_information(slopes: Array) -> Array:
     return np.asarray((scaled @ scaled.T) / np.outer(lengths, lengths))
 
 
-def without_effect(likelihood: Likelihood) -> tuple[Likelihood, list[tuple[int, ...]]]:
-    """Return the likelihood without the parameters that no data can determine.
+def fix_ineffective_parameters(likelihood: Likelihood) -> tuple[Likelihood, list[tuple[int, ...]]]:
+    """Fix parameters so that each combination of the free ones has an effect.
 
     If a combination of parameters has no effect on the predictions, one parameter of it is held at
     its value in the scene: an unknown of the rig if there is one.

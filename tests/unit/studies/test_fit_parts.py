@@ -16,7 +16,11 @@ from ringwear.studies.fit.measurement import Measurement
 from ringwear.studies.fit.models.flat_histories import divided_difference
 from ringwear.studies.fit.models.marched_predictor import STENCIL, cubic_weights
 from ringwear.studies.fit.parameters import Parameter, find_parameters, scene_at
-from ringwear.studies.fit.statistics.likelihood import Likelihood, best_points, without_effect
+from ringwear.studies.fit.statistics.likelihood import (
+    Likelihood,
+    best_points,
+    fix_ineffective_parameters,
+)
 from ringwear.studies.fit.statistics.profiles import Profiles
 from ringwear.studies.fit.statistics.residual_tests import few_runs, small_differences
 
@@ -161,7 +165,7 @@ def test_what_has_no_bound_is_open():
 def test_combinations_without_effect_are_named_and_one_of_each_is_held():
     design = np.column_stack([np.arange(5.0), np.ones(5), 2 * np.ones(5), np.zeros(5)])
     model = Formula(lambda x: design @ x, lambda _: design, np.arange(5.0))
-    likelihood, combinations = without_effect(likelihood_of(model, 4))
+    likelihood, combinations = fix_ineffective_parameters(likelihood_of(model, 4))
     assert sorted(map(sorted, combinations)) == [[1, 2], [3]]
     assert likelihood.free == (0, 1)
 
