@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...meshes.radial import Array
-from ..problem.quantities import QUANTITIES
+from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames
 from .causes import modelling_mistakes, output_mistakes
 from .causes.cause import Cause
@@ -229,9 +229,10 @@ def distinguishing_result(
     time = names.write(times[row] * unit.time, "time", 3)
     kind = QUANTITIES[name].unit
     values = [names.write(float(means[name][row]), kind, 3) for means in (with_mistake, with_rival)]
+    averaged = ", averaged over the radius" if name in FIELDS else ""
     return (
-        f"compare the {name.replace('_', ' ')} at t = {time}: with this mistake it is {values[0]}, "
-        f"with {rival_name} {values[1]}"
+        f"compare the {name.replace('_', ' ')} at t = {time}{averaged}: with this mistake it is "
+        f"{values[0]}, with {rival_name} {values[1]}"
     )
 
 

@@ -194,6 +194,6 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
         row = fit.design.iloc[0]
         yield (
             f"the next measurement that would narrow the widest interval, of {row['parameter']}, "
-            f"most is {row['measurement']}; it would reduce the half width, of the logarithm, from "
-            f"{row['before']:.2g} to {row['after']:.2g}"
+            f"most is: {row['measurement']}. It would reduce the half width, of the logarithm, "
+            f"from {row['before']:.2g} to {row['after']:.2g}"
         )
