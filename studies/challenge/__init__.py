@@ -1,1 +1,1 @@
-"""The wear challenge: twelve problems with certified numbers, for any program to try."""
+"""The wear challenge: twelve problems with certified numbers, which any program can try."""

@@ -1,4 +1,4 @@
-"""Certify the numbers of the challenge: those digits that independent methods agree in.
+"""Certify the numbers of the challenge: the digits in which independent methods agree.
 
 ``python -m ringwear.studies.challenge.certify`` computes all problems anew, in some minutes, and
 writes `certified.csv`.
@@ -14,28 +14,32 @@ from ..scene.scene import Scene
 
 
 def sample(scene: Scene, method: str, rtol: float) -> pd.Series:
-    """Return values of a method by time, radius (NaN where of none) and quantity."""
-    wanted = ["pressure", "profile", "displacement", "indentation", "normal_force"]
-    dataset = run(Scene.of(scene, [method], rtol, wanted)).dataset
+    """Return the values of a method by time, radius (NaN if it has none) and quantity."""
+    quantities = ["pressure", "profile", "displacement", "indentation", "normal_force"]
+    dataset = run(Scene.of(scene, [method], rtol, quantities)).dataset
     tables = (
         dataset[name].to_dataframe("value").reset_index().assign(quantity=name)
-        for name in wanted
+        for name in quantities
         if name in dataset
     )
     return pd.concat(tables).set_index(["time", "radius", "quantity"])["value"]
 
 
 def certify(scene: Scene) -> pd.DataFrame:
-    """Return the digits of each value that four runs agree in, if they are two or more.
+    """Return each value to the digits in which four runs agree, if these are two or more.
 
-    Three methods, at different accuracies: their meshes, cells and steps differ, too. The value is
-    that of the finest run; the greatest difference to another is at most half a unit of the last
-    digit.
+    The runs use three methods and different tolerances, so that meshes, cells and steps differ,
+    too. The value is that of the finest run. The range of all values is at most half a unit of its
+    last digit.
+
+    Returns
+    -------
+    table : by time, radius and quantity, with the columns value (text) and digits
     """
     finest = scene.problem.contact.finest_rtol
-    settings = ("mdr", finest), ("bem", 3 * finest), ("fem", 3 * finest), ("mdr", 10 * finest)
-    values = [sample(scene, *chosen) for chosen in settings]
-    sizes = (values[0].abs() / np.ptp(values, axis=0) / 2).clip(upper=1e12)  # to twelve digits
+    runs = ("mdr", finest), ("bem", 3 * finest), ("fem", 3 * finest), ("mdr", 10 * finest)
+    values = [sample(scene, *method_and_rtol) for method_and_rtol in runs]
+    sizes = (values[0].abs() / np.ptp(values, axis=0) / 2).clip(upper=1e12)  # at most twelve digits
     digits = np.log10(sizes[sizes >= 100]).astype(int)
     rounded = map("{:.{}e}".format, values[0][digits.index], digits - 1)
     return pd.DataFrame({"value": [*rounded], "digits": digits})

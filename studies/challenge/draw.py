@@ -1,9 +1,9 @@
-"""Measure what programs of others err by, beside methods of ours; write tables and a figure.
+"""Measure the errors of other programs and of our methods; write tables and a figure.
 
-``python -m ringwear.studies.challenge.draw`` reads the files in `others`, whose names tell problem
-and program, and whose first lines the seconds; it writes `others/errors.csv`, `others/errors.png`,
-and the tables of both READMEs. With ``--tables`` it measures nothing, and goes by `errors.csv`.
-Seconds of ours are the processor's.
+``python -m ringwear.studies.challenge.draw`` reads the files in `others`, whose names contain the
+problem and the program, and whose first lines contain the seconds. It writes `others/errors.csv`,
+`others/errors.png`, and the tables of both READMEs. With ``--tables`` it measures nothing, and
+writes the figure and the tables from `errors.csv`. Seconds of our methods are processor time.
 """
 
 import re
@@ -37,21 +37,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INSIDE = 0.95
-"""Radii, in punch radii, inside which pressures are compared."""
+"""Radius, in punch radii, inside which fields are compared."""
 SOLVED = ("01", "03", "07")
-"""Problems that programs of others have solved."""
+"""Problems that other programs have solved."""
 DIGITS = (1, 3, 6)
-"""Accuracies of ours, as powers of a tenth."""
-KNOWN = {"indentation": 2e-11, "pressure": 1e-5}
-"""Errors below which ours and what it is compared with cannot be told apart: they are bounds."""
+"""Exponents of the tolerances 10^-n of our methods."""
+MIN_MEASURABLE_ERRORS = {"indentation": 2e-11, "pressure": 1e-5}
+"""Smallest errors that the comparison with the reference can measure; smaller ones are replaced by
+these as bounds."""
 
 
 def measure(
     scene: Scene, program: str, seconds: float, results: pd.DataFrame | xarray.Dataset
 ) -> pd.DataFrame:
-    """Return a row: a program, its seconds, and its greatest errors over the times.
+    """Return a row with a program, its seconds, and its greatest errors over the times.
 
-    Results are compared with boundary elements at an accuracy of 1e-7. What is not given is NaN.
+    Results are compared with boundary elements at an `rtol` of 1e-7. Errors of quantities that the
+    program does not give are NaN.
     """
     exact = scene.changed(accuracy__rtol=1e-7)
     verdicts = pd.DataFrame(check(exact, {"theirs": results}, methods=["bem"]).verdicts)
@@ -60,7 +62,7 @@ def measure(
 
 
 def results_of(path: Path, scene: Scene) -> tuple[pd.DataFrame, float]:
-    """Return results of a program inside the radii that are compared, and its seconds.
+    """Return the results of a program at the compared radii, and its seconds.
 
     The seconds are those of a first line such as ``# 0.25 s``; NaN if there is none.
     """
@@ -68,32 +70,32 @@ def results_of(path: Path, scene: Scene) -> tuple[pd.DataFrame, float]:
     if "radius" in table:
         inside = table["radius"].isna() | (table["radius"] < INSIDE * scene.punch.radius)
         table = table[inside].drop(columns="normal_force", errors="ignore")
-    told = re.match(r"#\s*([\d.]+)\s*s\b", path.open(encoding="utf-8").readline())
-    return table, float(told[1]) if told else float("nan")
+    seconds = re.match(r"#\s*([\d.]+)\s*s\b", path.open(encoding="utf-8").readline())
+    return table, float(seconds[1]) if seconds else float("nan")
 
 
 def submission(problem: Path, file: Path) -> list[str]:
-    """Compare a file with a problem: return the head of the table and its row."""
+    """Compare a file with a problem, and return the head of the table and the row of the file."""
     scene = Scene.load(problem)
     table, seconds = results_of(file, scene)
     row = measure(scene, file.stem, seconds, table).iloc[0]
     numbers = [written_error(row[name]) for name in QUANTITIES]
-    time = f"{seconds:.2g}" if seconds == seconds else "not told"
+    time = f"{seconds:.2g}" if seconds == seconds else "unknown"
     return [*head_rows(), row_of([str(number_of(problem)), file.stem, *numbers, time])]
 
 
 def measure_all(scene: Scene, files: list[Path]) -> pd.DataFrame:
-    """Return rows of programs of others, by their files, and of ours at their times and radii."""
-    rows, methods, wanted = [], ["mdr", "fem"], [*QUANTITIES]
+    """Return rows of other programs, from files, and of our methods at their times and radii."""
+    rows, methods, quantities = [], ["mdr", "fem"], [*QUANTITIES]
     for path in files:
         table, seconds = results_of(path, scene)
         name, _, count = path.stem[3:].rpartition("_")
-        program, counted = PROGRAMS[name]
+        program, unit = PROGRAMS[name]
         row = measure(scene, program, seconds, table)
-        rows.append(row.assign(setting=f"{int(count)} {counted}"))
+        rows.append(row.assign(setting=f"{int(count)} {unit}"))
     times, radii = (sorted(table[name].unique().tolist()) for name in ("time", "radius"))
-    scene = scene.changed(wear__times=times, output__radii=radii, output__quantities=wanted)
-    # what is loaded once is not counted
+    scene = scene.changed(wear__times=times, output__radii=radii, output__quantities=quantities)
+    # load all modules before time is measured
     measure(scene, "", 0.0, run(scene, methods).dataset)
     for method in methods:
         for digits in DIGITS:
@@ -104,23 +106,31 @@ def measure_all(scene: Scene, files: list[Path]) -> pd.DataFrame:
     return pd.concat(rows, ignore_index=True)
 
 
-def told(problem: int, measured: pd.DataFrame) -> Iterator[dict[str, object]]:
-    """Yield rows of `errors.csv`: one bound in place of errors that are too small to be told."""
-    for program, chosen in measured.groupby("program", sort=False):
-        below = (chosen[[*KNOWN]] <= pd.Series(KNOWN)).all(axis=None)
-        for row in chosen[: 1 if below else None].to_dict("records"):
+def error_rows(problem: int, measured: pd.DataFrame) -> Iterator[dict[str, object]]:
+    """Yield the rows of `errors.csv` for a problem, with all errors as text.
+
+    If no error of a program is large enough to be measured, one row with bounds replaces its rows.
+    """
+    for program, rows_of_program in measured.groupby("program", sort=False):
+        below = (rows_of_program[[*MIN_MEASURABLE_ERRORS]] <= pd.Series(MIN_MEASURABLE_ERRORS)).all(
+            axis=None
+        )
+        for row in rows_of_program[: 1 if below else None].to_dict("records"):
             errors = {column: written_error(row[name]) for name, column in QUANTITIES.items()}
             if below:
-                errors = {QUANTITIES[of]: f"{bound:.0e}" for of, bound in KNOWN.items()}
+                errors = {
+                    QUANTITIES[quantity]: f"{bound:.0e}"
+                    for quantity, bound in MIN_MEASURABLE_ERRORS.items()
+                }
             seconds = f"{row['seconds']:.2f}" if row["seconds"] < 1 else f"{row['seconds']:.2g}"
-            named = {"problem": problem, "program": program, "setting": row["setting"]}
-            yield named | {"seconds": seconds} | errors | {"bound": "below" if below else ""}
+            labels = {"problem": problem, "program": program, "setting": row["setting"]}
+            yield labels | {"seconds": seconds} | errors | {"bound": "below" if below else ""}
 
 
 def write_tables() -> None:
-    """Put the generated tables in the places of those in the READMEs."""
+    """Replace the tables in both READMEs by newly generated ones."""
     for path, head, table in (
-        (FOLDER / "README.md", "| problem | what", problems_table()),
+        (FOLDER / "README.md", "| problem | difficulty", problems_table()),
         (OTHERS / "README.md", "| problem | program", errors_table()),
     ):
         lines = path.read_text("utf-8").splitlines()
@@ -130,7 +140,7 @@ def write_tables() -> None:
 
 
 def draw() -> "Figure":
-    """Draw the errors of `errors.csv` over seconds, a column for each problem."""
+    """Draw the errors in `errors.csv` over the seconds, in a column for each problem."""
     from matplotlib.figure import Figure
 
     from ..figures.style import LOOKS, looks_of
@@ -140,8 +150,8 @@ def draw() -> "Figure":
     looks_by_name = looks_of(programs, [name for name in programs if name not in LOOKS])
     figure = Figure((9, 6), layout="constrained")
     axes = figure.subplots(2, len(SOLVED), sharex=True, sharey="row")
-    for column, (number, told) in zip(axes.T, table.groupby("problem"), strict=True):
-        for program, rows in told.groupby("program", sort=False):
+    for column, (number, errors) in zip(axes.T, table.groupby("problem"), strict=True):
+        for program, rows in errors.groupby("program", sort=False):
             bound = rows["bound"].notna().any()
             looks = {"marker": "."} | looks_by_name[str(program)]
             looks |= (
@@ -159,7 +169,7 @@ if __name__ == "__main__":
         rows = [
             row
             for number in SOLVED
-            for row in told(
+            for row in error_rows(
                 int(number),
                 measure_all(
                     Scene.load(problem_named(number)), sorted(OTHERS.glob(f"{number}*.csv"))

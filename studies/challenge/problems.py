@@ -1,4 +1,4 @@
-"""The problems of the challenge by their names."""
+"""Find the problems of the challenge by their names."""
 
 import re
 from pathlib import Path
@@ -20,37 +20,39 @@ def number_of(problem: Path) -> int:
 
 
 def difficulty(problem: Path) -> str:
-    """Return what is hard in a problem: the comment that its scene begins with."""
+    """Return the difficulty of a problem: the comment in the first line of its scene file."""
     return problem.read_text("utf-8").partition("\n")[0].removeprefix("# ").rstrip(".")
 
 
 def problem_named(name: str) -> Path:
-    """Return a problem by its name or its number: ``03_five_rings``, ``five_rings`` or ``3``.
+    """Return the scene file of a problem: ``03_five_rings``, ``five_rings`` or ``3``.
 
     Raises
     ------
     SceneError
-        if there is none, with the names of all
+        if there is no such problem; it lists the names of all
     """
     for path in problems():
         if name in (path.stem, path.stem[3:]) or (name.isdigit() and int(name) == number_of(path)):
             return path
     names = ", ".join(path.stem for path in problems())
-    raise SceneError(f"{name} is no file and no problem of the challenge: give one of {names}")
+    raise SceneError(
+        f"{name} is neither a file nor a problem of the challenge: give one of {names}"
+    )
 
 
 def problem_of_file(file: Path) -> Path:
-    """Return the problem whose number the name of a file begins with, as in ``03_mine.csv``.
+    """Return the problem whose number is at the start of a file name, as in ``03_mine.csv``.
 
     Raises
     ------
     SceneError
-        if it begins with none
+        if the name does not begin with the number of a problem
     """
     number = re.match(r"(\d\d)[_-]", file.name)
     if number is None:
         raise SceneError(
-            f"{file.name} does not say which problem it solves: give the problem, too, as in "
-            f"challenge 03_five_rings {file.name}, or begin its name with 03_"
+            f"{file.name} has no number of a problem in its name: give the problem, too, as in "
+            f"challenge 03_five_rings {file.name}, or begin the name with 03_"
         )
     return problem_named(number[1])

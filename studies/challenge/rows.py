@@ -1,6 +1,6 @@
-"""Rows of the table of the challenge: what a program errs by, and its seconds.
+"""Format the tables of the challenge: the errors of each program, and its seconds.
 
-The errors that the README tells are in `others/errors.csv`; `draw.py` measures them anew.
+The errors in the table of the README are read from `others/errors.csv`, which `draw.py` writes.
 """
 
 import pandas as pd
@@ -8,7 +8,7 @@ import pandas as pd
 from .problems import OTHERS, difficulty, problems
 
 QUANTITIES = {"indentation": "error of d", "pressure": "error of p"}
-"""What is told, and its column."""
+"""Quantities in the table, and the columns of their errors."""
 HEAD = ("problem", "program", *QUANTITIES.values(), "seconds")
 PROGRAMS = {
     "contact_mechanics": ("ContactMechanics", "points"),
@@ -16,22 +16,24 @@ PROGRAMS = {
     "scikit_fem": ("scikit-fem", "elements"),
     "calculix": ("CalculiX", "elements"),
 }
-"""Programs by the names in their files, and what the numbers there count."""
-OURS = {"mdr": "ringwear, MDR", "fem": "ringwear, FEM"}
+"""Programs, and the kind of object whose number is in the names of their files, by name there."""
+OUR_METHODS = {"mdr": "ringwear, MDR", "fem": "ringwear, FEM"}
 ERRORS = OTHERS / "errors.csv"
 
 
 def errors_table() -> list[str]:
     """Return the table of `others/errors.csv`, a row for each problem and program."""
-    told = pd.read_csv(ERRORS, dtype=str, keep_default_na=False)
-    lines, bounds = head_rows(), told[told["bound"] != ""]
-    for (problem, program), rows in told[told["bound"] == ""].groupby(
+    errors = pd.read_csv(ERRORS, dtype=str, keep_default_na=False)
+    lines, bounds = head_rows(), errors[errors["bound"] != ""]
+    for (problem, program), rows in errors[errors["bound"] == ""].groupby(
         ["problem", "program"], sort=False
     ):
         numbers = [", ".join(rows[name]) for name in (*QUANTITIES.values(), "seconds")]
         lines.append(row_of([problem, _settings(program, rows["setting"]), *numbers]))
     for problem, rows in bounds.groupby("problem", sort=False):
-        names = " and ".join(OURS[of].removeprefix("ringwear, ") for of in rows["program"])
+        names = " and ".join(
+            OUR_METHODS[method].removeprefix("ringwear, ") for method in rows["program"]
+        )
         numbers = [f"below {rows[name].iloc[0]}" for name in QUANTITIES.values()]
         seconds = f"{' and '.join(rows['seconds'])}, at {rows['setting'].iloc[0].split()[-1]}"
         lines.append(row_of([problem, f"ringwear, {names}", *numbers, seconds]))
@@ -39,15 +41,15 @@ def errors_table() -> list[str]:
 
 
 def problems_table() -> list[str]:
-    """Return the table of the problems, and what is hard in each."""
-    rows = [row_of([f"[`{of.stem}`]({of.name})", difficulty(of)]) for of in problems()]
-    return [row_of(["problem", "what is hard in it"]), "| --- | --- |", *rows]
+    """Return the table of the problems with their difficulties."""
+    rows = [row_of([f"[`{path.stem}`]({path.name})", difficulty(path)]) for path in problems()]
+    return [row_of(["problem", "difficulty"]), "| --- | --- |", *rows]
 
 
 def _settings(program: str, settings: pd.Series) -> str:
-    """Return the name of a program with its numbers of points or elements."""
-    if program in OURS:
-        return OURS[program]
+    """Return the name of a program, with the numbers of points or elements of its rows."""
+    if program in OUR_METHODS:
+        return OUR_METHODS[program]
     counts = [setting.split()[0] for setting in settings]
     return f"{program}, {', '.join(counts)} {settings.iloc[0].split()[1]}"
 
@@ -63,7 +65,7 @@ def row_of(cells: "list[str] | tuple[str, ...]") -> str:
 
 
 def written_error(error: float) -> str:
-    """Return an error in two digits, as 1.9e-3."""
+    """Return an error in two digits, such as 1.9e-3; NaN as \"not given\"."""
     if error != error:
         return "not given"
     number, _, exponent = f"{error:.1e}".partition("e")

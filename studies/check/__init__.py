@@ -1,1 +1,1 @@
-"""Results of other programs, held against ours."""
+"""Compare results of other programs with ours, and diagnose their errors."""

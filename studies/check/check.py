@@ -1,6 +1,6 @@
-"""Hold results of other programs against ours.
+"""Compare results of other programs with ours.
 
-The scene is asked for at their times and radii, so that nothing is interpolated.
+The scene is solved at the times and radii of the other programs, so that nothing is interpolated.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,19 +24,19 @@ from ..scene.scene import Scene, Source
 from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
 from .checked import CheckedOutcome
-from .given import Given
+from .other_program import OtherProgram
 from .tables import OthersResults, read
 
 Kind = TypeVar("Kind", bound=CheckedOutcome)
 
 
 def write_check(result: CheckedOutcome, directory: Path) -> None:
-    """Write the errors of theirs, and a figure of them over the size of a refinement."""
+    """Write the errors to `check.csv`, and draw those of a refinement over its sizes."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
     write_csv(rows, directory / "check.csv")
     names = UnitNames.of(result.scene.units)
     curves = {
-        f"{row.at(names)}, order {row.sequence.order:.2g}": row.sequence
+        f"{row.label(names)}, order {row.sequence.order:.2g}": row.sequence
         for row in result.refinements
     }
     if curves:
@@ -46,7 +46,7 @@ def write_check(result: CheckedOutcome, directory: Path) -> None:
 
 
 def check(scene: Source, given: Mapping[str, OthersResults], **how: Any) -> CheckedOutcome:
-    """Hold results of other programs against ours; `check_as` tells what can be given."""
+    """Compare results of other programs with ours; `check_as` describes the arguments."""
     return check_as(CheckedOutcome, scene, given, **how)
 
 
@@ -60,59 +60,65 @@ def check_as(
     units: str = "",
     sizes: Sequence[float] = (),
 ) -> Kind:
-    """Hold results of other programs against ours, at their times and radii.
+    """Compare results of other programs with ours, at their times and radii.
 
     Parameters
     ----------
-    kind : of the outcome, such as one that shows itself
+    kind : class of the outcome, such as one that shows itself in notebooks
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
     given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs
-    methods : of ours, in place of the scene's
-    within : relative error that theirs are allowed, in the norm of each quantity
-    columns : names of ours by theirs, ``{"p": "pressure"}``
-    units : of theirs, such as ``"mm, N, MPa, s"``, if not the scene's
-    sizes : of elements or steps, decreasing, if all are of one program, from coarse to fine
+    methods : our methods, in place of those of the scene
+    within : relative error that is allowed, in the norm of each quantity
+    columns : our column names by theirs, ``{"p": "pressure"}``
+    units : of the results, such as ``"mm, N, MPa, s"``, if not those of the scene
+    sizes : decreasing sizes of elements or steps, one for each result, if all results are of one
+        program, from coarse to fine
 
     Raises
     ------
     SceneError
-        if a table cannot be read, naming the file, the line, the column and the remedy
+        if a table cannot be read, naming the file, the line, the column and the remedy; if a
+        program has the name of one of our methods; or if the sizes do not suit the results
     """
     scene = Scene.of(scene)
-    if taken := [name for name in given if name in METHODS]:
-        raise SceneError(f"{taken[0]} is a method of ours: give theirs another name")
-    falling = len(sizes) > 1 and (np.diff([*sizes, 0.0]) < 0).all()
-    if len(sizes) and not (falling and len(sizes) == len(given)):
+    if taken_names := [name for name in given if name in METHODS]:
         raise SceneError(
-            f"sizes {', '.join(f'{size:g}' for size in sizes)} of {len(given)} results: give one "
-            "for each of two or more, above 0 and decreasing"
+            f"{taken_names[0]} is one of our methods: give the other program another name"
         )
-    theirs = {name: read(of, name, scene, columns or {}, units) for name, of in given.items()}
-    whole = pd.concat(theirs.values())
+    decreasing = len(sizes) > 1 and (np.diff([*sizes, 0.0]) < 0).all()
+    if len(sizes) and not (decreasing and len(sizes) == len(given)):
+        raise SceneError(
+            f"sizes {', '.join(f'{size:g}' for size in sizes)} of {len(given)} results: give two "
+            "or more results, and a size for each, above 0 and decreasing"
+        )
+    tables = {
+        name: read(source, name, scene, columns or {}, units) for name, source in given.items()
+    }
+    all_rows = pd.concat(tables.values())
     radii = scene.problem.radii * scene.problem.units.length
     changes = {
-        "wear__times": np.unique(whole["time"]).tolist(),
-        "output__radii": np.union1d(radii, whole.get("radius", pd.Series()).dropna()).tolist(),
+        "wear__times": np.unique(all_rows["time"]).tolist(),
+        "output__radii": np.union1d(radii, all_rows.get("radius", pd.Series()).dropna()).tolist(),
         "output__quantities": ["all"],
         "output__field_times": None,
     }
     scene = scene.changed(**changes)
-    # the paper's own algorithm is of first order
-    ours = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
-    tables = [Given.tabled(name, table, scene) for name, table in theirs.items()]
-    result = run(scene, [*(listed(methods) if methods else ours), *tables])
+    # mdr-grid is the paper's own algorithm, of first order: not accurate enough for a reference
+    our_methods = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
+    their_methods = [OtherProgram.from_table(name, table, scene) for name, table in tables.items()]
+    result = run(scene, [*(listed(methods) if methods else our_methods), *their_methods])
     values = {field.name: getattr(result, field.name) for field in fields(Outcome)}
     values["solutions"] = {
-        name: solution if name in given else _with_given_force(scene.problem, solution)
+        name: solution if name in given else _with_prescribed_force(scene.problem, solution)
         for name, solution in result.solutions.items()
     }
     return kind(**values, given=tuple(given), within=within, sizes=tuple(sizes))
 
 
-def _with_given_force(problem: Problem, solution: Solution) -> Solution:
-    """Return a solution with the force as a quantity: no method makes an error of what is given."""
+def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:
+    """Return a solution that contains the force if it is prescribed, with an error of 0."""
     if problem.load_regime.response == "normal_force":
         return solution
     force = {"normal_force": problem.loading.at(problem.times).force}
-    exact = {"normal_force": np.zeros(len(problem.times))}
-    return replace(solution, results=force | solution.results, errors=exact | solution.errors)
+    zero_error = {"normal_force": np.zeros(len(problem.times))}
+    return replace(solution, results=force | solution.results, errors=zero_error | solution.errors)

@@ -1,4 +1,4 @@
-"""A run beside which results of other programs stand: the verdict is on theirs."""
+"""The outcome of a run that also contains results of other programs, and the verdict on these."""
 
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -21,13 +21,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CheckedOutcome(Outcome):
-    """A run beside which results of other programs stand.
+    """The outcome of a run that also contains results of other programs.
 
     Parameters
     ----------
-    given : names of these
-    within : relative error that they are allowed
-    sizes : if they are of one program, from coarse to fine: the verdict is on the last; else empty
+    given : names of the other programs, or of their results
+    within : relative error that is allowed
+    sizes : of elements or steps, if all results are of one program, from coarse to fine, so that
+        only the last one is judged; otherwise empty
     """
 
     given: tuple[str, ...]
@@ -36,7 +37,7 @@ class CheckedOutcome(Outcome):
 
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """Errors of theirs, by program, quantity and time."""
+        """Errors of the other programs, by program, quantity and time."""
         return tuple(
             row
             for name in self.given
@@ -50,19 +51,22 @@ class CheckedOutcome(Outcome):
 
     @property
     def passes(self) -> bool:
-        """Whether theirs is within what is allowed, by methods of ours that do not disagree."""
-        judged = all(row.within for row in self.verdicts if row.solver in self.judged)
-        return judged and self.verdict != "disagree"
+        """Whether judged results are within the allowed error, and our methods do not disagree."""
+        all_within = all(row.within for row in self.verdicts if row.solver in self.judged)
+        return all_within and self.verdict != "disagree"
 
     @property
     def compared_in_fields(self) -> tuple[str, ...]:
-        """Ours that is known best, and those of theirs that give fields, the last of them first."""
+        """Our most accurate method, then the judged programs that have fields, the last one first.
+
+        Empty if no program has fields.
+        """
         theirs = [name for name in reversed(self.judged) if self._fields_of(name)]
         ours = best(self.solutions, self._fields_of(theirs[0])[0]) if theirs else ""
         return (ours, *theirs) if ours else ()
 
     def _fields_of(self, name: str) -> list[str]:
-        """Return the fields over time that a program gives."""
+        """Return the fields over time in the results of a program."""
         return [field for field in OVER_TIME if field in self.solutions[name].results]
 
     @property
@@ -74,41 +78,41 @@ class CheckedOutcome(Outcome):
 
     @property
     def judged(self) -> tuple[str, ...]:
-        """Names of those that are judged."""
+        """Names of the results that are judged: all, or the finest of a refinement."""
         return self.given[-1:] if self.sizes else self.given
 
     @cached_property
     def refinements(self) -> "tuple[Refinement, ...]":
-        """How theirs converges, by quantity."""
+        """Convergence of each quantity, if the results are a refinement."""
         from .refinement import refinements
 
         return tuple(refinements(self.verdicts, self.given, self.sizes)) if self.sizes else ()
 
     def compare(self, name: str) -> Comparison:
-        """Return what a program gives, and ours at its times and radii."""
-        theirs = self.dataset[list(self.solutions[name].results)].sel(solver=name)
-        for dim in list(theirs.dims):
-            theirs = theirs.dropna(dim, how="all")
-        given = {str(key): of.values for key, of in theirs.items()}
+        """Return the results of a program, and ours at its times and radii."""
+        dataset = self.dataset[list(self.solutions[name].results)].sel(solver=name)
+        for dim in list(dataset.dims):
+            dataset = dataset.dropna(dim, how="all")
+        theirs = {str(key): array.values for key, array in dataset.items()}
         ours = {
             key: self.dataset[key]
             .sel(solver=best(self.solutions, key))
-            .reindex_like(theirs[key])
+            .reindex_like(dataset[key])
             .values
-            for key in given
+            for key in theirs
             if best(self.solutions, key)
         }
-        times, radii = theirs["time"].values, theirs.get("radius", np.empty(0))
-        return Comparison(times, np.asarray(radii), given, ours, self.scene)
+        times, radii = dataset["time"].values, dataset.get("radius", np.empty(0))
+        return Comparison(times, np.asarray(radii), theirs, ours, self.scene)
 
     @cached_property
     def diagnoses(self) -> dict[str, list[Diagnosis]]:
-        """What the errors of each program look like."""
+        """Mistakes that may explain the errors, by program, most confident first."""
         return {name: diagnose(self.compare(name)) for name in self.judged}
 
     @property
     def lines(self) -> list[str]:
-        """The verdict on theirs, for people."""
+        """The verdict on the other programs in sentences."""
         names, lines = UnitNames.of(self.scene.units), list[str]()
         for name in self.judged:
             judged = [row for row in self.verdicts if row.solver == name]
@@ -116,22 +120,22 @@ class CheckedOutcome(Outcome):
             for _, rows in groupby(judged, lambda row: row.quantity):
                 lines.append(f"{name}: {in_words(list(rows), names)}")
             lines += [
-                f"{name} looks like this: {fault.words} (confidence {fault.confidence:.0%}; to be "
-                f"sure: {fault.confirm})"
-                for fault in self.diagnoses[name]
+                f"{name}: the error looks like {diagnosis.words} (confidence "
+                f"{diagnosis.confidence:.0%}). To confirm: {diagnosis.confirm}"
+                for diagnosis in self.diagnoses[name]
             ]
         return lines + [f"refinement: {row.in_words(names)}" for row in self.refinements]
 
     def _verdict_on(self, judged: list[Verdict]) -> str:
-        """Return in words whether all that a program gives is within what is allowed."""
-        beyond = dict.fromkeys(row.quantity for row in judged if not row.within)
-        given = dict.fromkeys(row.quantity for row in judged)
+        """Return a sentence on whether all quantities of a program are within the allowed error."""
+        exceeding = dict.fromkeys(row.quantity for row in judged if not row.within)
+        quantities = dict.fromkeys(row.quantity for row in judged)
         if not judged:
-            return "nothing of it could be compared"
-        if not beyond:
-            return f"all {len(given)} quantities are within {self.within:.3g} of ours"
-        names = ", ".join(name.replace("_", " ") for name in beyond)
-        counts = f"{len(beyond)} of {len(given)} quantities"
+            return "none of its results could be compared"
+        if not exceeding:
+            return f"all {len(quantities)} quantities are within {self.within:.3g} of ours"
+        names = ", ".join(name.replace("_", " ") for name in exceeding)
+        counts = f"{len(exceeding)} of {len(quantities)} quantities"
         return f"{counts} differ from ours by more than {self.within:.3g}: {names}"
 
     @property
@@ -141,16 +145,18 @@ class CheckedOutcome(Outcome):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The summary of the run, with the verdicts and the diagnoses on results of other programs.
+        """The summary of the run, with the verdicts and diagnoses of the other programs' results.
 
         There, numbers that are not finite are None, because JSON cannot express them.
         """
-        rows = [_plain(row) for row in self.verdicts]
-        looks = {name: [_plain(of) for of in self.diagnoses[name]] for name in self.judged}
+        rows = [_json_row(row) for row in self.verdicts]
+        looks = {name: [_json_row(row) for row in self.diagnoses[name]] for name in self.judged}
         return super().summary | {"verdicts": rows, "diagnoses": looks}
 
 
-def _plain(row: Verdict | Diagnosis) -> dict[str, object]:
-    """Return a row for JSON, which has null for what is infinite or not given."""
-    values = asdict(row).items()
-    return {key: of if isinstance(of, str) or np.isfinite(of) else None for key, of in values}
+def _json_row(row: Verdict | Diagnosis) -> dict[str, object]:
+    """Return a row for JSON, with None for numbers that are not finite."""
+    items = asdict(row).items()
+    return {
+        key: value if isinstance(value, str) or np.isfinite(value) else None for key, value in items
+    }

@@ -1,8 +1,8 @@
-"""What the error of another program's results looks like.
+"""Diagnose the error of another program's results: find the mistakes that it looks like.
 
-Mistakes that people make (`causes/`) are put into our own results, one or several together. Those
-that explain the error share the confidence; if they cannot be told apart, both are named, with what
-would tell them apart.
+The mistakes that people often make (`causes/`) are put into our own results, one or several at a
+time. The mistakes that explain the error share the confidence. If two of them explain it equally
+well, both are named, together with a result that would distinguish them.
 """
 
 from collections.abc import Sequence
@@ -11,71 +11,81 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...meshes.radial import Array
-from ..problem.quantities import QUANTITIES
+from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames
-from .causes import of_model, of_output
+from .causes import modelling_mistakes, output_mistakes
 from .causes.cause import Cause
 from .causes.comparison import Comparison
-from .causes.hypotheses import Hypothesis, Part, Weighing, alike, explained, setting_of
+from .causes.hypotheses import (
+    Hypothesis,
+    HypothesisSearch,
+    Mistake,
+    alike,
+    explained_error_part,
+    setting_with,
+)
 from .causes.mesh import patterns
 from .causes.model import Model
 
 __all__ = ["Comparison", "Diagnosis", "diagnose"]
 
 CAUSES: tuple[Cause, ...] = (
-    of_model.WearCoefficient(),
-    of_model.TruncatedHalfSpace(),
-    of_output.Sign(),
-    of_output.Units(),
-    of_model.PlaneStrain(),
-    of_model.ForcePerLength(),
-    of_model.Diameter(),
-    of_model.Layer(),
-    of_model.NoLayers(),
-    of_model.Load(),
-    of_model.Stiffness(),
-    of_model.PoissonsRatio(),
-    of_model.SwappedMaterials(),
-    of_output.UnitOfTime(),
-    of_output.UnitOfRadii(),
-    of_output.PressureFactor(),
-    of_output.LengthFactor(),
-    of_output.ForceFactor(),
-    of_output.LateStart(),
-    of_output.FirstOrderStep(),
+    modelling_mistakes.WearCoefficient(),
+    modelling_mistakes.TruncatedHalfSpace(),
+    output_mistakes.Sign(),
+    output_mistakes.Units(),
+    modelling_mistakes.PlaneStrain(),
+    modelling_mistakes.ForcePerLength(),
+    modelling_mistakes.Diameter(),
+    modelling_mistakes.Layer(),
+    modelling_mistakes.NoLayers(),
+    modelling_mistakes.Load(),
+    modelling_mistakes.Stiffness(),
+    modelling_mistakes.PoissonsRatio(),
+    modelling_mistakes.SwappedMaterials(),
+    output_mistakes.UnitOfTime(),
+    output_mistakes.UnitOfRadii(),
+    output_mistakes.PressureFactor(),
+    output_mistakes.LengthFactor(),
+    output_mistakes.ForceFactor(),
+    output_mistakes.LateStart(),
+    output_mistakes.FirstOrderStep(),
 )
-"""The mistakes that are looked for; of two that explain as much the likelier one is named first."""
-# confidence from which on a mistake is named, and from which on it is named alone
-NAMED, SURE = 0.15, 0.7
-# part of the confidence of two that are alike, from which on the one that fits fewer numbers names
-# both
-TELLS_WHY = 1 / 3
-# difference of two predictions, relative, from which on a result would tell them apart
-TELLING = 0.05
+"""The mistakes that are considered. Of two that explain the error equally well, the one with the
+higher prior is named first."""
+# least confidence with which a mistake is named, and with which no rival has to be ruled out
+MIN_CONFIDENCE, SURE = 0.15, 0.7
+# least part of the joint confidence of two mistakes that predict the same, with which the one with
+# fewer fitted numbers gives its name to both
+SIMPLER_PART = 1 / 3
+# least relative difference of two predictions at which a result can distinguish them
+MIN_DISTINCTION = 0.05
 MESH = {
     "coarse rim": (
-        "errors of pressure, of {:.2g}, that are at the rim and fall as it wears",
-        "half the element size at the rim changes the first pressures most",
+        "errors of pressure of about {:.2g} at the rim, which decrease as the rim wears",
+        "halve the element size at the rim: the first pressures change most",
     ),
     "checkerboard": (
-        "errors of pressure, of {:.2g}, that change their sign from radius to radius",
-        "means of neighbours lose it: pressures are too rich for the displacements",
+        "errors of pressure of about {:.2g} whose sign alternates from radius to radius",
+        "average neighbouring pressures: the errors disappear, because the pressure space is too "
+        "rich for the displacements",
     ),
 }
+"""What each error pattern of a mesh looks like, with the size of the errors, and its remedy."""
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What an error looks like.
+    """A mistake that may explain the error.
 
     Parameters
     ----------
     name : of the mistake
-    size : its number
-    confidence : up to 1: how likely it is that this mistake was made, of all that explain the
-        error, times the part of the error that these explain
-    words : what the results look like, with the number
-    confirm : what would confirm it, or tell it from another that explains as much
+    size : number that describes the mistake, such as a factor
+    confidence : 0 to 1: the probability that this mistake was made, according to all hypotheses,
+        times the part of the error that these explain
+    words : what the error looks like, with the number, as a noun phrase
+    confirm : what would confirm the mistake, or distinguish it from another that explains as much
     """
 
     name: str
@@ -86,146 +96,169 @@ class Diagnosis:
 
 
 def diagnose(comparison: Comparison) -> list[Diagnosis]:
-    """Return what the error of their results looks like, the most confident first.
+    """Return the mistakes that the error of the other program looks like, most confident first.
 
     Returns
     -------
     list of Diagnosis
-        Empty if nothing explains most of the error, or if this is below the accuracy that the scene
-        asks for.
+        Empty if no mistake is likely enough to be named, or if the error is below the `rtol` of
+        the scene.
 
     Notes
     -----
-    Radius, modulus and force are changed by their units, which is exact of flat punches under one
-    load; of others these mistakes may stay unnamed.
+    Changes of radius, modulus and force are predicted by scaling our history, which is exact for
+    flat punches under one load. For other punches these mistakes may not be found.
     """
     model = Model(comparison)
-    weighing = Weighing(model, CAUSES)
-    if not comparison.names or _error(comparison) <= comparison.scene.accuracy.rtol:
+    search = HypothesisSearch(model, CAUSES)
+    if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
         return []
-    none = weighing.hypothesis(())
-    shares = weighing.all()
-    likely = shares[0][0]
-    found = _of_causes(model, none, shares) + _of_mesh(model, likely)
-    return sorted(found, key=lambda fault: -fault.confidence)
+    none = search.hypothesis(())
+    hypotheses = search.ranked_hypotheses()
+    likeliest = hypotheses[0][0]
+    diagnoses = _diagnose_mistakes(model, none, hypotheses) + _diagnose_mesh(model, likeliest)
+    return sorted(diagnoses, key=lambda diagnosis: -diagnosis.confidence)
 
 
-def _error(comparison: Comparison) -> float:
-    """Return the greatest relative error of a quantity, at all of its times and radii."""
+def _greatest_error(comparison: Comparison) -> float:
+    """Return the greatest relative error of a quantity, over all of its times and radii."""
     errors = [0.0]
-    for name in comparison.names:
-        gap = comparison.theirs[name] - comparison.ours[name]
-        given = np.isfinite(gap)
-        if norm := np.linalg.norm(comparison.ours[name][given]):
-            errors.append(float(np.linalg.norm(gap[given]) / norm))
-        elif np.any(gap[given]):
+    for name in comparison.quantities:
+        difference = comparison.theirs[name] - comparison.ours[name]
+        finite = np.isfinite(difference)
+        if norm := np.linalg.norm(comparison.ours[name][finite]):
+            errors.append(float(np.linalg.norm(difference[finite]) / norm))
+        elif np.any(difference[finite]):
             errors.append(np.inf)
     return max(errors)
 
 
-def _of_causes(
-    model: Model, none: Hypothesis, shares: Sequence[tuple[Hypothesis, float]]
+def _diagnose_mistakes(
+    model: Model, none: Hypothesis, hypotheses: Sequence[tuple[Hypothesis, float]]
 ) -> list[Diagnosis]:
-    """Return the mistakes that are likely, with the share of all hypotheses that have them."""
+    """Return the likely mistakes.
+
+    Parameters
+    ----------
+    none : the hypothesis without a mistake
+    hypotheses : all hypotheses with their probabilities, the likeliest first
+    """
     confidence, best = dict[Cause, float](), dict[Cause, Hypothesis]()
-    for hypothesis, share in shares:
-        part_of_error = explained(hypothesis, none, model.comparison.members)
-        for part in hypothesis.parts:
-            confidence[part.cause] = confidence.get(part.cause, 0.0) + share * part_of_error
-            best.setdefault(part.cause, hypothesis)
-    named = sorted(confidence, key=lambda cause: -confidence[cause])
-    for cause in named:
-        for other in named[named.index(cause) + 1 :]:
-            # one mistake by two names, as a modulus and the one that Poisson's ratio is missing in
+    for hypothesis, probability in hypotheses:
+        explained_part = explained_error_part(hypothesis, none, model.comparison.membership)
+        for mistake in hypothesis.mistakes:
+            cause = mistake.cause
+            confidence[cause] = confidence.get(cause, 0.0) + probability * explained_part
+            best.setdefault(cause, hypothesis)
+    causes = sorted(confidence, key=lambda cause: -confidence[cause])
+    for cause in causes:
+        for other in causes[causes.index(cause) + 1 :]:
+            # two causes may describe one mistake, such as a modulus that Poisson's ratio explains
             if cause.group == other.group and alike(best[cause], best[other]):
                 both = confidence[cause] + confidence[other]
-                # nearly as likely without a fitted number, it also tells why
-                tells = other.fitted < cause.fitted and confidence[other] > both * TELLS_WHY
-                kept, dropped = (other, cause) if tells else (cause, other)
-                confidence[kept], confidence[dropped] = both, 0.0
-    named = [cause for cause in named if confidence[cause] >= NAMED]
-    found = []
-    for cause in named:
+                # the cause without a fitted number also explains where the factor comes from
+                simpler = other.fitted_numbers < cause.fitted_numbers
+                simpler = simpler and confidence[other] > both * SIMPLER_PART
+                remaining, dropped = (other, cause) if simpler else (cause, other)
+                confidence[remaining], confidence[dropped] = both, 0.0
+    causes = [cause for cause in causes if confidence[cause] >= MIN_CONFIDENCE]
+    diagnoses = []
+    for cause in causes:
         hypothesis = best[cause]
-        (part,) = [part for part in hypothesis.parts if part.cause is cause]
+        (mistake,) = [each for each in hypothesis.mistakes if each.cause is cause]
         rivals = [
             other
-            for other in named
-            if other is not cause and cause not in {of.cause for of in best[other].parts}
+            for other in causes
+            if other is not cause and cause not in {each.cause for each in best[other].mistakes}
         ]
         remedy = cause.remedy
         if rivals and confidence[cause] < SURE:
-            remedy = telling(model, part, hypothesis, best[rivals[0]], rivals[0])
-        found.append(_told(model, part, hypothesis, min(1.0, confidence[cause]), remedy))
-    return found
+            rival = rivals[0]
+            remedy = distinguishing_result(model, mistake, hypothesis, best[rival], rival)
+        diagnoses.append(
+            _diagnosis(model, mistake, hypothesis, min(1.0, confidence[cause]), remedy)
+        )
+    return diagnoses
 
 
-def _told(
-    model: Model, part: Part, hypothesis: Hypothesis, confidence: float, remedy: str
+def _diagnosis(
+    model: Model, mistake: Mistake, hypothesis: Hypothesis, confidence: float, remedy: str
 ) -> Diagnosis:
-    cause, setting = part.cause, hypothesis.setting
-    size = cause.size(model, part.sizes)
-    if isinstance(cause, of_output.Units):
+    cause, setting = mistake.cause, hypothesis.setting
+    size = cause.size(model, mistake.sizes)
+    if isinstance(cause, output_mistakes.Units):
         size = cause.size_in(model, setting)
-    name = cause.named(model, setting, part.sizes)
-    words = cause.sentence(model, setting, part.sizes)
+    name = cause.name_of(model, setting, mistake.sizes)
+    words = cause.sentence(model, setting, mistake.sizes)
     return Diagnosis(name, size, confidence, words, remedy)
 
 
-def telling(
-    model: Model, part: Part, hypothesis: Hypothesis, other: Hypothesis, rival: Cause
+def distinguishing_result(
+    model: Model, mistake: Mistake, hypothesis: Hypothesis, other: Hypothesis, rival: Cause
 ) -> str:
-    """Return which result would tell a mistake from its rival."""
+    """Return a sentence on the result that would distinguish a mistake best from its rival.
+
+    Quantities that the program has given are considered only at times after its last one.
+
+    Parameters
+    ----------
+    mistake : one of the mistakes of `hypothesis`
+    rival : cause of one of the mistakes of `other`
+    """
     unit, names = model.problem.units, UnitNames.of(model.comparison.scene.units)
     last = float(model.times.max())
-    later = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
-    mine, theirs = (model.mean_history(setting_of(one.parts), later) for one in (hypothesis, other))
-    (rival_part,) = [of for of in other.parts if of.cause is rival]
-    rival_name = rival.named(model, other.setting, rival_part.sizes)
+    times = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
+    with_mistake, with_rival = (
+        model.mean_history(setting_with(each.mistakes), times) for each in (hypothesis, other)
+    )
+    (rival_mistake,) = [each for each in other.mistakes if each.cause is rival]
+    rival_name = rival.name_of(model, other.setting, rival_mistake.sizes)
     best = ("", 0.0, 0)
-    for name in mine:
-        for row, pair in enumerate(zip(mine[name], theirs[name], strict=True)):
+    for name in with_mistake:
+        for row, pair in enumerate(zip(with_mistake[name], with_rival[name], strict=True)):
             size = max(abs(pair[0]), abs(pair[1]))
-            given = name in model.comparison.names and later[row] <= last
-            if size and not given and abs(pair[0] - pair[1]) / size > best[1]:
+            present = name in model.comparison.quantities and times[row] <= last
+            if size and not present and abs(pair[0] - pair[1]) / size > best[1]:
                 best = (name, abs(pair[0] - pair[1]) / size, row)
-    if best[1] < TELLING:
+    if best[1] < MIN_DISTINCTION:
         return (
-            f"{part.cause.remedy}; results at these times and radii do not tell it from "
+            f"{mistake.cause.remedy}; results at these times and radii do not distinguish it from "
             f"{rival_name}: compare the inputs"
         )
     name, _, row = best
-    when = names.write(later[row] * unit.time, "time", 3)
+    time = names.write(times[row] * unit.time, "time", 3)
     kind = QUANTITIES[name].unit
-    values = [names.write(float(of[name][row]), kind, 3) for of in (mine, theirs)]
+    values = [names.write(float(means[name][row]), kind, 3) for means in (with_mistake, with_rival)]
+    averaged = ", averaged over the radius" if name in FIELDS else ""
     return (
-        f"the {name.replace('_', ' ')} at t = {when} tells it from {rival_name}: {values[0]} "
-        f"against {values[1]}"
+        f"compare the {name.replace('_', ' ')} at t = {time}{averaged}: with this mistake it is "
+        f"{values[0]}, with {rival_name} {values[1]}"
     )
 
 
-def _of_mesh(model: Model, hypothesis: Hypothesis) -> list[Diagnosis]:
-    """Return what the errors of pressure that are left look like."""
+def _diagnose_mesh(model: Model, hypothesis: Hypothesis) -> list[Diagnosis]:
+    """Return the error patterns of a mesh in the pressures that a hypothesis does not explain."""
     comparison = model.comparison
-    if "pressure" not in comparison.names:
+    if "pressure" not in comparison.quantities:
         return []
-    theirs = comparison.theirs["pressure"][comparison.rows]
-    right = comparison.ours["pressure"][comparison.rows]
-    whole = _relative(theirs, right)
-    left = _relative(theirs, right * model.pressure_ratio(hypothesis.setting))
-    # what mistakes have explained is no error of the mesh
-    share = min(1.0, float(np.linalg.norm(left) / (np.linalg.norm(whole) or 1.0)))
+    theirs = comparison.theirs["pressure"][comparison.time_rows]
+    ours = comparison.ours["pressure"][comparison.time_rows]
+    errors = _relative_errors(theirs, ours)
+    unexplained = _relative_errors(theirs, ours * model.pressure_ratio(hypothesis.setting))
+    # the part of the errors that mistakes explain is not caused by the mesh
+    norms = float(np.linalg.norm(unexplained)), float(np.linalg.norm(errors) or 1.0)
+    unexplained_part = min(1.0, norms[0] / norms[1])
     return [
-        Diagnosis(name, size, share * confidence, MESH[name][0].format(size), MESH[name][1])
-        for name, size, confidence in patterns(
-            left, comparison.radii, comparison.scene.punch.radius
+        Diagnosis(name, size, unexplained_part * part, MESH[name][0].format(size), MESH[name][1])
+        for name, size, part in patterns(
+            unexplained, comparison.radii, comparison.scene.punch.radius
         )
-        if share * confidence > SURE and size > comparison.scene.accuracy.rtol
+        if unexplained_part * part > SURE and size > comparison.scene.accuracy.rtol
     ]
 
 
-def _relative(theirs: Array, right: Array) -> Array:
-    """Return relative errors, 0 where there is none."""
+def _relative_errors(theirs: Array, ours: Array) -> Array:
+    """Return relative errors, 0 where they are not finite."""
     with np.errstate(all="ignore"):
-        errors = theirs / right - 1
+        errors = theirs / ours - 1
     return np.where(np.isfinite(errors), errors, 0.0)

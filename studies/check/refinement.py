@@ -1,9 +1,9 @@
-"""Check whether several results of one program converge, and whether its own estimate is honest.
+"""Check whether results of one program on finer and finer meshes converge to ours.
 
-The results are ordered from coarse to fine. Signed errors are the differences of theirs to ours, so
-differences of theirs are differences of errors: the order, Richardson's limit and the grid
-convergence index follow from three of them as their program would find them
-(`studies/study/orders.py`).
+The results are ordered from coarse to fine. The signed errors are the program's values minus ours.
+Differences between two of its results are therefore differences of these errors, and the order,
+Richardson's limit and the grid convergence index follow from the errors exactly as they would from
+the results (`studies/study/orders.py`). The index is then compared with the true error.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,12 +20,12 @@ from .verdict import Verdict
 
 @dataclass(frozen=True)
 class Refinement:
-    """One quantity on results from coarse to fine.
+    """The errors of one quantity in results from coarse to fine.
 
     Parameters
     ----------
-    sequence : their sizes, and signed errors at a time; what we state of ours is the floor
-    time : at which the finest is worst; in the units of the scene
+    sequence : sizes, and signed errors at one time; our own error estimate is the floor
+    time : time at which the finest result is worst, in the units of the scene
     """
 
     sequence: Levels
@@ -44,56 +44,64 @@ class Refinement:
 
     @property
     def stalled(self) -> float:
-        """Size from which on errors fall at less than half the rate before; NaN if they do not."""
+        """First size after which the order is below half of the best one before; NaN if none is."""
         orders = self.sequence.orders
         slow = orders < 0.5 * np.fmax.accumulate(orders)
         slow &= self.sequence.counted[1:]
         return float(self.sequence.sizes[:-1][slow][0]) if slow.any() else np.nan
 
-    def at(self, names: UnitNames) -> str:
-        """Return what this is about."""
+    def label(self, names: UnitNames) -> str:
+        """Return the quantity and the time in words."""
         quantity = self.sequence.quantity.replace("_", " ")
         return f"{quantity} at t = {names.write(self.time, 'time', 3)}"
 
     def in_words(self, names: UnitNames) -> str:
-        """Return what there is to say, in a line."""
+        """Return a line on the order, the errors and the grid convergence index."""
         sequence, (limit, index) = self.sequence, self.estimate
-        between = ", ".join(_told(order) for order in sequence.orders)
+        orders = ", ".join(_order_in_words(order) for order in sequence.orders)
         line = (
-            f"{self.at(names)}: order {_told(sequence.order)} ({between}), errors "
-            f"{sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
+            f"{self.label(names)}: order {_order_in_words(sequence.order)} (between successive "
+            f"sizes: {orders}), errors {sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
         )
         if not sequence.counted.all():
-            line += f", some below what ours is known to ({sequence.theory.floor:.0e})"
+            line += f", some below the error estimate of our value ({sequence.theory.floor:.0e})"
         if np.isfinite(self.stalled):
-            line += f", stalls from size {self.stalled:.3g} on"
+            line += f", convergence stalls from size {self.stalled:.3g} on"
         if np.isnan(index):
             return line
-        honest = "honest" if index >= sequence.errors[-1] else "TOO SMALL"
+        judgement = "large enough" if index >= sequence.errors[-1] else "TOO SMALL"
         return (
-            f"{line}; Richardson's limit errs by {abs(limit):.1e}; grid convergence index "
-            f"{index:.1e} of an error of {sequence.errors[-1]:.1e}: {honest}"
+            f"{line}; Richardson's limit errs by {abs(limit):.1e}; the grid convergence index of "
+            f"{index:.1e} is {judgement} for the true error of {sequence.errors[-1]:.1e}"
         )
 
 
 def refinements(
     rows: Sequence[Verdict], names: Sequence[str], sizes: Sequence[float]
 ) -> Iterator[Refinement]:
-    """Yield each quantity that all results give, at the time at which the finest is worst."""
+    """Yield the refinement of each quantity that all results have.
+
+    Each is taken at the time at which the finest result is worst.
+
+    Parameters
+    ----------
+    rows : verdicts on all results
+    names : of the results, from coarse to fine
+    sizes : of elements or steps, one for each result
+    """
     for quantity in dict.fromkeys(row.quantity for row in rows):
-        errors = [
+        by_time = [
             {row.time: row for row in rows if (row.solver, row.quantity) == (name, quantity)}
             for name in names
         ]
-        if times := set.intersection(*map(set, errors)):
-            time = max(times, key=lambda time: abs(errors[-1][time].error))
-            at = [of[time] for of in errors]
-            theory = Theory(floor=max(row.stated for row in at))
-            signed = np.array([row.error for row in at])
+        if times := set.intersection(*map(set, by_time)):
+            time = max(times, key=lambda time: abs(by_time[-1][time].error))
+            levels = [verdicts[time] for verdicts in by_time]
+            theory = Theory(floor=max(row.stated for row in levels))
+            signed = np.array([row.error for row in levels])
             sequence = Levels("theirs", quantity, theory, np.array(sizes), signed)
             yield Refinement(sequence, time)
 
 
-def _told(order: float) -> str:
-    """Return an order in words."""
-    return "cannot be told" if np.isnan(order) else f"{order:.2g}"
+def _order_in_words(order: float) -> str:
+    return "unknown" if np.isnan(order) else f"{order:.2g}"

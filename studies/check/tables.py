@@ -1,9 +1,9 @@
-"""Results of other programs as tables: read, checked, and brought to a scene's units.
+"""Read tables of results of other programs, validate them, and convert them to a scene's units.
 
 A table has a row for each time and radius (`time, radius, pressure, ...`), or for each time (`time,
-indentation, normal_force`), or both: what goes by time alone may be repeated at every radius, or
-stand in rows whose radius is empty. What is wrong is refused in a line that names the file, the
-line, the column and the remedy.
+indentation, normal_force`), or both: numbers that depend on time alone may be repeated at every
+radius, or be in rows whose radius is empty. If a table is wrong, the error message names the file,
+the line, the column and the remedy.
 """
 
 from collections.abc import Mapping
@@ -26,12 +26,12 @@ from .csv_files import name_and_unit, read_csv_text, read_numbers
 if TYPE_CHECKING:
     import xarray
 
-# a file, or a table in memory
+# results of another program: a file, or a table in memory
 OthersResults: TypeAlias = "str | Path | pd.DataFrame | xarray.Dataset"
 
 
 LARGE = 200_000
-"""Characters from which on a CSV file is read as numbers at once, if it has nothing else."""
+"""Number of characters above which a CSV file is read by `read_numbers`, if that is possible."""
 
 
 def read(
@@ -42,105 +42,113 @@ def read(
     units: str,
     more: Mapping[str, str] | None = None,
 ) -> pd.DataFrame:
-    """Return results of another program, checked and in the units of a scene.
+    """Return the validated results of another program, in the units of a scene.
 
     Parameters
     ----------
-    source : a file (CSV, netCDF, or VTU of a half-space), a DataFrame, or an xarray Dataset, of
-        several solvers the first
-    name : what messages call a table that is no file
-    columns : names of ours by theirs
-    units : of theirs, as a scene states them; those of the scene if empty
-    more : further columns that go by time alone, each with the kind of its unit
+    source : a file (CSV, netCDF, or VTU of a half-space; .dat of CalculiX or .rpt of Abaqus with
+        their deck), a DataFrame, or an xarray Dataset; if it has several solvers, the first is read
+    name : name of a table in memory in messages
+    columns : our column names by theirs
+    units : of the results, in the notation of a scene; if empty, those of the scene
+    more : further columns that depend on time alone, each with the kind of its unit
 
     Raises
     ------
     SceneError
-        naming the file, the line, the column and the remedy
+        if the table cannot be read or is wrong; it names the file, the line, the column and the
+        remedy
     """
     place = "row"
     kinds = {"time": "time", "radius": "length"}
     kinds |= {
-        key: of.unit
-        for key, of in QUANTITIES.items()
-        if {"time"} <= {*of.dims} <= {"time", "radius"} and key != "contact"
+        key: quantity.unit
+        for key, quantity in QUANTITIES.items()
+        if {"time"} <= {*quantity.dims} <= {"time", "radius"} and key != "contact"
     }
     kinds |= more or {}
     if isinstance(source, str | Path):
         name, place = str(source), "line"
         if Path(source).suffix == ".vtu":
-            source, columns = _surface(Path(source), columns), {}
+            source, columns = _read_surface(Path(source), columns), {}
         else:
             source = _open(Path(source))
     if hasattr(source, "to_dataframe"):
         if "solver" in source.dims:
             source = source.isel(solver=0)
-            LOG.info("%s: results of %s are taken", name, source["solver"].item())
-        given = [key for key in source if columns.get(key, key) in kinds]
-        source = source[given].reset_coords(drop=True).to_dataframe()
+            LOG.info("%s: the results of %s are read", name, source["solver"].item())
+        present = [key for key in source if columns.get(key, key) in kinds]
+        source = source[present].reset_coords(drop=True).to_dataframe()
     if source.index.names != [None]:
         source = source.reset_index()
-    source, of_headings = _with_our_headings(source, columns, kinds)
-    frame = _named(source, name, columns, list(kinds))
-    table = _checked(frame, f"{name}, {place}")
-    stated = UnitNames.of(scene.units)
-    if units and stated.base is None:
-        raise SceneError(f"--units {units}: the scene's numbers have none: give its units")
+    source, heading_units = _rename_headings(source, columns, kinds)
+    frame = _select_columns(source, name, columns, list(kinds))
+    table = _validate(frame, f"{name}, {place}")
+    scene_units = UnitNames.of(scene.units)
+    if units and scene_units.base is None:
+        raise SceneError(f"--units {units}: the scene's numbers have none: give the scene's units")
     for key in table:
-        kind, unit = kinds[key], of_headings.get(key, "")
-        theirs = UnitNames.of(units or scene.units).size(kind)
-        if unit and stated.base is None:
-            LOG.warning("%s: the unit of %s is not read, for the scene has none", name, key)
+        kind, unit = kinds[key], heading_units.get(key, "")
+        size = UnitNames.of(units or scene.units).size(kind)
+        if unit and scene_units.base is None:
+            LOG.warning(
+                "%s: the unit of %s is ignored, because the numbers of the scene have no units",
+                name,
+                key,
+            )
         elif unit:
-            theirs = size_of_unit(unit, kind, f"{name}, the heading of {key}")
-        table[key] *= theirs / stated.size(kind)
+            size = size_of_unit(unit, kind, f"{name}, the heading of {key}")
+        table[key] *= size / scene_units.size(kind)
     if "radius" in table:
         radius, rim = table["radius"], scene.punch.radius
-        # what roundoff of units has moved beyond the rim is on it
+        # a radius that roundoff of units has moved beyond the rim is at the rim
         beyond = radius > rim * (1 + 1e-9)
         if beyond.any() and not ((radius > 0) & ~beyond).any():
             raise SceneError(
-                f"{name}: all radii lie beyond punch.radius = {rim:g}: give distances from the "
-                "axis, and --units if theirs are not the scene's"
+                f"{name}: all radii are beyond punch.radius = {rim:g}: give distances from the "
+                "axis, and --units if they are not in the units of the scene"
             )
         if beyond.any():
-            LOG.warning("%s: %d rows beyond the punch are left out", name, beyond.sum())
+            LOG.warning("%s: %d rows beyond the punch are ignored", name, beyond.sum())
         hole = scene.punch.inner_radius
-        within = radius < hole * (1 - 1e-9)
-        if within.all():
+        in_hole = radius < hole * (1 - 1e-9)
+        if in_hole.all():
             raise SceneError(
-                f"{name}: all radii lie within the hole of radius punch.inner_radius = {hole:g}: "
-                "give distances from the axis, and --units if theirs are not the scene's"
+                f"{name}: all radii are inside the hole, punch.inner_radius = {hole:g}: give "
+                "distances from the axis, and --units if they are not in the units of the scene"
             )
-        if within.any():
-            LOG.warning("%s: %d rows within the hole are left out", name, within.sum())
-        table = table.assign(radius=radius.clip(hole, rim))[~(beyond | within)]
+        if in_hole.any():
+            LOG.warning("%s: %d rows within the hole are ignored", name, in_hole.sum())
+        table = table.assign(radius=radius.clip(hole, rim))[~(beyond | in_hole)]
     return table
 
 
-def _with_our_headings(
+def _rename_headings(
     frame: pd.DataFrame, columns: Mapping[str, str], kinds: Mapping[str, str]
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return a table with our names where headings mean them, and the units of these headings.
+    """Return a table whose known headings are replaced by our names, and the units in them.
 
-    What the user names, and what has our name already, stays.
+    Columns that the user has named, or that already have our name, are not renamed.
     """
     names, units = dict[object, str](), dict[str, str]()
-    taken = {columns.get(str(heading), str(heading)) for heading in frame}
+    taken_names = {columns.get(str(heading), str(heading)) for heading in frame}
     for heading in frame:
         name, unit = name_and_unit(str(heading))
         if name not in kinds or str(heading) in columns:
             continue
-        if str(heading) == name or name not in taken:
+        if str(heading) == name or name not in taken_names:
             names[heading] = name
-            taken.add(name)
+            taken_names.add(name)
             if unit:
                 units[name] = unit
     return frame.rename(columns=names), units
 
 
 def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
-    """Return a dataset of a netCDF file, or a CSV table of text by the numbers of its lines."""
+    """Return the dataset of a netCDF file, or the table of another file.
+
+    A CSV table has texts or numbers, and is indexed by line number.
+    """
     try:
         if path.suffix in READERS and path.is_file():
             return READERS[path.suffix](path)
@@ -161,13 +169,13 @@ def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
     return read_csv_text(path, text) if table is None else table
 
 
-def _surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
-    """Return what stands at the surface of a mesh in the plane of radius and height.
+def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
+    """Return the results at the surface of a mesh in the plane of radius and height.
 
-    Arrays of the points are called by quantity and time: ``displacement t=0.5``, and ``pressure
-    t=0.5`` or ``stress_zz t=0.5``. Of vectors the second component is taken.
+    Names of point arrays consist of quantity and time: ``displacement t=0.5``, and ``pressure
+    t=0.5`` or ``stress_zz t=0.5``. Vectors are read by their second component.
     """
-    from ...meshes.files import read_with_meshio  # with it come scikit-fem and meshio
+    from ...meshes.files import read_with_meshio  # imported here: it loads scikit-fem and meshio
 
     try:
         mesh = read_with_meshio(path)
@@ -175,68 +183,88 @@ def _surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
         raise SceneError(f"{path} cannot be read: {error}") from None
     radius, height = mesh.points.T[:2]
     surface = np.abs(height) <= 1e-9 * np.ptp(height)
-    into = np.sign(height.mean())
+    # sign of the direction into the half-space
+    inward = np.sign(height.mean())
     tables = []
-    for theirs, values in mesh.point_data.items():
-        quantity, _, label = columns.get(theirs, theirs).partition(" t=")
+    for array_name, values in mesh.point_data.items():
+        quantity, _, label = columns.get(array_name, array_name).partition(" t=")
         time = pd.to_numeric(label, errors="coerce")
         if values.ndim == 2:
-            values = into * values[:, 1]
+            values = inward * values[:, 1]
         if quantity == "stress_zz":
             quantity, values = "pressure", -values
         if np.isfinite(time) and quantity in FIELDS:
-            here = {"time": time, "radius": radius[surface], "value": values[surface]}
-            tables.append(pd.DataFrame(here | {"quantity": quantity}))
+            rows = {"time": time, "radius": radius[surface], "value": values[surface]}
+            tables.append(pd.DataFrame(rows | {"quantity": quantity}))
     if not tables:
         raise SceneError(
-            f"{path} has no arrays of a time among {', '.join(mesh.point_data) or 'none'}: give "
-            "those that are, as in --columns 'U=displacement t=0.5,S22=stress_zz t=0.5'"
+            f"{path} has no point array with a quantity and a time in its name; its arrays are "
+            f"{', '.join(mesh.point_data) or 'none'}: give --columns such as "
+            "'U=displacement t=0.5,S22=stress_zz t=0.5'"
         )
-    whole = pd.concat(tables).groupby(["time", "radius", "quantity"])["value"].first()
-    return whole.unstack().reset_index()
+    values = pd.concat(tables).groupby(["time", "radius", "quantity"])["value"].first()
+    return values.unstack().reset_index()
 
 
-def _named(
-    frame: pd.DataFrame, name: str, columns: Mapping[str, str], ours: list[str]
+def _select_columns(
+    frame: pd.DataFrame, name: str, columns: Mapping[str, str], our_names: list[str]
 ) -> pd.DataFrame:
-    """Return the columns that we have, by our names."""
-    heads = ", ".join(map(str, frame))
-    absent = [theirs for theirs in columns if theirs not in frame]
+    """Return the columns that we know, under our names.
+
+    Raises
+    ------
+    SceneError
+        if a necessary column is missing, or if a column occurs twice
+    """
+    headings = ", ".join(map(str, frame))
+    missing = [heading for heading in columns if heading not in frame]
     frame = frame.rename(columns=columns)
-    left = [str(key) for key in frame if key not in ours]
-    frame = frame[[key for key in frame if key in ours]]
+    unknown = [str(key) for key in frame if key not in our_names]
+    frame = frame[[key for key in frame if key in our_names]]
     needed = ["time", "radius"] if FIELDS.intersection(frame) else ["time"]
-    absent += [key for key in needed if key not in frame]
+    missing += [key for key in needed if key not in frame]
     if not frame.columns.difference(["time", "radius"]).size:
-        absent.append("pressure")
-    if absent or not frame.columns.is_unique:
-        what = f"no column {absent[0]!r}" if absent else "a column twice"
+        missing.append("pressure")
+    if missing or not frame.columns.is_unique:
+        fault = f"no column {missing[0]!r}" if missing else "a column twice"
         raise SceneError(
-            f"{name} has {what}: of {heads} give each of time, radius, pressure, displacement, "
-            "profile, indentation, normal_force once, by --columns theirs=ours if need be"
+            f"{name} has {fault}; its columns are {headings}: give time, radius if there are "
+            "fields, and some of pressure, displacement, profile, indentation, normal_force, each "
+            "once, by --columns theirs=ours if necessary"
         )
-    if left:
-        LOG.warning("%s: not read: %s", name, ", ".join(left))
+    if unknown:
+        LOG.warning("%s: columns that are not read: %s", name, ", ".join(unknown))
     return frame
 
 
-def _checked(frame: pd.DataFrame, place: str) -> pd.DataFrame:
-    """Return numbers, each time and radius once."""
+def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
+    """Return the table as numbers, with each time and radius once.
+
+    Raises
+    ------
+    SceneError
+        if a cell is wrong; it names the first such line and the remedy
+    """
     table = frame.apply(pd.to_numeric, errors="coerce").astype(float)
     blank = frame.isna() | frame.isin(["", "nan", "NaN"])
     time, fields = table["time"], table[[key for key in table if key in FIELDS]]
-    given, radius = fields.notna().any(axis=1), table.get("radius", 0 * time)
-    again = given & pd.DataFrame({"time": time, "radius": radius}).mask(~given).duplicated()
+    has_field, radius = fields.notna().any(axis=1), table.get("radius", 0 * time)
+    places = pd.DataFrame({"time": time, "radius": radius}).mask(~has_field)
+    repeated = has_field & places.duplicated()
     checks = [
         ("time", blank["time"], "give the time of each row"),
         ("time", time < 0, "give the time since sliding began, 0 or more"),
         ("radius", radius < 0, "give the distance from the axis, 0 or more"),
-        ("radius", radius.isna() & given, "give the radius of each row of a field"),
-        ("radius", again, "give each radius once in a time, beside an edge where pressure jumps"),
+        ("radius", radius.isna() & has_field, "give the radius of each row of a field"),
+        (
+            "radius",
+            repeated,
+            "give each radius once for each time; where pressure jumps, give radii on both sides",
+        ),
     ]
     for key in table:
-        checks.insert(0, (key, np.isinf(table[key]), "leave it empty where it is infinite"))
-        checks.insert(0, (key, table[key].isna() & ~blank[key], "give a number, as 0.5"))
+        checks.insert(0, (key, np.isinf(table[key]), "leave it empty where the value is infinite"))
+        checks.insert(0, (key, table[key].isna() & ~blank[key], "give a number, such as 0.5"))
         if key not in ("time", "radius", *fields):
             differs = table.groupby(time)[key].transform("nunique") > 1
             checks.append((key, differs, "give one number for each time"))
@@ -245,5 +273,7 @@ def _checked(frame: pd.DataFrame, place: str) -> pd.DataFrame:
             line = wrong.idxmax()
             raise SceneError(f"{place} {line}, column {key!r}: {frame[key][line]!r}; {remedy}")
     if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
-        raise SceneError(f"{place.rpartition(',')[0]} has no number but times and radii: give some")
+        raise SceneError(
+            f"{place.rpartition(',')[0]} has no numbers other than times and radii: give some"
+        )
     return table.dropna(axis="columns", how="all")

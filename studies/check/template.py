@@ -1,4 +1,4 @@
-"""What another program has to model and to sample, so that its results can be checked."""
+"""Write a template: what another program must model and sample so that it can be checked."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -17,56 +17,61 @@ from ..scene.scene import Scene
 
 
 def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
-    """Write a table of times and radii to fill in, a mesh, and the scene in words.
+    """Write a table of times and radii to fill in, a mesh, and a description of the scene.
 
     Parameters
     ----------
-    units : of theirs, as a scene states them; those of the scene if empty
-    folder : where `template.csv`, `unworn.csv` of a punch that is not flat, `mesh.msh` and
-        `scene.txt` go
+    units : of the files, in the notation of a scene; if empty, those of the scene
+    folder : to which `template.csv`, `mesh.msh`, `scene.txt` and, for a punch that is not flat,
+        `unworn.csv` are written
 
     Returns
     -------
     the lines of `scene.txt`
+
+    Raises
+    ------
+    SceneError
+        if the scene has no times, or if it has layers
     """
-    problem, stated = scene.problem, UnitNames.of(scene.units)
-    theirs, rings = UnitNames.of(units or scene.units), problem.graded or problem.rings
+    problem, scene_units = scene.problem, UnitNames.of(scene.units)
+    file_units, rings = UnitNames.of(units or scene.units), problem.graded or problem.rings
     if not scene.wear.times:
-        raise SceneError("the scene has no times to sample: give wear.times")
+        raise SceneError("the scene has no times at which results are sampled: give wear.times")
     if scene.half_space.layers:
         raise SceneError(
-            "check --template writes a homogeneous half-space: leave out half_space.layers, and "
-            "make the layers in your own program"
+            "check --template describes a homogeneous half-space: leave out half_space.layers, and "
+            "model the layers in your own program"
         )
 
     def scaled(values: ArrayLike, kind: str) -> Array:
-        return np.asarray(values) * (stated.size(kind) / theirs.size(kind))
+        return np.asarray(values) * (scene_units.size(kind) / file_units.size(kind))
 
     def write(values: ArrayLike, kind: str) -> str:
         numbers = ", ".join(f"{value:.10g}" for value in np.ravel(scaled(values, kind)))
-        return f"{numbers} {theirs.name(kind)}".removesuffix(" 1")
+        return f"{numbers} {file_units.name(kind)}".removesuffix(" 1")
 
     def write_load(name: str, kind: str) -> str:
         knots = over_time(getattr(scene.load_, name))
-        at = f" at the times {write(knots.times, 'time')}" if len(knots.times) > 1 else ""
-        return f"{name.replace('_', ' ')} {write(knots.values, kind)}{at}"
+        when = f" at the times {write(knots.times, 'time')}" if len(knots.times) > 1 else ""
+        return f"{name.replace('_', ' ')} {write(knots.values, kind)}{when}"
 
-    ends = problem.ring_edges
-    places = np.unique(np.linspace(ends[:-1], ends[1:], max(5, 64 // len(ends))))
-    radii = scaled(places * problem.units.length, "length")
+    edges = problem.ring_edges
+    samples = np.unique(np.linspace(edges[:-1], edges[1:], max(5, 64 // len(edges))))
+    radii = scaled(samples * problem.units.length, "length")
     times = scaled(scene.wear.times, "time")
     table = pd.MultiIndex.from_product([times, radii], names=["time", "radius"]).to_frame()
     results = ("pressure", "displacement", "profile", "indentation", "normal_force")
     table.assign(**dict.fromkeys(results, "")).to_csv(folder / "template.csv", index=False)
     if not problem.profile.flat:
-        heights = (problem.profile(places) + problem.profile.standoff) * problem.units.displacement
+        heights = (problem.profile(samples) + problem.profile.standoff) * problem.units.displacement
         unworn = pd.DataFrame({"radius": radii, "unworn_profile": scaled(heights, "displacement")})
         unworn.to_csv(folder / "unworn.csv", index=False)
     reach = 100.0
     sizes = {"mesher": "gmsh", "truncation": reach}
-    chosen = half_space_mesh(scene.changed(accuracy__fem=sizes).problem)
-    points = chosen.mesh.p.T * scaled(scene.punch.radius, "length")
-    triangles = meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), {"triangle": chosen.mesh.t.T})
+    half_space = half_space_mesh(scene.changed(accuracy__fem=sizes).problem)
+    points = half_space.mesh.p.T * scaled(scene.punch.radius, "length")
+    triangles = meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), {"triangle": half_space.mesh.t.T})
     triangles.write(folder / "mesh.msh", file_format="gmsh")
     ratio, modulus = scene.half_space.poisson_ratio, problem.units.modulus
     kinds = {"normal_force": "force", "mean_pressure": "pressure", "indentation": "displacement"}
@@ -77,9 +82,9 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
         f"Punch: rigid, axisymmetric, radius a = {write(scene.punch.radius, 'length')}, moves "
         f"along its axis; its face is {'flat' if problem.profile.flat else 'that of unworn.csv'}.",
         *(
-            f"Ring between {write(edges, 'length')}: k = "
+            f"Ring between the radii {write(ends, 'length')}: k = "
             f"{write(wear[: 1 + (wear[0] != wear[1])], 'wear_coefficient')}"
-            for edges, wear in zip(
+            for ends, wear in zip(
                 pairwise(rings.ring_edges * problem.units.length),
                 rings.ends.T * problem.units.wear_coefficient,
                 strict=True,
@@ -89,15 +94,17 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
         f"{ratio:g}, so that E* = {write(modulus, 'pressure')}; small strains. No radial "
         "displacement on the axis; no friction; p >= 0 and gap >= 0 under the punch, no traction "
         "beside it.",
-        "Clamped at a distance R from the centre it is indented too little, by about 1.1 a/R; "
-        f"mesh.msh (x: radius, y: depth; meshio converts it) reaches to R = {reach:g} a.",
+        "If the half-space is clamped at a distance R from the centre, the relative error of the "
+        "indentation is about -1.1 a/R; mesh.msh (x: radius, y: depth; meshio converts it) reaches "
+        f"to R = {reach:g} a.",
         f"Load: {write_load(load, kinds[load])}; {write_load('sliding_speed', 'wear_rate')}.",
-        "Wear: df/dt = k p v, where f is the height that is gone from the face.",
-        "Fill in template.csv, and leave empty what you do not have: pressure p; displacement u of "
-        "the surface, into the half-space; profile f, with what the unworn face lacks; indentation "
-        "d of the unworn face plane, u = d - f in contact; normal_force. Pressures at ring edges, "
-        "where they jump, are not compared; at the rim they may be infinite.",
-        *chosen.notes,
+        "Wear: df/dt = k p v, where f is the height that has been worn off the face.",
+        "Fill in template.csv, and leave cells empty if you do not have the values: pressure p; "
+        "displacement u of the surface, into the half-space; profile f, the height that is missing "
+        "from the face plane: unworn shape plus worn height; indentation d of the plane of the "
+        "unworn face, u = d - f in contact; normal_force. Pressures at ring edges, where they "
+        "jump, are not compared; at the rim they may be infinite.",
+        *half_space.notes,
     ]
     (folder / "scene.txt").write_text("\n".join(lines) + "\n", "utf-8")
     return lines

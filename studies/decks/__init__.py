@@ -1,1 +1,1 @@
-"""Input files for finite-element programs of others, and readers of what these programs write."""
+"""Write input files (decks) for other finite-element programs, and read their results."""

@@ -1,6 +1,6 @@
 """Decks for Abaqus: prescribed displacements, and contact with an analytical rigid surface.
 
-They were compared with documented examples keyword by keyword, and never run.
+Their keywords were compared with documented examples, one by one. The decks have never been run.
 """
 
 from collections.abc import Sequence
@@ -19,12 +19,13 @@ from .states import State
 
 PUNCH_HEIGHT = 0.5
 """Height to which the side of the punch is modelled, in punch radii."""
-NOT_RUN = ["** not run: keywords were compared with documented examples"]
+NOT_RUN = ["** not run: the keywords were only compared with documented examples"]
+"""Comment in each deck."""
 
 
 def prescribed(model: Model, states: Sequence[State]) -> list[str]:
-    """Return a linear deck, a step for each state: contact nodes have the face's displacement."""
-    lines = heading(model, "displacements of the contact nodes are given") + NOT_RUN
+    """Return a linear deck that prescribes displacements of the contact nodes, a step a state."""
+    lines = heading(model, "displacements of the contact nodes are prescribed") + NOT_RUN
     lines += [*notes(model, states, 1.0, 0.0), *half_space(model)]
     for number, state in enumerate(states, 1):
         lines += [
@@ -36,13 +37,14 @@ def prescribed(model: Model, states: Sequence[State]) -> list[str]:
 
 
 def contact(model: Model, state: State, scale: float) -> list[str]:
-    """Return a deck in which a rigid surface with the face of the punch is pressed on.
+    """Return a deck in which a rigid surface, the face of the punch, is pressed on the half-space.
 
-    The half-space is stiffer by `scale`, so that displacements are as much smaller. The first step
-    moves the punch by its indentation; under a force, the second one lets go and applies it.
+    The modulus of the half-space is multiplied by `scale`, so that displacements are divided by it.
+    The first step moves the punch by its indentation; if the force is prescribed, a second step
+    releases the punch and applies the force.
     """
     number = len(model.mesh.points) + 1
-    # from the rim inwards, so that the normal of the surface points down
+    # from the rim inwards, because the normal of the surface must point down
     face = list(zip(model.radii, (state.heights - state.lowest) / scale, strict=True))[::-1]
     outputs = [
         *("*CONTACT PRINT", "CSTRESS, CDISP", f"*NODE PRINT, NSET={REFERENCE}", "U2, RF2"),
@@ -51,13 +53,13 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
     ]
     if model.scene.punch.inner_radius:
         face.append((model.radii[0], PUNCH_HEIGHT * model.radius))
-    moving = [f"{REFERENCE}, 2, 2, {-state.pressing_depth / scale:.12g}"]
+    indentation = [f"{REFERENCE}, 2, 2, {-state.pressing_depth / scale:.12g}"]
     fixed = [f"{REFERENCE}, 1, 1", f"{REFERENCE}, 6, 6"]
     steps = ["*STEP, NAME=STEP-1, NLGEOM=NO, INC=200", "*STATIC", "0.1, 1."]
-    steps += ["*BOUNDARY", *fixed, *moving, *outputs]
+    steps += ["*BOUNDARY", *fixed, *indentation, *outputs]
     if model.scene.load_.indentation is None:
         steps += ["*STEP, NAME=STEP-2, NLGEOM=NO, INC=200", "*STATIC", "0.1, 1."]
-        # all boundary conditions are given anew, without the one that moves the punch
+        # OP=NEW removes all boundary conditions: repeat them without the one that moves the punch
         steps += ["*BOUNDARY, OP=NEW", "AXIS, 1, 1", "FAR, 1, 2", *fixed]
         steps += ["*CLOAD", f"{REFERENCE}, 2, {-state.force:.12g}", *outputs]
     return [

@@ -1,6 +1,6 @@
 """Decks for CalculiX: prescribed displacements, and contact with a rigid pad.
 
-What works, and what does not, was tried with CalculiX 2.20.
+The decks were tested with CalculiX 2.20; variants that do not work there are described below.
 """
 
 from collections.abc import Sequence
@@ -27,16 +27,18 @@ from .states import State
 
 PAD_HEIGHT = 0.3
 """Height of the pad, in punch radii."""
-SPRINGS = 1e5
-"""Stiffness of the contact, times the punch radius, over the plane strain modulus of the deck: the
-half-space enters the pad by 3e-6 of the indentation."""
-WITHIN = 0.1
-"""Distance up to which springs of the contact are made, over the root of an area."""
+SPRING_STIFFNESS = 1e5
+"""Stiffness of the contact springs, times the punch radius, over the plane strain modulus of the
+deck. The half-space penetrates the pad by 3e-6 of the indentation. The modulus of the pad, over the
+same modulus, has this value, too."""
+SPRING_DISTANCE = 0.1
+"""Distance up to which contact springs are created, over the root of the area of a spring (`c0` in
+the manual of CalculiX)."""
 
 
 def prescribed(model: Model, states: Sequence[State]) -> list[str]:
-    """Return a linear deck, a step for each state: contact nodes have the face's displacement."""
-    lines = heading(model, "displacements of the contact nodes are given")
+    """Return a linear deck that prescribes displacements of the contact nodes, a step a state."""
+    lines = heading(model, "displacements of the contact nodes are prescribed")
     lines += [*notes(model, states, 1.0, 0.0), *half_space(model)]
     for state in states:
         lines += [
@@ -49,12 +51,12 @@ def prescribed(model: Model, states: Sequence[State]) -> list[str]:
 
 
 def contact(model: Model, state: State, scale: float) -> list[str]:
-    """Return a deck in which a rigid pad with the face of the punch is pressed on.
+    """Return a deck in which a rigid pad with the face of the punch is pressed on the half-space.
 
-    The half-space is stiffer by `scale`, so that displacements are as much smaller. Elements are
-    linear: under quadratic ones pressures beside the axis are wrong (CalculiX 2.20). A flat face is
-    pressed on by its force; any other by its indentation, because a worn pad under a force does not
-    converge.
+    The modulus of the half-space is multiplied by `scale`, so that displacements are divided by it.
+    Elements are linear, because with quadratic ones pressures near the axis are wrong (CalculiX
+    2.20). A flat face is pressed by its force if that is prescribed, and any other face by its
+    indentation, because a worn pad under a force does not converge.
     """
     mesh, modulus = model.mesh, scale * model.scene.problem.units.modulus
     first = len(mesh.points)
@@ -62,14 +64,14 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
     points, cells = _pad(face, PAD_HEIGHT * model.radius)
     number = first + len(points) + 1
     by_force = model.scene.load_.indentation is None and not np.ptp(state.heights)
-    ties, held = list[str](), ["*BOUNDARY", "PAD, 1, 1"]
+    ties, fixed = list[str](), ["*BOUNDARY", "PAD, 1, 1"]
     load = ["*BOUNDARY", f"PAD, 2, 2, {-state.pressing_depth / scale:.12g}"]
     if by_force:
-        # every node of the pad moves with the reference node, which is no node of an element
+        # every node of the pad moves with the reference node, which belongs to no element
         ties = [f"*NODE, NSET={REFERENCE}", f"{number}, 0., {PAD_HEIGHT * model.radius:.12g}, 0."]
         for node in range(first + 1, number):
             ties += ["*EQUATION", "2", f"{node}, 2, 1., {number}, 2, -1."]
-        held += [f"{number}, 1, 1", f"{number}, 3, 3"]
+        fixed += [f"{number}, 1, 1", f"{number}, 3, 3"]
         load = ["*CLOAD", f"{number}, 2, {-state.force:.12g}"]
     return [
         *heading(model, "a rigid pad is pressed on"),
@@ -78,17 +80,17 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
         *nodes(points, first + 1, "PAD"),
         *elements(first + cells, model.element, "PUNCH", len(mesh.cells) + 1),
         *node_set(FACE, first + np.arange(len(face))),
-        *("*MATERIAL, NAME=PAD", "*ELASTIC", f"{SPRINGS * modulus:.12g}, 0."),
+        *("*MATERIAL, NAME=PAD", "*ELASTIC", f"{SPRING_STIFFNESS * modulus:.12g}, 0."),
         "*SOLID SECTION, ELSET=PUNCH, MATERIAL=PAD",
         *surface("SLAVE", mesh.faces),
         *surface("MASTER", ((cell, 1) for cell in range(len(cells))), len(mesh.cells) + 1),
         "*SURFACE INTERACTION, NAME=PRESSING",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
-        *numbers([SPRINGS * modulus / model.radius, 0.0, WITHIN]),
+        *numbers([SPRING_STIFFNESS * modulus / model.radius, 0.0, SPRING_DISTANCE]),
         "*CONTACT PAIR, INTERACTION=PRESSING, TYPE=NODE TO SURFACE, SMALL SLIDING",
         "SLAVE, MASTER",
         *ties,
-        *held,
+        *fixed,
         *("*STEP, INC=200", "*STATIC", "1., 1.", *load),
         *(f"*NODE PRINT, NSET={CONTACT}", "U", f"*NODE PRINT, NSET={FACE}", "RF"),
         *(f"*NODE PRINT, NSET={REFERENCE}", "U") * by_force,
@@ -97,14 +99,14 @@ def contact(model: Model, state: State, scale: float) -> list[str]:
 
 
 def _pad(face: Array, height: float) -> tuple[Array, Indices]:
-    """Return points and elements of a pad; its first points are those of its lower side.
+    """Return the points (2 k, 2) and elements (k - 1, 4) of a pad, points of the lower side first.
 
     Parameters
     ----------
-    face : (k, 2) radii and heights of the nodes of its lower side
-    height : of its upper side
+    face : (k, 2) radii and heights of the nodes of the lower side
+    height : of the upper side
     """
-    above = np.stack([face[:, 0], np.full(len(face), height)], axis=1)
+    top = np.stack([face[:, 0], np.full(len(face), height)], axis=1)
     low, high = np.arange(len(face)), len(face) + np.arange(len(face))
     cells = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
-    return np.concatenate([face, above]), cells
+    return np.concatenate([face, top]), cells

@@ -1,4 +1,4 @@
-"""Keywords that CalculiX and Abaqus share: nodes, elements, material, and what readers need."""
+"""Write the keywords that CalculiX and Abaqus share: nodes, elements, material and comments."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,21 +12,21 @@ from .mesh import DeckMesh
 from .states import State
 
 PER_LINE = 8
-"""Numbers on a line: Abaqus takes lines of up to 256 characters."""
+"""Greatest number of numbers on a line, because Abaqus reads at most 256 characters a line."""
 CONTACT, FACE, FAR, AXIS, REFERENCE = "CONTACT", "FACE", "FAR", "AXIS", "REF"
-"""Names of sets of nodes: the surface below the punch, the face of the punch, the arc, the axis,
-and the node that moves with the punch."""
+"""Names of node sets: the surface below the punch, the face of the punch, the clamped arc, the
+axis, and the reference node, which moves with the punch."""
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """What all decks of a scene have in common.
+    """The scene and the mesh that all decks of a scene share.
 
     Parameters
     ----------
-    scene : whose units all numbers have
+    scene : its units are those of all numbers in the decks
     mesh : in punch radii
-    hybrid : whether elements are for materials that do not change their volume, in Abaqus
+    hybrid : whether Abaqus uses hybrid elements, for nearly incompressible materials
     """
 
     scene: Scene
@@ -35,39 +35,39 @@ class Model:
 
     @property
     def element(self) -> str:
-        """The name of the elements."""
+        """The type of the elements, such as CAX8H."""
         return f"CAX{8 if self.mesh.quadratic else 4}{'H' if self.hybrid else ''}"
 
     @property
     def radius(self) -> float:
-        """The punch radius."""
+        """The punch radius, in the units of the scene."""
         return self.scene.problem.units.length
 
     @property
     def radii(self) -> Array:
-        """(k,) radii of the contact nodes, those of the punch at its ends."""
+        """(k,) radii of the contact nodes, without roundoff beyond the rim or the hole."""
         radii = self.mesh.points[self.mesh.contact, 0] * self.radius
         return np.clip(radii, self.scene.punch.inner_radius, self.scene.punch.radius)
 
 
-def heading(model: Model, what: str) -> list[str]:
-    """Return the heading: the scene, what is modelled, and the units."""
+def heading(model: Model, description: str) -> list[str]:
+    """Return the heading: the title of the scene, a description, and the units."""
     title = model.scene.title.encode("ascii", "replace").decode() or "Untitled scene"
-    units = model.scene.units or "none: any that are consistent"
-    return ["*HEADING", f"{title[:70]}: {what}", f"** units: {units}"]
+    units = model.scene.units or "none: any consistent units"
+    return ["*HEADING", f"{title[:70]}: {description}", f"** units: {units}"]
 
 
 def notes(model: Model, states: Sequence[State], scale: float, lowest: float) -> list[str]:
-    """Return comments that the reader of results needs: times, rings and the scale.
+    """Return the comments that `reports.py` reads: times, rings, and the scale of displacements.
 
     Parameters
     ----------
-    scale : by which displacements of the deck are to be multiplied
-    lowest : what is then to be added for the indentation
+    scale : factor that turns displacements of the deck into those of the scene
+    lowest : height that is added to the displacement of the punch to obtain the indentation
     """
     rings = model.scene.problem.graded or model.scene.problem.rings
     inner, outer = rings.ends
-    named = {
+    values_by_name = {
         "times": [state.time for state in states],
         "ring edges": rings.ring_edges * model.radius,
         "wear at inner edges": inner,
@@ -75,27 +75,29 @@ def notes(model: Model, states: Sequence[State], scale: float, lowest: float) ->
         "displacements times": [scale],
         "lowest height": [lowest],
     }
-    return [f"** {name}: {line}" for name, values in named.items() for line in numbers(values)]
+    return [
+        f"** {name}: {line}" for name, values in values_by_name.items() for line in numbers(values)
+    ]
 
 
 def numbers(values: ArrayLike) -> Iterator[str]:
-    """Yield lines of numbers."""
+    """Yield lines of numbers, separated by commas."""
     rest = np.ravel(values)
     for start in range(0, len(rest), PER_LINE):
         yield ", ".join(f"{value:.12g}" for value in rest[start : start + PER_LINE])
 
 
-def half_space(model: Model, stiffer: float = 1.0) -> list[str]:
-    """Return nodes, elements, sets, material and the clamped arc.
+def half_space(model: Model, scale: float = 1.0) -> list[str]:
+    """Return nodes, elements, sets, material and boundary conditions of the half-space.
 
     Parameters
     ----------
-    stiffer : times by which the half-space is stiffer than the scene's
+    scale : factor on the modulus of the scene
     """
     mesh = model.mesh
     sets = {CONTACT: mesh.contact, AXIS: mesh.axis, FAR: mesh.far}
     ratio = model.scene.half_space.poisson_ratio
-    youngs_modulus = stiffer * model.scene.problem.units.modulus * (1 - ratio**2)
+    youngs_modulus = scale * model.scene.problem.units.modulus * (1 - ratio**2)
     heights = mesh.points * [model.radius, -model.radius]
     return [
         *nodes(heights, 1, "ALL"),
@@ -112,7 +114,7 @@ def half_space(model: Model, stiffer: float = 1.0) -> list[str]:
 
 
 def nodes(points: Array, first: int, name: str) -> list[str]:
-    """Return nodes at (n, 2) radii and heights, numbered from the first."""
+    """Return nodes at points (n, 2), radii and heights, numbered from `first`."""
     rows = enumerate(points, first)
     return [
         f"*NODE, NSET={name}",
@@ -121,7 +123,7 @@ def nodes(points: Array, first: int, name: str) -> list[str]:
 
 
 def elements(cells: Indices, kind: str, name: str, first: int) -> list[str]:
-    """Return elements, whose nodes are counted from 0, numbered from the first."""
+    """Return elements (m, nodes) of node indices from 0, numbered from `first`."""
     return [
         f"*ELEMENT, TYPE={kind}, ELSET={name}",
         *(
@@ -132,12 +134,12 @@ def elements(cells: Indices, kind: str, name: str, first: int) -> list[str]:
 
 
 def node_set(name: str, members: Indices) -> list[str]:
-    """Return a set of nodes that are counted from 0."""
+    """Return a set of nodes, given by their indices from 0."""
     return [f"*NSET, NSET={name}", *numbers(members + 1)]
 
 
 def surface(name: str, faces: Iterable[tuple[int, int]], first: int = 1) -> list[str]:
-    """Return a surface of sides of elements, which are counted from 0."""
+    """Return a surface of element sides: pairs of element index, from 0, and side, from 1."""
     return [
         f"*SURFACE, NAME={name}, TYPE=ELEMENT",
         *(f"{first + cell}, S{side}" for cell, side in faces),
@@ -145,7 +147,7 @@ def surface(name: str, faces: Iterable[tuple[int, int]], first: int = 1) -> list
 
 
 def pressed_nodes(model: Model, state: State) -> list[str]:
-    """Return the displacement of each contact node that the face of the punch asks for."""
+    """Return prescribed displacements u = d - f that press the contact nodes on the face."""
     depths = state.indentation - state.heights
     pairs = zip(model.mesh.contact, depths, strict=True)
     return ["*BOUNDARY", *(f"{node + 1}, 2, 2, {-depth:.12g}" for node, depth in pairs)]

@@ -1,6 +1,6 @@
-"""The mesh of a deck: quadrilaterals with nodes at ring edges, graded to them and to the rim.
+"""Mesh the half-space of a deck by quadrilaterals, with nodes at ring edges and graded there.
 
-A square of 2 a by 2 a below the punch is a product of radii and depths. Around it, the
+Below the punch, a square of side 2 a is the product of radii and depths. Around it, the
 quadrilaterals grow geometrically with the distance from the centre, up to the arc of radius R.
 Non-dimensional: the punch has radius 1, and depth is positive into the half-space.
 """
@@ -19,27 +19,30 @@ from ...meshes.radial import Array, Indices
 SQUARE = 2.0
 """Side of the square below the punch, in punch radii."""
 ROUND_FROM = 6.0
-"""Distance from the centre at which squares around it have become arcs, in punch radii."""
+"""Distance from the centre, in punch radii, at which the shells around the square, which begin as
+squares, have become arcs."""
 RIM_SIZE = 1.44
-"""Size of the elements at the rim over the square of the size inside: the error of an element
-beside a root singularity falls with the root of its size, elsewhere with the square of it."""
+"""Size of the elements at the rim over the square of the size inside. Near a root singularity the
+error of an element is proportional to the root of its size, elsewhere to the square of its size."""
 WIDE = 0.5
-"""Width of a ring, in punch radii, below which elements are smaller in proportion to it."""
+"""Width of a ring, in punch radii, below which its elements are smaller in proportion."""
 GROWTH = 2.0
-"""Growth of the elements with the distance from an edge, over their size inside."""
-LEAST_REACH = 8.0
-MOST_ELEMENTS = 200_000
+"""Growth of the element size per distance from an edge, over the size inside."""
+MIN_REACH = 8.0
+"""Least radius of the half-space, in punch radii."""
+MAX_ELEMENTS = 200_000
+"""Greatest number of elements."""
 
 
 @dataclass(frozen=True, eq=False)
 class DeckMesh:
-    """A mesh as decks have it: numbered nodes, elements and sets of nodes.
+    """The mesh of a deck: numbered nodes, elements and sets of nodes.
 
     Parameters
     ----------
-    mesh : quadrilaterals of scikit-fem, with named boundaries
-    inner_radius : of the hole of the punch
-    quadratic : whether elements have nodes in the middles of their sides, too
+    mesh : mesh of scikit-fem, with named boundaries
+    inner_radius : of the hole of the punch; 0 if there is none
+    quadratic : whether elements also have nodes in the middles of their sides
     """
 
     mesh: MeshQuad
@@ -54,14 +57,14 @@ class DeckMesh:
 
     @cached_property
     def cells(self) -> Indices:
-        """(m, 4 or 8) nodes of the elements, anticlockwise where height points up.
+        """(m, 4 or 8) nodes of the elements, anticlockwise with the height upwards.
 
-        Corners first, then the middles of the sides that follow them, as in CAX4 and CAX8.
+        The corners are followed by the middles of the sides, as in CAX4 and CAX8.
         """
         corners, sides = self.mesh.t, self.mesh.t2f + self.mesh.nvertices
         r, z = self.mesh.p[:, corners]
         twice_area = (r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)
-        # depth points down: what turns clockwise in radius and depth is anticlockwise in a deck
+        # depth points down: clockwise in radius and depth is anticlockwise in radius and height
         clockwise = twice_area < 0
         corners = np.where(clockwise, corners, corners[[0, 3, 2, 1]])
         sides = np.where(clockwise, sides, sides[::-1])
@@ -69,25 +72,25 @@ class DeckMesh:
 
     @cached_property
     def contact(self) -> Indices:
-        """(k,) nodes of the contact from the axis, or the hole, to the rim."""
+        """(k,) contact nodes from the axis, or from the hole, to the rim."""
         return self._nodes_along(self._facets)
 
     @cached_property
     def faces(self) -> list[tuple[int, int]]:
-        """Elements below the contact, each with the number of its side there, from 1."""
+        """Elements at the contact, from inside to outside, each with its side there, from 1."""
         number = {int(facet): place for place, facet in enumerate(self._facets)}
-        wanted = np.isin(self.mesh.t2f, self._facets)
-        found = sorted(
+        on_contact = np.isin(self.mesh.t2f, self._facets)
+        facet_cells = sorted(
             (number[int(self.mesh.t2f[side, cell])], int(cell))
-            for side, cell in np.argwhere(wanted)
+            for side, cell in np.argwhere(on_contact)
         )
-        ends = [set(self.mesh.facets[:, self._facets[place]]) for place, _ in found]
-        corners = [self.cells[cell, :4] for _, cell in found]
+        ends = [set(self.mesh.facets[:, self._facets[place]]) for place, _ in facet_cells]
+        corners = [self.cells[cell, :4] for _, cell in facet_cells]
         sides = [
-            next(s for s in range(4) if {nodes[s], nodes[(s + 1) % 4]} == of)
-            for of, nodes in zip(ends, corners, strict=True)
+            next(s for s in range(4) if {nodes[s], nodes[(s + 1) % 4]} == facet_ends)
+            for facet_ends, nodes in zip(ends, corners, strict=True)
         ]
-        return [(cell, side + 1) for (_, cell), side in zip(found, sides, strict=True)]
+        return [(cell, side + 1) for (_, cell), side in zip(facet_cells, sides, strict=True)]
 
     @property
     def axis(self) -> Indices:
@@ -96,7 +99,7 @@ class DeckMesh:
 
     @property
     def far(self) -> Indices:
-        """Nodes on the arc."""
+        """Nodes on the clamped arc."""
         return self._nodes_along(self.mesh.boundaries["far"])
 
     @property
@@ -116,15 +119,15 @@ class DeckMesh:
 def deck_mesh(
     ring_edges: Array, inner_radius: float, size: float, reach: float, quadratic: bool
 ) -> DeckMesh:
-    """Mesh a quarter disc for a deck.
+    """Return the mesh of a quarter disc for a deck.
 
     Parameters
     ----------
-    ring_edges : (N+1,) from 0 to 1, a hole being a first ring
+    ring_edges : (N+1,) from 0 to 1; a hole counts as the first ring
     inner_radius : of the hole of the punch; 0 if there is none
-    size : of the elements below the punch away from ring edges, in punch radii
+    size : of the elements below the punch, away from ring edges, in punch radii
     reach : radius of the quarter disc, in punch radii
-    quadratic : whether elements have nodes in the middles of their sides, too
+    quadratic : whether elements also have nodes in the middles of their sides
 
     Raises
     ------
@@ -133,18 +136,18 @@ def deck_mesh(
     """
     if not 1e-3 <= size <= 0.5:
         raise SceneError(f"--size {size:g}: give the size of elements in punch radii, 0.001 to 0.5")
-    if not LEAST_REACH <= reach <= 1e6:
+    if not MIN_REACH <= reach <= 1e6:
         raise SceneError(
             f"--reach {reach:g}: give the radius of the modelled half-space in punch radii, "
-            f"{LEAST_REACH:g} to 1e6"
+            f"{MIN_REACH:g} to 1e6"
         )
     radii, depths = _radii(ring_edges, size), _depths(ring_edges, size)
     shells = np.geomspace(SQUARE, reach, 2 + int(np.log(reach / SQUARE) / np.log1p(GROWTH * size)))
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
-    if count > MOST_ELEMENTS:
+    if count > MAX_ELEMENTS:
         raise SceneError(
-            f"--size {size:g}: the deck would have {count} elements, more than {MOST_ELEMENTS}: "
+            f"--size {size:g}: the deck would have {count} elements, more than {MAX_ELEMENTS}: "
             "give a larger size, or fewer rings"
         )
     mesh = _quadrilaterals(radii, depths, shells)
@@ -152,31 +155,32 @@ def deck_mesh(
 
 
 def _radii(ring_edges: Array, size: float) -> Array:
-    """Return the radii of vertices from 0 to the end of the square."""
+    """Return the radii of the vertices of the square, from 0 to its side."""
     widths, lines = np.diff(ring_edges), [np.zeros(1)]
     scales = np.minimum(widths / WIDE, 1.0)
-    outside = np.append(scales[1:], np.inf)
-    edge_sizes = np.append(0.0, RIM_SIZE * size**2 * np.minimum(scales, outside))
+    outer_scales = np.append(scales[1:], np.inf)
+    edge_sizes = np.append(0.0, RIM_SIZE * size**2 * np.minimum(scales, outer_scales))
     for number, (start, end) in enumerate(itertools.pairwise(ring_edges)):
         largest, half = size * scales[number], widths[number] / 2
         if start == 0:
-            outwards = graded(widths[number], edge_sizes[1], largest, GROWTH * size)
-            lines.append((end - outwards[::-1])[1:])
+            from_edge = graded(widths[number], edge_sizes[1], largest, GROWTH * size)
+            lines.append((end - from_edge[::-1])[1:])
             continue
         inner, outer = (
-            graded(half, of, largest, GROWTH * size) for of in edge_sizes[number : number + 2]
+            graded(half, edge_size, largest, GROWTH * size)
+            for edge_size in edge_sizes[number : number + 2]
         )
         lines += [start + inner[1:], (end - outer[::-1])[1:]]
-    outside = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
-    radii = np.concatenate([*lines, 1 + outside[1:]])
-    # ring edges and the ends without roundoff
+    beyond_rim = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
+    radii = np.concatenate([*lines, 1 + beyond_rim[1:]])
+    # remove the roundoff of ring edges and of the end
     for exact in (*ring_edges, SQUARE):
         radii[np.abs(radii - exact).argmin()] = exact
     return radii
 
 
 def _depths(ring_edges: Array, size: float) -> Array:
-    """Return the depths of vertices from the surface to the end of the square."""
+    """Return the depths of the vertices of the square, from the surface to its side."""
     scale = min(float(np.diff(ring_edges).min()) / WIDE, 1.0)
     return graded(SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size)
 
@@ -185,40 +189,47 @@ def graded(length: float, first: float, largest: float, growth: float) -> Array:
     """Return distances from 0 to a length, in steps that grow with the distance.
 
     The steps are about ``min(first + growth * distance, largest)``: the distances are equally
-    spaced in the integral of one over this size.
+    spaced in the integral of the inverse of this size.
     """
     first = min(first, largest)
-    ends = (largest - first) / growth
-    until = np.log(largest / first) / growth
-    if length <= ends:
-        whole = np.log1p(growth * length / first) / growth
+    # distance, and number of steps, after which the steps no longer grow
+    growth_end = (largest - first) / growth
+    growth_steps = np.log(largest / first) / growth
+    if length <= growth_end:
+        steps = np.log1p(growth * length / first) / growth
     else:
-        whole = until + (length - ends) / largest
-    places = np.linspace(0, whole, int(np.ceil(whole - 1e-9)) + 1)
-    near = first * np.expm1(growth * np.minimum(places, until)) / growth
-    distances = near + largest * np.maximum(places - until, 0.0)
+        steps = growth_steps + (length - growth_end) / largest
+    positions = np.linspace(0, steps, int(np.ceil(steps - 1e-9)) + 1)
+    growing = first * np.expm1(growth * np.minimum(positions, growth_steps)) / growth
+    distances = growing + largest * np.maximum(positions - growth_steps, 0.0)
     distances[-1] = length
     return np.asarray(distances)
 
 
 def _quadrilaterals(radii: Array, depths: Array, shells: Array) -> MeshQuad:
-    """Return the square and the shells around it; the first of the shells is the square's side."""
+    """Return the mesh of the square and of the shells around it.
+
+    Parameters
+    ----------
+    radii, depths : of the vertices of the square
+    shells : distances of the shells from the centre, the first one the side of the square
+    """
     rows, columns = len(depths), len(radii)
     square = np.arange(rows * columns).reshape(rows, columns)
-    r, z = (of.ravel() for of in np.meshgrid(radii, depths))
-    # from the surface along the outer side of the square, and back to the axis below it
+    r, z = (grid.ravel() for grid in np.meshgrid(radii, depths))
+    # boundary of the square, from the surface down its outer side and along its bottom to the axis
     side = np.append(square[:, -1], square[-1, -2::-1])
     start = np.stack([r[side], z[side]])
     direction = start / np.hypot(*start)
-    # 0 on the square, 1 on an arc
-    share = np.minimum(np.log(shells[1:] / SQUARE) / np.log(ROUND_FROM / SQUARE), 1.0)
-    share, distance = share[:, None, None], shells[1:, None, None]
-    points = distance * ((1 - share) * start / SQUARE + share * direction)
+    # 0 for the shape of the square, 1 for an arc
+    roundness = np.minimum(np.log(shells[1:] / SQUARE) / np.log(ROUND_FROM / SQUARE), 1.0)
+    roundness, distance = roundness[:, None, None], shells[1:, None, None]
+    points = distance * ((1 - roundness) * start / SQUARE + roundness * direction)
     outside = r.size + np.arange(points.shape[0] * side.size).reshape(-1, side.size)
-    shell = np.vstack([side, outside])
+    shell_nodes = np.vstack([side, outside])
     cells = [
-        np.stack([of[:-1, :-1], of[1:, :-1], of[1:, 1:], of[:-1, 1:]]).reshape(4, -1)
-        for of in (square, shell)
+        np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]).reshape(4, -1)
+        for grid in (square, shell_nodes)
     ]
     vertices = np.hstack([[r, z], points.transpose(1, 0, 2).reshape(2, -1)])
     return MeshQuad(vertices, np.hstack(cells))

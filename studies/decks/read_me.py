@@ -1,4 +1,4 @@
-"""The README of a folder of decks: what is modelled, what it costs, and how to read it back."""
+"""Write the README of a folder of decks: the model, its errors, and how to check the results."""
 
 from collections.abc import Sequence
 
@@ -7,18 +7,26 @@ from .keywords import Model
 from .states import State
 
 COMMANDS = {
-    "calculix": "OMP_NUM_THREADS=1 ccx {job}          # the program takes the name without .inp",
+    "calculix": "OMP_NUM_THREADS=1 ccx {job}          # give the name without .inp",
     "abaqus": "abaqus job={job} interactive",
 }
 CLAMPED = 1.1
-"""Relative error of the indentation of a clamped half-space, times R / a, for a Poisson's ratio of
-0.3 (`ringwear study truncation`)."""
+"""Relative error of the indentation of a half-space that is clamped at R, times R / a, for a
+Poisson's ratio of 0.3 (`ringwear study truncation`)."""
 
 
 def read_me(
     model: Model, program: str, reach: float, states: Sequence[State], prescribed: bool
 ) -> list[str]:
-    """Return the lines of the README."""
+    """Return the lines of the README.
+
+    Parameters
+    ----------
+    program : `calculix` or `abaqus`
+    reach : radius of the modelled half-space, in punch radii
+    states : the punch at each time
+    prescribed : whether there is a deck with prescribed displacements
+    """
     scene, mesh = model.scene, model.mesh
     names = UnitNames.of(scene.units)
     units = scene.units or "none: numbers are in any consistent units"
@@ -31,11 +39,11 @@ def read_me(
         return names.write(value, kind, 6)
 
     by_force = scene.load_.indentation is None
-    pressed = "pressed to the indentation of the table"
+    pressed = "pressed to the indentation in the table"
     if by_force and program == "abaqus":
-        pressed = "pressed to the indentation of the table, and then by its force"
+        pressed = "pressed to the indentation in the table, and then by the force in it"
     elif by_force:
-        pressed += " (a flat face: by its force; a worn one does not converge under it)"
+        pressed += " (a flat face: by the force; under a force, a worn face does not converge)"
     rows = [
         f"| `contact_{number}.inp` | {f'{number} of prescribed.inp' if prescribed else '-'} | "
         f"{written(state.time, 'time')} | {written(state.indentation, 'displacement')} | "
@@ -50,56 +58,59 @@ def read_me(
         "",
         "## What is modelled",
         "",
-        f"- The half-space: a quarter disc of radius R = {reach:g} a, clamped on its arc, without "
-        "radial displacement on the axis, without traction beside the punch. a = "
+        f"- The half-space is a quarter disc of radius R = {reach:g} a. It is clamped on its arc, "
+        "has no radial displacement on the axis, and no traction beside the punch. a = "
         f"{written(model.radius, 'length')}; E = "
         f"{written(scene.problem.units.modulus * (1 - ratio**2), 'pressure')}, Poisson's ratio "
-        f"{ratio:g}. Two elastic bodies are one half-space of the modulus of both.",
-        f"- {len(mesh.cells)} axisymmetric elements {model.element}, {len(mesh.points)} nodes; "
-        "ring edges are nodes, and elements are smallest there and at the rim.",
-        "- The punch: rigid and without friction, with the worn face that MDR computes, to the "
-        f"scene's rtol {scene.accuracy.rtol:g}. The program does not compute wear.",
+        f"{ratio:g}. If both bodies are elastic, this is one half-space with their common modulus.",
+        f"- The mesh has {len(mesh.cells)} axisymmetric elements {model.element} and "
+        f"{len(mesh.points)} nodes. All ring edges are nodes; elements are smallest there and "
+        "at the rim.",
+        "- The punch is rigid and without friction. Its worn face was computed by MDR to the "
+        f"scene's rtol, {scene.accuracy.rtol:g}; the program does not compute wear.",
     ]
     if prescribed:
         lines += [
-            "- `prescribed.inp` (recommended): a linear problem, a step for each time. Each "
-            "contact node is pressed down by u = d - f, the indentation less the face; radial "
-            "displacements are free. Reaction forces are the result.",
+            "- `prescribed.inp` (recommended) is a linear problem with a step for each time. Each "
+            "contact node is displaced downwards by u = d - f, the indentation minus the height of "
+            "the face; radial displacements are free. The results are the reaction forces.",
         ]
     else:
         lines += [
-            "- Not all of the face carries, so there is no deck with prescribed displacements: "
-            "which nodes touch is not known before."
+            "- There is no deck with prescribed displacements, because only a part of the face "
+            "touches, and it is not known in advance which nodes do."
         ]
     lines += [
-        f"- `contact_1.inp`, ...: contact with a rigid punch on linear elements, a file for each "
-        f"time, {pressed}. The half-space is made stiffer, and the heights of the face smaller, so "
-        "that the indentation is at most a/1000: forces and pressures are those of the scene, and "
-        "displacements are smaller by the number in the comment `displacements times`.",
+        "- `contact_1.inp`, ..., one file for each time, model contact of linear elements with a "
+        f"rigid punch, {pressed}. The modulus of the half-space is multiplied, and the heights of "
+        "the face divided, by the number in the comment `displacements times`, so that the "
+        "indentation is at most a/1000. Forces and pressures are those of the scene; displacements "
+        "are divided by this number.",
         "",
         "| file | step | time | indentation | force |",
         "| --- | --- | --- | --- | --- |",
         *rows,
         "",
-        "## What it costs",
+        "## Errors of the model",
         "",
-        f"- Clamped at R, the half-space is too stiff: by about {CLAMPED:g} a/R = "
-        f"{CLAMPED / reach:.2g} (Poisson's ratio 0.3). At a given indentation the force is too "
-        "large by that, under a given force the indentation too small. Late pressures of rings "
-        "that wear fast are small, and this excess is a larger part of them. Twice the reach has "
-        "half this error, and few more elements.",
-        "- Beside edges of rings, where pressures jump, those of the nearest elements err by about "
-        "10 to 20 %, whatever their size; smaller elements have this error in a smaller part of "
-        "the face.",
-        "- At the start the pressure is infinite at the rim: the check compares it inside 0.95 a.",
+        f"- Because it is clamped at R, the half-space is too stiff by about {CLAMPED:g} a/R = "
+        f"{CLAMPED / reach:.2g} (for Poisson's ratio 0.3). At a given indentation the force is too "
+        "large by this relative error; under a given force the indentation is too small. The "
+        "relative error is larger in the late pressures of rings that wear fast, because these "
+        "pressures are small. Twice the reach halves this error and needs few more elements.",
+        "- Near ring edges, where pressures jump, the pressures of the nearest elements err by "
+        "about 10 to 20 %, whatever the element size. With smaller elements, this error affects a "
+        "smaller part of the face.",
+        "- At the start the pressure is infinite at the rim. `ringwear check` compares it inside "
+        "0.95 a.",
         "",
-        "## Run it, and read it back",
+        "## Run the deck and check the results",
         "",
         f"    {COMMANDS[program].format(job=job)}",
         f"    ringwear check scene.toml {results}",
         "",
-        "`ringwear check` reads the deck beside the results, for the places of its nodes: leave "
-        "them in one folder.",
+        "`ringwear check` also reads the deck, which contains the positions of the nodes: leave "
+        "the deck and the results in the same folder.",
         "",
     ]
     return lines + (_about_calculix() if program == "calculix" else _about_abaqus())
@@ -107,16 +118,18 @@ def read_me(
 
 def _about_calculix() -> list[str]:
     return [
-        "Forces in the .dat are those of a wedge of 2 degrees: the check multiplies them by 180, "
-        "and solves the consistent mass matrix of the contact line (2 pi r dr) for the pressures. "
-        "Loads in the deck are those of the whole circumference. Tried with CalculiX 2.20.",
+        "Forces in the .dat file are those on a wedge of 2 degrees. `ringwear check` multiplies "
+        "them by 180, and computes the pressures by the consistent mass matrix of the contact line "
+        "(2 pi r dr). Loads in the deck are those on the whole circumference. Tested with CalculiX "
+        "2.20.",
     ]
 
 
 def _about_abaqus() -> list[str]:
     return [
-        "These decks were compared with documented examples keyword by keyword. **They were not "
-        "run.** In Abaqus/Viewer choose Report > Field Output, position Unique Nodal, RF.RF2 of "
-        "prescribed.odb (or CPRESS, and U.U2, of a contact deck), the node set CONTACT, and every "
-        "step, appended to one file with the name of the deck and the ending .rpt.",
+        "The keywords of these decks were compared with documented examples, one by one. **The "
+        "decks were not run.** In Abaqus/Viewer choose Report > Field Output, position Unique "
+        "Nodal, RF.RF2 of prescribed.odb (or CPRESS, and U.U2, of a contact deck), the node set "
+        "CONTACT, and every step, appended to one file with the name of the deck and the ending "
+        ".rpt.",
     ]

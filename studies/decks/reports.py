@@ -1,7 +1,7 @@
-"""Results of decks: CalculiX's .dat, and Abaqus's report of a field (.rpt).
+"""Read the results of decks: the .dat file of CalculiX, and field reports (.rpt) of Abaqus.
 
-Both name nodes by their numbers. The deck beside them says where the nodes are, and its comments
-say the times, the rings and the scale.
+Both refer to nodes by their numbers. The deck in the same folder contains the positions of the
+nodes; its comments contain the times, the rings and the scale.
 """
 
 import re
@@ -18,27 +18,27 @@ from ...meshes.radial import Array
 from .pressures import pressures_of
 
 WEDGE = 180.0
-"""The circumference over the wedge of 2 degrees that CalculiX makes of an axisymmetric model."""
+"""The whole circumference over the wedge of 2 degrees by which CalculiX models axial symmetry."""
 NEAR_RIM = 0.05
-"""Part of the face beside the rim in which pressures of the start, infinite at the rim, are left
-out: polynomials swing about them."""
+"""Part of the face, at the rim and at a hole, in which pressures at the start are ignored: they are
+infinite at the edge, and those of polynomial elements oscillate there."""
 DAT_TITLE = re.compile(
-    r"(?P<what>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
+    r"(?P<quantity>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
 )
 RPT_STEP = re.compile(r"Step: *STEP-(?P<step>\d+)", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
 class Deck:
-    """What a deck of `ringwear deck` says of its nodes and steps.
+    """The nodes and steps of a deck by `ringwear deck`.
 
     Parameters
     ----------
     path : of the deck
-    radii : radius of each node by its number
-    sets : numbers of nodes by the names of sets
-    quadratic : whether its elements have nodes in the middles of their sides
-    notes : numbers in its comments, by their names
+    radii : radius of each node, by node number
+    sets : node numbers of each node set, by its name
+    quadratic : whether elements have nodes in the middles of their sides
+    notes : numbers in the comments, by the name of the comment
     """
 
     path: Path
@@ -49,22 +49,22 @@ class Deck:
 
     @classmethod
     def of_results(cls, results: Path) -> "Deck":
-        """Read the deck of some results: the file of the same name that ends in .inp.
+        """Return the deck of a file of results: the file of the same name that ends in .inp.
 
         Raises
         ------
         SceneError
-            if it is not there, or not by `ringwear deck`
+            if it does not exist, or was not written by `ringwear deck`
         """
         path = results.with_suffix(".inp")
         try:
             lines = path.read_text("utf-8", "replace").splitlines()
         except OSError:
             raise SceneError(
-                f"{results} names nodes by their numbers: put the deck {path.name}, which says "
-                "where they are, beside it"
+                f"{results} refers to nodes by their numbers: put the deck {path.name}, which has "
+                "their positions, into the same folder"
             ) from None
-        radii, sets, kinds = dict[int, float](), dict[str, list[int]](), set[str]()
+        radii, sets, node_counts = dict[int, float](), dict[str, list[int]](), set[str]()
         notes = dict[str, list[float]]()
         keyword, name = "", ""
         for line in lines:
@@ -74,21 +74,22 @@ class Deck:
                     notes.setdefault(note, []).extend(map(float, values.split(",")))
             elif line.startswith("*"):
                 keyword = line.partition(",")[0].upper()
-                named = re.search(r"NSET=(\w+)", line)
-                name = named[1].upper() if named else ""
-                kinds.update(re.findall(r"TYPE=CAX(\d)", line))
+                set_name = re.search(r"NSET=(\w+)", line)
+                name = set_name[1].upper() if set_name else ""
+                node_counts.update(re.findall(r"TYPE=CAX(\d)", line))
             elif keyword == "*NODE":
                 number, radius, *_ = line.split(",")
                 radii[int(number)] = float(radius)
             elif keyword == "*NSET":
-                sets.setdefault(name, []).extend(int(of) for of in line.split(",") if of.strip())
+                members = (int(number) for number in line.split(",") if number.strip())
+                sets.setdefault(name, []).extend(members)
         if NOTES - notes.keys() or "CONTACT" not in sets:
             raise SceneError(
-                f"{path} is no deck by `ringwear deck`: give results as a table of time, radius "
-                "and pressure"
+                f"{path} was not written by `ringwear deck`: give results as a table of time, "
+                "radius and pressure"
             )
-        told = {note: np.array(values) for note, values in notes.items()}
-        return cls(path, radii, sets, "8" in kinds, told)
+        arrays = {note: np.array(values) for note, values in notes.items()}
+        return cls(path, radii, sets, "8" in node_counts, arrays)
 
     @property
     def times(self) -> Array:
@@ -97,12 +98,12 @@ class Deck:
 
     @property
     def scale(self) -> float:
-        """By which displacements are to be multiplied."""
+        """Factor that turns displacements of the deck into those of the scene."""
         return float(self.notes["displacements times"][0])
 
     @property
     def lowest(self) -> float:
-        """What is to be added to the displacement of the punch for the indentation."""
+        """Height that is added to the displacement of the punch to obtain the indentation."""
         return float(self.notes["lowest height"][0])
 
     @cached_property
@@ -111,7 +112,10 @@ class Deck:
         return np.array([self.radii[node] for node in self.sets["CONTACT"]])
 
     def pressures(self, time: float, forces: Array) -> Array:
-        """Return pressures (k,) by the forces (k,) on the circumference at a time."""
+        """Return pressures (k,) at a time from the nodal forces (k,) on the whole circumference.
+
+        They are NaN at ring edges where wear coefficients jump, and at the start near the rim.
+        """
         edges = self.notes["ring edges"]
         inner, outer = self.notes["wear at inner edges"], self.notes["wear at outer edges"]
 
@@ -119,25 +123,25 @@ class Deck:
             if time == 0:
                 return np.ones_like(radii)
             ring = np.clip(np.searchsorted(edges, radii, "right") - 1, 0, len(inner) - 1)
-            share = (radii - edges[ring]) / (edges[ring + 1] - edges[ring])
-            values = inner[ring] + share * (outer[ring] - inner[ring])
+            fraction = (radii - edges[ring]) / (edges[ring + 1] - edges[ring])
+            values = inner[ring] + fraction * (outer[ring] - inner[ring])
             jumps = edges[1:-1][inner[1:] != outer[:-1]]
-            apart = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
-            return np.where(apart.all(axis=1), values, np.nan)
+            away_from_jumps = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
+            return np.where(away_from_jumps.all(axis=1), values, np.nan)
 
-        found = pressures_of(self.contact_radii, forces, self.quadratic, wear)
-        return np.where(self._near_infinite if time == 0 else False, np.nan, found)
+        pressures = pressures_of(self.contact_radii, forces, self.quadratic, wear)
+        return np.where(self._near_singularity if time == 0 else False, np.nan, pressures)
 
     @property
-    def _near_infinite(self) -> Array:
-        """(k,) whether a node is beside the rim or a hole, where first pressures are infinite."""
+    def _near_singularity(self) -> Array:
+        """(k,) whether a node is near the rim or a hole, where first pressures are infinite."""
         inner, rim = self.notes["ring edges"][[0, -1]]
         margin, radii = NEAR_RIM * (rim - inner), self.contact_radii
         return (radii > rim - margin) | ((radii < inner + margin) & (inner > 0))
 
-    def rows(self, time: float, found: dict[str, Array]) -> pd.DataFrame:
-        """Return a table of what was found at a time, of fields by the contact nodes."""
-        return pd.DataFrame({"time": time, "radius": self.contact_radii} | found)
+    def rows(self, time: float, results: dict[str, Array]) -> pd.DataFrame:
+        """Return a table of results (k,) at the contact nodes at a time."""
+        return pd.DataFrame({"time": time, "radius": self.contact_radii} | results)
 
 
 NOTES = {
@@ -148,48 +152,53 @@ NOTES = {
     "displacements times",
     "lowest height",
 }
+"""Names of the comments that a deck must have."""
 
 
 def read_dat(path: Path) -> pd.DataFrame:
-    """Return results of CalculiX: pressures by reaction forces, their sum, and displacements.
+    """Return the results of CalculiX: pressures from reaction forces, the force, displacements.
 
     Raises
     ------
     SceneError
-        if the deck is not beside it, or if a step or its forces are not there
+        if the deck is not in the same folder, or if a step or its forces are missing
     """
     deck, tables = Deck.of_results(path), []
-    blocks = {(what, name, time): values for what, name, time, values in _blocks(path)}
+    blocks = {(quantity, name, time): values for quantity, name, time, values in _blocks(path)}
     for step, time in enumerate(deck.times):
-        end = max((when for *_, when in blocks if when <= step + 1 + 1e-6), default=0.0)
+        end = max((time for *_, time in blocks if time <= step + 1 + 1e-6), default=0.0)
         if abs(end - step - 1) > 1e-6:
             raise SceneError(
-                f"{path}: step {step + 1} of {len(deck.times)} is not there, or not finished: did "
-                "the program stop early?"
+                f"{path}: step {step + 1} of {len(deck.times)} is missing or not finished: run the "
+                "program to its end"
             )
-        found = {(what, name): of for (what, name, when), of in blocks.items() if when == end}
-        forces = found.get(("forces", "FACE"), found.get(("forces", "CONTACT")))
+        step_blocks = {
+            (quantity, name): values
+            for (quantity, name, block_time), values in blocks.items()
+            if block_time == end
+        }
+        forces = step_blocks.get(("forces", "FACE"), step_blocks.get(("forces", "CONTACT")))
         if forces is None or len(forces) != len(deck.contact_radii):
             raise SceneError(
-                f"{path} has no forces of all nodes of the contact: keep *NODE PRINT and RF of the "
-                "deck as they are"
+                f"{path} does not have the forces on all contact nodes: keep *NODE PRINT and RF of "
+                "the deck as they are"
             )
-        pressed = -WEDGE * forces
+        pressing_forces = -WEDGE * forces
         results = {
-            "pressure": deck.pressures(float(time), pressed),
-            "normal_force": np.full(len(pressed), pressed.sum()),
+            "pressure": deck.pressures(float(time), pressing_forces),
+            "normal_force": np.full(len(forces), pressing_forces.sum()),
         }
-        if ("forces", "FACE") in found:
-            results["displacement"] = -deck.scale * found["displacements", "CONTACT"]
-            if ("displacements", "REF") in found:
-                depth = deck.lowest - deck.scale * found["displacements", "REF"][0]
-                results["indentation"] = np.full(len(pressed), depth)
+        if ("forces", "FACE") in step_blocks:
+            results["displacement"] = -deck.scale * step_blocks["displacements", "CONTACT"]
+            if ("displacements", "REF") in step_blocks:
+                depth = deck.lowest - deck.scale * step_blocks["displacements", "REF"][0]
+                results["indentation"] = np.full(len(forces), depth)
         tables.append(deck.rows(float(time), results))
     return pd.concat(tables, ignore_index=True)
 
 
 def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
-    """Yield the vertical components of the blocks of nodes: what, of which set, and when."""
+    """Yield the vertical components in each block of nodes: quantity, node set, time, values."""
     title, values = None, list[float]()
     with path.open(encoding="utf-8", errors="replace") as lines:
         for line in lines:
@@ -199,66 +208,74 @@ def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
                 continue
             if words:
                 if title and values:
-                    yield title["what"], title["set"], float(title["time"]), np.array(values)
+                    yield title["quantity"], title["set"], float(title["time"]), np.array(values)
                 title, values = DAT_TITLE.search(line), []
     if title and values:
-        yield title["what"], title["set"], float(title["time"]), np.array(values)
+        yield title["quantity"], title["set"], float(title["time"]), np.array(values)
 
 
 def read_rpt(path: Path) -> pd.DataFrame:
-    """Return results of a report of nodal fields by Abaqus: CPRESS, RF.RF2 and U.U2.
+    """Return the results in a report of nodal fields by Abaqus: CPRESS, RF.RF2 and U.U2.
 
     Raises
     ------
     SceneError
-        if the deck is not beside it, or if the report has no such columns or nodes
+        if the deck is not in the same folder, or if the report lacks these columns or nodes
     """
     deck, tables = Deck.of_results(path), []
     nodes = deck.sets["CONTACT"]
-    for step, table in _reported(path, len(deck.times)):
+    for step, table in _step_tables(path, len(deck.times)):
         time = float(deck.times[min(step, len(deck.times)) - 1])
-        given = table.reindex(nodes)
+        values = table.reindex(nodes)
         results = dict[str, Array]()
-        if "CPRESS" in given:
-            results["pressure"] = given["CPRESS"].to_numpy()
-        elif "RF.RF2" in given and given["RF.RF2"].notna().all():
-            pressed = -given["RF.RF2"].to_numpy()
-            results["pressure"] = deck.pressures(time, pressed)
-            results["normal_force"] = np.full(len(pressed), pressed.sum())
-        if "U.U2" in given and "RF.RF2" not in given:
-            results["displacement"] = -deck.scale * given["U.U2"].to_numpy()
-        if not any(np.isfinite(of).any() for of in results.values()):
+        if "CPRESS" in values:
+            results["pressure"] = values["CPRESS"].to_numpy()
+        elif "RF.RF2" in values and values["RF.RF2"].notna().all():
+            pressing_forces = -values["RF.RF2"].to_numpy()
+            results["pressure"] = deck.pressures(time, pressing_forces)
+            results["normal_force"] = np.full(len(pressing_forces), pressing_forces.sum())
+        if "U.U2" in values and "RF.RF2" not in values:
+            results["displacement"] = -deck.scale * values["U.U2"].to_numpy()
+        if not any(np.isfinite(result).any() for result in results.values()):
             raise SceneError(
-                f"{path}: step {step} has no CPRESS, and not RF.RF2 of every node of the set "
+                f"{path}: step {step} has neither CPRESS nor RF.RF2 of every node of the set "
                 "CONTACT: report one of them at unique nodal positions"
             )
         tables.append(deck.rows(time, results))
     return pd.concat(tables, ignore_index=True)
 
 
-def _reported(path: Path, steps: int) -> Iterator[tuple[int, pd.DataFrame]]:
-    """Yield the number of each step and its table by node; of a contact deck, the last step."""
-    found, step, heads = dict[int, dict[int, dict[str, float]]](), 1, list[str]()
+def _step_tables(path: Path, steps: int) -> Iterator[tuple[int, pd.DataFrame]]:
+    """Yield the number of each step, and its table by node number.
+
+    If the deck has one time, as contact decks have, only the last step is read, as number 1.
+
+    Raises
+    ------
+    SceneError
+        if there is no table of nodes
+    """
+    rows_by_step, step, headings = dict[int, dict[int, dict[str, float]]](), 1, list[str]()
     with path.open(encoding="utf-8", errors="replace") as lines:
         for line in lines:
             words = line.split()
-            if named := RPT_STEP.search(line):
-                step = int(named["step"])
+            if step_line := RPT_STEP.search(line):
+                step = int(step_line["step"])
             elif words[:1] == ["Node"] and len(words) > 1:
-                heads = words[1:]
-            elif heads and len(words) == len(heads) + 1 and words[0].isdigit():
-                row = dict(zip(heads, map(float, words[1:]), strict=True))
-                found.setdefault(step, {}).setdefault(int(words[0]), {}).update(row)
-    if not found:
+                headings = words[1:]
+            elif headings and len(words) == len(headings) + 1 and words[0].isdigit():
+                row = dict(zip(headings, map(float, words[1:]), strict=True))
+                rows_by_step.setdefault(step, {}).setdefault(int(words[0]), {}).update(row)
+    if not rows_by_step:
         raise SceneError(
             f"{path} has no table of nodes: in Abaqus/Viewer report a field at unique nodal "
             "positions, sorted by node label"
         )
     if steps == 1:
-        found = {1: found[max(found)]}
-    for number, rows in sorted(found.items()):
+        rows_by_step = {1: rows_by_step[max(rows_by_step)]}
+    for number, rows in sorted(rows_by_step.items()):
         yield number, pd.DataFrame.from_dict(rows, orient="index")
 
 
 READERS = {".dat": read_dat, ".rpt": read_rpt}
-"""Readers by the ending of the file."""
+"""Readers of result files, by the ending of the file."""

@@ -1,4 +1,4 @@
-"""What a deck presses on: the punch at a time."""
+"""The state of the punch at one time, which a deck presses on the half-space."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,15 @@ from ...meshes.radial import Array
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A punch at a time, in the units of the scene.
+    """The punch at one time, in the units of the scene.
 
     Parameters
     ----------
-    time : when
+    time : since sliding began
     indentation : of the plane of the unworn face
-    force : the normal force
-    heights : (n,) material that is missing at the radii of the contact nodes
+    force : normal force
+    heights : (n,) height that is missing from the plane of the face, at the radii of the n contact
+        nodes
     """
 
     time: float
@@ -24,10 +25,10 @@ class State:
 
     @property
     def lowest(self) -> float:
-        """The least height, of the part of the face that is foremost."""
+        """The least missing height, at the foremost point of the face."""
         return float(self.heights.min())
 
     @property
     def pressing_depth(self) -> float:
-        """The depth of the foremost part of the face."""
+        """The depth of the foremost point of the face."""
         return self.indentation - self.lowest

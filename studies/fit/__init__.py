@@ -1,1 +1,1 @@
-"""Wear coefficients from measurements, with their uncertainty."""
+"""Fit wear coefficients and other parameters to measurements, with their uncertainty."""

@@ -10,15 +10,17 @@ from .result import FILES
 
 
 def conduct(options: Namespace, out: Path) -> tuple[Folder, list[str], bool]:
-    """Fit, print what was found, and write it to a folder.
+    """Run a fit, print its conclusions, and write its files to a folder.
 
     Returns
     -------
-    folder, failures, fits : the folder, what could not be made, and whether the model fits
+    folder : the output folder
+    failures : messages on files that could not be made
+    fits : whether the model fits the data
     """
     scene = Scene.load(options.scene)
     with output_folder(out, "fit", FILES) as folder:
-        found = fit(
+        result = fit(
             scene,
             {str(file): file for file in options.data},
             options.parameters,
@@ -28,6 +30,6 @@ def conduct(options: Namespace, out: Path) -> tuple[Folder, list[str], bool]:
             options.columns,
             options.units,
         )
-        print(f"\n{found}", flush=True)
-        failures = found.write(folder.hidden)
-    return folder, failures, found.fits
+        print(f"\n{result}", flush=True)
+        failures = result.write(folder.hidden)
+    return folder, failures, result.fits

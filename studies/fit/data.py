@@ -1,4 +1,4 @@
-"""Measurements of a wearing punch, read from tables as `check` reads them."""
+"""Read measurements of a wearing punch from tables in the formats of `check`."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -19,10 +19,11 @@ from .measurement import Measurement
 if TYPE_CHECKING:
     import pandas as pd
 
-NoiseGiven = float | str | Mapping[str, float | str] | None
-"""One noise, or noises by column: numbers in the scene's units, or texts such as "2 um", "1 %"."""
+NoiseInput = float | str | Mapping[str, float | str] | None
+"""Standard deviations of the data: one, or several by column. Each is a number in the units of the
+scene, or a text such as "2 um" or, relative to each value, "1 %"."""
 
-# columns that can be fitted, and the kind of their unit
+# columns that can be fitted, each with the kind of its unit
 KINDS = {
     "indentation": "displacement",
     "normal_force": "force",
@@ -30,16 +31,16 @@ KINDS = {
     "worn_volume": "volume",
     "lost_mass": "mass",
 }
-# a part of the range of a column: what its noise is taken for until residuals tell it
-FIRST_NOISE = 0.01
-# numbers that a column must have for its residuals to tell its noise
-FEWEST = 5
+# initial noise, over the range of a series or over each volume, if it is estimated from residuals
+INITIAL_NOISE = 0.01
+# least number of values in a series whose noise is estimated from the residuals
+MIN_VALUES = 5
 
 
 def read_measurements(
     scene: Scene,
     data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
-    noise: NoiseGiven = None,
+    noise: NoiseInput = None,
     density: float | str | None = None,
     columns: Mapping[str, str] | None = None,
     units: str = "",
@@ -48,33 +49,38 @@ def read_measurements(
 
     Parameters
     ----------
-    scene : whose units they are brought to
+    scene : in whose units the measurements are returned
     data : one or several files or tables, or these by name
-    noise : standard deviations; from the residuals where none is given
-    density : of the punch, which lost mass needs: a number, or a text such as "7.8 g/cm^3"
-    columns : our names by theirs
-    units : of theirs, if not the scene's
+    noise : standard deviations; estimated from the residuals if none is given
+    density : of the punch, which is necessary for lost mass: a number, or a text such as
+        "7.8 g/cm^3"
+    columns : our column names by those of the data
+    units : of the data, if not those of the scene
 
     Raises
     ------
     SceneError
-        if a table cannot be read, has nothing to fit, or needs a density or a noise
+        if a table cannot be read, has no column to fit, or needs a density or a noise
     """
     rings = range(1, len(scene.problem.wear_coefficients) + 1)
     volumes = {name: KINDS[name] for name in ("worn_volume", "lost_mass")}
     volumes |= {f"{name}_{ring}": kind for name, kind in volumes.items() for ring in rings}
     measurements, divisors = list[Measurement](), list[float]()
-    for name, source in _named(data).items():
+    for name, source in _sources_by_name(data).items():
         table = read(source, name, scene, columns or {}, units, volumes)
         divisor = _density(scene, density, table, name)
-        found = _measurements(table, divisor)
-        left = [key for key in table if key not in ("time", "radius") and _base(key) not in KINDS]
-        if left:
-            LOG.warning("%s: not fitted: %s", name, ", ".join(left))
-        if not found:
+        in_table = _measurements(table, divisor)
+        unused = [
+            key
+            for key in table
+            if key not in ("time", "radius") and _without_ring(key) not in KINDS
+        ]
+        if unused:
+            LOG.warning("%s: columns that are not fitted: %s", name, ", ".join(unused))
+        if not in_table:
             raise SceneError(f"{name} has nothing to fit: give columns of {', '.join(KINDS)}")
-        measurements += found
-        divisors += [divisor if each.column == "lost_mass" else 1.0 for each in found]
+        measurements += in_table
+        divisors += [divisor if each.column == "lost_mass" else 1.0 for each in in_table]
     by_column = _noises(scene, noise, {each.column for each in measurements})
     return tuple(
         _with_noise(each, by_column.get(each.column), divisor)
@@ -82,34 +88,38 @@ def read_measurements(
     )
 
 
-def _named(
+def _sources_by_name(
     data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
 ) -> "dict[str, OthersResults]":
     if isinstance(data, Mapping):
         return dict(data)
     if isinstance(data, str | Path) or hasattr(data, "to_dataframe") or hasattr(data, "columns"):
         data = [data]
-    files = {f"data {number}": each for number, each in enumerate(data, 1)}
-    return {str(of) if isinstance(of, str | Path) else name: of for name, of in files.items()}
+    numbered = {f"data {number}": each for number, each in enumerate(data, 1)}
+    return {
+        str(source) if isinstance(source, str | Path) else name: source
+        for name, source in numbered.items()
+    }
 
 
-def _base(column: str) -> str:
+def _without_ring(column: str) -> str:
     """Return the name of a column without the number of its ring."""
     return re.sub(r"_\d+$", "", column)
 
 
 def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
-    """Return the measurements of one table; volumes in place of masses."""
-    found = list[Measurement]()
+    """Return the measurements of one table, with masses converted to volumes."""
+    measurements = list[Measurement]()
     for column in table:
-        base = _base(column)
+        base = _without_ring(column)
         if base not in KINDS:
             continue
         rows = table.dropna(subset=[column])
         if base == "profile":
-            for time, at in rows[rows["time"] > 0].groupby("time"):
-                times, radii = np.full(len(at), float(time)), at["radius"].to_numpy()
-                found.append(_given("profile", "profile", times, at[column].to_numpy(), radii))
+            for time, profile in rows[rows["time"] > 0].groupby("time"):
+                times, radii = np.full(len(profile), float(time)), profile["radius"].to_numpy()
+                heights = profile[column].to_numpy()
+                measurements.append(_without_noise("profile", "profile", times, heights, radii))
             continue
         series = rows.groupby("time")[column].first()
         times, values = series.index.to_numpy(dtype=float), series.to_numpy(dtype=float)
@@ -117,15 +127,15 @@ def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
         ring = int(number[1]) - 1 if number else None
         quantity = base
         if base in ("worn_volume", "lost_mass"):
-            worn, quantity = times > 0, "worn_volume"
-            times, values = times[worn], values[worn]
+            after_start, quantity = times > 0, "worn_volume"
+            times, values = times[after_start], values[after_start]
             values = values / density if base == "lost_mass" else values
         if len(times):
-            found.append(_given(base, quantity, times, values, None, ring))
-    return found
+            measurements.append(_without_noise(base, quantity, times, values, None, ring))
+    return measurements
 
 
-def _given(
+def _without_noise(
     column: str,
     quantity: str,
     times: Array,
@@ -136,74 +146,92 @@ def _given(
     return Measurement(column, quantity, times, values, np.ones(len(times)), False, radii, ring)
 
 
-def _density(scene: Scene, given: float | str | None, table: "pd.DataFrame", name: str) -> float:
-    """Return the density in the units of the scene; 1 if nothing was weighed."""
-    if not any(_base(column) == "lost_mass" for column in table):
+def _density(scene: Scene, density: float | str | None, table: "pd.DataFrame", name: str) -> float:
+    """Return the density in the units of the scene; 1 if the table has no lost mass."""
+    if not any(_without_ring(column) == "lost_mass" for column in table):
         return 1.0
-    if given is None:
+    if density is None:
         raise SceneError(
-            f"{name} has lost_mass, and a volume takes a density: give --density, such as "
+            f"{name} has lost_mass, whose volume needs a density: give --density, such as "
             "'7.8 g/cm^3'"
         )
-    return _number(scene, given, "density", "--density")
+    return _positive_number(scene, density, "density", "--density")
 
 
-def _number(scene: Scene, given: float | str, kind: str, key: str) -> float:
-    """Return a positive number, or a quantity of a kind, in the units of a scene."""
+def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> float:
+    """Return a number, or a quantity with a unit of a kind, in the units of the scene.
+
+    Raises
+    ------
+    SceneError
+        if it is not finite and above 0; it names the key
+    """
     try:
-        value = float(given)
+        value = float(text)
     except ValueError:
-        value = number_of(str(given), key, kind, UnitNames.of(scene.units))
+        value = number_of(str(text), key, kind, UnitNames.of(scene.units))
     if not (value > 0 and np.isfinite(value)):
-        raise SceneError(f"{key} = {given}: give a number above 0")
+        raise SceneError(f"{key} = {text}: give a number above 0")
     return value
 
 
-def _noises(scene: Scene, noise: NoiseGiven, columns: set[str]) -> dict[str, tuple[float, float]]:
-    """Return the noise of columns as an absolute and a relative part, one of which is 0."""
+def _noises(scene: Scene, noise: NoiseInput, columns: set[str]) -> dict[str, tuple[float, float]]:
+    """Return the absolute and the relative noise of each column, one of which is 0."""
     if noise is None:
         return {}
     if not isinstance(noise, Mapping):
         if len(columns) > 1:
             raise SceneError(
-                f"--noise {noise}: the data has {', '.join(sorted(columns))}: give a noise for "
+                f"--noise {noise}: the columns are {', '.join(sorted(columns))}: give a noise for "
                 "each, such as --noise indentation=2e-7,profile=1e-6"
             )
         noise = dict.fromkeys(columns, noise)
     if unknown := set(noise) - columns:
         raise SceneError(
-            f"--noise of {min(unknown)}: the data has no such column: give some of "
+            f"--noise of {min(unknown)}: the data has no such column: give noises of "
             f"{', '.join(sorted(columns))}"
         )
-    found = dict[str, tuple[float, float]]()
-    for column, given in noise.items():
+    noises = dict[str, tuple[float, float]]()
+    for column, text in noise.items():
         key = f"--noise {column}"
-        if isinstance(given, str) and given.strip().endswith("%"):
-            found[column] = 0.0, 0.01 * _number(scene, given.strip()[:-1], "share", key)
+        if isinstance(text, str) and text.strip().endswith("%"):
+            per_cent = _positive_number(scene, text.strip()[:-1], "share", key)
+            noises[column] = 0.0, 0.01 * per_cent
         else:
-            found[column] = _number(scene, given, KINDS[column], key), 0.0
-    return found
+            noises[column] = _positive_number(scene, text, KINDS[column], key), 0.0
+    return noises
 
 
 def _with_noise(
-    measurement: Measurement, given: tuple[float, float] | None, divisor: float
+    measurement: Measurement, noises: tuple[float, float] | None, divisor: float
 ) -> Measurement:
-    """Return a measurement with its noise; `divisor` turns the unit of that into its own."""
+    """Return a measurement with its noise.
+
+    Parameters
+    ----------
+    noises : absolute and relative noise; None if the noise is estimated from the residuals
+    divisor : number by which an absolute noise is divided: the density for masses, else 1
+
+    Raises
+    ------
+    SceneError
+        if there are too few values to estimate the noise, or if a relative noise is 0
+    """
     values = measurement.values
-    if given is None:
-        if len(values) < FEWEST and measurement.quantity != "worn_volume":
+    if noises is None:
+        if len(values) < MIN_VALUES and measurement.quantity != "worn_volume":
             raise SceneError(
-                f"{len(values)} values of {measurement.column} do not tell their noise: give "
-                f"--noise {measurement.column}=..."
+                f"{len(values)} values of {measurement.column} are too few to estimate the noise: "
+                f"give --noise {measurement.column}=..."
             )
-        # volumes are known to a part of each; anything else to a part of its range
+        # the initial noise of volumes is relative to each value, otherwise to the range
         spread = values if measurement.quantity == "worn_volume" else np.ptp(values)
-        return replace(measurement, noise=FIRST_NOISE * np.abs(spread) * np.ones(len(values)))
-    absolute, relative = given
+        return replace(measurement, noise=INITIAL_NOISE * np.abs(spread) * np.ones(len(values)))
+    absolute, relative = noises
     noise = np.where(absolute > 0, absolute / divisor, relative * np.abs(values))
     if not (noise > 0).all():
         raise SceneError(
-            f"--noise {measurement.column} in per cent: a value is 0, of which nothing is known so "
-            "well: give a number in place of per cent"
+            f"--noise {measurement.column} in per cent: a value is 0, so its noise would be 0: "
+            "give a number in place of per cent"
         )
     return replace(measurement, noise=noise, noise_known=True)

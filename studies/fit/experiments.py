@@ -1,8 +1,8 @@
-"""Synthetic experiments: how often intervals hold the truth, and wrong laws are noticed.
+"""Synthetic experiments: how often intervals contain the truth and wrong laws are detected.
 
-``python -m ringwear.studies.fit.experiments CASE COUNT [FIRST]`` prints a line on experiments whose
-random numbers begin with the seeds FIRST, FIRST + 1, ... The truth is drawn about the values of the
-scene, and data come from a sharper model than those that fits use.
+``python -m ringwear.studies.fit.experiments CASE COUNT [FIRST]`` prints a line on experiments with
+the random seeds FIRST, FIRST + 1, ... The true parameters are drawn around the values of the scene,
+and the data come from a model with a finer tolerance than that of the fits.
 """
 
 import sys
@@ -23,10 +23,11 @@ from .models.flat_histories import FlatHistories
 from .parameters import Parameter, find_parameters
 from .result import Fit
 
-# scatter of the logarithms of wear coefficients and of the modulus about those of the scene
+# standard deviations of the logarithms of true parameters, by section of the scene: wear
+# coefficients, and moduli
 SCATTER = {"punch": 0.3, "half_space": 0.1}
-# accuracy of the model that data come from
-SHARP, SHARP_MARCH = 1e-4, 1e-2
+# tolerance of the model from which the data come: of modes, and of marches
+DATA_RTOL, DATA_RTOL_MARCH = 1e-4, 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,13 +36,15 @@ class Experiments:
 
     Parameters
     ----------
-    scene : with the values that truths are drawn about
+    scene : with the values around which the true parameters are drawn
     names : of the parameters that are fitted
-    columns : what is measured: quantity, times, radii or None, noise, part of the values or of the
-        range of a profile, and the ring or None
-    noise_known : whether fits are given the noise
-    law : the times that wear corresponds to, by the times of the clock: another law than Archard's
-    depths : indentations (T,) of a scene at times (T,), by another law, in place of a model
+    columns : the measurements: quantity, times, radii or None, noise, and ring or None. The noise
+        of an indentation is absolute, that of a profile relative to its range, any other relative
+        to the values
+    noise_known : whether the noise is given to the fits
+    law : for data by another law than Archard's: a function from the times of the clock to the
+        times at which Archard's law yields the same wear
+    depths : for data by another law: a function from a scene and times (T,) to indentations (T,)
     """
 
     scene: Scene
@@ -76,15 +79,15 @@ class Experiments:
 
     @cached_property
     def sharp(self) -> Predictor:
-        """The model that data come from."""
+        """The model from which the data come."""
         scene, parameters, empty = self._prepared
         if self.law is not None:
             empty = tuple(replace(each, times=self.law(each.times)) for each in empty)
-        rtol = SHARP if scene.problem.full_contact else SHARP_MARCH
+        rtol = DATA_RTOL if scene.problem.full_contact else DATA_RTOL_MARCH
         return suitable_model(scene)(scene, parameters, empty, rtol, np.zeros(len(parameters)))
 
     @cached_property
-    def _by_other_law(self) -> list[Array]:
+    def _depths_by_other_law(self) -> list[Array]:
         scene, _, empty = self._prepared
         return [self.depths(scene, each.times) for each in empty] if self.depths else []
 
@@ -100,24 +103,24 @@ class Experiments:
         rtol: float,
         origin: Array,
     ) -> Predictor:
-        """Return a model whose discretisation, or marches, all experiments share."""
+        """Return a model that shares its discretisation or marches with all experiments."""
         if rtol not in self._models:
-            nothing = np.zeros(len(parameters))
+            zeros = np.zeros(len(parameters))
             model = suitable_model(scene)
-            self._models[rtol] = model(scene, parameters, measurements, rtol, nothing)
-        found: Predictor = self._models[rtol].measuring(measurements)
-        return found
+            self._models[rtol] = model(scene, parameters, measurements, rtol, zeros)
+        predictor: Predictor = self._models[rtol].for_measurements(measurements)
+        return predictor
 
     def conduct(self, seed: int) -> tuple[Array, Fit]:
-        """Return the truth (m,) of one experiment, in coordinates, and its fit."""
+        """Return the coordinates (m,) of the true parameters of one experiment, and its fit."""
         scene, parameters, empty = self._prepared
         random = np.random.default_rng(seed)
         scatter = [SCATTER.get(each.name.partition(".")[0], 0.0) for each in parameters]
         truth = random.normal(0.0, scatter)
         truth += np.array([0.0 if each.logarithmic else 0.2 for each in parameters])
         measurements = []
-        exactly = self._by_other_law if self.depths else self.sharp.predict(truth)
-        for column, each, exact in zip(self.columns, empty, exactly, strict=True):
+        predictions = self._depths_by_other_law if self.depths else self.sharp.predict(truth)
+        for column, each, exact in zip(self.columns, empty, predictions, strict=True):
             spread = np.ptp(exact) if each.quantity == "profile" else np.abs(exact)
             noise = column[3] * (spread if each.quantity != "indentation" else 1.0)
             noise = noise * np.ones(len(exact))
@@ -127,22 +130,31 @@ class Experiments:
 
 
 def report(name: str, experiments: Experiments, count: int, first: int = 0) -> str:
-    """Return a line on some experiments: coverage, what was called identifiable, and alarms."""
-    inside, known, alarms, widths, began = [], [], [], [], time.process_time()
+    """Return a line on experiments: coverage, identifiable parameters, and rejected models.
+
+    Parameters
+    ----------
+    name : of the case
+    count : number of experiments
+    first : first seed
+    """
+    covered_rows, identifiable_rows, alarms, widths = [], [], [], []
+    start = time.process_time()
     for seed in range(first, first + count):
-        truth, found = experiments.conduct(seed)
-        inside.append(
-            [each.low <= true <= each.high for each, true in zip(found.found, truth, strict=True)]
+        truth, result = experiments.conduct(seed)
+        estimates = result.found
+        covered_rows.append(
+            [each.low <= true <= each.high for each, true in zip(estimates, truth, strict=True)]
         )
-        known.append([each.identifiable for each in found.found])
-        widths.append([(each.high - each.low) / 2 for each in found.found])
-        alarms.append(not found.fits)
-    seconds = (time.process_time() - began) / count
-    held, told = np.array(inside), np.array(known)
-    wrong = [int((told & ~held)[:, number].sum()) for number in range(told.shape[1])]
+        identifiable_rows.append([each.identifiable for each in estimates])
+        widths.append([(each.high - each.low) / 2 for each in estimates])
+        alarms.append(not result.fits)
+    seconds = (time.process_time() - start) / count
+    covered, identifiable = np.array(covered_rows), np.array(identifiable_rows)
+    wrong = (identifiable & ~covered).sum(axis=0).tolist()
     return (
-        f"{name} {count} from seed {first}: covered {held.sum(axis=0).tolist()}, identifiable "
-        f"{told.sum(axis=0).tolist()} (wrong {wrong}), half widths "
+        f"{name} {count} from seed {first}: covered {covered.sum(axis=0).tolist()}, identifiable "
+        f"{identifiable.sum(axis=0).tolist()} (wrong {wrong}), half widths "
         f"{np.median(widths, axis=0).round(4).tolist()}, alarms {sum(alarms)}, {seconds:.2f} s each"
     )
 
@@ -155,26 +167,26 @@ WEAR = "punch.wear_coefficients"
 
 
 def falls_by_30_percent(times: Array) -> Array:
-    """Return the times that wear corresponds to if k falls by 30 % in a straight line."""
+    """Return the times of equal wear at constant k, if k falls linearly by 30 % over the test."""
     return np.asarray(times - 0.15 * times**2 / times.max())
 
 
 def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array:
-    """Return the indentations of a flat punch whose k is proportional to p.
+    """Return the indentations (T,) of a flat punch whose k is proportional to the pressure.
 
-    It is that of the scene at the mean pressure. ``A p' = d' b - int k p^2 phi dA / p_mean`` is
-    integrated by an implicit Runge-Kutta method from the flat start.
+    At the mean pressure, k is that of the scene. ``A p' = d' b - int k p^2 phi dA / p_mean`` is
+    integrated from the flat start by backward differentiation formulas.
     """
     problem = scene.problem
     units = problem.units
-    ends = float(times[0]) / units.time, float(times[-1]) / units.time
-    punch = FlatHistories.discretise(replace(problem, rtol=0.1), *ends, fields=False)
+    first, last = float(times[0]) / units.time, float(times[-1]) / units.time
+    punch = FlatHistories.discretise(replace(problem, rtol=0.1), first, last, fields=False)
     space, matrix = punch.compliance.space, punch.compliance.matrix
     radii, lengths, local = space.quadrature
     basis = space.on_elements(local)
     areas = (2 * np.pi * radii * lengths * problem.wear_coefficients[space.ring][:, None]).ravel()
-    solved = np.linalg.solve(matrix, np.column_stack([space.weights, basis.T.toarray()]))
-    by_weights, by_points = solved[:, 0], solved[:, 1:]
+    solution = np.linalg.solve(matrix, np.column_stack([space.weights, basis.T.toarray()]))
+    by_weights, by_points = solution[:, 0], solution[:, 1:]
     stiffness = float(space.weights @ by_weights)
 
     def rates(_: float, state: Array) -> Array:
@@ -183,59 +195,61 @@ def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array
         return np.append(approach * by_weights - worn, approach)
 
     def jacobian(_: float, state: Array) -> Array:
-        pressed = 2 * np.pi * areas * (basis @ state[:-1])
-        worn = by_points @ basis.multiply(pressed[:, None]).toarray()
+        wear_slopes = 2 * np.pi * areas * (basis @ state[:-1])
+        worn = by_points @ basis.multiply(wear_slopes[:, None]).toarray()
         approach = space.weights @ worn / stiffness
         rows = np.vstack([np.outer(by_weights, approach) - worn, approach])
         return np.column_stack([rows, np.zeros(len(rows))])
 
     start = np.append(by_weights, 1.0) / stiffness
-    span = (0.0, ends[1])
+    span = (0.0, last)
     steps = {"rtol": 1e-5, "atol": 1e-7, "first_step": 1e-9, "jac": jacobian}
-    found = solve_ivp(rates, span, start, "BDF", times / units.time, **steps)
-    return np.asarray(found.y[-1] * units.displacement)
+    solution = solve_ivp(rates, span, start, "BDF", times / units.time, **steps)
+    return np.asarray(solution.y[-1] * units.displacement)
 
 
 def cases() -> dict[str, Experiments]:
-    """Return the kinds of experiments that the README tells the coverage of."""
-    two = Scene.load("five_rings")
-    five = two.changed({WEAR: [1.0, 10.0, 1.0, 10.0, 1.0]})
+    """Return the kinds of experiments whose coverage is reported in the README, by name."""
+    two_materials = Scene.load("five_rings")
+    five_rings = two_materials.changed({WEAR: [1.0, 10.0, 1.0, 10.0, 1.0]})
     modulus = "half_space.plane_strain_modulus"
     ball = Scene.load("sphere").changed({WEAR: [1.0]})
-    halves = Scene.load("sphere").table()
-    halves["punch"] |= {"ring_edges": [0.4, 1.0], WEAR.rpartition(".")[2]: [1.0, 3.0]}
-    del halves["punch"]["rings"]
+    two_material_ball = Scene.load("sphere").table()
+    two_material_ball["punch"] |= {"ring_edges": [0.4, 1.0], WEAR.rpartition(".")[2]: [1.0, 3.0]}
+    del two_material_ball["punch"]["rings"]
     weighings, late = np.array([0.1, 0.3, 1.0, 3.0, 10.0]), np.array([5.0, 10.0, 20.0])
     return {
-        "two": Experiments(two, (WEAR,), (INDENTATION,)),
-        "two, noise unknown": Experiments(two, (WEAR,), (INDENTATION,), noise_known=False),
+        "two": Experiments(two_materials, (WEAR,), (INDENTATION,)),
+        "two, noise unknown": Experiments(
+            two_materials, (WEAR,), (INDENTATION,), noise_known=False
+        ),
         "two, offset and modulus": Experiments(
-            two, (WEAR, modulus, "sensor_offset"), (INDENTATION,)
+            two_materials, (WEAR, modulus, "sensor_offset"), (INDENTATION,)
         ),
         "two, offset and compliance": Experiments(
-            two, (WEAR, "sensor_offset", "machine_compliance"), (INDENTATION,)
+            two_materials, (WEAR, "sensor_offset", "machine_compliance"), (INDENTATION,)
         ),
-        "five": Experiments(five, (WEAR,), (INDENTATION, EARLY_PROFILE)),
-        "five, d(t) alone": Experiments(five, (WEAR,), (INDENTATION,)),
+        "five": Experiments(five_rings, (WEAR,), (INDENTATION, EARLY_PROFILE)),
+        "five, d(t) alone": Experiments(five_rings, (WEAR,), (INDENTATION,)),
         "ball": Experiments(ball, (WEAR,), (("worn_volume", weighings, None, 0.02, None),)),
         "ball of two materials": Experiments(
-            Scene.from_table(halves),
+            Scene.from_table(two_material_ball),
             (WEAR,),
             (
                 ("worn_volume", weighings, None, 0.02, 0),
                 ("worn_volume", late, None, 0.02, 1),
             ),
         ),
-        "k falls": Experiments(two, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
+        "k falls": Experiments(two_materials, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
         "k goes as p": Experiments(
-            two, (WEAR,), (INDENTATION,), depths=depths_if_wear_goes_as_pressure_squared
+            two_materials, (WEAR,), (INDENTATION,), depths=depths_if_wear_goes_as_pressure_squared
         ),
         "k falls, noise unknown": Experiments(
-            two, (WEAR,), (INDENTATION,), noise_known=False, law=falls_by_30_percent
+            two_materials, (WEAR,), (INDENTATION,), noise_known=False, law=falls_by_30_percent
         ),
     }
 
 
 if __name__ == "__main__":
-    case, how_many, *begin = sys.argv[1:]
-    print(report(case, cases()[case], int(how_many), *map(int, begin)))
+    case, count, *first_seed = sys.argv[1:]
+    print(report(case, cases()[case], int(count), *map(int, first_seed)))

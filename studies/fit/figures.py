@@ -12,23 +12,24 @@ from ..problem.unit_names import UnitNames
 from .measurement import Measurement
 from .outcome import Outcome
 
-UNITS = {
+UNIT_KINDS = {
     "indentation": "displacement",
     "profile": "displacement",
     "normal_force": "force",
     "worn_volume": "volume",
 }
-TWO_SIDED = float(norm.ppf(0.975))
-# quantities of which each has a panel; further measurements at the most shown in one
-MOST_SHOWN = 6
-# span of times from which on they are drawn by their logarithms
-WIDE = 30.0
-# rise of chi-square up to which profiles are drawn
-HIGHEST = 9.0
+# half width of the 95 % interval of a normal variable of deviation one
+NORMAL_HALF_WIDTH = float(norm.ppf(0.975))
+# greatest number of measurements of one quantity that are drawn in its panel
+MAX_SERIES = 6
+# least ratio of the last to the first value of an axis that is drawn logarithmically
+LOGARITHMIC_RATIO = 30.0
+# greatest rise of chi-square that is drawn in profiles
+MAX_RISE = 9.0
 
 
 def draw_all(fit: Outcome) -> dict[str, Figure]:
-    """Return the figures that a fit has, by name."""
+    """Return the figures of a fit, by name."""
     figures = {"fit": draw_fit(fit)}
     if fit.profiles.traces:
         figures["likelihood"] = draw_profiles(fit)
@@ -38,7 +39,7 @@ def draw_all(fit: Outcome) -> dict[str, Figure]:
 
 
 def draw_fit(fit: Outcome) -> Figure:
-    """Draw data with the fit and its 95 % band, above their residuals, by quantity."""
+    """Draw the data with the fit and its 95 % band, and their residuals below, by quantity."""
     quantities = list(dict.fromkeys(each.quantity for each in fit.measurements))
     figure = new_figure(PAGE, 4.2)
     panels = figure.subplots(2, len(quantities), squeeze=False, height_ratios=[2, 1])
@@ -46,31 +47,31 @@ def draw_fit(fit: Outcome) -> Figure:
     rows = np.cumsum([0, *(len(each.values) for each in fit.measurements)])
     for column, quantity in enumerate(quantities):
         upper, lower = panels[:, column]
-        of_it = [
+        series = [
             (each, slice(rows[number], rows[number + 1]))
             for number, each in enumerate(fit.measurements)
             if each.quantity == quantity
         ]
-        greatest = max(float(np.abs(each.values).max()) for each, _ in of_it)
-        unit, unit_name = names.readable(greatest, UNITS[quantity])
-        for number, (each, part) in enumerate(of_it[:MOST_SHOWN]):
+        greatest = max(float(np.abs(each.values).max()) for each, _ in series)
+        unit, unit_name = names.readable(greatest, UNIT_KINDS[quantity])
+        for number, (each, part) in enumerate(series[:MAX_SERIES]):
             look = curve(number)
-            places, label = _abscissa(each, names)
-            order = np.argsort(places)
+            abscissas, label = _abscissa(each, names)
+            order = np.argsort(abscissas)
             measured, fitted = table["measured"][part], table["fitted"][part]
             upper.plot(
-                places,
+                abscissas,
                 measured / unit,
                 look["marker"],
                 color=look["color"],
                 markersize=3,
                 fillstyle="none",
-                label=_label(each, names, len(of_it)),
+                label=_label(each, names, len(series)),
             )
-            upper.plot(places[order], (fitted / unit).to_numpy()[order], color="#c0392b")
+            upper.plot(abscissas[order], (fitted / unit).to_numpy()[order], color="#c0392b")
             band = bands[part]
             upper.fill_between(
-                places[order],
+                abscissas[order],
                 ((fitted - band) / unit).to_numpy()[order],
                 ((fitted + band) / unit).to_numpy()[order],
                 color="#c0392b",
@@ -78,7 +79,7 @@ def draw_fit(fit: Outcome) -> Figure:
                 linewidth=0,
             )
             lower.plot(
-                places,
+                abscissas,
                 table["residual"][part],
                 look["marker"],
                 color=look["color"],
@@ -87,23 +88,26 @@ def draw_fit(fit: Outcome) -> Figure:
             )
             relative = (band / each.noise)[order]
             lower.fill_between(
-                places[order], -relative, relative, color="#c0392b", alpha=0.25, linewidth=0
+                abscissas[order], -relative, relative, color="#c0392b", alpha=0.25, linewidth=0
             )
             lower.set_xlabel(label)
-        for height in (-TWO_SIDED, 0.0, TWO_SIDED):
+        for height in (-NORMAL_HALF_WIDTH, 0.0, NORMAL_HALF_WIDTH):
             lower.axhline(height, **FAINT)
-        _scale_times((upper, lower), of_it[0][0])
-        what = quantity.replace("_", " ")
-        upper.set_ylabel(f"{what} ({unit_name})" if unit_name else what)
+        _scale_times((upper, lower), series[0][0])
+        title = quantity.replace("_", " ")
+        upper.set_ylabel(f"{title} ({unit_name})" if unit_name else title)
         lower.set_ylabel("residual / noise")
-        if len(of_it) > 1:
+        if len(series) > 1:
             upper.legend(frameon=False, fontsize=6)
-    figure.suptitle("data, fit and its 95 % band", fontsize=9)
+    figure.suptitle("data, fit, and 95 % band of the fit", fontsize=9)
     return figure
 
 
 def draw_profiles(fit: Outcome) -> Figure:
-    """Draw the least chi-square by each parameter whose interval it gives, beside the parabola."""
+    """Draw the profiles of the likelihood, each with the parabola of its curvature.
+
+    They are drawn for parameters whose interval follows from the profile.
+    """
     numbers = sorted(fit.profiles.traces)
     columns = min(len(numbers), 4)
     rows = -(-len(numbers) // columns)
@@ -113,53 +117,56 @@ def draw_profiles(fit: Outcome) -> Figure:
         axes.set_visible(False)
     names = UnitNames.of(fit.scene.units)
     for axes, number in zip(panels, numbers, strict=False):
-        each = fit.found[number]
-        traced = dict([*fit.profiles.traces[number], fit.own_point(number)])
-        places, rises = np.array(sorted(traced.items())).T
+        estimate = fit.found[number]
+        trace = dict([*fit.profiles.traces[number], fit.best_trace_point(number)])
+        coordinates, rises = np.array(sorted(trace.items())).T
         rises = rises - fit.chi_square
-        near = rises <= HIGHEST
-        values = np.array([each.parameter.at(place) for place in places])
-        axes.plot(values[near], rises[near], "o", color="black", markersize=2.5)
-        dense = np.linspace(places[near].min(), places[near].max(), 200)
-        # the root of the rise is nearly straight between points
-        signed = np.sign(places - each.best) * np.sqrt(np.maximum(rises, 0.0))
+        drawn = rises <= MAX_RISE
+        values = np.array([estimate.parameter.at(x) for x in coordinates])
+        axes.plot(values[drawn], rises[drawn], "o", color="black", markersize=2.5)
+        dense = np.linspace(coordinates[drawn].min(), coordinates[drawn].max(), 200)
+        # the root of the rise is interpolated, because it is nearly linear between points
+        signed = np.sign(coordinates - estimate.best) * np.sqrt(np.maximum(rises, 0.0))
         axes.plot(
-            [each.parameter.at(x) for x in dense],
-            PchipInterpolator(places, signed)(dense) ** 2,
+            [estimate.parameter.at(x) for x in dense],
+            PchipInterpolator(coordinates, signed)(dense) ** 2,
             color="black",
             linewidth=1,
         )
         place = fit.likelihood.free.index(number)
         deviation = np.sqrt(fit.covariance[place, place])
-        along = np.linspace(places[near].min(), places[near].max(), 200)
-        parabola = ((along - each.best) / deviation) ** 2
-        low = parabola <= HIGHEST
+        parabola = ((dense - estimate.best) / deviation) ** 2
+        low = parabola <= MAX_RISE
         axes.plot(
-            [each.parameter.at(x) for x in along[low]],
+            [estimate.parameter.at(x) for x in dense[low]],
             parabola[low],
             "--",
             color="0.5",
             linewidth=0.8,
         )
         axes.axhline(fit.profiles.threshold, **FAINT)
-        if each.parameter.logarithmic and np.ptp(places[near]) > np.log(WIDE):
+        if estimate.parameter.logarithmic and np.ptp(coordinates[drawn]) > np.log(
+            LOGARITHMIC_RATIO
+        ):
             set_logarithmic(axes, "x")
-        elif each.parameter.logarithmic:
+        elif estimate.parameter.logarithmic:
             axes.locator_params(axis="x", nbins=3)
-        unit = names.name(each.parameter.unit) if each.parameter.unit != "compliance" else "1"
-        label = each.parameter.name.partition(".")[2] or each.parameter.name
+        parameter = estimate.parameter
+        unit = names.name(parameter.unit) if parameter.unit != "compliance" else "1"
+        label = parameter.name.partition(".")[2] or parameter.name
         axes.set_xlabel(label if unit == "1" else f"{label} ({unit})", fontsize=7)
-        axes.set_ylim(0, HIGHEST)
+        axes.set_ylim(0, MAX_RISE)
     for axes in panels[::columns]:
         axes.set_ylabel("rise of chi-square")
     figure.suptitle(
-        "profiles of the likelihood; dashed: by curvature; dotted: ends of intervals", fontsize=9
+        "profiles of the likelihood; dashed: by the curvature; dotted: threshold of the interval",
+        fontsize=9,
     )
     return figure
 
 
 def draw_design(fit: Outcome) -> Figure:
-    """Draw the half widths of all intervals before and after each further measurement."""
+    """Draw the half widths of all intervals with the data alone and with further measurements."""
     table = fit.design
     figure = new_figure(PAGE, 1.2 + 0.2 * len(table))
     axes = figure.subplots()
@@ -172,8 +179,10 @@ def draw_design(fit: Outcome) -> Figure:
     before = table.attrs["before"]
     for number, name in enumerate(names):
         look = curve(number) | {"linestyle": ""}
-        places = np.append(before[name], table[name].to_numpy())
-        axes.plot(places, np.append(0, heights), **look, label=name.removeprefix("half width of "))
+        half_widths = np.append(before[name], table[name].to_numpy())
+        axes.plot(
+            half_widths, np.append(0, heights), **look, label=name.removeprefix("half width of ")
+        )
     axes.set_yticks([0, *heights], ["the data alone", *table["measurement"]], fontsize=6)
     axes.invert_yaxis()
     set_logarithmic(axes, "x")
@@ -185,12 +194,12 @@ def draw_design(fit: Outcome) -> Figure:
 
 
 def _abscissa(each: Measurement, names: UnitNames) -> tuple[Array, str]:
-    """Return what a measurement is drawn over, and its label with a unit."""
-    places, name, kind = each.times, "time t", "time"
+    """Return the times or radii over which a measurement is drawn, and the label with a unit."""
+    values, name, kind = each.times, "time t", "time"
     if each.radii is not None:
-        places, name, kind = each.radii, "radius r", "length"
-    unit, unit_name = names.readable(float(np.abs(places).max()), kind)
-    return places / unit, f"{name} ({unit_name})" if unit_name else name
+        values, name, kind = each.radii, "radius r", "length"
+    unit, unit_name = names.readable(float(np.abs(values).max()), kind)
+    return values / unit, f"{name} ({unit_name})" if unit_name else name
 
 
 def _label(each: Measurement, names: UnitNames, several: int) -> str:
@@ -200,8 +209,8 @@ def _label(each: Measurement, names: UnitNames, several: int) -> str:
 
 
 def _scale_times(panels: tuple[Axes, ...], each: Measurement) -> None:
-    """Draw times that span much by their logarithms."""
+    """Set a logarithmic axis for times with a wide range."""
     positive = each.times[each.times > 0]
-    if each.radii is None and len(positive) and positive.max() > WIDE * positive.min():
+    if each.radii is None and len(positive) and positive.max() > LOGARITHMIC_RATIO * positive.min():
         for axes in panels:
             set_logarithmic(axes, "x")

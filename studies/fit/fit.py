@@ -1,4 +1,4 @@
-"""Fit parameters of a scene to measurements: what they are, how well, and what is not known."""
+"""Fit parameters of a scene to measurements: estimates, intervals, and what is not identifiable."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -13,7 +13,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..progress import LOG
 from ..scene.scene import Scene, Source
-from .data import NoiseGiven, read_measurements
+from .data import NoiseInput, read_measurements
 from .measurement import Measurement, Predictor
 from .models.flat_predictor import flat_predictor
 from .models.marched_predictor import marched_predictor
@@ -24,9 +24,9 @@ from .statistics.likelihood import (
     Likelihood,
     Point,
     best_points,
-    inverse_of,
+    fix_ineffective_parameters,
+    inverse_of_information,
     with_estimated_noise,
-    without_effect,
 )
 from .statistics.profiles import BetterPointError, Profiles
 from .statistics.residual_tests import residual_tests
@@ -35,51 +35,52 @@ if TYPE_CHECKING:
     from ..check.tables import OthersResults
 
 CONFIDENCE = 0.95
-# accuracies that are tried, until the data cannot tell one from the next
+# tolerances of the model that are tried, until the next one changes the predictions by little
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
-# greatest numerical error, over the noise
-NUMERICAL = 0.1
-# standard deviation of a logarithm from which on curvature is not trusted
-CURVED = 0.05
-# what yields a predictor of measurements at an accuracy
+# greatest allowed numerical error of a prediction, over the noise
+MAX_NUMERICAL_ERROR = 0.1
+# standard deviation of a logarithm above which the interval does not follow from the curvature
+MAX_QUADRATIC_DEVIATION = 0.05
+# a function that returns a predictor, given the scene, the parameters, the measurements, the
+# tolerance, and the coordinates at which it is to be most accurate
 Model = Callable[[Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, Array], Predictor]
-# new best points that profiles may find
-RESTARTS = 4
+# greatest number of computations of the profiles, which begin anew at each better point
+MAX_RESTARTS = 4
 
 
 def fit(
     scene: Source,
     data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
     parameters: Sequence[str] | str,
-    noise: NoiseGiven = None,
+    noise: NoiseInput = None,
     density: float | str | None = None,
     design: bool = False,
     columns: Mapping[str, str] | None = None,
     units: str = "",
 ) -> Fit:
-    """Fit parameters of a scene to measurements, and say how well the measurements tell them.
+    """Fit parameters of a scene to measurements, and report how well the data determine them.
 
-    Maximum likelihood for Gaussian noise, with intervals of 95 % by the curvature of the likelihood
-    where that is enough, and by its profile elsewhere. The accuracy of the model follows from the
-    noise: its error is at most a tenth of that.
+    The likelihood for Gaussian noise is maximised. The 95 % intervals follow from the curvature of
+    the likelihood if it is nearly quadratic, and otherwise from its profile. The tolerance of the
+    model follows from the noise: the numerical error is at most a tenth of the noise.
 
     Parameters
     ----------
-    scene : a Scene, the name of a bundled one, a file, or nested dictionaries; its values are those
-        to start from, and parameters are sought up to a factor of 1000 from them. Its times are
-        those of the data
-    data : files or tables with columns time, indentation, normal_force; time, radius, profile;
-        worn_volume or lost_mass, of ring N worn_volume_N or lost_mass_N, counted from the centre;
-        one, several, or by name
-    parameters : keys of the scene, such as ``punch.wear_coefficients[1]``, counted from 0; a key of
-        a list stands for all of its values; or unknowns of the rig: ``start_time``,
+    scene : a Scene, the name of a bundled one, a file, or nested dictionaries; its values are the
+        initial ones, and parameters are fitted up to a factor of 1000 from them. Its times are
+        replaced by those of the data
+    data : files or tables, one, several, or by name. Columns are time, indentation, normal_force;
+        time, radius, profile; worn_volume or lost_mass, for ring N worn_volume_N or lost_mass_N,
+        counted from the centre, from 1
+    parameters : keys of the scene, such as ``punch.wear_coefficients[1]``, counted from 0, where
+        the key of a list means all of its values; or unknowns of the rig: ``start_time``,
         ``sensor_offset``, ``machine_compliance``
     noise : standard deviation of the data, or those of its columns by name: numbers in the units of
-        the scene, or texts such as ``"0.2 um"`` or, of each value, ``"2 %"``; taken from the
-        residuals where none is given
+        the scene, or texts such as ``"0.2 um"`` or, relative to each value, ``"2 %"``; estimated
+        from the residuals if none is given
     density : of the punch, for lost mass, such as ``"7.8 g/cm^3"``
-    design : whether to say which measurement would narrow the widest interval most
-    columns : names of ours by theirs, ``{"depth": "indentation"}``
+    design : whether to compute which further measurement would narrow the widest interval most
+    columns : our column names by those of the data, ``{"depth": "indentation"}``
     units : of the data, such as ``"mm, N, MPa, s"``, if not those of the scene
 
     Returns
@@ -90,7 +91,7 @@ def fit(
     Raises
     ------
     SceneError
-        if scene, data or parameters cannot be read, or do not fit together, with the remedy
+        if scene, data or parameters cannot be read or do not suit each other, with the remedy
 
     Examples
     --------
@@ -107,20 +108,20 @@ def fit(
     scene = Scene.of(scene)
     if scene.problem.ground is not None:
         raise SceneError(
-            "half_space.layers: measurements are fitted on a homogeneous half-space; leave out the "
-            "layers and half_space.rigid"
+            "half_space.layers: measurements can be fitted only on a homogeneous half-space; leave "
+            "out the layers and half_space.rigid"
         )
     names = parameters.split(",") if isinstance(parameters, str) else parameters
     measurements = read_measurements(scene, data, noise, density, columns, units)
     times = np.unique(np.concatenate([each.times for each in measurements]))
     if not (times > 0).any():
-        raise SceneError("the data has no time after the start: give some")
+        raise SceneError("the data has no time after the start: give later times")
     scene = scene.changed(wear__times=times.tolist(), wear__march="modal", wear__step=None)
-    scene, sought = find_parameters(scene, [name.strip() for name in names if name.strip()])
-    # the matrices are small: threads would wait on each other
+    scene, fitted = find_parameters(scene, [name.strip() for name in names if name.strip()])
+    # the matrices are so small that several threads would only wait for each other
     with threadpool_limits(1):
-        found = fit_measurements(scene, _scaled(sought, measurements), measurements)
-        return found.with_design() if design else found
+        result = fit_measurements(scene, _with_scales(fitted, measurements), measurements)
+        return result.with_design() if design else result
 
 
 def fit_measurements(
@@ -131,48 +132,51 @@ def fit_measurements(
 ) -> Fit:
     """Fit parameters to measurements that have been read.
 
+    The model is refined until a finer tolerance changes no prediction by more than a tenth of the
+    noise.
+
     Parameters
     ----------
     scene : with the times of the data
-    model : yields the predictor by an accuracy and by the coordinates about which it is to be best;
-        by default that which suits the punch
+    model : returns the predictor for a tolerance and for the coordinates at which it is to be most
+        accurate; by default the one that suits the punch
     """
     model = model or suitable_model(scene)
     rtol, *finer_rtols = RTOLS
     predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
-    likelihood, combinations = without_effect(likelihood)
+    likelihood, combinations = fix_ineffective_parameters(likelihood)
     points = best_points(likelihood)
     likelihood = with_estimated_noise(likelihood, points)
     error = np.zeros(len(likelihood.noise))
     for finer_rtol in finer_rtols:
         best = likelihood.best_from(points[0].x)
         finer = model(scene, parameters, likelihood.measurements, finer_rtol, best.x)
-        sharper = replace(likelihood, predictor=finer)
-        error = sharper.residuals(best.x) - likelihood.residuals(best.x)
-        LOG.info("     fit  numerical error %.2g of the noise", np.abs(error).max())
-        if np.abs(error).max() <= NUMERICAL:
+        finer_likelihood = replace(likelihood, predictor=finer)
+        error = finer_likelihood.residuals(best.x) - likelihood.residuals(best.x)
+        LOG.info("     fit  numerical error %.2g times the noise", np.abs(error).max())
+        if np.abs(error).max() <= MAX_NUMERICAL_ERROR:
             break
-        likelihood = sharper
+        likelihood = finer_likelihood
     if len(points) > 1 and likelihood.predictor is not predictor:
         points = sorted(
             (likelihood.best_from(point.x) for point in points), key=lambda point: point.chi_square
         )
     best, profiles, intervals = _intervals(likelihood, points)
     slopes = likelihood.slopes(best.x)
-    numerical = inverse_of(slopes) @ (slopes.T @ error)
-    held = {number for combination in combinations for number in combination}
+    shifts = inverse_of_information(slopes) @ (slopes.T @ error)
+    undetermined = {number for combination in combinations for number in combination}
     estimates = []
     for number, parameter in enumerate(parameters):
         place = likelihood.free.index(number) if number in likelihood.free else None
-        low, high = (-np.inf, np.inf) if number in held else intervals[number]
+        low, high = (-np.inf, np.inf) if number in undetermined else intervals[number]
         estimates.append(
             Estimate(
                 parameter,
                 float(best.x[number]),
                 low,
                 high,
-                0.0 if place is None else float(abs(numerical[place])),
+                0.0 if place is None else float(abs(shifts[place])),
                 number in profiles.traces,
             )
         )
@@ -190,21 +194,21 @@ def fit_measurements(
 
 
 def suitable_model(scene: Scene) -> Model:
-    """Return the model that suits a punch: modes where all of it carries, else a march."""
+    """Return the model that suits a punch: modes in full contact, otherwise marches."""
     if scene.problem.full_contact:
         return flat_predictor
-    LOG.info("     fit  contact changes: this takes some ten marches or more, a second each")
+    LOG.info("     fit  the contact changes: this takes ten or more marches, about a second each")
     return marched_predictor
 
 
-def _scaled(
+def _with_scales(
     parameters: tuple[Parameter, ...], measurements: tuple[Measurement, ...]
 ) -> tuple[Parameter, ...]:
-    """Return the parameters with the scales of those that are not sought by logarithms."""
+    """Return the parameters, with scales for those that are not logarithmic."""
     times = np.concatenate([each.times for each in measurements])
     depths = [np.ptp(each.values) for each in measurements if each.quantity == "indentation"]
     depth = max(depths, default=0.0) or 1.0
-    # sought up to the last of the times, and up to a hundred times what the sensor has shown
+    # at REACH times the scale: the last time, and a hundred times the range of the sensor
     scales = {"start_time": times.max() / 1e3, "sensor_offset": 0.1 * depth}
     return tuple(
         replace(each, scale=float(scales.get(each.name, 0.1 * depth)))
@@ -215,9 +219,10 @@ def _scaled(
 
 
 def threshold(likelihood: Likelihood) -> float:
-    """Return the rise of chi-square at the ends of an interval of one parameter.
+    """Return the rise of chi-square at the ends of the interval of one parameter.
 
-    Where noises are taken from the residuals, it is the square of Student's quantile.
+    It is the square of the normal quantile, or of Student's quantile if any noise is estimated from
+    the residuals.
     """
     level = (1 + CONFIDENCE) / 2
     if all(each.noise_known for each in likelihood.measurements):
@@ -228,21 +233,21 @@ def threshold(likelihood: Likelihood) -> float:
 def _intervals(
     likelihood: Likelihood, points: list[Point]
 ) -> tuple[Point, Profiles, dict[int, tuple[float, float]]]:
-    """Return the best point, profiles about it, and the intervals of what is sought, by number."""
-    for _ in range(RESTARTS):
+    """Return the best point, its profiles, and the intervals of the free parameters by index."""
+    for _ in range(MAX_RESTARTS):
         best, covariance = points[0], likelihood.covariance(points[0].x)
         rise = threshold(likelihood)
         seen = [point for point in points[1:] if point.chi_square < best.chi_square + rise]
         profiles = Profiles(likelihood, best, covariance, rise, seen)
-        half = np.sqrt(np.diag(covariance) * rise)
+        half_widths = np.sqrt(np.diag(covariance) * rise)
         intervals = {
-            number: (float(best.x[number] - width), float(best.x[number] + width))
-            for number, width in zip(likelihood.free, half, strict=True)
+            number: (float(best.x[number] - half_width), float(best.x[number] + half_width))
+            for number, half_width in zip(likelihood.free, half_widths, strict=True)
         }
         try:
             intervals |= profiles.intervals(_not_quadratic(likelihood, best, seen, covariance))
-        except BetterPointError as found:
-            better = likelihood.best_from(found.point.x)
+        except BetterPointError as error:
+            better = likelihood.best_from(error.point.x)
             points = [better, *(point for point in points if point is not better)]
             continue
         break
@@ -252,13 +257,21 @@ def _intervals(
 def _not_quadratic(
     likelihood: Likelihood, best: Point, seen: list[Point], covariance: Array
 ) -> list[int]:
-    """Return the numbers of the parameters whose intervals curvature cannot be trusted to give."""
+    """Return the indices of the parameters whose likelihood is not nearly quadratic.
+
+    Their intervals do not follow from the curvature. If another likely point was found away from
+    the best one, these are all free parameters.
+
+    Parameters
+    ----------
+    seen : other points whose chi-square is within the threshold
+    """
     deviations = np.sqrt(np.diag(covariance))
-    steps = [np.abs(point.x - best.x)[list(likelihood.free)] / deviations for point in seen]
-    if any((step > 0.1).any() for step in steps):
+    shifts = [np.abs(point.x - best.x)[list(likelihood.free)] / deviations for point in seen]
+    if any((shift > 0.1).any() for shift in shifts):
         return list(likelihood.free)
     return [
         number
         for number, deviation in zip(likelihood.free, deviations, strict=True)
-        if likelihood.parameters[number].logarithmic and deviation > CURVED
+        if likelihood.parameters[number].logarithmic and deviation > MAX_QUADRATIC_DEVIATION
     ]

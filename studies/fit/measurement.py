@@ -1,4 +1,4 @@
-"""What is measured, and what a model of it yields."""
+"""Measurements, and the interface of models that predict them."""
 
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -8,18 +8,19 @@ from ...meshes.radial import Array
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """One column of a table; of profiles, one for each time.
+    """A series of n measured values: one column of a table, or a profile at one time.
 
     Parameters
     ----------
-    column : its name, without the number of a ring
-    quantity : what a model predicts for it: indentation, normal_force, profile or worn_volume
+    column : name of the column, without the number of a ring
+    quantity : quantity that a model predicts for it: indentation, normal_force, profile or
+        worn_volume
     times : (n,) in the units of the scene
     values : (n,) in the units of the scene
     noise : (n,) standard deviations
-    noise_known : whether these were given; else only their ratios are meant
-    radii : (n,) of a profile; None of anything else
-    ring : number of the ring that a volume is of, from 0; None of all rings together
+    noise_known : whether the noise was given; otherwise only the ratios of the deviations count
+    radii : (n,) for a profile; None for other quantities
+    ring : index of the ring whose volume is measured, from 0; None for all rings together
     """
 
     column: str
@@ -33,36 +34,36 @@ class Measurement:
 
     @property
     def has_offset(self) -> bool:
-        """Whether a constant is unknown, as heights of a profilometer have it."""
+        """Whether all values share an unknown offset, like the heights of a profilometer."""
         return self.quantity == "profile"
 
     @property
     def label(self) -> str:
-        """What figures call it."""
+        """The quantity, and the ring if there is one, in words."""
         words = self.quantity.replace("_", " ")
         return words if self.ring is None else f"{words} of ring {self.ring + 1}"
 
-    def scaled(self, factor: float) -> "Measurement":
-        """Return it with its noise times a factor."""
+    def with_scaled_noise(self, factor: float) -> "Measurement":
+        """Return the measurement with its noise multiplied by a factor."""
         return replace(self, noise=self.noise * factor)
 
 
 class Predictor(Protocol):
-    """A model of what is measured."""
+    """A model that predicts measurements for coordinates (m,) of the parameters."""
 
     @property
     def measurements(self) -> tuple[Measurement, ...]:
-        """What is predicted."""
+        """The measurements that are predicted."""
 
     @property
     def rtol(self) -> float:
-        """The accuracy of the model."""
+        """The tolerance to which the model is solved."""
 
     def predict(self, x: Array) -> list[Array]:
-        """Return the values (n,) of each measurement at coordinates (m,) of the parameters."""
+        """Return the values (n,) of each measurement at coordinates (m,)."""
 
     def slopes(self, x: Array) -> list[Array]:
-        """Return the derivatives (n, m) of each measurement by these coordinates."""
+        """Return the derivatives (n, m) of each measurement by the coordinates."""
 
-    def measuring(self, measurements: tuple[Measurement, ...]) -> "Predictor":
-        """Return the model of other measurements."""
+    def for_measurements(self, measurements: tuple[Measurement, ...]) -> "Predictor":
+        """Return the model that predicts other measurements."""

@@ -1,4 +1,4 @@
-"""What a fit has found, in numbers: estimates, intervals, correlations, residuals."""
+"""The results of a fit in numbers: estimates, intervals, correlations and residuals."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,21 +14,21 @@ from .statistics.likelihood import Likelihood, Point
 from .statistics.profiles import Profiles
 from .statistics.residual_tests import LEVEL, combined
 
-# a parameter that is known to no better than this factor on a side is not identifiable
-FACTOR = 2.0
+# a parameter is identifiable if both ends of its interval are within this factor of the estimate
+MAX_FACTOR = 2.0
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What the measurements say of one parameter, in its coordinate (a logarithm, mostly).
+    """The estimate of one parameter, in its coordinate, which usually is a logarithm.
 
     Parameters
     ----------
-    parameter : which
-    best : most likely
-    low, high : ends of the 95 % interval, infinite where it has none
-    numerical : by how much the error of the model moves it
-    by_profile : whether the interval is from the profile of the likelihood, not its curvature
+    parameter : that is estimated
+    best : most likely coordinate
+    low, high : ends of the 95 % interval, infinite where it is open
+    numerical : change of the coordinate by the numerical error of the model
+    by_profile : whether the interval follows from the profile of the likelihood, not its curvature
     """
 
     parameter: Parameter
@@ -40,9 +40,9 @@ class Estimate:
 
     @property
     def identifiable(self) -> bool:
-        """Whether both sides end, of what is positive within a factor of two."""
+        """Whether the interval is bounded: to a factor of two on each side if it is positive."""
         widest = max(self.best - self.low, self.high - self.best)
-        return bool(widest < (np.log(FACTOR) if self.parameter.logarithmic else np.inf))
+        return bool(widest < (np.log(MAX_FACTOR) if self.parameter.logarithmic else np.inf))
 
     @property
     def value(self) -> float:
@@ -51,27 +51,29 @@ class Estimate:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The ends of the interval, in the units of the scene; 0 and infinite where it has none."""
+        """The ends of the interval, in the units of the scene; 0 or infinite where it is open."""
         return self.parameter.at(self.low), self.parameter.at(self.high)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Outcome:
-    """What measurements say of parameters of a scene, in numbers.
+    """The results of a fit in numbers. n is the number of values, f that of free parameters.
 
     Parameters
     ----------
-    scene : with the values that the search began at
-    likelihood : of the measurements, at the accuracy that they ask for
+    scene : with the initial values of the parameters
+    likelihood : of the measurements, with a model that is accurate enough for their noise
     best : the most likely point
-    found : what is said of each parameter
-    profiles : of the likelihood, where curvature was not enough
-    combinations : numbers of the parameters whose combination has no effect; the last is held
+    found : the estimate of each parameter
+    profiles : of the likelihood, for parameters whose likelihood is not nearly quadratic
+    combinations : indices of the parameters in each combination without effect; the last parameter
+        is held at its value in the scene
     tests : probabilities of the residuals, by the names of the tests
-    rtol : accuracy of the model
-    model_error : its greatest error over the noise, by the difference to a sharper one
-    design : further measurements with the widest interval that they would leave, best first; empty
-        if it was not asked for
+    rtol : tolerance of the model
+    model_error : greatest numerical error of the model, over the noise, by the difference to a
+        model with a finer tolerance
+    design : further measurements with the widest interval that each would leave, best first; empty
+        if the design was not computed
     """
 
     scene: Scene
@@ -87,15 +89,16 @@ class Outcome:
 
     @property
     def measurements(self) -> tuple[Measurement, ...]:
-        """What was measured, with its noise."""
+        """The measurements with their noise."""
         return self.likelihood.measurements
 
     @cached_property
     def estimates(self) -> pd.DataFrame:
         """By parameter: value, low and high end of the 95 % interval, and whether identifiable.
 
-        Further columns: `numerical`, the relative error that the model's accuracy brings (absolute
-        where the parameter is not positive), and whether the interval is that of the `profile`.
+        Further columns: `numerical`, the relative error of the estimate by the numerical error of
+        the model (absolute if the parameter is not positive), and `profile`, whether the interval
+        follows from the profile of the likelihood.
         """
         rows = {
             each.parameter.name: {
@@ -112,22 +115,22 @@ class Outcome:
 
     @property
     def chi_square(self) -> float:
-        """The sum of the squared residuals, over the noise."""
+        """The sum of the squared residuals, each over its noise."""
         return self.best.chi_square
 
     @property
     def degrees_of_freedom(self) -> int:
-        """What chi-square should be about, if the noise is as given."""
+        """The expected value of chi-square, if the noise is as given."""
         return self.likelihood.degrees_of_freedom
 
     @cached_property
     def covariance(self) -> Array:
-        """(f, f) of the coordinates of what was sought, by curvature."""
+        """(f, f) covariance of the coordinates of the free parameters, by the curvature."""
         return self.profiles.covariance
 
     @cached_property
     def correlations(self) -> pd.DataFrame:
-        """Correlations of the parameters that were sought, by curvature."""
+        """Correlations of the free parameters, by the curvature."""
         deviations = np.sqrt(np.diag(self.covariance))
         names = [self.likelihood.parameters[number].name for number in self.likelihood.free]
         scaled = self.covariance / np.outer(deviations, deviations)
@@ -135,27 +138,27 @@ class Outcome:
 
     @property
     def fits(self) -> bool:
-        """Whether the residuals do not speak against the model."""
+        """Whether the tests of the residuals do not reject the model."""
         return combined(self.tests) >= LEVEL
 
     @cached_property
     def bands(self) -> Array:
-        """(n,) half widths of the 95 % band of what is fitted, in the units of the data."""
+        """(n,) half widths of the 95 % band of the fitted values, in the units of the scene."""
         slopes = self.likelihood.slopes(self.best.x)
         variances = np.einsum("ni,ij,nj->n", slopes, self.covariance, slopes)
         return np.asarray(np.sqrt(variances * self.profiles.threshold) * self.likelihood.noise)
 
-    def own_point(self, number: int) -> tuple[float, float]:
-        """Return the best value of a parameter with its chi-square, as profiles have them."""
+    def best_trace_point(self, number: int) -> tuple[float, float]:
+        """Return the best coordinate of a parameter and chi-square there, in the form of traces."""
         return float(self.best.x[number]), self.best.chi_square
 
     @cached_property
     def residuals(self) -> pd.DataFrame:
-        """What was measured, predicted, and left over the noise, by source."""
+        """Measured and fitted values, and residuals over the noise, of all measurements."""
         predicted = self.likelihood.predictor.predict(self.best.x)
-        left, row, tables = self.likelihood.residuals(self.best.x), 0, []
+        residuals, row, tables = self.likelihood.residuals(self.best.x), 0, []
         for each, values in zip(self.measurements, predicted, strict=True):
-            # the offset of a profile is the weighted mean of what it leaves
+            # the unknown offset of a profile is estimated by the weighted mean of its residuals
             weights = 1 / each.noise**2
             offset = np.average(each.values - values, weights=weights) if each.has_offset else 0.0
             columns = {
@@ -165,7 +168,7 @@ class Outcome:
                 "measured": each.values,
                 "fitted": values + offset,
                 "noise": each.noise,
-                "residual": left[row : row + len(values)],
+                "residual": residuals[row : row + len(values)],
             }
             tables.append(pd.DataFrame(columns))
             row += len(values)

@@ -1,4 +1,4 @@
-"""What is fitted: keys of a scene, in logarithms, and unknowns of the rig."""
+"""The parameters of a fit: keys of a scene, by their logarithms, and unknowns of the rig."""
 
 import difflib
 import re
@@ -14,9 +14,10 @@ from ..problem.fields import TomlTable
 from ..problem.unit_names import UnitNames, kind_of
 from ..scene.scene import Scene
 
-# a positive parameter is sought between its value in the scene over and times this factor
+# a positive parameter is fitted between its value in the scene divided and multiplied by this; the
+# coordinate of another parameter, between minus and plus this
 REACH = 1e3
-# keys that a fit can take; others change the geometry or the numerics
+# keys that can be fitted; all other keys change the geometry or the numerics
 KEYS = (
     "punch.wear_coefficient",
     "punch.wear_coefficients",
@@ -29,26 +30,26 @@ KEYS = (
     "load.sliding_speed",
 )
 NUISANCES = {
-    "start_time": ("time", "when sliding began, by the clock of the data"),
-    "sensor_offset": ("displacement", "what the displacement sensor shows at no indentation"),
-    "machine_compliance": ("compliance", "by how much the machine gives under a unit force"),
+    "start_time": ("time", "time at which sliding began, by the clock of the data"),
+    "sensor_offset": ("displacement", "reading of the displacement sensor without indentation"),
+    "machine_compliance": ("compliance", "displacement of the machine under a unit force"),
 }
-"""Unknowns of the rig: the kind of their unit, and what they are."""
+"""Unknowns of the rig, each with the kind of its unit and a description."""
 WEAR = "punch.wear_"
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One unknown of a fit.
+    """One parameter of a fit, described by a coordinate x.
 
-    It is sought as ``value exp(x)`` if it is logarithmic, and as ``value + scale x`` if not.
+    Its value is ``value exp(x)`` if it is logarithmic, and ``value + scale x`` if not.
 
     Parameters
     ----------
-    name : a key of the scene, with the number of a value in brackets if it is one of a list; or a
-        name of `NUISANCES`
-    value : in the scene, 0 of a nuisance; in the units of the scene
-    scale : of steps of what is not logarithmic
+    name : a key of the scene, with the index of a value in brackets if it is one of a list; or a
+        name in `NUISANCES`
+    value : in the scene, in its units; 0 for a nuisance
+    scale : unit of the coordinate if the parameter is not logarithmic, in the units of the scene
     unit : kind of its unit
     """
 
@@ -59,12 +60,12 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it is positive, and sought by its logarithm."""
+        """Whether it is positive, and described by its logarithm."""
         return self.name not in NUISANCES
 
     @property
     def reach(self) -> float:
-        """How far it is sought from the value in the scene, in x."""
+        """Greatest absolute value of the coordinate x."""
         return float(np.log(REACH)) if self.logarithmic else REACH
 
     @property
@@ -73,13 +74,13 @@ class Parameter:
         return self.name.startswith(WEAR)
 
     def at(self, x: float) -> float:
-        """Return the value, in the units of the scene, at a coordinate."""
+        """Return the value at a coordinate, in the units of the scene."""
         if self.logarithmic:
             return float(self.value * np.exp(x))
         return self.value + self.scale * x
 
     def written(self, value: float, names: UnitNames) -> str:
-        """Return a value with its unit, for people."""
+        """Return a value as text, with its unit."""
         if self.unit == "compliance":
             unit = "" if names.base is None else f" {names.base[0]}/{names.base[1]}"
             return f"{value:.4g}{unit}"
@@ -87,41 +88,42 @@ class Parameter:
 
 
 def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Parameter, ...]]:
-    """Return the parameters of these names, and the scene with the keys that they need.
+    """Return the scene with the keys of the parameters, and the parameters of these names.
 
-    The key of a list stands for all of its values. A scene that has `punch.wear_ratio` is given a
-    list of wear coefficients if one of these is asked for.
+    The key of a list means all of its values. If a wear coefficient of a list is fitted, and the
+    scene has `punch.wear_ratio` instead, the scene is returned with a list.
 
     Raises
     ------
     SceneError
-        if there is no such parameter, naming those that there are
+        if there is no such parameter, listing the possible ones; or if one is given twice
     """
     if any(name.startswith("punch.wear_coefficients") for name in names):
         scene = _with_list(scene)
-    table, found = scene.table(), list[Parameter]()
+    table, parameters = scene.table(), list[Parameter]()
     for name in names:
         if name in NUISANCES:
-            found.append(Parameter(name, 0.0, 1.0, NUISANCES[name][0]))
+            parameters.append(Parameter(name, 0.0, 1.0, NUISANCES[name][0]))
             continue
-        found += [
+        parameters += [
             Parameter(key, _value(table, key), 1.0, _kind(key)) for key in _expanded(table, name)
         ]
-    twice = {each.name for each in found if sum(of.name == each.name for of in found) > 1}
-    if twice or not found:
-        what = f"{min(twice)} is asked for twice" if twice else "nothing is asked for"
-        raise SceneError(f"{what}: give each parameter once, such as {_choices(table)}")
-    return scene, tuple(found)
+    all_names = [each.name for each in parameters]
+    repeated = {name for name in all_names if all_names.count(name) > 1}
+    if repeated or not parameters:
+        fault = f"{min(repeated)} is given twice" if repeated else "no parameter is given"
+        raise SceneError(f"{fault}: give each parameter once, such as {_choices(table)}")
+    return scene, tuple(parameters)
 
 
 def scene_at(scene: Scene, parameters: Sequence[Parameter], x: Array) -> Scene:
-    """Return the scene with its keys at coordinates (m,)."""
+    """Return the scene with the values of the parameters at coordinates (m,)."""
     changes = TomlTable()
     table = scene.table()
     for parameter, coordinate in zip(parameters, x, strict=True):
         if parameter.name in NUISANCES:
             continue
-        path, index = _parts(parameter.name)
+        path, index = _key_and_index(parameter.name)
         value = parameter.at(float(coordinate))
         if index is None:
             changes[path] = value
@@ -132,6 +134,13 @@ def scene_at(scene: Scene, parameters: Sequence[Parameter], x: Array) -> Scene:
 
 
 def _with_list(scene: Scene) -> Scene:
+    """Return the scene with `punch.wear_coefficients` in place of a coefficient and a ratio.
+
+    Raises
+    ------
+    SceneError
+        if the punch has one material and no rings
+    """
     punch = scene.punch
     if punch.wear_coefficients is not None or punch.table:
         return scene
@@ -147,8 +156,8 @@ def _with_list(scene: Scene) -> Scene:
     return Scene.from_table(table).with_heights(*punch.heights, kinks=punch.kinks)
 
 
-def _parts(name: str) -> tuple[str, int | None]:
-    """Return the key of a parameter, and the number of its value in a list."""
+def _key_and_index(name: str) -> tuple[str, int | None]:
+    """Return the key of a parameter, and the index of its value in a list; None without a list."""
     matched = re.fullmatch(r"([\w.]+)(?:\[(\d+)\])?", name)
     if matched is None:
         return name, None
@@ -162,38 +171,44 @@ def _lookup(table: TomlTable, path: str) -> Any:
 
 
 def _value(table: TomlTable, name: str) -> float:
-    path, index = _parts(name)
-    found = _lookup(table, path)
-    return float(found if index is None else found[index])
+    path, index = _key_and_index(name)
+    value = _lookup(table, path)
+    return float(value if index is None else value[index])
 
 
 def _kind(name: str) -> str:
-    return kind_of(_parts(name)[0], Scene)
+    return kind_of(_key_and_index(name)[0], Scene)
 
 
 def _expanded(table: TomlTable, name: str) -> list[str]:
-    """Return the names of the values that a name stands for."""
-    path, index = _parts(name)
+    """Return the names of all values that a name means.
+
+    Raises
+    ------
+    SceneError
+        if the name cannot be fitted, or if its index is too large
+    """
+    path, index = _key_and_index(name)
     if path in KEYS and isinstance(_lookup(table, path), dict) and _lookup(table, path):
         path = f"{path}.values"
     value = _lookup(table, path)
-    known = path.removesuffix(".values") in KEYS and value != {}
-    if known and isinstance(value, list):
+    can_be_fitted = path.removesuffix(".values") in KEYS and value != {}
+    if can_be_fitted and isinstance(value, list):
         numbers = range(len(value)) if index is None else [index]
         if numbers[-1] < len(value):
             return [f"{path}[{number}]" for number in numbers if value[number]]
         raise SceneError(
-            f"{name}: {path} has {len(value)} values, counted from 0; give one for each ring in "
-            "the scene to fit each of them"
+            f"{name}: {path} has {len(value)} values, counted from 0; give a value for each ring "
+            "in the scene to fit each of them"
         )
-    if known and index is None:
+    if can_be_fitted and index is None:
         return [path]
     choices = [key for key in KEYS if _lookup(table, key) != {}] + list(NUISANCES)
     near = difflib.get_close_matches(name, choices, 1)
-    meant = f"did you mean {near[0]}? Else " if near else ""
-    raise SceneError(f"{name} cannot be fitted: {meant}give some of {_choices(table)}")
+    suggestion = f"did you mean {near[0]}? Else " if near else ""
+    raise SceneError(f"{name} cannot be fitted: {suggestion}give some of {_choices(table)}")
 
 
 def _choices(table: TomlTable) -> str:
-    there = [key for key in KEYS if _lookup(table, key) != {}]
-    return ", ".join([*there, *NUISANCES])
+    keys_in_scene = [key for key in KEYS if _lookup(table, key) != {}]
+    return ", ".join([*keys_in_scene, *NUISANCES])

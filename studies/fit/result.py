@@ -1,4 +1,4 @@
-"""The value that a fit returns, which shows and saves itself."""
+"""The result of a fit, which is shown in print and in notebooks, and saved to a folder."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -28,11 +28,11 @@ FILES = (*TABLES, "fit.png", "likelihood.png", "design.png", "report.html")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(Outcome):
-    """What measurements say of parameters of a scene; it shows itself in print and in notebooks."""
+    """The result of a fit, which is shown in print and in notebooks, and saved to a folder."""
 
     @cached_property
     def conclusions(self) -> tuple[str, ...]:
-        """What the measurements say, a sentence each."""
+        """The conclusions in sentences."""
         return conclude(self)
 
     @cached_property
@@ -42,7 +42,7 @@ class Fit(Outcome):
             return draw_all(self)
 
     def with_design(self) -> "Fit":
-        """Return it with further measurements, by how much they would narrow the intervals."""
+        """Return the fit with its design: further measurements, and intervals with each of them."""
         return replace(self, design=design_table(self))
 
     def __repr__(self) -> str:
@@ -52,18 +52,18 @@ class Fit(Outcome):
 
     def _repr_html_(self) -> str:
         """Return conclusions, estimates and figures as HTML, for notebooks."""
-        parts = [f"<pre>{escape(repr(self))}</pre>"]
-        parts.append(self.estimates.to_html(float_format="{:.4g}".format))
-        parts += map(html_of, self.figures.values())
-        return "".join(parts)
+        blocks = [f"<pre>{escape(repr(self))}</pre>"]
+        blocks.append(self.estimates.to_html(float_format="{:.4g}".format))
+        blocks += map(html_of, self.figures.values())
+        return "".join(blocks)
 
     def save(self, folder: str | Path) -> list[str]:
-        """Write what ``ringwear fit --out folder`` does; return the names of the files.
+        """Write the files of ``ringwear fit --out folder``, and return their names.
 
         Raises
         ------
         SceneError
-            if the folder cannot be written to, or holds files of others with these names
+            if the folder cannot be written to, or contains other files with these names
         RingwearError
             if a figure or the page cannot be made
         """
@@ -73,7 +73,7 @@ class Fit(Outcome):
         return out.written
 
     def write(self, folder: Path) -> list[str]:
-        """Write tables, figures and the page to a folder; return what could not be made."""
+        """Write tables, figures and the page to a folder; return messages on what failed."""
         tables = {
             "estimates": self.estimates.rename_axis("parameter").reset_index(),
             "residuals": self.residuals,
@@ -87,6 +87,6 @@ class Fit(Outcome):
             with in_style():
                 figure.savefig(folder / f"{name}.png")
         title = f"Fit of {self.scene.title or 'an untitled scene'}"
-        purpose = "What measurements say of wear coefficients, and what they cannot tell."
+        purpose = "Parameters that measurements determine, their intervals, and what is unknown."
         write = partial(write_study, title, purpose, self.scene, self.conclusions)
         return make(folder / "report.html", write)

@@ -1,4 +1,4 @@
-"""What a fit says, in sentences."""
+"""Put the conclusions of a fit into sentences."""
 
 from collections.abc import Iterator
 
@@ -9,31 +9,37 @@ from ..problem.unit_names import UnitNames
 from ..wear.time_scale import running_in
 from .outcome import Estimate, Outcome
 from .parameters import REACH
-from .statistics.likelihood import inverse_of
+from .statistics.likelihood import inverse_of_information
 from .statistics.residual_tests import LEVEL, combined
 
-# correlation from which on two parameters are named
-CORRELATED = 0.9
-# deviation of the logarithm of a ratio from which on data cannot separate two parameters
-INSEPARABLE = 0.5 * np.log(2.0)
-# cosine from which on the best known combination is called the harmonic mean
-ALIKE = 0.98
+# least correlation of two parameters that is reported
+MIN_CORRELATION = 0.9
+# standard deviation of a logarithm above which data do not separate two parameters
+INSEPARABLE_DEVIATION = 0.5 * np.log(2.0)
+# least cosine between the best known combination of coefficients and their harmonic mean at which
+# it is reported as the harmonic mean
+MIN_COSINE = 0.98
 
 
 def conclude(fit: Outcome) -> tuple[str, ...]:
-    """Return what data say of each parameter, what they cannot tell, and whether the model fits."""
+    """Return sentences on the estimates, on what the data do not determine, and on the model."""
     names = UnitNames.of(fit.scene.units)
-    parts = (_values(fit, names), _combinations(fit), _correlated(fit, names), _quality(fit, names))
-    return tuple(line for part in parts for line in part)
+    groups = (
+        _estimates(fit, names),
+        _combinations(fit),
+        _correlation(fit, names),
+        _quality(fit, names),
+    )
+    return tuple(line for group in groups for line in group)
 
 
-def _values(fit: Outcome, names: UnitNames) -> Iterator[str]:
-    held = {number for combination in fit.combinations for number in combination}
+def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
+    undetermined = {number for combination in fit.combinations for number in combination}
     for number, each in enumerate(fit.found):
         name, parameter = each.parameter.name, each.parameter
         low, high = (parameter.written(end, names) for end in each.ends)
-        if number in held:
-            yield f"{name} is not identifiable: no value of it changes what was measured alone"
+        if number in undetermined:
+            yield f"{name} is not identifiable: the data do not determine it alone"
         elif each.identifiable:
             value = parameter.written(each.value, names)
             yield f"{name} = {value} (95 %: {low} to {high}){_relative(each)}"
@@ -42,7 +48,7 @@ def _values(fit: Outcome, names: UnitNames) -> Iterator[str]:
 
 
 def _relative(each: Estimate) -> str:
-    """Return half the width of an interval of what is positive, in per cent."""
+    """Return half the width of the interval of a positive parameter, in per cent of the value."""
     if not each.parameter.logarithmic:
         return ""
     return f", known to {50 * (np.exp(each.high - each.best) - np.exp(each.low - each.best)):.2g} %"
@@ -52,45 +58,50 @@ def _bounds(each: Estimate, low: str, high: str) -> str:
     if np.isfinite([each.low, each.high]).all():
         return f"it lies between {low} and {high} (95 %), wider than a factor of two"
     if np.isfinite(each.low):
-        return f"it is at least {low} (97.5 %), and the data sets no upper end to it"
+        return f"it is at least {low} (97.5 %), and the data give no upper bound"
     if np.isfinite(each.high):
-        return f"it is at most {high} (97.5 %), and the data sets no lower end to it"
-    return f"the data allows every value within a factor of {REACH:g}"
+        return f"it is at most {high} (97.5 %), and the data give no lower bound"
+    return f"the data allow every value within a factor of {REACH:g} of the scene's"
 
 
 def _combinations(fit: Outcome) -> Iterator[str]:
     for combination in fit.combinations:
-        named = [fit.found[number].parameter.name for number in combination]
-        if len(named) == 1:
-            yield f"nothing that was measured depends on {named[0]}"
+        names = [fit.found[number].parameter.name for number in combination]
+        if len(names) == 1:
+            yield f"no measurement depends on {names[0]}"
             continue
-        together = f"{', '.join(named[:-1])} and {named[-1]}"
+        listed = f"{', '.join(names[:-1])} and {names[-1]}"
         advice = ""
-        if {"sensor_offset", "machine_compliance"} <= set(named):
-            advice = "; a force that varies would separate them"
+        if {"sensor_offset", "machine_compliance"} <= set(names):
+            advice = "; data under a force that varies would separate them"
         yield (
-            f"{together} cannot be separated by these data: only a combination of them is known, "
-            f"here with {named[-1]} held where the scene has it{advice}"
+            f"{listed} cannot be separated by these data: only a combination of them is known. "
+            f"{names[-1]} is held at its value in the scene{advice}"
         )
 
 
-def _correlated(fit: Outcome, names: UnitNames) -> Iterator[str]:
-    """Yield the correlation that matters most, what is known all the same, and from when on."""
+def _correlation(fit: Outcome, names: UnitNames) -> Iterator[str]:
+    """Yield a sentence on the greatest correlation, and on the combination that is still known."""
     table = np.abs(np.triu(fit.correlations.to_numpy(), 1))
-    if not table.size or table.max() < CORRELATED:
+    if not table.size or table.max() < MIN_CORRELATION:
         return
     first, second = np.unravel_index(int(table.argmax()), table.shape)
     pair = [fit.correlations.index[number] for number in (first, second)]
     value = fit.correlations.iloc[int(first), int(second)]
     digits = f"{value:.2f}" if abs(value) < 0.995 else f"{value:.4f}"
     line = f"{pair[0]} and {pair[1]} are hard to separate (correlation {digits})"
-    if since := _inseparable_since(fit, int(first), int(second), names):
-        line += f": {since}"
+    if reason := _inseparable_since(fit, int(first), int(second), names):
+        line += f": {reason}"
     yield line + _harmonic(fit)
 
 
 def _inseparable_since(fit: Outcome, first: int, second: int, names: UnitNames) -> str:
-    """Return from when on data alone would not tell two parameters apart; empty if they would."""
+    """Return from which time on the data alone do not separate two parameters; empty if they do.
+
+    Parameters
+    ----------
+    first, second : indices among the free parameters
+    """
     likelihood = fit.likelihood
     slopes = likelihood.slopes(fit.best.x)
     times = np.concatenate([each.times for each in fit.measurements])
@@ -98,17 +109,18 @@ def _inseparable_since(fit: Outcome, first: int, second: int, names: UnitNames) 
         later = slopes[times >= time]
         if np.linalg.matrix_rank(later) < later.shape[1]:
             return ""
-        deviations = np.sqrt(np.diag(inverse_of(later)))
-        if deviations[[first, second]].max() > INSEPARABLE:
+        deviations = np.sqrt(np.diag(inverse_of_information(later)))
+        if deviations[[first, second]].max() > INSEPARABLE_DEVIATION:
             (slowest,) = running_in(fit.scene.problem, [1.0])
-            parts = time / fit.scene.problem.units.time / slowest
-            counted = f" ({parts:.2g} relaxation times)" if np.isfinite(parts) else ""
-            return f"data from t = {names.write(time, 'time', 2)}{counted} on would not do so"
+            count = time / fit.scene.problem.units.time / slowest
+            relaxation = f" ({count:.2g} relaxation times)" if np.isfinite(count) else ""
+            when = names.write(time, "time", 2)
+            return f"the data from t = {when}{relaxation} on alone do not separate them"
     return ""
 
 
 def _harmonic(fit: Outcome) -> str:
-    """Return how well the harmonic mean of wear coefficients is known, if that is known best."""
+    """Return the uncertainty of the harmonic mean of wear coefficients, if it is known best."""
     likelihood = fit.likelihood
     wear = [
         place
@@ -121,25 +133,31 @@ def _harmonic(fit: Outcome) -> str:
     covariance = fit.covariance[np.ix_(wear, wear)]
     best_known = np.linalg.eigh(covariance)[1][:, 0]
     weights = _steady_weights(fit, wear)
-    if abs(best_known @ weights) < ALIKE * np.linalg.norm(weights):
+    if abs(best_known @ weights) < MIN_COSINE * np.linalg.norm(weights):
         return ""
-    known = float(np.sqrt(weights @ covariance @ weights) / weights.sum())
+    deviation = float(np.sqrt(weights @ covariance @ weights) / weights.sum())
     return (
-        f"; their harmonic mean, which sets the steady wear rate, is known to {196 * known:.2g} %"
+        "; their harmonic mean, which sets the steady wear rate, is known to "
+        f"{196 * deviation:.2g} %"
     )
 
 
 def _steady_weights(fit: Outcome, wear: list[int]) -> Array:
-    """Return the share of each wear coefficient in the harmonic mean, ``(A/k) / sum A/k``."""
+    """Return the weight of each wear coefficient in the harmonic mean, ``(A/k) / sum A/k``.
+
+    Parameters
+    ----------
+    wear : indices of the wear coefficients among the free parameters
+    """
     likelihood = fit.likelihood
     problem = fit.scene.problem
     areas, count = ring_areas(problem.ring_edges), len(fit.scene.punch.coefficients)
     by_value = np.bincount(np.arange(len(areas)) % count, areas, count)
     numbers = [likelihood.free[place] for place in wear]
     values = np.array([fit.found[number].value for number in numbers])
-    listed = [int(likelihood.parameters[number].name.partition("[")[2][:-1]) for number in numbers]
-    shares = by_value[listed] / values
-    return np.asarray(shares / shares.sum())
+    indices = [int(likelihood.parameters[number].name.partition("[")[2][:-1]) for number in numbers]
+    weights = by_value[indices] / values
+    return np.asarray(weights / weights.sum())
 
 
 def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
@@ -149,32 +167,33 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
             kind = "volume" if first.quantity == "worn_volume" else None
             kind = kind or ("force" if first.quantity == "normal_force" else "displacement")
             size = names.write(float(np.median(first.noise)), kind, 2)
-            yield f"the noise of {column}, taken from the residuals, is {size}"
-    yield f"chi-square is {fit.chi_square:.3g} of {fit.degrees_of_freedom} degrees of freedom"
+            yield f"the noise of {column}, estimated from the residuals, is {size}"
+    yield f"chi-square is {fit.chi_square:.3g} for {fit.degrees_of_freedom} degrees of freedom"
     probability = combined(fit.tests)
     if probability >= LEVEL:
         yield (
-            "the residuals do not speak against Archard's law with constant wear coefficients "
+            "the residuals do not contradict Archard's law with constant wear coefficients "
             f"(p = {probability:.2g} by {len(fit.tests)} tests)"
         )
     elif fit.tests:
         worst = min(fit.tests, key=fit.tests.__getitem__)
         yield (
-            f"THE MODEL DOES NOT FIT: {worst} of the residuals has p = {fit.tests[worst]:.1g} "
-            f"({probability:.1g} for {len(fit.tests)} tests); wear coefficients may change in time "
-            "or with pressure, or the noise is larger than given: the intervals are void"
+            f"THE MODEL DOES NOT FIT: the test of the residuals '{worst}' has p = "
+            f"{fit.tests[worst]:.1g} ({probability:.1g} for all {len(fit.tests)} tests). Wear "
+            "coefficients may change in time or with pressure, or the noise is larger than given. "
+            "The intervals are not valid"
         )
-    sought = [each for each in fit.found if np.isfinite([each.low, each.high]).all()]
-    parts = [2 * each.numerical / (each.high - each.low) for each in sought]
+    bounded = [each for each in fit.found if np.isfinite([each.low, each.high]).all()]
+    shifts = [2 * each.numerical / (each.high - each.low) for each in bounded]
     yield (
-        f"the model was solved to rtol = {fit.rtol:g}, its error is at most {fit.model_error:.1g} "
-        f"of the noise, and moves no parameter by more than {max(parts, default=0.0):.1g} of half "
-        "its interval"
+        f"the model was solved to rtol = {fit.rtol:g}; its numerical error is at most "
+        f"{fit.model_error:.1g} times the noise, and shifts no parameter by more than "
+        f"{max(shifts, default=0.0):.1g} times the half width of its interval"
     )
     if len(fit.design):
         row = fit.design.iloc[0]
         yield (
-            f"the next measurement that narrows the widest interval, of {row['parameter']}, most: "
-            f"{row['measurement']}; its half width falls from {row['before']:.2g} to "
-            f"{row['after']:.2g} of the logarithm"
+            f"the next measurement that would narrow the widest interval, of {row['parameter']}, "
+            f"most is: {row['measurement']}. It would reduce the half width, of the logarithm, "
+            f"from {row['before']:.2g} to {row['after']:.2g}"
         )

@@ -13,7 +13,7 @@ from ringwear.meshes.radial import ring_areas
 from ringwear.studies.fit.experiments import WEAR, Experiments, cases
 from ringwear.studies.fit.models.rig import differences
 from ringwear.studies.fit.parameters import find_parameters, scene_at
-from ringwear.studies.fit.statistics.likelihood import Likelihood, without_effect
+from ringwear.studies.fit.statistics.likelihood import Likelihood, fix_ineffective_parameters
 
 BALL = Scene.load("sphere").changed({WEAR: [1.0]})
 WEIGHINGS = np.array([0.1, 0.3, 1.0, 3.0, 10.0])
@@ -102,7 +102,7 @@ def test_an_offset_and_a_compliance_are_one_number_under_one_force():
         times = np.geomspace(0.001, 5.0, 12)
         case = Experiments(scene, names, (("indentation", times, None, 1e-3, None),))
         likelihood = Likelihood(case.sharp, case.sharp.parameters, (0, 1, 2, 3))
-        assert without_effect(likelihood)[1] == combinations
+        assert fix_ineffective_parameters(likelihood)[1] == combinations
 
 
 def test_a_table_of_wear_along_the_radius_is_fitted():

@@ -130,7 +130,7 @@ def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinemen
 def test_large_errors_are_printed_as_multiples():
     table = pd.DataFrame({"time": [0.0], "indentation": [1e6 * DEPTH]})
     (_, line, *_) = check(SCENE, table).lines
-    assert "1e+06 times high" in line
+    assert "1e+06 times too high" in line
     assert "%" not in line.partition("(")[0]
 
 

@@ -46,7 +46,7 @@ def test_the_command_finds_a_wear_coefficient(measured, tmp_path, capsys):
     assert "punch.wear_coefficient = 1." in printed
     assert "mm³/(N m) (95 %: " in printed
     assert "sensor_offset and machine_compliance cannot be separated" in printed
-    assert "the residuals do not speak against Archard's law" in printed
+    assert "the residuals do not contradict Archard's law" in printed
     assert "the next measurement" in printed
     files = {"estimates.csv", "residuals.csv", "tests.csv", "design.csv"}
     files |= {"fit.png", "design.png", "report.html"}
@@ -65,7 +65,7 @@ def test_the_result_displays_itself_in_print_and_in_a_notebook(measured, tmp_pat
     noise = found.measurements[0].noise[0]
     assert noise == pytest.approx(NOISE, rel=0.4)
     assert repr(found).startswith("Fit of a pin\n")
-    assert "taken from the residuals" in repr(found)
+    assert "estimated from the residuals" in repr(found)
     page = found._repr_html_()
     assert "<table" in page
     assert "data:image/png;base64," in page
@@ -84,7 +84,7 @@ def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path,
 @pytest.mark.parametrize(
     ("data", "options", "told"),
     [
-        ("time,indentation\n1,1e-6\n2,2e-6\n", [], "do not tell their noise"),
+        ("time,indentation\n1,1e-6\n2,2e-6\n", [], "too few to estimate the noise"),
         ("time,lost_mass\n1,1e-6\n2,2e-6\n", ["--noise", "1 mg"], "give --density"),
         ("time,radius,pressure\n1,0,1e6\n", [], "nothing to fit"),
         ("time,indentation\n1,1e-6\n2,2e-6\n", ["--noise", "profile=1"], "no such column"),

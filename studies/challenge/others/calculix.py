@@ -1,8 +1,9 @@
-"""Five rings (problem 3) by a wear loop around CalculiX, on two meshes.
+"""Solve the five rings (problem 3) by a wear loop around CalculiX, on two meshes.
 
-`ringwear deck` writes the half-space once. Then, step by step: prescribed displacements, CalculiX's
-reaction forces, pressures by the area of each node, and an explicit step of Archard's law. A first
-run with a flat punch says which indentation carries the force.
+`ringwear deck` writes the half-space once. Each step prescribes displacements, reads CalculiX's
+reaction forces, divides them by the area of each node to obtain pressures, and takes an explicit
+step of Archard's law. A first run with a flat punch yields the stiffness, from which the
+indentation under the force follows.
 """
 
 import os
@@ -29,14 +30,14 @@ for size, step in (0.4, 0.01), (0.25, 0.005):
     start = sum(os.times()[:4])
     with TemporaryDirectory() as name:
         folder = Path(name)
-        how = ["--elements", "linear", "--size", f"{size}", "--reach", "50", "--time", "0"]
-        command = ["ringwear", "deck", str(PROBLEM), "--for", "calculix", *how, "--out", name]
+        flags = ["--elements", "linear", "--size", f"{size}", "--reach", "50", "--time", "0"]
+        command = ["ringwear", "deck", str(PROBLEM), "--for", "calculix", *flags, "--out", name]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         model = (folder / "prescribed.inp").read_text().partition("*STEP")[0]
-        listed = re.search(r"NSET=CONTACT\n([^*]*)", model)[1]
-        contact = [int(number) for number in listed.replace(",", " ").split()]
-        places = dict(re.findall(r"^(\d+), ([^,]+), [^,]+, 0\.$", model, re.MULTILINE))
-        radii = np.array([float(places[str(node)]) for node in contact])
+        node_list = re.search(r"NSET=CONTACT\n([^*]*)", model)[1]
+        contact = [int(number) for number in node_list.replace(",", " ").split()]
+        node_radii = dict(re.findall(r"^(\d+), ([^,]+), [^,]+, 0\.$", model, re.MULTILINE))
+        radii = np.array([float(node_radii[str(node)]) for node in contact])
         ends = np.concatenate([[0], (radii[1:] + radii[:-1]) / 2, [1]])
         areas = np.diff(np.pi * ends**2)
         wear = np.where((5 * radii - 1e-9).astype(int) % 2, 10, 1)
@@ -51,10 +52,10 @@ for size, step in (0.4, 0.01), (0.25, 0.005):
                 columns = time, radii, pressure, depth - profile, profile, depth
                 rows.append(np.transpose(np.broadcast_arrays(*columns)))
             profile = profile + wear * pressure * step
-    # at edges of rings the pressure jumps
+    # leave out the ring edges, where the pressure jumps
     inside = np.abs(5 * radii - np.round(5 * radii)) > 1e-6
     rows = np.concatenate([row[inside] for row in rows])
-    # of the processor, here and in CalculiX
+    # processor time, here and in CalculiX
     seconds = sum(os.times()[:4]) - start
     head = f"# {seconds:.2f} s\ntime,radius,pressure,displacement,profile,indentation"
     file = Path(__file__).parent / f"03_calculix_{len(contact) - 1:03}.csv"

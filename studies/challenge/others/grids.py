@@ -1,6 +1,7 @@
-"""Starts of the flat punch and the sphere (problems 1 and 7) by ContactMechanics and tamaas.
+"""Solve the starts of the flat punch and the sphere (problems 1 and 7) by two other programs.
 
-Both programs put a half-space on a square grid of points. Each problem is solved on three grids.
+ContactMechanics and tamaas discretise the half-space by a square grid of points. Each problem is
+solved on three grids.
 """
 
 from time import perf_counter
@@ -14,8 +15,17 @@ from SurfaceTopography import Topography
 def contact_mechanics(heights, size, force):
     """Return the pressures and displacements that ContactMechanics computes at the grid points.
 
-    `heights` (n, n) are those of the face, `size` is the side of the grid, and `force` the normal
-    force. The plane strain modulus and the punch radius are 1.
+    The plane strain modulus and the punch radius are 1.
+
+    Parameters
+    ----------
+    heights : (n, n) heights of the face
+    size : side of the grid
+    force : normal force
+
+    Returns
+    -------
+    pressures, displacements : (n, n)
     """
     half_space = FreeFFTElasticHalfSpace(heights.shape, 1, (size, size))
     system = make_system(substrate=half_space, surface=Topography(-heights, (size, size)))
@@ -26,10 +36,10 @@ def contact_mechanics(heights, size, force):
 def tamaas(heights, size, force):
     """Return the pressures and displacements that tamaas computes at the grid points.
 
-    The arguments are those of `contact_mechanics`.
+    Arguments and results are those of `contact_mechanics`.
     """
-    kind = tm.model_type.basic_2d
-    model = tm.ModelFactory.createModel(kind, [size, size], heights.shape)
+    model_type = tm.model_type.basic_2d
+    model = tm.ModelFactory.createModel(model_type, [size, size], heights.shape)
     model.E, model.nu = 1, 0
     tm.ModelFactory.registerNonPeriodic(model, "free")
     solver = tm.PolonskyKeerRey(model, -heights, 1e-10)
@@ -44,14 +54,15 @@ for points in 64, 128, 256:
         x = ((np.arange(points) + 0.5) / points - 0.5) * size
         radii = np.hypot(*np.meshgrid(x, x))
         heights = (radii > 1) * 1e3 if problem == "01" else radii**2 / 2
-        along = points // 2, slice(points // 2, points)
+        # the half of the middle row that begins at the axis
+        half_row = points // 2, slice(points // 2, points)
         for solve in contact_mechanics, tamaas:
             start = perf_counter()
-            pressure, displacement = (of[along] for of in solve(heights, size, force))
+            pressure, displacement = (values[half_row] for values in solve(heights, size, force))
             head = (
                 f"# {perf_counter() - start:.2f} s\ntime,radius,pressure,displacement,indentation"
             )
-            depth = displacement[0] + heights[along][0]
-            rows = np.broadcast_arrays(0, radii[along], pressure, displacement, depth)
+            depth = displacement[0] + heights[half_row][0]
+            rows = np.broadcast_arrays(0, radii[half_row], pressure, displacement, depth)
             name = f"{problem}_{solve.__name__}_{points:03}.csv"
             np.savetxt(name, np.transpose(rows), "%.6g", ",", header=head, comments="")

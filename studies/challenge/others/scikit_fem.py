@@ -1,7 +1,7 @@
-"""Five rings (problem 3) by finite elements as most people would write them, on three meshes.
+"""Solve the five rings (problem 3) by finite elements as most users would write them.
 
-Linear triangles in a cylinder of 20 radii, fixed outside; prescribed displacements for contact;
-explicit steps of Archard's law.
+There are three meshes of linear triangles, in a cylinder of 20 radii that is fixed outside.
+Displacements of the contact nodes are prescribed. Archard's law is integrated by explicit steps.
 """
 
 from time import perf_counter
@@ -16,9 +16,9 @@ from skfem.helpers import ddot, div, sym_grad
 def stiffness(u, v, at):
     """Return the integrand of the elastic stiffness for displacements u and v in axial symmetry.
 
-    `at.x` are the radius and the height of the quadrature points.
+    `at.x` contains the radii and heights of the quadrature points.
     """
-    # Lame's constants by a plane strain modulus of 1 and a Poisson's ratio of 0.3
+    # Lame's constants for a plane strain modulus of 1 and a Poisson's ratio of 0.3
     volume = 0.525 * (div(u) + u[0] / at.x[0]) * (div(v) + v[0] / at.x[0])
     shape = 0.7 * (ddot(sym_grad(u), sym_grad(v)) + u[0] * v[0] / at.x[0] ** 2)
     return 2 * np.pi * at.x[0] * (volume + shape)
@@ -46,7 +46,7 @@ for cells in 20, 40, 80:
             columns = time, radii, pressure, depth - profile, profile, depth
             rows.append(np.transpose(np.broadcast_arrays(*columns)))
         profile = profile + wear * pressure / 25 / cells
-    # at edges of rings the pressure jumps
+    # leave out the ring edges, where the pressure jumps
     rows = np.delete(rows, np.s_[:: cells // 5], axis=1).reshape(-1, 6)
     head = (
         f"# {perf_counter() - start:.2f} s\ntime,radius,pressure,displacement,profile,indentation"

@@ -1,1 +1,1 @@
-"""Mistakes that people make, each a hypothesis that predicts what a program then prints."""
+"""Mistakes that people often make, each as a hypothesis that predicts what the program prints."""

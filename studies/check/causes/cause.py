@@ -1,4 +1,4 @@
-"""What a mistake is: a change of the setting with one number, a sentence and a remedy."""
+"""The base classes of mistakes: each changes the setting, and has a sentence and a remedy."""
 
 from abc import ABC, abstractmethod
 from typing import ClassVar
@@ -7,77 +7,80 @@ from .model import Model
 from .setting import Setting
 
 Sizes = tuple[float, ...]
-# factors from which a search for one begins
-FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
+# factors at which the search for a factor begins
+INITIAL_FACTORS = (0.1, 0.4, 0.8, 1.25, 2.5, 10.0)
 
 
 class Cause(ABC):
-    """A mistake that people make.
+    """A mistake that people often make.
+
+    A cause has sizes: the numbers that describe the mistake, such as a factor. Some have none.
 
     Attributes
     ----------
     name : of the mistake
-    prior : odds of it, before the results are seen, against there being none
-    fitted : how many numbers are fitted
-    searched : whether they are searched for from each candidate; else the candidates are all
-    choices : among how many values the prior is shared, if none is fitted
-    group : mistakes of one group are not made together
-    remedy : what would confirm it
+    prior : odds of this mistake against no mistake, before the results are seen
+    fitted_numbers : number of sizes that are fitted to the results
+    searched : whether the sizes are optimised, beginning at each candidate; otherwise the
+        candidates are the only sizes
+    choices : number of values among which the prior is divided, if none is fitted
+    group : mistakes of the same group are never combined
+    remedy : what the user can do to confirm the mistake
     """
 
     name: ClassVar[str]
     prior: ClassVar[float]
-    fitted: ClassVar[int] = 0
+    fitted_numbers: ClassVar[int] = 0
     searched: ClassVar[bool] = False
     choices: ClassVar[int] = 1
     group: ClassVar[str]
     remedy: ClassVar[str]
 
     def applies(self, model: Model) -> bool:
-        """Return whether the results could show it."""
+        """Return whether the mistake could be recognised in these results."""
         return True
 
     def candidates(self, model: Model) -> list[Sizes]:
-        """Return sizes to try, or to begin a search from; one without numbers if it has none."""
+        """Return the sizes to try or to begin a search at; one empty tuple if there are none."""
         return [()]
 
     @abstractmethod
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
-        """Return a setting with this mistake in it, of a size."""
+        """Return the setting with this mistake added."""
 
     @abstractmethod
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
-        """Return what the results look like, with the number."""
+        """Return what the error looks like, with its number, as a noun phrase."""
 
-    def named(self, model: Model, setting: Setting, sizes: Sizes) -> str:
-        """Return the name of the mistake of this size."""
+    def name_of(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return the name of the mistake at these sizes."""
         return self.name
 
     def size(self, model: Model, sizes: Sizes) -> float:
-        """Return the number that people know it by."""
+        """Return the number that is reported for the mistake."""
         return sizes[0] if sizes else 1.0
 
-    def within(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether sizes are possible."""
+    def is_possible(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether sizes lie in the range that is considered."""
         return True
 
 
 class Factor(Cause):
-    """A mistake that multiplies something by a number, which is searched for.
+    """A mistake that multiplies something by a factor, which is fitted.
 
     Attributes
     ----------
-    greatest : factor that is possible, and the inverse of the least
+    greatest_factor : the factor lies between the inverse of this number and this number
     """
 
     searched = True
-    fitted = 1
-    greatest: ClassVar[float] = 1e9
+    fitted_numbers = 1
+    greatest_factor: ClassVar[float] = 1e9
 
     def candidates(self, model: Model) -> list[Sizes]:
-        """Return the factors that a search begins from."""
-        return [(factor,) for factor in FACTORS]
+        """Return the factors at which the search begins."""
+        return [(factor,) for factor in INITIAL_FACTORS]
 
-    def within(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether a factor is possible."""
-        return 1 / self.greatest < sizes[0] < self.greatest
+    def is_possible(self, model: Model, sizes: Sizes) -> bool:
+        """Return whether the factor lies in the range that is considered."""
+        return 1 / self.greatest_factor < sizes[0] < self.greatest_factor

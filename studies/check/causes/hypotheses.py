@@ -1,9 +1,9 @@
-"""Which mistakes, one or several, explain the error of a program, and how likely each is.
+"""Find which mistakes, one or several, explain the error of a program, and how likely each is.
 
-Every hypothesis is a set of mistakes of some sizes, which predicts what is printed. It is weighed
-by its odds beforehand, by how well it predicts, and by how many numbers were fitted for it, as in a
-Bayesian choice of models (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773). The odds are chosen
-by us, not measured: shares are no frequencies.
+A hypothesis is a set of mistakes with their sizes; it predicts what the program prints. Its weight
+follows from its prior odds, from how well it predicts, and from the number of its fitted numbers,
+as in Bayesian model selection (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773). The priors are
+our choice and not calibrated, so the resulting probabilities are not frequencies.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,34 +17,35 @@ from .comparison import Comparison
 from .model import Model
 from .setting import Setting
 
-# relative error of a program's discretisation, before anything is known of it: by chance, and
-# common to all values of a quantity
+# assumed relative error of a program's discretisation before its results are seen: the random part,
+# and the part that is common to all values of a quantity
 NOISE, BIAS = 0.02, 0.02
-# errors by chance are not taken for less than this, nor is the common one for more than twice them
-LEAST_NOISE, MOST_BIAS = 0.002, 0.02
-# odds that there is no mistake, where values are too few to show the errors of the program: who
-# asks wants to know what a mistake would be
-NONE_OF_FEW, FEW = 0.03, 4
-# values of a program that count as independent of each other, all together, and times
-MOST_VALUES, MOST_TIMES = 24, 12
-# single mistakes that are combined with every other, and pairs
-MOST_SINGLE, MOST_PAIRS = 5, 2
-# candidates from which a search for one mistake begins, and weight by which it holds sizes that
-# nothing depends on
-MOST_STARTS, HELD = 2, 1e-3
-# error that a program has in any case, and no mistake has to explain
-USUAL = 0.03
-# error that a program may have by its own mesh: if less is left, no further mistake is looked for
-OWN_ERROR = 0.01
-# change of a quantity from which on a mistake has to explain its error
-TOUCHED = 1e-3
-# difference of predictions below which they are alike
-ALIKE = 0.02
+# least random error that is assumed afterwards, and greatest common error; the common error is also
+# at most twice the random one
+MIN_NOISE, MAX_BIAS = 0.002, 0.02
+# odds that there is no mistake if there are fewer than so many values: these cannot show the errors
+# of the program, and users then want to know what a mistake would be
+NO_MISTAKE_ODDS, FEW_VALUES = 0.03, 4
+# greatest numbers of values in all, and of times, that count as independent
+MAX_VALUES, MAX_TIMES = 24, 12
+# numbers of single mistakes, and of pairs, to which every other mistake is added
+MAX_SINGLE, MAX_PAIRS = 5, 2
+# number of candidates from which the sizes of a single mistake are optimised, and weight of the
+# regularisation that keeps sizes at their initial values if the results do not depend on them
+MAX_STARTS, REGULARISATION = 2, 1e-3
+# relative error that remains in most programs and that no mistake has to explain
+USUAL_ERROR = 0.03
+# relative error that the program's own mesh may cause: if less remains, no further mistake is added
+MESH_ERROR = 0.01
+# relative change of a prediction above which a mistake counts as having an effect
+MIN_EFFECT = 1e-3
+# relative difference of two predictions below which they count as alike
+MAX_ALIKE_DIFFERENCE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """A mistake of a size."""
+class Mistake:
+    """A cause together with its sizes."""
 
     cause: Cause
     sizes: Sizes
@@ -52,53 +53,55 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Hypothesis:
-    """Mistakes that are made together.
+    """Mistakes that are made together, and what the program prints then.
+
+    S, K and Q are the numbers of times, compared numbers and quantities in a `Comparison`.
 
     Parameters
     ----------
-    parts : the mistakes; none: there is none
-    predicted : (S, K) what is printed then
-    gaps : (S, K) differences of theirs to it, relative
-    errors : (Q,) root mean squares of these, by quantity
+    mistakes : empty for the hypothesis that there is no mistake
+    predicted : (S, K) printed numbers, in the units of the scene
+    differences : (S, K) relative differences of the observed numbers to the predicted ones
+    errors : (Q,) root mean squares of the differences, by quantity
     """
 
-    parts: tuple[Part, ...]
+    mistakes: tuple[Mistake, ...]
     predicted: Array
-    gaps: Array
+    differences: Array
     errors: Array
 
     @property
     def setting(self) -> Setting:
-        """What the other program has modelled and printed."""
-        return setting_of(self.parts)
+        """The setting of the other program."""
+        return setting_with(self.mistakes)
 
     @property
     def log_prior(self) -> float:
-        """Logarithm of its odds against there being no mistake."""
-        return float(sum(np.log(part.cause.prior / part.cause.choices) for part in self.parts))
+        """Logarithm of the prior odds against the hypothesis without a mistake."""
+        return float(sum(np.log(each.cause.prior / each.cause.choices) for each in self.mistakes))
 
     @property
-    def fitted(self) -> int:
-        """How many numbers are fitted."""
-        return sum(part.cause.fitted for part in self.parts)
+    def fitted_numbers(self) -> int:
+        """Number of sizes that are fitted."""
+        return sum(each.cause.fitted_numbers for each in self.mistakes)
 
 
-def setting_of(parts: Iterable[Part]) -> Setting:
-    """Return the setting with mistakes in it."""
+def setting_with(mistakes: Iterable[Mistake]) -> Setting:
+    """Return the setting that contains these mistakes."""
     setting = Setting()
-    for part in parts:
-        setting = part.cause.change(setting, part.sizes)
+    for mistake in mistakes:
+        setting = mistake.cause.change(setting, mistake.sizes)
     return setting
 
 
 @dataclass(frozen=True, eq=False)
-class Weighing:
-    """Finds hypotheses, and weighs them.
+class HypothesisSearch:
+    """Find hypotheses that explain the results, and compute their probabilities.
 
     Parameters
     ----------
-    model : predicts what a program prints
-    causes : the mistakes that are looked for
+    model : predicts what the program prints
+    causes : the mistakes that are considered
     """
 
     model: Model
@@ -108,150 +111,181 @@ class Weighing:
     def _comparison(self) -> Comparison:
         return self.model.comparison
 
-    def hypothesis(self, parts: tuple[Part, ...]) -> Hypothesis:
-        """Return mistakes with what they predict."""
-        predicted = self.model.predict(setting_of(parts))
-        gaps, members = self._comparison.gaps(predicted), self._comparison.members
-        counts = self._comparison.given.sum(axis=0) @ members.T
-        errors = np.sqrt((gaps**2).sum(axis=0) @ members.T / np.maximum(counts, 1))
-        return Hypothesis(parts, predicted, gaps, errors)
+    def hypothesis(self, mistakes: tuple[Mistake, ...]) -> Hypothesis:
+        """Return the hypothesis of these mistakes, with its prediction and errors."""
+        predicted = self.model.predict(setting_with(mistakes))
+        membership = self._comparison.membership
+        differences = self._comparison.relative_differences(predicted)
+        counts = self._comparison.present.sum(axis=0) @ membership.T
+        errors = np.sqrt((differences**2).sum(axis=0) @ membership.T / np.maximum(counts, 1))
+        return Hypothesis(mistakes, predicted, differences, errors)
 
     def whitened(self, hypothesis: Hypothesis, noise: Array, bias: float) -> Array:
-        """Return differences over the errors that programs make, which then are independent.
+        """Return the differences, in units of the assumed errors, with the common part reduced.
 
-        An error that is common to all values of a quantity counts as one.
+        The error that all values of a quantity have in common then counts as one value.
 
         Parameters
         ----------
-        noise : (Q,) of each quantity, by chance
-        bias : common to all values of a quantity
+        noise : (Q,) assumed random error of each quantity
+        bias : assumed error that is common to all values of a quantity
         """
-        members, gaps = self._comparison.members, hypothesis.gaps
-        scale = min(1.0, MOST_TIMES / len(gaps))
-        # what a common error of one changes
-        predicted = np.where(self._comparison.given, hypothesis.predicted, 0.0)
-        norms = self._comparison.norms(predicted) @ members
-        along = np.divide(predicted, norms, out=np.zeros_like(predicted), where=norms > 0)
-        square = np.maximum((along**2).sum(axis=0) @ members.T, 1e-300)
-        common = (along * gaps).sum(axis=0) @ members.T / square
-        kept = 1 - noise / np.sqrt(noise**2 + bias**2 * square * scale)
-        left = gaps - along * ((kept * common) @ members)
-        return np.asarray(np.sqrt(scale) * (left / (noise @ members))[self._comparison.given])
+        membership, differences = self._comparison.membership, hypothesis.differences
+        scale = min(1.0, MAX_TIMES / len(differences))
+        # change of the differences by a common relative error of 1
+        predicted = np.where(self._comparison.present, hypothesis.predicted, 0.0)
+        norms = self._comparison.norms(predicted) @ membership
+        direction = np.divide(predicted, norms, out=np.zeros_like(predicted), where=norms > 0)
+        square = np.maximum((direction**2).sum(axis=0) @ membership.T, 1e-300)
+        common = (direction * differences).sum(axis=0) @ membership.T / square
+        removed_part = 1 - noise / np.sqrt(noise**2 + bias**2 * square * scale)
+        remainder = differences - direction * ((removed_part * common) @ membership)
+        scaled = np.sqrt(scale) * (remainder / (noise @ membership))[self._comparison.present]
+        return np.asarray(scaled)
 
-    def fit(self, parts: tuple[Part, ...]) -> Hypothesis | None:
-        """Return mistakes with the sizes that suit best; None if there is no such mistake."""
-        # only a diagnosis needs it, not who reads results
+    def fit(self, mistakes: tuple[Mistake, ...]) -> Hypothesis | None:
+        """Return the hypothesis with the best sizes; None if a size is out of range.
+
+        The search begins at the sizes of the mistakes.
+        """
+        # imported here because only a diagnosis needs it
         from scipy.optimize import least_squares
 
-        start = [np.array(part.sizes) for part in parts if part.cause.searched]
+        start = [np.array(each.sizes) for each in mistakes if each.cause.searched]
         if not start:
-            return self.hypothesis(parts)
+            return self.hypothesis(mistakes)
         first = np.concatenate(start)
-        noise = np.full(len(self._comparison.names), NOISE)
+        noise = np.full(len(self._comparison.quantities), NOISE)
 
-        def sized(logs: Array) -> tuple[Part, ...]:
+        def with_sizes(logs: Array) -> tuple[Mistake, ...]:
             sizes = iter((np.sign(first) * np.exp(np.clip(logs, -50, 50))).tolist())
             return tuple(
-                Part(part.cause, tuple(next(sizes) for _ in part.sizes))
-                if part.cause.searched
-                else part
-                for part in parts
+                Mistake(each.cause, tuple(next(sizes) for _ in each.sizes))
+                if each.cause.searched
+                else each
+                for each in mistakes
             )
 
-        begin = np.log(np.abs(first))
+        initial_logs = np.log(np.abs(first))
 
-        def gaps(logs: Array) -> Array:
-            # the last rows hold sizes that nothing depends on
+        def residuals(logs: Array) -> Array:
+            # the last rows keep sizes that have no effect at their initial values
             return np.append(
-                self.whitened(self.hypothesis(sized(logs)), noise, BIAS), HELD * (logs - begin)
+                self.whitened(self.hypothesis(with_sizes(logs)), noise, BIAS),
+                REGULARISATION * (logs - initial_logs),
             )
 
-        found = least_squares(gaps, begin, method="lm", diff_step=1e-6, xtol=1e-4, ftol=1e-3)
-        parts = sized(found.x)
-        if not all(part.cause.within(self.model, part.sizes) for part in parts):
+        solution = least_squares(
+            residuals, initial_logs, method="lm", diff_step=1e-6, xtol=1e-4, ftol=1e-3
+        )
+        mistakes = with_sizes(solution.x)
+        if not all(each.cause.is_possible(self.model, each.sizes) for each in mistakes):
             return None
-        return self.hypothesis(parts)
+        return self.hypothesis(mistakes)
 
     def score(self, hypothesis: Hypothesis, noise: Array, bias: float) -> float:
-        """Return the logarithm of the weight of a hypothesis."""
-        gaps = self.whitened(hypothesis, noise, bias)
-        count = min(len(gaps), MOST_VALUES)
-        likelihood = -count / 2 * np.log1p(np.mean(gaps**2))
+        """Return the logarithm of the weight of a hypothesis, at assumed errors (see `whitened`).
+
+        With n values, their differences over the assumed errors g, and f fitted numbers, it is
+        ``ln prior - n / 2 ln(1 + mean(g^2)) - f / 2 ln n``.
+        """
+        differences = self.whitened(hypothesis, noise, bias)
+        count = min(len(differences), MAX_VALUES)
+        likelihood = -count / 2 * np.log1p(np.mean(differences**2))
         prior = hypothesis.log_prior
-        if not hypothesis.parts and len(gaps) < FEW:
-            prior = np.log(NONE_OF_FEW)
-        return float(prior + likelihood - hypothesis.fitted / 2 * np.log(count))
+        if not hypothesis.mistakes and len(differences) < FEW_VALUES:
+            prior = np.log(NO_MISTAKE_ODDS)
+        return float(prior + likelihood - hypothesis.fitted_numbers / 2 * np.log(count))
 
     def rough_score(self, hypothesis: Hypothesis) -> float:
-        """Return the logarithm of its weight before the errors of the program are known."""
-        return self.score(hypothesis, np.full(len(self._comparison.names), NOISE), BIAS)
+        """Return the score before the errors of the program have been estimated."""
+        return self.score(hypothesis, np.full(len(self._comparison.quantities), NOISE), BIAS)
 
-    def best_of(self, cause: Cause, others: tuple[Part, ...]) -> Hypothesis | None:
-        """Return a cause of the size that suits best, beside other mistakes."""
-        tried = [
-            self.hypothesis((*others, Part(cause, sizes))) for sizes in cause.candidates(self.model)
+    def best_with(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
+        """Return the best hypothesis that adds a cause to other mistakes.
+
+        It is None if no size of the cause is possible and has an effect.
+        """
+        trials = [
+            self.hypothesis((*others, Mistake(cause, sizes)))
+            for sizes in cause.candidates(self.model)
         ]
-        tried.sort(key=lambda one: -self.rough_score(one))
+        trials.sort(key=lambda trial: -self.rough_score(trial))
         without = self.hypothesis(others)
-        starts = MOST_STARTS if cause.searched and not others else 1
-        fitted = [self.fit(one.parts) for one in tried[:starts]]
-        found = [one for one in fitted if one is not None and _change(one, without) > TOUCHED]
-        return max(found, key=self.rough_score, default=None)
+        starts = MAX_STARTS if cause.searched and not others else 1
+        fits = [self.fit(trial.mistakes) for trial in trials[:starts]]
+        effective = [
+            fit for fit in fits if fit is not None and _difference(fit, without) > MIN_EFFECT
+        ]
+        return max(effective, key=self.rough_score, default=None)
 
-    def all(self) -> list[tuple[Hypothesis, float]]:
-        """Return hypotheses with their shares, which sum to 1, the likeliest first."""
-        values = int(self._comparison.given.sum())
+    def ranked_hypotheses(self) -> list[tuple[Hypothesis, float]]:
+        """Return all hypotheses with their probabilities, which sum to 1, the likeliest first."""
+        values = int(self._comparison.present.sum())
         causes = [
             cause
             for cause in self.causes
-            # fewer values than numbers that are fitted say nothing of them
-            if cause.fitted <= values and cause.applies(self.model)
+            # fewer values than fitted numbers cannot support a cause
+            if cause.fitted_numbers <= values and cause.applies(self.model)
         ]
-        levels = [[one for cause in causes if (one := self.best_of(cause, ()))]]
-        seen = set[frozenset[Cause]]()
-        for most in (MOST_SINGLE, MOST_PAIRS):
-            open_ones = [one for one in levels[-1] if one.errors.max() > OWN_ERROR]
-            likeliest = sorted(open_ones, key=lambda one: -self.rough_score(one))[:most]
-            together = list[Hypothesis]()
-            for one in likeliest:
-                made = {part.cause for part in one.parts}
-                groups = {cause.group for cause in made}
+        # single mistakes, then pairs, then triples
+        levels = [[best for cause in causes if (best := self.best_with(cause, ()))]]
+        tried_sets = set[frozenset[Cause]]()
+        for count in (MAX_SINGLE, MAX_PAIRS):
+            incomplete = [each for each in levels[-1] if each.errors.max() > MESH_ERROR]
+            likeliest = sorted(incomplete, key=lambda each: -self.rough_score(each))[:count]
+            combinations = list[Hypothesis]()
+            for hypothesis in likeliest:
+                present_causes = {mistake.cause for mistake in hypothesis.mistakes}
+                groups = {cause.group for cause in present_causes}
                 for cause in causes:
-                    key = frozenset({*made, cause})
-                    if cause.group in groups or key in seen:
+                    key = frozenset({*present_causes, cause})
+                    if cause.group in groups or key in tried_sets:
                         continue
-                    seen.add(key)
-                    if both := self.best_of(cause, one.parts):
-                        together.append(both)
-            levels.append(together)
-        found = [self.hypothesis(()), *(one for level in levels for one in level)]
-        closest = min(found, key=lambda one: float(np.sum(one.errors**2)))
-        least = LEAST_NOISE * np.sqrt(MOST_VALUES / min(values, MOST_VALUES))
-        noise = np.maximum(closest.errors, least)
-        bias = min(MOST_BIAS, 2 * float(noise.max()))
-        scores = np.array([self.score(one, noise, bias) for one in found])
-        shares = np.exp(scores - scores.max())
-        shares /= shares.sum()
-        return [(found[place], float(shares[place])) for place in np.argsort(-shares)]
+                    tried_sets.add(key)
+                    if combination := self.best_with(cause, hypothesis.mistakes):
+                        combinations.append(combination)
+            levels.append(combinations)
+        hypotheses = [self.hypothesis(()), *(each for level in levels for each in level)]
+        closest = min(hypotheses, key=lambda each: float(np.sum(each.errors**2)))
+        # the closest prediction estimates the random errors of the program
+        min_noise = MIN_NOISE * np.sqrt(MAX_VALUES / min(values, MAX_VALUES))
+        noise = np.maximum(closest.errors, min_noise)
+        bias = min(MAX_BIAS, 2 * float(noise.max()))
+        scores = np.array([self.score(each, noise, bias) for each in hypotheses])
+        probabilities = np.exp(scores - scores.max())
+        probabilities /= probabilities.sum()
+        order = np.argsort(-probabilities)
+        return [(hypotheses[index], float(probabilities[index])) for index in order]
 
 
-def _change(hypothesis: Hypothesis, other: Hypothesis) -> float:
-    """Return by how much predictions differ, relative to them."""
-    gap = np.linalg.norm(hypothesis.gaps - other.gaps)
-    return float(gap / np.sqrt(max(1, int(np.count_nonzero(hypothesis.gaps)))))
+def _difference(hypothesis: Hypothesis, other: Hypothesis) -> float:
+    """Return the root mean square of the relative difference of two predictions."""
+    norm = np.linalg.norm(hypothesis.differences - other.differences)
+    return float(norm / np.sqrt(max(1, int(np.count_nonzero(hypothesis.differences)))))
 
 
 def alike(hypothesis: Hypothesis, other: Hypothesis) -> bool:
-    """Return whether two hypotheses predict nearly the same."""
-    return _change(hypothesis, other) < ALIKE
+    """Return whether two hypotheses predict nearly the same numbers."""
+    return _difference(hypothesis, other) < MAX_ALIKE_DIFFERENCE
 
 
-def explained(hypothesis: Hypothesis, none: Hypothesis, members: Array) -> float:
-    """Return the part of the error of quantities that mistakes change which they explain."""
-    changed = np.abs(hypothesis.predicted - none.predicted).sum(axis=0) @ members.T
-    touched = changed > TOUCHED * (np.abs(none.predicted).sum(axis=0) @ members.T)
-    if not touched.any() or not none.errors[touched].any():
+def explained_error_part(hypothesis: Hypothesis, none: Hypothesis, membership: Array) -> float:
+    """Return the part of the error, 0 to 1, that a hypothesis explains.
+
+    Only quantities that its mistakes change are counted.
+
+    Parameters
+    ----------
+    none : the hypothesis without a mistake
+    membership : (Q, K) as in `Comparison`
+    """
+    change = np.abs(hypothesis.predicted - none.predicted).sum(axis=0) @ membership.T
+    affected = change > MIN_EFFECT * (np.abs(none.predicted).sum(axis=0) @ membership.T)
+    if not affected.any() or not none.errors[affected].any():
         return 0.0
-    before, after = (float(np.mean(one.errors[touched] ** 2)) for one in (none, hypothesis))
-    left = np.sqrt(max(after - USUAL**2, 0.0) / before)
-    return float(max(0.0, 1 - left))
+    square_without, square_with = (
+        float(np.mean(each.errors[affected] ** 2)) for each in (none, hypothesis)
+    )
+    unexplained = np.sqrt(max(square_with - USUAL_ERROR**2, 0.0) / square_without)
+    return float(max(0.0, 1 - unexplained))

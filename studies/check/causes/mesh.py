@@ -1,4 +1,4 @@
-"""Errors of pressure that look like those of a mesh, by their place and their sign."""
+"""Error patterns of the pressure that are typical of a mesh, by their place and their sign."""
 
 from collections.abc import Iterator
 
@@ -6,17 +6,17 @@ import numpy as np
 
 from ....meshes.radial import Array
 
-# part of the radius from which on errors are at the rim
+# radius, over the punch radius, beyond which errors count as errors at the rim
 RIM = 0.8
 
 
 def patterns(errors: Array, radii: Array, radius: float) -> Iterator[tuple[str, float, float]]:
-    """Yield the name of each pattern, the size of the errors, and the part that it explains.
+    """Yield each pattern: its name, the size of the errors, and the part of them that it explains.
 
     Parameters
     ----------
-    errors : (T, R) relative errors of pressure, 0 where there is none
-    radii : (R,)
+    errors : (T, R) relative errors of the pressure, 0 where none is known
+    radii : (R,) in the same unit as `radius`
     radius : of the punch
     """
     size = float(np.linalg.norm(errors) / np.sqrt(errors.size or 1))

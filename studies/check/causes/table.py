@@ -1,4 +1,4 @@
-"""Histories that are computed once, and read at any time."""
+"""Histories that are computed once and interpolated at any time."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,13 +11,14 @@ from ....meshes.radial import Array
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """A history (T, K) over non-dimensional times, between which it is linear.
+    """A history of K numbers at T times, linear between them.
 
     Parameters
     ----------
-    times : (T,)
+    times : (T,) non-dimensional, increasing, from 0
     values : (T, K)
-    growing : (K,) whether a column goes on straight beyond the last time; else it stays
+    growing : (K,) whether a column continues linearly beyond the last time; otherwise it keeps its
+        last value
     """
 
     times: Array
@@ -25,36 +26,40 @@ class Table:
     growing: NDArray[np.bool_]
 
     def at(self, times: Array) -> Array:
-        """Return values (S, K) at times."""
-        place = np.clip(np.searchsorted(self.times, times) - 1, 0, len(self.times) - 2)
-        start = self.times[place]
-        share = (np.maximum(times, 0.0) - start) / (self.times[place + 1] - start)
-        part = np.where(self.growing, share[:, None], np.minimum(share, 1.0)[:, None])
-        before = self.values[place]
-        return np.asarray(before + part * (self.values[place + 1] - before))
+        """Return the values (S, K) at times (S,)."""
+        interval = np.clip(np.searchsorted(self.times, times) - 1, 0, len(self.times) - 2)
+        start = self.times[interval]
+        fraction = (np.maximum(times, 0.0) - start) / (self.times[interval + 1] - start)
+        weight = np.where(self.growing, fraction[:, None], np.minimum(fraction, 1.0)[:, None])
+        first = self.values[interval]
+        return np.asarray(first + weight * (self.values[interval + 1] - first))
 
     @cached_property
-    def _later(self) -> Array:
-        """(T, T - 1, K) what a step of the indentation in each interval causes later."""
+    def _step_responses(self) -> Array:
+        """(T, T - 1, K) values at each time after a unit step of the indentation in an interval.
+
+        The step is placed in the middle of the interval.
+        """
         lags = self.times[:, None] - (self.times[1:] + self.times[:-1]) / 2
-        later = self.at(lags.ravel()).reshape(*lags.shape, -1)
-        later[lags < 0] = 0.0
-        return later
+        responses = self.at(lags.ravel()).reshape(*lags.shape, -1)
+        responses[lags < 0] = 0.0
+        return responses
 
-    def lowered(self, low: float) -> "Table":
-        """Return the history under the same indentation where a force lowers all of the surface.
+    def with_lowered_surface(self, low: float) -> "Table":
+        """Return the history at the same indentation if the force lowers all of the surface.
 
-        The punch presses as if its indentation were greater by that, and this changes with the
-        force. The force is the last column, and linear in the indentation's changes before
-        (Boltzmann's superposition).
+        The punch then presses as if its indentation were greater by that amount, which changes with
+        the force. The force is the last column. It depends linearly on the earlier changes of the
+        indentation (Boltzmann's superposition).
 
         Parameters
         ----------
-        low : by how much the force 1 lowers the surface less, over the indentation
+        low : displacement by which the force 1 lowers the surface less, over the indentation
         """
         start, steps = self.values[:, -1], np.diff(np.eye(len(self.times)), axis=0)
-        whole = np.eye(len(start)) - low * self._later[..., -1] @ steps
-        whole[:, 0] -= low * start
-        more = low * np.linalg.solve(whole, start)
-        values = self.values * (1 + more[0]) + np.tensordot(np.diff(more), self._later, (0, 1))
+        matrix = np.eye(len(start)) - low * self._step_responses[..., -1] @ steps
+        matrix[:, 0] -= low * start
+        extra = low * np.linalg.solve(matrix, start)
+        values = self.values * (1 + extra[0])
+        values = values + np.tensordot(np.diff(extra), self._step_responses, (0, 1))
         return Table(self.times, values, self.growing)

@@ -1,1 +1,1 @@
-"""The likelihood of measurements, intervals by it, and tests of what a fit leaves."""
+"""The likelihood of measurements, confidence intervals, and tests of the residuals of a fit."""

@@ -1,4 +1,7 @@
-"""The likelihood of measurements with Gaussian noise: its best point, and what is never known."""
+"""The likelihood of measurements with Gaussian noise: best points, and combinations without effect.
+
+The likelihood is described by chi-square, the sum of the squared residuals over the noise.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,17 +15,20 @@ from ....meshes.radial import Array
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter
 
-# the search may leave the reach of a parameter by this, so that what lies on it is seen
-BEYOND = 1.02
+# factor on the reach of a parameter within which it is searched, so that a best point at the reach
+# is recognised as such
+SEARCH_MARGIN = 1.02
+# `ftol`, `xtol` and `gtol` of the least-squares search
 TOLERANCE = 1e-8
-MOST_EVALUATIONS = 200
-# of singular values of derivatives of length one: below it, a combination has no effect
+MAX_EVALUATIONS = 200
+# singular value of the derivatives, scaled to length one, below which a combination of parameters
+# has no effect
 NO_EFFECT = 1e-6
-# part of a combination from which on a parameter takes part in it
-PART = 1e-3
-# starting points, and how far logarithms of all but the first are scattered
+# least component of a parameter in a combination of length one
+MIN_COMPONENT = 1e-3
+# number of starting points, and standard deviation of the logarithms of all but the first
 STARTS, SCATTER = 4, 1.2
-# rounds in which noises that are not given are taken from the residuals
+# greatest number of iterations that estimate noises from the residuals
 NOISE_ROUNDS = 4
 
 
@@ -35,15 +41,16 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Likelihood:
-    """Measurements beside what a model predicts, in units of their noise.
+    """Measurements and predictions, in units of the noise.
 
-    Unknown offsets of profiles are projected out, exactly.
+    Unknown offsets of profiles are removed by an exact projection. n is the number of measured
+    values, m the number of parameters, f the number of free ones.
 
     Parameters
     ----------
-    predictor : the model, and its measurements with their noise
-    parameters : m of them
-    free : numbers of those that are sought; the others stay where the scene has them
+    predictor : the model, with the measurements and their noise
+    parameters : m parameters
+    free : indices of the parameters that are fitted; the others keep the values of the scene
     """
 
     predictor: Predictor
@@ -52,7 +59,7 @@ class Likelihood:
 
     @property
     def measurements(self) -> tuple[Measurement, ...]:
-        """What has been measured."""
+        """The measurements."""
         return self.predictor.measurements
 
     @cached_property
@@ -66,7 +73,7 @@ class Likelihood:
 
     @cached_property
     def offsets(self) -> Array:
-        """(n, o) orthonormal columns that unknown offsets take up."""
+        """(n, o) orthonormal columns that span the o unknown offsets, in units of the noise."""
         columns, row = [], 0
         for each in self.measurements:
             if each.has_offset:
@@ -78,87 +85,92 @@ class Likelihood:
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Numbers that are measured, less what is fitted."""
+        """Number of measured values, minus the numbers of offsets and of free parameters."""
         return len(self.noise) - self.offsets.shape[1] - len(self.free)
 
     def without_offsets(self, values: Array) -> Array:
-        """Return values (n, ...) in units of noise less what offsets take up."""
+        """Return values (n, ...) in units of the noise, projected to remove the offsets."""
         return np.asarray(values - self.offsets @ (self.offsets.T @ values))
 
     def residuals(self, x: Array) -> Array:
-        """Return what is measured less what is predicted at coordinates (m,), over the noise."""
+        """Return measured minus predicted values (n,) at coordinates (m,), over the noise."""
         predicted = np.concatenate(self.predictor.predict(x)) / self.noise
         return self.without_offsets(self._values - predicted)
 
     def all_slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, m) of what is predicted, over the noise."""
+        """Return the derivatives (n, m) of the predictions at coordinates (m,), over the noise."""
         slopes = np.concatenate(self.predictor.slopes(x)) / self.noise[:, None]
         return self.without_offsets(slopes)
 
     def slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, f) by the parameters that are sought."""
+        """Return the derivatives (n, f) by the free parameters, over the noise."""
         return self.all_slopes(x)[:, self.free]
 
     def best_from(
         self,
         start: Array,
-        held: int | None = None,
+        fixed: int | None = None,
         value: float = 0.0,
         tolerance: float = TOLERANCE,
     ) -> Point:
-        """Return the nearest best point from a start (m,), if wanted with one parameter held.
+        """Return the local minimum of chi-square that is reached from a start (m,).
 
         Parameters
         ----------
-        held : number of the parameter that is held at a value
+        fixed : index of a parameter that is held at a coordinate, if any
+        value : that coordinate
         tolerance : relative change of chi-square at which the search ends
         """
-        x, moving = start.copy(), [number for number in self.free if number != held]
-        if held is not None:
-            x[held] = value
+        x, varied = start.copy(), [number for number in self.free if number != fixed]
+        if fixed is not None:
+            x[fixed] = value
 
-        def placed(coordinates: Array) -> Array:
-            place = x.copy()
-            place[moving] = coordinates
-            return place
+        def completed(coordinates: Array) -> Array:
+            full = x.copy()
+            full[varied] = coordinates
+            return full
 
-        if not moving:
+        if not varied:
             return Point(x, float(np.sum(self.residuals(x) ** 2)))
-        reach = BEYOND * np.array([self.parameters[number].reach for number in moving])
-        found = least_squares(
-            lambda coordinates: -self.residuals(placed(coordinates)),
-            np.clip(x[moving], -reach, reach),
-            lambda coordinates: self.all_slopes(placed(coordinates))[:, moving],
+        reach = SEARCH_MARGIN * np.array([self.parameters[number].reach for number in varied])
+        solution = least_squares(
+            lambda coordinates: -self.residuals(completed(coordinates)),
+            np.clip(x[varied], -reach, reach),
+            lambda coordinates: self.all_slopes(completed(coordinates))[:, varied],
             bounds=(-reach * (1 + 1e-9), reach * (1 + 1e-9)),
             x_scale="jac",
             ftol=tolerance,
             xtol=tolerance,
             gtol=tolerance,
-            max_nfev=MOST_EVALUATIONS,
+            max_nfev=MAX_EVALUATIONS,
         )
-        return Point(placed(found.x), float(2 * found.cost))
+        return Point(completed(solution.x), float(2 * solution.cost))
 
     def starts(self, count: int) -> list[Array]:
-        """Return starting points: the values of the scene, and logarithms scattered about them."""
+        """Return starting points (m,): the values of the scene, then logarithms scattered there."""
         random = np.random.default_rng(0)
         logarithmic = np.array([parameter.logarithmic for parameter in self.parameters])
         scattered = random.normal(0.0, SCATTER, (count - 1, len(self.parameters))) * logarithmic
         return [np.zeros(len(self.parameters)), *scattered]
 
     def covariance(self, x: Array) -> Array:
-        """Return the covariance (f, f) of what is sought, by the curvature at a point."""
-        return inverse_of(self.slopes(x))
+        """Return the covariance (f, f) of the free parameters, by the curvature at a point."""
+        return inverse_of_information(self.slopes(x))
 
     def with_noise(self, factors: Sequence[float]) -> "Likelihood":
-        """Return it with the noise of each measurement times a factor."""
+        """Return the likelihood with the noise of each measurement multiplied by a factor."""
         scaled = tuple(
-            each.scaled(factor) for each, factor in zip(self.measurements, factors, strict=True)
+            each.with_scaled_noise(factor)
+            for each, factor in zip(self.measurements, factors, strict=True)
         )
-        return replace(self, predictor=self.predictor.measuring(scaled))
+        return replace(self, predictor=self.predictor.for_measurements(scaled))
 
 
-def inverse_of(slopes: Array) -> Array:
-    """Return the inverse of ``J^T J``, which may be all but singular."""
+def inverse_of_information(slopes: Array) -> Array:
+    """Return the inverse (f, f) of ``J^T J`` for derivatives J (n, f), which may be near singular.
+
+    Small singular values of J, scaled to columns of length one, are raised to 1e-12.
+    """
     lengths = np.linalg.norm(slopes, axis=0)
     lengths = np.where(lengths > 0, lengths, 1.0)
     _, singular, right = np.linalg.svd(slopes / lengths, full_matrices=False)
@@ -166,48 +178,53 @@ def inverse_of(slopes: Array) -> Array:
     return np.asarray((scaled @ scaled.T) / np.outer(lengths, lengths))
 
 
-def without_effect(likelihood: Likelihood) -> tuple[Likelihood, list[tuple[int, ...]]]:
-    """Return the likelihood without parameters that no data can tell, and those they go with.
+def fix_ineffective_parameters(likelihood: Likelihood) -> tuple[Likelihood, list[tuple[int, ...]]]:
+    """Fix parameters so that each combination of the free ones has an effect.
 
-    Of each combination of parameters that has no effect on what is predicted one is held where the
-    scene has it, an unknown of the rig if there is one.
+    If a combination of parameters has no effect on the predictions, one parameter of it is held at
+    its value in the scene: an unknown of the rig if there is one.
 
     Returns
     -------
-    likelihood : in which what is sought has an effect
-    combinations : the numbers of the parameters of each; the last one of each is held
+    likelihood : all combinations of its free parameters have an effect
+    combinations : indices of the parameters in each combination without effect; the last parameter
+        of each is the one that is held
     """
     combinations = list[tuple[int, ...]]()
     while likelihood.free:
         slopes = likelihood.slopes(np.zeros(len(likelihood.parameters)))
         lengths = np.linalg.norm(slopes, axis=0)
         greatest = max(float(lengths.max()), np.finfo(float).tiny)
-        if (silent := np.flatnonzero(lengths <= 1e-14 * greatest)).size:
-            taking = [likelihood.free[int(silent[0])]]
+        if (ineffective := np.flatnonzero(lengths <= 1e-14 * greatest)).size:
+            combination = [likelihood.free[int(ineffective[0])]]
         else:
             _, singular, right = np.linalg.svd(slopes / lengths, full_matrices=True)
             if len(singular) == len(lengths) and singular[-1] > NO_EFFECT:
                 break
-            parts = np.flatnonzero(np.abs(right[-1]) > PART)
-            taking = [likelihood.free[int(part)] for part in parts]
+            components = np.flatnonzero(np.abs(right[-1]) > MIN_COMPONENT)
+            combination = [likelihood.free[int(component)] for component in components]
         # unknowns of the rig last
-        taking.sort(key=lambda number: not likelihood.parameters[number].logarithmic)
-        combinations.append(tuple(taking))
-        free = tuple(number for number in likelihood.free if number != taking[-1])
+        combination.sort(key=lambda number: not likelihood.parameters[number].logarithmic)
+        combinations.append(tuple(combination))
+        free = tuple(number for number in likelihood.free if number != combination[-1])
         likelihood = replace(likelihood, free=free)
     return likelihood, combinations
 
 
 def best_points(likelihood: Likelihood, count: int = STARTS) -> list[Point]:
-    """Return the best points from several starts, the best of all first."""
+    """Return the local minima of chi-square from several starts, the lowest one first."""
     points = [likelihood.best_from(start) for start in likelihood.starts(count)]
     return sorted(points, key=lambda point: point.chi_square)
 
 
 def with_estimated_noise(likelihood: Likelihood, points: list[Point]) -> Likelihood:
-    """Return the likelihood with the noises that are not given, taken from the residuals.
+    """Return the likelihood with unknown noises estimated from the residuals.
 
-    Each column has one; the points are those of the noises that are taken first.
+    Each column of the data has one noise.
+
+    Parameters
+    ----------
+    points : best points with the initial noises, the lowest chi-square first
     """
     if all(each.noise_known for each in likelihood.measurements):
         return likelihood
@@ -217,14 +234,16 @@ def with_estimated_noise(likelihood: Likelihood, points: list[Point]) -> Likelih
         residuals, row = likelihood.residuals(best.x), 0
         sums, counts = dict[str, float](), dict[str, int]()
         for each in likelihood.measurements:
-            part = residuals[row : row + len(each.values)]
-            sums[each.column] = sums.get(each.column, 0.0) + float(part @ part)
-            counts[each.column] = counts.get(each.column, 0) + len(part)
-            row += len(part)
-        # what is fitted is shared among the columns by their numbers
-        left = max(likelihood.degrees_of_freedom, 1) / len(residuals)
+            series = residuals[row : row + len(each.values)]
+            sums[each.column] = sums.get(each.column, 0.0) + float(series @ series)
+            counts[each.column] = counts.get(each.column, 0) + len(series)
+            row += len(series)
+        # the fitted numbers are divided among the columns in proportion to their values
+        freedom_per_value = max(likelihood.degrees_of_freedom, 1) / len(residuals)
         factors = {
-            column: 1.0 if known else max(np.sqrt(sums[column] / (counts[column] * left)), 1e-12)
+            column: 1.0
+            if known
+            else max(np.sqrt(sums[column] / (counts[column] * freedom_per_value)), 1e-12)
             for column, known in zip(
                 columns, [each.noise_known for each in likelihood.measurements], strict=True
             )

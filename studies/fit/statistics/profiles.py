@@ -1,10 +1,11 @@
-"""Intervals by the profile of the likelihood, which may have several valleys.
+"""Confidence intervals from profiles of the likelihood, which may have several valleys.
 
-The profile of a parameter is the least chi-square over all others, by its value. Its interval ends
-where that has risen by the threshold. Wherever the likelihood bends, one path of constrained
-minima ends too early: so all points that any start or any profile has visited are pooled, each
-search begins at the outermost of those within the threshold, and a valley is said to have ended
-only after it was looked for from two more points.
+The profile of a parameter is the minimum of chi-square over all other parameters, as a function of
+its value. The interval ends where the profile has risen by a threshold. If the valleys of
+chi-square bend, a single path of constrained minima leaves the valley and ends too early.
+Therefore all points that any start or any profile has visited are pooled, each search begins at the
+outermost pooled point within the threshold, and a valley counts as ended only after constrained
+minima from two more points have failed, too.
 """
 
 from dataclasses import dataclass, field
@@ -14,24 +15,25 @@ import numpy as np
 from ....meshes.radial import Array
 from .likelihood import Likelihood, Point
 
-# how often all searches are repeated from points that others have found since
+# greatest number of rounds of searches; after the first round, a search begins again if another
+# one has found a point further out
 ROUNDS = 4
-# steps of one search, and the part of the threshold's root, or of the way, to which it finds it;
-# from a way of this length on, where the interval is too wide for a parameter to be identifiable,
-# the larger part
-MOST_STEPS, CLOSE, WIDE, CLOSE_IF_WIDE = 40, 0.02, 1.0, 0.1
+# greatest number of steps of a search. It ends if the root of the rise of chi-square, or the
+# distance, is known to the relative tolerance `CLOSE`; beyond the distance `WIDE`, at which a
+# parameter is no longer identifiable, to `CLOSE_IF_WIDE`
+MAX_STEPS, CLOSE, WIDE, CLOSE_IF_WIDE = 40, 0.02, 1.0, 0.1
 # relative change of chi-square at which a search for a constrained minimum ends
 TOLERANCE = 1e-5
-# part by which a point must lie beyond an interval for it to be sought anew
-FURTHER = 0.05
-# a point that is better by this than the best is a new best
-BETTER = 1e-2
+# relative distance by which a point must be outside an interval for a new search
+MIN_EXTENSION = 0.05
+# decrease of chi-square by which a point replaces the best one
+MIN_IMPROVEMENT = 1e-2
 # greatest first step, in coordinates
-LONGEST = 2.0
+MAX_FIRST_STEP = 2.0
 
 
 class BetterPointError(Exception):
-    """A search has found a point that is better than the best one."""
+    """A search has found a point with a lower chi-square than the best one."""
 
     def __init__(self, point: Point) -> None:
         super().__init__()
@@ -40,16 +42,16 @@ class BetterPointError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Profiles:
-    """Profiles of the likelihood about its best point.
+    """Profiles of the likelihood around its best point.
 
     Parameters
     ----------
     likelihood : of the measurements
     best : its best point
-    covariance : (f, f) by the curvature there
+    covariance : (f, f) covariance of the free parameters, by the curvature at the best point
     threshold : rise of chi-square at the ends of an interval
-    seen : points within the threshold, whatever was looked for: all intervals hold them
-    traces : by the number of a parameter, its values with the least chi-square of each
+    seen : pooled points within the threshold; all intervals include them
+    traces : by the index of a parameter, pairs of its coordinate and the minimum of chi-square
     """
 
     likelihood: Likelihood
@@ -60,7 +62,7 @@ class Profiles:
     traces: dict[int, list[tuple[float, float]]] = field(default_factory=dict)
 
     def intervals(self, numbers: list[int]) -> dict[int, tuple[float, float]]:
-        """Return the ends of the intervals of some parameters, infinite where there is none.
+        """Return the intervals of parameters by their indices; open ends are infinite.
 
         Raises
         ------
@@ -68,16 +70,16 @@ class Profiles:
             if a search finds a better point than the best one
         """
         ends = {(number, sign): 0.0 for number in numbers for sign in (-1, 1)}
-        for around in range(ROUNDS):
-            found_more = False
+        for search_round in range(ROUNDS):
+            extended = False
             for number, sign in ends:
-                reached = self._outermost(number, sign)
-                out = sign * (reached.x[number] - self.best.x[number])
-                if around and out <= ends[number, sign] * (1 + FURTHER):
+                outermost = self._outermost(number, sign)
+                distance = sign * (outermost.x[number] - self.best.x[number])
+                if search_round and distance <= ends[number, sign] * (1 + MIN_EXTENSION):
                     continue
-                found_more = True
-                ends[number, sign] = self._search(number, sign, reached, bool(around))
-            if not found_more:
+                extended = True
+                ends[number, sign] = self._search(number, sign, outermost, bool(search_round))
+            if not extended:
                 break
         middle = self.best.x
         return {
@@ -88,65 +90,79 @@ class Profiles:
     def _outermost(self, number: int, sign: int) -> Point:
         return max([self.best, *self.seen], key=lambda point: sign * point.x[number])
 
-    def _search(self, number: int, sign: int, reached: Point, again: bool) -> float:
-        """Return how far from the best point an interval ends; infinite if it is open.
+    def _search(self, number: int, sign: int, nearest: Point, again: bool) -> float:
+        """Return the distance of the end of an interval from the best point; infinite if open.
 
-        The root of the rise of chi-square is nearly straight, and so the end is found by secants.
+        The root of the rise of chi-square is nearly linear, so that the secant method is used.
+
+        Parameters
+        ----------
+        number, sign : index of the parameter, and side of the interval
+        nearest : point within the threshold at which the search begins
+        again : whether this is a later search for the same end
         """
         place = self.likelihood.free.index(number)
         spread = float(np.sqrt(self.covariance[place, place] * self.threshold))
         middle, goal = self.best.x[number], np.sqrt(self.threshold)
         bound = self.likelihood.parameters[number].reach - sign * middle
-        start = sign * (reached.x[number] - middle)
-        low, low_rise = start, self._rise(reached)
+        start = sign * (nearest.x[number] - middle)
+        low, low_rise = start, self._root_of_rise(nearest)
         high, high_rise = np.inf, np.inf
-        step = start + (0.3 * max(start, 0.01) if again else min(spread, LONGEST))
-        for _ in range(MOST_STEPS):
+        step = start + (0.3 * max(start, 0.01) if again else min(spread, MAX_FIRST_STEP))
+        for _ in range(MAX_STEPS):
             step = min(step, bound)
-            point = self._constrained(number, middle + sign * step, reached)
-            rise = self._rise(point)
+            point = self._constrained_minimum(number, middle + sign * step, nearest)
+            rise = self._root_of_rise(point)
             if rise < goal:
-                low, low_rise, reached = step, rise, point
+                low, low_rise, nearest = step, rise, point
                 if step >= bound * (1 - 1e-9):
                     return float(np.inf)
             else:
                 high, high_rise = step, rise
-            close = CLOSE_IF_WIDE if low > WIDE else CLOSE
-            if abs(rise / goal - 1) < close:
+            tolerance = CLOSE_IF_WIDE if low > WIDE else CLOSE
+            if abs(rise / goal - 1) < tolerance:
                 return float(step)
-            if high - low < close * high:
+            if high - low < tolerance * high:
                 return float(high)
             if np.isinf(high):
-                ahead = np.clip(1.05 * goal / max(low_rise, 1e-9) - 1, 0.3, 2.0)
-                step = low + (low - start + 0.1 * spread) * ahead
+                growth = np.clip(1.05 * goal / max(low_rise, 1e-9) - 1, 0.3, 2.0)
+                step = low + (low - start + 0.1 * spread) * growth
             else:
                 step = low + (high - low) * np.clip(
                     (goal - low_rise) / (high_rise - low_rise), 0.1, 0.9
                 )
         return float(high)
 
-    def _constrained(self, number: int, value: float, near: Point) -> Point:
-        """Return the best point with one parameter held, from a point nearby, and keep it."""
+    def _constrained_minimum(self, number: int, value: float, near: Point) -> Point:
+        """Return the best point with one parameter held at a coordinate, and record it.
+
+        The search begins at a nearby point, shifted along the valley by the covariance.
+
+        Raises
+        ------
+        BetterPointError
+            if the point is better than the best one
+        """
         likelihood = self.likelihood
         place = likelihood.free.index(number)
-        along = np.zeros(len(near.x))
-        along[list(likelihood.free)] = self.covariance[place] / self.covariance[place, place]
-        shift = along * (value - near.x[number])
+        direction = np.zeros(len(near.x))
+        direction[list(likelihood.free)] = self.covariance[place] / self.covariance[place, place]
+        shift = direction * (value - near.x[number])
         start = near.x + shift if np.abs(shift).max() < 1 else near.x
         point = likelihood.best_from(start, number, value, TOLERANCE)
         if point.chi_square > self.best.chi_square + self.threshold:
-            # a narrow valley that bends: look again before it is said to end
-            closest = min([self.best, *self.seen], key=lambda of: abs(of.x[number] - value))
+            # a narrow valley may bend: search from two more points before it counts as ended
+            closest = min([self.best, *self.seen], key=lambda seen: abs(seen.x[number] - value))
             others = [
-                likelihood.best_from(of.x, number, value, TOLERANCE) for of in (near, closest)
+                likelihood.best_from(other.x, number, value, TOLERANCE) for other in (near, closest)
             ]
-            point = min([point, *others], key=lambda of: of.chi_square)
-        if point.chi_square < self.best.chi_square - BETTER:
+            point = min([point, *others], key=lambda candidate: candidate.chi_square)
+        if point.chi_square < self.best.chi_square - MIN_IMPROVEMENT:
             raise BetterPointError(point)
         self.traces.setdefault(number, []).append((value, point.chi_square))
         if point.chi_square < self.best.chi_square + self.threshold:
             self.seen.append(point)
         return point
 
-    def _rise(self, point: Point) -> float:
+    def _root_of_rise(self, point: Point) -> float:
         return float(np.sqrt(max(point.chi_square - self.best.chi_square, 0.0)))

@@ -129,7 +129,7 @@ def test_the_dat_of_calculix(tmp_path):
 
 def test_a_run_that_stopped_is_refused(tmp_path):
     path = write(tmp_path, ".dat", DAT.format(end=1) + " 1  0.0E+00 -1.0E+00  0.0E+00\n" * 3)
-    with pytest.raises(SceneError, match="step 2 of 2 is not there"):
+    with pytest.raises(SceneError, match="step 2 of 2 is missing"):
         read_dat(path)
     (tmp_path / "job.inp").unlink()
     with pytest.raises(SceneError, match=r"put the deck job\.inp"):
