@@ -193,7 +193,7 @@ def _mesh(options: argparse.Namespace) -> Status:
     with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
         from .figures.mesh import write_mesh
-        from .methods.fem_meshes import half_space_mesh
+        from .sizes.half_space_mesh import half_space_mesh
 
         half_space = half_space_mesh(scene.problem)
         write_mesh(scene, half_space.mesh, half_space.mesher, folder.hidden)

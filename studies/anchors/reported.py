@@ -19,8 +19,8 @@ ROUNDOFF_TOLERANCE = 1e-9
 # forces below this part of the greatest force count as zero
 ROUNDOFF = 1e-12
 # bound on the error of a reference that is computed here (a quadrature or an interpolation on the
-# face, a small problem), over its difference to a less accurate one; tests/physics/test_anchors.py
-# shows that it is enough
+# face, a small problem), over its difference to a less accurate one: all anchors of correct results
+# hold with it (physics/test_random_scenes.py), and faults are noticed (physics/test_faults.py)
 REFERENCE_ERROR_FACTOR = 10.0
 
 

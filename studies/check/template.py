@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..methods.fem_meshes import half_space_mesh
 from ..problem.fields import over_time
 from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
+from ..sizes.half_space_mesh import half_space_mesh
 
 
 def write_template(scene: Scene, units: str, folder: Path) -> list[str]:

@@ -220,7 +220,9 @@ def compare_half_spaces(
     )
     (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space
     # fields depend linearly on 1 - 2 nu, with a coefficient of about the unit at most
-    modelling_error = 2 * max(0.0, problem.poisson_ratio - solid.highest_ratio)
+    modelling_error = error_factor("nearly incompressible") * max(
+        0.0, problem.poisson_ratio - solid.highest_ratio
+    )
     factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
     parts = list[Array]()

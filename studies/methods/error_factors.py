@@ -118,6 +118,46 @@ TABLE = {
         "width of the element at the rim: least error of pressures of a flat start",
         "tests/physics/test_trust.py::test_start_pressures_of_random_scenes",
     ),
+    "roundoff of the force at the rim": ErrorFactor(
+        0.1,
+        "roundoff of the force on the element at the rim: added to the least error of the "
+        "indentation of a flat start",
+        "tests/physics/test_flat_punch.py::test_indentation",
+    ),
+    "edge of a fitted start": ErrorFactor(
+        5e-8,
+        "radius of the first contact: least error, a few times the tolerance of the search for "
+        "its edges",
+        "tests/physics/test_light_rounding.py::test_lightly_rounded_edges",
+    ),
+    "slope of a fitted start": ErrorFactor(
+        1e-8,
+        "slope of the unworn face: least error, because it is a difference of heights",
+        PUNCHES,
+    ),
+    "fitted start": ErrorFactor(
+        1e-12,
+        "other quantities of a start that is fitted to the edges of the contact: least error, "
+        "roundoff",
+        PUNCHES,
+    ),
+    "uniform grid": ErrorFactor(
+        2.5,
+        "difference to the grid with half as many springs and half as many steps: slopes and "
+        "jumps converge with order 1/2, so that the error is 1 / (sqrt(2) - 1) times it",
+        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+    ),
+    "uniform grid, slope": ErrorFactor(
+        4.0,
+        "the same for slopes, whose squares have a logarithm at each ring edge",
+        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+    ),
+    "nearly incompressible": ErrorFactor(
+        2.0,
+        "difference of Poisson's ratio to the one that replaces 1/2: added to the error of "
+        "stresses inside",
+        "tests/physics/test_stresses.py::test_stresses_under_the_flat_punch",
+    ),
     "lost bend": ErrorFactor(
         0.25,
         "bend of a field within a cell: least error of worn profiles and displacements",

@@ -329,7 +329,8 @@ class FullContact(Evaluation):
         Measured: 0.06 to 0.11 of the width of that element.
         """
         at_rim = error_factor("stiffness at the rim") * self._rim_size
-        return at_rim + 0.1 * self._rim_force_roundoff
+        roundoff = error_factor("roundoff of the force at the rim") * self._rim_force_roundoff
+        return at_rim + roundoff
 
     def _floor(self, name: str) -> Array | float:
         """Return the smallest error that is reported for a quantity."""

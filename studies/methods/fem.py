@@ -14,10 +14,10 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import DEGREES
 from ..progress import Stages
 from ..sizes import defaults
+from ..sizes.half_space_mesh import ChosenMesh, half_space_mesh
 from ..sizes.layers import why_layers_are_not_meshed
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
-from .fem_meshes import ChosenMesh, half_space_mesh
 from .pipeline import ComplianceMethod
 from .spaces import contact_cells
 
@@ -180,7 +180,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         chosen = half_space_mesh(problem)
     with stages("assembling"):
         half_space = half_space_on(problem, chosen)
-        _ = half_space.lower_triangle
+        half_space.assemble()
     with stages("condensing"):
         fine = half_space.compliance()
         if fixed:

@@ -21,6 +21,7 @@ from ..sizes.defaults import grid_step
 from ..sizes.marching import steps_between, why_too_many_steps
 from ..wear.history import History
 from .base import Method, Solution, SystemSize, flat_punches_only
+from .error_factors import error_factor
 from .pipeline import DENSE_MATRICES
 
 
@@ -98,14 +99,14 @@ class MdrGrid(Method):
             )
             coarser = {"worn_volume": sampler.worn_volumes(history[-1:])[0]}
             # An error of first order doubles on the coarser grid, so that it equals the difference.
-            # Slopes and jumps at ring edges converge with order 1/2: error = difference / (sqrt(2)
-            # - 1) = 2.4 difference.
+            # Slopes and jumps at ring edges converge with order 1/2.
+            unresolved = _unresolved_wear(problem, count)
             errors = {
-                name: 2.5 * _largest_nearby(difference)
+                name: _factor(name) * unresolved * _largest_nearby(difference)
                 for name, difference in quantity_differences.items()
             }
             for name, difference in answer_differences(coarser, answers).items():
-                errors[name] = 2.5 * difference
+                errors[name] = _factor(name) * unresolved[-1] * difference
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
         checked = {name: values[problem.checked] for name, values in fine.items()}
@@ -126,6 +127,25 @@ def _march(problem: Problem, count: int, step: float) -> tuple[Sampler, History]
         problem.times, *grid.march(problem.times, step), np.ones(len(problem.times))
     )
     return Sampler(problem, space), history
+
+
+def _factor(name: str) -> float:
+    """Return the factor on the difference of a quantity to the coarser grid."""
+    return error_factor("uniform grid, slope" if name == "rms_slope" else "uniform grid")
+
+
+def _unresolved_wear(problem: Problem, count: int) -> Array:
+    """Return by how much (T,) errors exceed their estimate while wear is finer than the grid.
+
+    Until wear has smoothed the pressure at an edge over a cell, both grids miss the same part of
+    it. This part falls with the root of the worn length, which is about ``k t`` on the ring that
+    wears most slowly.
+    """
+    wear = problem.merged.wear_coefficients
+    worn_lengths = wear[wear > 0].min() * problem.distances
+    unworn = np.ones(len(worn_lengths))
+    cells = np.divide(1 / count, worn_lengths, out=unworn, where=worn_lengths > 0)
+    return np.sqrt(np.maximum(cells, 1.0))
 
 
 def _largest_nearby(difference: Array) -> Array:

@@ -141,7 +141,10 @@ class MovingContact(Evaluation):
             quantity, row = REPORTED_AT[name]
             if quantity in errors:
                 return np.broadcast_to(errors[quantity][row], difference.shape)
-        floors = {"contact_radius_start": 5e-8, "pressure_peak_start": 1e-12}
+        floors = {
+            "contact_radius_start": error_factor("edge of a fitted start"),
+            "pressure_peak_start": error_factor("fitted start"),
+        }
         floor = floors.get(name, error_factor("floor of moving contact") * self.problem.rtol)
         # the last node begins to carry in different time steps of the two marches
         time_factor = (
@@ -198,7 +201,11 @@ class MovingContact(Evaluation):
         # At the start nothing has worn: slopes of the unworn face are differences of heights, and
         # edges are located to a few times the tolerance of their search. Later, edges of the
         # contact make agreement by chance more likely.
-        at_start = {"rms_slope": 1e-8, "contact_radius": 5e-8}.get(name, 1e-12)
+        kind_of_start = {
+            "rms_slope": "slope of a fitted start",
+            "contact_radius": "edge of a fitted start",
+        }
+        at_start = error_factor(kind_of_start.get(name, "fitted start"))
         floor = error_factor("floor of moving contact") * self.problem.rtol
         floors = np.where(later, floor, at_start)
         if name in ("profile", "displacement"):

@@ -183,7 +183,7 @@ class Case:
     def solve(self, half_space: HalfSpace, stages: Stages) -> MeshSolution:
         """Condense a half-space, and compute the wear of the punch on it."""
         with stages("assembling"):
-            _ = half_space.lower_triangle
+            half_space.assemble()
         with stages("condensing"):
             compliance = half_space.compliance()
         with stages("marching"):

@@ -21,11 +21,11 @@ from ...meshes import bisection
 from ...meshes.by_gmsh.session import unavailable
 from ...meshes.sizes import SizeField
 from ..methods.fem import half_space_on
-from ..methods.fem_meshes import half_space_mesh
 from ..problem.problem import Problem
 from ..problem.sections import FemAccuracy
 from ..progress import Stages
 from ..sizes.defaults import WIDER_TRUNCATION, triangle_degree
+from ..sizes.half_space_mesh import half_space_mesh
 from ..study.levels import Family
 from ..study.options import Options
 from ..tables import Row

@@ -7,6 +7,7 @@ Where each one is chosen:
 - radial mesh of dimensionality reduction and boundary elements: `defaults.mdr_sizes`
 - quadrilaterals and triangles of the finite elements: `defaults.quad_sizes`,
   `defaults.triangle_sizes`; elements of a low degree: `low_degrees.low_degree_quad_sizes`
+- mesher, and the coarser mesh of the error estimate: `half_space_mesh`
 - cells under a contact whose edges move: `defaults.cells_of`
 - far field: `defaults.pole_orders`; layered ground: `layers`
 - number of time steps: `marching`, `defaults.grid_step`

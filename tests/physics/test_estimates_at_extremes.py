@@ -77,7 +77,7 @@ def test_a_coarse_rim_is_felt_in_times_of_running_in():
 def degrees_of(problem):
     """Degree of each element of the mesh that a problem asks for."""
     from ringwear.studies.methods.fem import half_space_on
-    from ringwear.studies.methods.fem_meshes import half_space_mesh
+    from ringwear.studies.sizes.half_space_mesh import half_space_mesh
 
     return half_space_on(problem, half_space_mesh(problem)).solid
 

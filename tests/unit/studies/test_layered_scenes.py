@@ -10,8 +10,8 @@ from ringwear.meshes.half_space import areas
 from ringwear.studies.anchors.reading import Reading
 from ringwear.studies.check.template import write_template
 from ringwear.studies.methods.base import method
-from ringwear.studies.methods.fem_meshes import half_space_mesh
 from ringwear.studies.problem.unit_names import kind_of
+from ringwear.studies.sizes.half_space_mesh import half_space_mesh
 from ringwear.studies.sizes.shared import discretisation_key
 from ringwear.studies.study.conduct import refuse_what_does_not_fit
 from ringwear.studies.study.options import Options

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 from ...meshes.errors import MeshError, SceneError
 from ..problem.problem import Problem
 from ..problem.sections import LAYERED
-from ..sizes import defaults
-from ..sizes.layers import why_layers_are_not_meshed
-from ..sizes.low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
+from . import defaults
+from .layers import why_layers_are_not_meshed
+from .low_degrees import LOW_DEGREE_HALVINGS, low_degree_quad_sizes
 
 if TYPE_CHECKING:
     from skfem import Mesh
