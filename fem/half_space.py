@@ -22,7 +22,6 @@ from skfem import Mesh, MeshQuad
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
-from ..meshes.ground.line_energy import flat_series
 from ..meshes.half_space import (
     contact_facets,
     contact_vertices,
@@ -291,9 +290,7 @@ class HalfSpace:
             if a pressure displaces nothing, or if the stiffness of the half-space is singular
         """
         refuse_singular(self.stability(), self.space.size, len(self.coupling) - len(self.poles))
-        ground = self.solid.modelled_ground
-        series = (1.0,) if ground is None else flat_series(ground)
-        return Compliance(self.space, self.condensed(), series)
+        return Compliance(self.space, self.condensed(), self.solid.modelled_ground)
 
     def condensed(self) -> Array:
         """Return the factor (contact nodes + k, size) of the compliance, even if it is singular.

@@ -4,7 +4,9 @@ A frictionless flat annulus ``b <= r <= 1`` has no closed form. Its integral equ
 
     int_b^1 4 / (pi (r + s)) K(m) p(s) s ds = d,    m = 4 r s / (r + s)^2
 
-with the complete elliptic integral K is solved by Nystroem's method. The angle in
+with the complete elliptic integral K is solved by Nystroem's method. Layers of ground add to the
+kernel the smooth function ``2 int_0^inf (Phi(k) - 1) J_0(k r) J_0(k s) dk``, where Phi is their
+relative surface compliance. The angle in
 ``cos(angle) = ln(b / r^2) / ln b``, 0 at the hole and pi at the rim, makes ``p r dr = g d(angle)``
 smooth although the pressure is infinite at both edges. The logarithm of the kernel is integrated
 exactly, so that the error decreases geometrically with the number of points. The outer radius and
@@ -18,11 +20,19 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
+from ..meshes.ground.ground import Ground, relative_compliance, wave_numbers
 from ..meshes.radial import Array
 
 # number of quadrature angles; 36 of them already give 15 digits of the stiffness for b from 1e-4 to
 # .9999
 POINTS = 64
+# quadrature angles per thickness of the first layer across the annulus
+# (physics/test_layers.py::test_hollow_punches_on_layers)
+POINTS_PER_THICKNESS = 12.0
+# radii on each ring among which extremes of the pressure on layers are sought
+SAMPLES_PER_RING = 200
+# wave numbers at a time, to limit the memory for Bessel functions
+BLOCK = 4096
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +44,13 @@ class FlatAnnulus:
     inner_radius : inner radius b, between 0 and 1
     indentation : indentation d
     coefficients : (J,) of ``p r dr = sum_j c_j cos(j angle) d(angle)``
+    layered : whether there are layers of ground, so that the pressure may have several extremes
     """
 
     inner_radius: float
     indentation: float
     coefficients: Array
+    layered: bool = False
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressure at radii (R,) on the annulus, which is infinite at both edges."""
@@ -59,34 +71,48 @@ class FlatAnnulus:
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
         """Return the least and the greatest pressure (N,) on each ring between edges (N+1,).
 
-        From the hole to the rim, the pressure falls to a single minimum and then rises.
+        On a homogeneous half-space the pressure falls from the hole to a single minimum and then
+        rises to the rim; on layers it may have several extremes. Each is sought between the
+        samples beside the smallest or the largest of several on each ring.
         """
+        at_edges, extremes = self.pressure_at(ring_edges), np.empty((2, len(ring_edges) - 1))
+        for number, bounds in enumerate(pairwise(ring_edges.tolist())):
+            samples = np.linspace(*bounds, SAMPLES_PER_RING if self.layered else 3)
+            for row, sign in enumerate((1.0, -1.0)):
+                ends = sign * at_edges[number : number + 2]
+                extremes[row, number] = sign * min(self._least(samples, sign), *ends)
+        return extremes[0], extremes[1]
+
+    def _least(self, samples: Array, sign: float) -> float:
+        """Return the least of the pressure, or of its negative, between radii (S,)."""
         from scipy.optimize import minimize_scalar
 
-        at_edges, least = self.pressure_at(ring_edges), np.empty(len(ring_edges) - 1)
-        for number, bounds in enumerate(pairwise(ring_edges.tolist())):
-            options = {"xatol": 1e-9 * (bounds[1] - bounds[0])}
-            minimum = minimize_scalar(
-                lambda radius: float(self.pressure_at(np.array([radius]))[0]),
-                bounds=bounds,
-                method="bounded",
-                options=options,
-            )
-            least[number] = min(minimum.fun, *at_edges[number : number + 2])
-        return least, np.maximum(at_edges[:-1], at_edges[1:])
+        inside = 1 + int(np.argmin(sign * self.pressure_at(samples[1:-1])))
+        bounds = samples[inside - 1], samples[inside + 1]
+        found = minimize_scalar(
+            lambda radius: sign * float(self.pressure_at(np.array([radius]))[0]),
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": 1e-9 * (bounds[1] - bounds[0])},
+        )
+        return float(found.fun)
 
 
 @lru_cache(maxsize=64)
-def flat_annulus(inner_radius: float, points: int = POINTS) -> FlatAnnulus:
+def flat_annulus(
+    inner_radius: float, points: int | None = None, ground: Ground | None = None
+) -> FlatAnnulus:
     """Solve the flat annulus by Nystroem's method.
 
     Parameters
     ----------
     inner_radius : ratio of the inner to the outer radius, between 0 and 1
-    points : number of quadrature angles
+    points : number of quadrature angles; by default as many as suit the ground
+    ground : layers; homogeneous half-space if not given
     """
     from scipy.special import ellipk, ellipkm1  # full punches do not need it
 
+    points = points or _suitable_points(inner_radius, ground)
     angle, radius = _angles_and_radii(inner_radius, points)
     log_ratio = -np.log(inner_radius)
     order = np.arange(1, points)
@@ -107,20 +133,43 @@ def flat_annulus(inner_radius: float, points: int = POINTS) -> FlatAnnulus:
     np.fill_diagonal(factor, -0.5)
     np.fill_diagonal(smooth, np.log(32 / log_ratio))
     kernel = 4 / np.pi / radius_sum * (logarithm * factor + np.pi / points * smooth)
+    if ground is not None:
+        kernel += np.pi / points * _kernel_of_layers(ground, radius)
     density = np.linalg.solve(kernel, np.ones(points))
     stiffness = float(2 * np.pi**2 * density.mean())
-    return FlatAnnulus(inner_radius, 1 / stiffness, _cosines(angle, density / stiffness))
+    coefficients = _cosines(angle, density / stiffness)
+    return FlatAnnulus(inner_radius, 1 / stiffness, coefficients, ground is not None)
 
 
-def flat_annulus_series(inner_radius: float, count: int) -> Array:
+def _suitable_points(inner_radius: float, ground: Ground | None) -> int:
+    """Return the number of quadrature angles; pressures vary over the thickness of a layer."""
+    if ground is None:
+        return POINTS
+    return max(POINTS, int(POINTS_PER_THICKNESS * (1 - inner_radius) / ground.first_thickness))
+
+
+def _kernel_of_layers(ground: Ground, radii: Array) -> Array:
+    """Return ``2 int_0^inf (Phi(k) - 1) J_0(k r) J_0(k s) dk`` (R, R) at radii (R,)."""
+    from scipy.special import j0
+
+    wave_number, weight = wave_numbers(ground, reach=2.0)
+    kernel = np.zeros((len(radii), len(radii)))
+    for part in np.array_split(np.arange(len(wave_number)), 1 + len(wave_number) // BLOCK):
+        waves = j0(np.outer(radii, wave_number[part]))
+        added = relative_compliance(ground, wave_number[part]) - 1
+        kernel += (waves * (2 * weight[part] * added)) @ waves.T
+    return kernel
+
+
+def flat_annulus_series(inner_radius: float, count: int, ground: Ground | None = None) -> Array:
     """Return cosine coefficients of the flat annulus's pressure times Legendre polynomials.
 
     The polynomials are in ``r^2``; the coefficients (J, count) have one column for each polynomial.
     A method represents the pressure of a flat hollow punch by these functions, as it represents
     that of a full punch by ``P_2j(t) / t``.
     """
-    annulus = flat_annulus(inner_radius)
-    angle, radius = _angles_and_radii(inner_radius, POINTS)
+    annulus = flat_annulus(inner_radius, ground=ground)
+    angle, radius = _angles_and_radii(inner_radius, len(annulus.coefficients))
     order = np.arange(len(annulus.coefficients))
     density = np.cos(angle[:, None] * order) @ annulus.coefficients
     squared_inner_radius, squared_width = inner_radius**2, (1 - inner_radius) * (1 + inner_radius)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..meshes.compliance import Compliance
 from ..meshes.ground.ground import Ground
-from ..meshes.ground.line_energy import even_legendre, flat_series, line_energy_modes
+from ..meshes.ground.line_energy import even_legendre, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
 from .transforms import line_density, panel_quadrature
@@ -35,7 +35,7 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
     positions, weights, low_parts = panel_quadrature(panels)
     factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
     factor = _on_layers(factor, positions, weights, ground)
-    return Compliance(space, factor, flat_series(ground))
+    return Compliance(space, factor, ground)
 
 
 def _on_layers(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:

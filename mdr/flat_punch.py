@@ -133,23 +133,20 @@ def layered_disc(ground: Ground) -> DiscSeries:
 
 
 @lru_cache(maxsize=8)
-def presses_everywhere(ground: Ground) -> bool:
+def presses_everywhere(ground: Ground, inner_radius: float = 0.0) -> bool:
     """Return whether the pressure of a flat punch on layers is positive on the whole face.
 
     A stiff layer on soft ground bends like a plate: only the rim of a flat punch touches it.
     """
-    least, _ = layered_disc(ground).extremes_on(np.array([0.0, 1.0]))
+    least, _ = flat_punch(inner_radius, ground).extremes_on(np.array([inner_radius, 1.0]))
     return bool(least[0] > -PRESSURE_ROUNDOFF * P0)
 
 
 def flat_punch(inner_radius: float, ground: Ground | None = None) -> FlatPunch:
-    """Return the flat punch with a given inner radius, which is 0 for a full punch.
-
-    Only full punches may be on layers.
-    """
-    if ground is not None and not inner_radius:
-        return layered_disc(ground)
-    return flat_annulus(inner_radius) if inner_radius else FlatDisc()
+    """Return the flat punch with a given inner radius, which is 0 for a full punch."""
+    if inner_radius:
+        return flat_annulus(inner_radius, ground=ground)
+    return FlatDisc() if ground is None else layered_disc(ground)
 
 
 def _root(radii: Array) -> Array:

@@ -21,7 +21,6 @@ from scipy.special import ellipkm1
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
 from ..meshes.ground.ground import Ground
-from ..meshes.ground.line_energy import flat_series
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, unit_gauss
 from .layers import added_by_layers
@@ -77,9 +76,8 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
         np.add.at(half, place.ravel(), blocks.ravel())
     half = half.reshape(rows, rows)[:-1, :-1]
     matrix = half + half.T
-    series: tuple[float, ...] = (1.0,)
     if ground is not None:
-        matrix, series = matrix + added_by_layers(space, ground), flat_series(ground)
+        matrix = matrix + added_by_layers(space, ground)
     try:
         factor = cholesky(matrix, check_finite=False)
     except np.linalg.LinAlgError as error:
@@ -87,7 +85,7 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
             f"the boundary-element compliance of {space.size} unknowns is not positive definite to "
             "roundoff: lower the degree of the pressure, or grade the radial mesh less"
         ) from error
-    return Compliance(space, factor, series)
+    return Compliance(space, factor, ground)
 
 
 def _touching(space: PressureSpace) -> _Blocks:

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from .errors import SolverError
+from .ground.ground import Ground
 from .pressure_space import PressureSpace
 from .radial import Array
 
@@ -39,13 +40,13 @@ class Compliance:
     space : pressure space, `size` functions
     factor : (m, size) the factor `H`, m >= size; the displacement u is in units of (pressure x
         radius / plane strain modulus)
-    flat_series : coefficients of ``P_2j(t) / t``, with ``t = sqrt(1 - r^2)``, in the pressure of a
-        full flat punch; the first is 1, and only layered ground has more than one
+    ground : layers under the punch, which decide the pressure of a flat punch at the start;
+        homogeneous half-space if not given
     """
 
     space: PressureSpace
     factor: Array
-    flat_series: tuple[float, ...] = (1.0,)
+    ground: Ground | None = None
 
     def __post_init__(self) -> None:
         """Check that the factor is finite.
@@ -78,7 +79,7 @@ class Compliance:
     def restricted(self, space: PressureSpace) -> "Compliance":
         """Return the compliance of the same half-space on a subspace of its pressure space."""
         factor = (self.space.embedding(space).T @ self.factor.T).T
-        return RestrictedCompliance(space, factor, self.flat_series, full=self)
+        return RestrictedCompliance(space, factor, self.ground, full=self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +88,7 @@ class RestrictedCompliance(Compliance):
 
     Parameters
     ----------
-    space, factor, flat_series : as in `Compliance`
+    space, factor, ground : as in `Compliance`
     full : the compliance on the full space
     """
 

@@ -22,7 +22,7 @@ def check_start(report: Reported) -> Rows:
     if report.solution.wear is not None:
         depth, tolerance = report.take("indentation_start"), report.tolerance("indentation_start")
         yield Row("flat start of the answer", depth, reference, tolerance)
-        if report.inner_radius:
+        if report.inner_radius and report.reading.ground is None:
             bounds = stiffness_bounds(report.inner_radius)
             stiffness = 1 / depth
             nearest = np.clip(stiffness, *bounds)

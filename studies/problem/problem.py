@@ -188,13 +188,14 @@ class Problem:
 
     @property
     def full_contact(self) -> bool:
-        """Whether all of the face is in contact at all times.
+        """Whether all of the face stays in contact.
 
         A flat punch at a fixed indentation, or under a force that never falls, stays in full
-        contact, unless stiff layers bend away from it. Any other punch may lose contact. If no
-        history is requested, layers do not matter, because contact is full in the steady state.
+        contact, unless stiff layers bend away from it, which matters in a history only. Any
+        other punch may lose contact.
         """
-        keeps = self.ground is None or not len(self.times) or presses_everywhere(self.ground)
+        ground = self.ground if len(self.times) else None
+        keeps = ground is None or presses_everywhere(ground, self.inner_radius)
         return self.profile.flat and self.loading.rising and keeps
 
     @property

@@ -140,11 +140,6 @@ class Scene(Section, metaclass=SceneType):
         if len(set(self.methods)) < len(self.methods):
             raise ValueError(f"methods = {self.methods} names a method twice")
         radii, punch = self.output.radii, self.punch
-        if punch.inner_radius and self.half_space.layers:
-            raise ValueError(
-                "punch.inner_radius is not possible with half_space.layers, because the start of a "
-                "hollow punch on layers cannot be computed: leave out one of them"
-            )
         if radii is not None and radii[-1] > punch.radius:
             raise ValueError(
                 f"output.radii ends at {radii[-1]}, outside the punch of radius {punch.radius}"

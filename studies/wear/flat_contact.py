@@ -20,6 +20,8 @@ from scipy.linalg import solve_triangular
 from ...mdr.flat_punch import DiscSeries, FlatPunch, disc_functions
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SolverError
+from ...meshes.ground.ground import Ground
+from ...meshes.ground.line_energy import flat_series
 from ...meshes.pressure_space import PressureSpace, shapes
 from ...meshes.radial import Array, unit_gauss
 from .modes import BandedCholesky
@@ -109,7 +111,7 @@ def flat_start(
     """
     space = compliance.space
     count = max(1, min(MOST_FUNCTIONS, space.size // 3))
-    series, forces = _start_series(space.inner_radius, count, compliance.flat_series)
+    series, forces = _start_series(space.inner_radius, count, compliance.ground)
     projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
     displacements = compliance.factor @ projected
     factor = np.asarray(np.linalg.qr(displacements, mode="r"))
@@ -123,20 +125,19 @@ def flat_start(
     return FlatStart(series @ coefficients, projected @ coefficients, depth, space.inner_radius)
 
 
-def _start_series(
-    inner_radius: float, count: int, flat_series: tuple[float, ...]
-) -> tuple[Array, Array]:
+def _start_series(inner_radius: float, count: int, ground: Ground | None) -> tuple[Array, Array]:
     """Return the functions of the flat start, as coefficients (J, count), and forces (count,).
 
     Each column is a function. The first one is the pressure of the flat punch itself.
     """
     if not inner_radius:
-        series = np.eye(max(count, len(flat_series)))[:, :count]
-        series[: len(flat_series), 0] = flat_series
+        punch = (1.0,) if ground is None else flat_series(ground)
+        series = np.eye(max(count, len(punch)))[:, :count]
+        series[: len(punch), 0] = punch
         return series, 2 * np.pi * series[0]
     from ...mdr.annulus import flat_annulus_series  # full punches do not need it
 
-    series = flat_annulus_series(inner_radius, count)
+    series = flat_annulus_series(inner_radius, count, ground)
     return series, 2 * np.pi**2 * series[0]
 
 

@@ -38,6 +38,8 @@ def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
     wear = (10 ** draw.uniform(-1.5, 0, max(rings, 2))).tolist()
     punch: dict = {"radius": 1.0, "rings": rings, "wear_coefficients": wear}
     load: dict = {"normal_force": 1.0}
+    if draw.random() < 0.3:
+        punch["inner_radius"] = float(draw.uniform(0.1, 0.9))
     if shaped:
         punch["profile"] = {"kind": "parabola", "curvature_radius": float(10 ** draw.uniform(0, 1))}
         if draw.random() < 0.5:

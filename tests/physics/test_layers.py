@@ -8,14 +8,17 @@ import pytest
 from ringwear import run
 from ringwear.fem.contact_meshes import even_half_space
 from ringwear.mdr import energy, ring_kernel
+from ringwear.mdr.annulus import flat_annulus
+from ringwear.mdr.flat_punch import flat_punch
 from ringwear.meshes.contact_cells import ContactCells
 from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.ground.line_energy import relative_stiffness
 from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import exact_graded_breakpoints
 from ringwear.studies.methods.base import method
 from ringwear.studies.progress import Stages
 from ringwear.studies.scene.scene import Scene
-from ringwear.studies.wear.flat_contact import flat_start
+from ringwear.studies.wear.flat_contact import flat_start, press_flat
 from ringwear.studies.wear.time_scale import slowest_relaxation_times
 
 TWO_RINGS = {"radius": 1.0, "rings": 2, "wear_coefficients": [1.0, 0.1]}
@@ -169,6 +172,52 @@ def test_a_sphere_on_layers():
     assert depths[0] == pytest.approx(radius**2 / 2.0, rel=1e-6)
     assert (depths[1] < 0.8 * depths[0]).all()
     assert depths[1] == pytest.approx(depths[1][0], rel=1e-6)
+
+
+@pytest.mark.parametrize("inner_radius", [0.2, 0.6, 0.95])
+@pytest.mark.parametrize(
+    "ground",
+    [
+        Ground.from_youngs_moduli([0.5], [1.0, 10.0], [0.3, 0.2]),
+        Ground.from_youngs_moduli([0.1, 0.3], [1.0, 0.2, 4.0], [0.3, 0.45, 0.0]),
+        Ground.from_youngs_moduli([0.05], [1.0, np.inf], [0.3, 0.3]),
+    ],
+)
+def test_the_flat_annulus_on_layers(ground, inner_radius):
+    """Nystroem's method with the Hankel integral of the kernel against the energy of the MDR."""
+    annulus = flat_annulus(inner_radius, ground=ground)
+    finer = flat_annulus(inner_radius, 2 * len(annulus.coefficients), ground)
+    assert annulus.indentation == pytest.approx(finer.indentation, rel=1e-13)
+    edges = np.array([0.0, inner_radius, 1.0])
+    breakpoints, low_parts = exact_graded_breakpoints(edges, np.array([1e-12]), 1e-12, 0.15)
+    degrees = np.where(breakpoints[1:] <= inner_radius, 0, 8)
+    space = PressureSpace(breakpoints, degrees, edges, low_parts).no_wider(ground.first_thickness)
+    compliance = energy.compliance(space, ground)
+    radii = inner_radius + (1 - inner_radius) * np.linspace(0.1, 0.9, 9)
+    # polynomials that know nothing of the annulus, and its own functions
+    for pressed, within in ((press_flat(compliance), 2e-3), (flat_start(compliance), 1e-7)):
+        assert pressed.indentation == pytest.approx(annulus.indentation, rel=1e-9)
+        assert pressed.pressure_at(radii) == pytest.approx(annulus.pressure_at(radii), rel=within)
+
+
+def test_a_small_hole_on_layers_is_none():
+    ground = Ground.from_youngs_moduli([0.3], [1.0, 5.0], [0.3, 0.2])
+    hollow, full = (flat_punch(inner_radius, ground) for inner_radius in (1e-4, 0.0))
+    assert hollow.indentation == pytest.approx(full.indentation, rel=1e-9)
+
+
+@pytest.mark.gmsh
+@pytest.mark.slow
+def test_hollow_punches_on_layers():
+    """By all methods; the start is that of the annulus, the anchors hold."""
+    punch = {"radius": 1.0, "inner_radius": 0.4, "rings": 3, "wear_coefficients": [1.0, 0.2, 0.5]}
+    scene = on(layer(0.2), layer(0.4, 0.3), below=8.0, punch=punch, accuracy={"rtol": 1e-4})
+    result = run(scene, methods=["mdr", "bem", "direct", "fem"])
+    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    exact = flat_annulus(0.4, ground=scene.problem.ground).indentation
+    depths = result.dataset.indentation.sel(time=0, solver=["mdr", "bem", "fem"])
+    assert depths.values / scene.problem.units.displacement == pytest.approx(exact, rel=1e-8)
 
 
 @pytest.mark.gmsh
