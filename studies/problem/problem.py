@@ -190,9 +190,8 @@ class Problem:
     def full_contact(self) -> bool:
         """Whether all of the face stays in contact.
 
-        A flat punch at a fixed indentation, or under a force that never falls, stays in full
-        contact, unless stiff layers bend away from it, which matters in a history only. Any
-        other punch may lose contact.
+        A flat punch does at a fixed indentation or under a force that never falls, unless stiff
+        layers bend away from it, which matters in a history only. Any other may lose contact.
         """
         ground = self.ground if len(self.times) else None
         keeps = ground is None or presses_everywhere(ground, self.inner_radius)
