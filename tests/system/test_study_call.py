@@ -65,7 +65,7 @@ def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
     found = study("march", "pin_on_disc", quick=True)
     assert found.orders["expected order"].tolist() == [1.0, 1.0]
     assert found.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
-    assert "full discs" in found.conclusions[-1]
+    assert "a full disc" in found.conclusions[-1]
 
 
 def test_an_unknown_table_is_refused(march):
