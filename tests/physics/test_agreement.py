@@ -107,7 +107,7 @@ def compare(flat, factors, errors=None):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("factor", [0.98, 1.02])
-def test_a_wrong_result_is_noticed(flat, factor):
+def test_a_result_wrong_by_two_per_cent_is_a_disagreement(flat, factor):
     quantities = flat.quantities
     assert len(quantities) == 23
     for wrong in quantities:
@@ -116,13 +116,13 @@ def test_a_wrong_result_is_noticed(flat, factor):
     assert flat.verdict == "agree"
 
 
-def test_one_wrong_time_is_noticed(flat):
+def test_an_error_at_one_time_is_a_disagreement(flat):
     row = compare(flat, {"indentation": np.array([1.0, 1.01, 1.0])})["indentation"]
     assert row.verdict == "disagree"
     assert row.difference == pytest.approx(0.01, rel=0.02)
 
 
-def test_what_a_method_does_not_know_is_undecided_not_agreed(flat):
+def test_a_quantity_with_a_large_error_estimate_is_undecided(flat):
     """A stated error above what was asked for never agrees; beyond it the methods disagree."""
     unsure = {"profile": np.array([1e-5, 0.2, 1e-5])}
     row = compare(flat, {}, unsure)["profile"]
@@ -132,7 +132,7 @@ def test_what_a_method_does_not_know_is_undecided_not_agreed(flat):
     assert compare(flat, {"profile": 1.5}, unsure)["profile"].verdict == "disagree"
 
 
-def test_what_is_local_to_moving_edges_decides_against_only():
+def test_quantities_at_moving_edges_can_only_cause_disagreement():
     both = ("mdr", "fem")
     sure = Agreement("indentation", both, 1e-5, 1e-4, "agree")
     local = Agreement("pressure", both, 1e-2, 1e-1, "undecided", promised=False)
@@ -142,7 +142,7 @@ def test_what_is_local_to_moving_edges_decides_against_only():
 
 
 @pytest.mark.gmsh
-def test_early_layers_that_cannot_be_resolved_are_named():
+def test_times_too_early_to_resolve_are_named_and_left_out():
     """As t tends to zero the slope is that of a layer at the rim ever thinner."""
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"], accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]
@@ -163,7 +163,7 @@ def test_early_layers_that_cannot_be_resolved_are_named():
     assert result.solutions["mdr"].errors["rms_slope"][1] < 1e-6
 
 
-def test_what_a_method_states_no_error_of_is_undecided(flat):
+def test_a_quantity_without_an_error_estimate_is_undecided(flat):
     mdr, names = flat.solutions["mdr"], ["time", "indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
     given = ({name: part[name] for name in names} for part in (mdr.results, mdr.checked))

@@ -53,7 +53,7 @@ def test_start_and_steady_state_in_closed_form(five):
 @pytest.mark.parametrize(
     "coefficients", [[1.0, 10.0], [3.0, 3.0]], ids=["five materials", "one material"]
 )
-def test_worn_volume_is_what_the_force_has_worn(coefficients):
+def test_worn_volumes_over_k_sum_to_force_times_distance(coefficients):
     """Sum of V / k over the rings is F v0 t, also where rings are of one material.
 
     Units that are not one.
@@ -75,7 +75,7 @@ def test_worn_volume_is_what_the_force_has_worn(coefficients):
         assert float(volumes[1]) == pytest.approx(float(rings.integrate("radius")), rel=1e-6)
 
 
-def test_the_paper_s_algorithm_answers_what_it_knows():
+def test_the_papers_algorithm_reports_worn_volumes_but_no_running_in_time():
     scene = Scene.load("five_rings").changed(methods=["mdr", "mdr-grid"], wear__steady=False)
     exact, grid = run(scene).answers.values()
     assert np.isnan(grid["running_in_time"])
@@ -87,7 +87,7 @@ def test_the_paper_s_algorithm_answers_what_it_knows():
     [(2, 1e-3, 1.0), (3, 50.0, 0.02), (7, 1e5, 5.0), (1, 1.0, 1.0)],
     ids=str,
 )
-def test_the_time_scale_is_known_beforehand(rings, ratio, width):
+def test_the_slowest_relaxation_time_is_predicted_without_a_run(rings, ratio, width):
     scene = Scene.load("five_rings").changed(
         methods=["mdr"],
         punch__rings=rings,

@@ -31,7 +31,7 @@ def sphere(times, **changes):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_the_start_of_a_sphere_is_that_of_hertz():
+def test_a_sphere_starts_with_hertz_contact():
     result = run(sphere([0.0, 0.1]))
     radius = (3 * FORCE * CURVATURE / 4 / 7.0) ** (1 / 3)
     for answers in result.answers.values():
@@ -47,7 +47,7 @@ def test_the_start_of_a_sphere_is_that_of_hertz():
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder"])
-def test_infinite_pressures_are_no_answer(name):
+def test_infinite_peak_pressures_are_left_out_of_the_answer(name):
     scene = Scene.load(name).changed(wear__times=[0.0], wear__steady=False)
     answers = run(scene, methods=["mdr"]).answers["mdr"]
     assert "pressure_peak_start" not in answers
@@ -60,7 +60,7 @@ def worn():
     return run(sphere([0.0, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
 
 
-def test_running_in_of_a_sphere_that_comes_to_bear(worn):
+def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
     answers = worn.answers["mdr"]
     early, late, full = (
         float(answers[name]) for name in ("time_to_90", "time_to_99", "time_to_full_contact")
@@ -86,12 +86,12 @@ def test_running_in_of_a_sphere_that_comes_to_bear(worn):
     )
 
 
-def test_the_words_tell_it(worn):
+def test_the_printed_answer_lists_the_running_in_times(worn):
     told = [what for what, _, _ in Account(worn).answers]
     assert {"time to full contact", "time to 90", "time to 99"} <= set(told)
 
 
-def test_the_force_of_a_given_indentation():
+def test_forces_in_the_answer_at_a_fixed_indentation():
     # the sphere at the depth that the force presses it to; forces halve where a finer run has half
     depth = (3 * FORCE * CURVATURE / 4 / 7.0) ** (2 / 3) / CURVATURE
     scene = sphere([0.0, 0.02, 0.04, 0.2], accuracy__rtol=1e-3, load={"indentation": depth})
@@ -109,7 +109,7 @@ def test_the_force_of_a_given_indentation():
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
-def test_times_that_show_all_of_the_running_in(name):
+def test_times_running_in_cover_the_whole_running_in(name):
     scene = Scene.load(name).changed(wear__times="running-in", accuracy__rtol=1e-2)
     assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
     result = run(scene, methods=["mdr"])
@@ -126,7 +126,7 @@ def test_times_that_show_all_of_the_running_in(name):
     assert force[-1] < 0.02 * force[0]
 
 
-def test_a_rigid_sphere_wears_off_its_overlap():
+def test_the_spreading_time_of_a_sphere_against_a_rigid_half_space():
     problem = sphere([0.0, 1.0]).problem
     start, end = spreading_times(problem)
     # a^4 = 4 R k F v t / pi, at the radius of the punch
@@ -136,7 +136,7 @@ def test_a_rigid_sphere_wears_off_its_overlap():
     assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[1]
 
 
-def test_counts_of_the_slowest_time_of_the_full_face():
+def test_tau_counts_relaxation_times_of_the_full_face():
     counts = {"tau": [0.0, 0.5, 2.0]}
     shaped = sphere(counts).wear.times
     flat = Scene.load("flat_punch").changed(wear__times=counts).problem.times
@@ -146,7 +146,7 @@ def test_counts_of_the_slowest_time_of_the_full_face():
     assert held.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
 
 
-def test_curves_go_on_from_steps_to_full_contact(worn):
+def test_curves_continue_from_the_march_into_full_contact(worn):
     for solution in worn.solutions.values():
         march = solution.march
         sampler = Sampler(worn.scene.problem, march.face.compliance.space, march.face.compliance)

@@ -36,7 +36,7 @@ RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
 EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)  # by a unit modulus
 
 
-def test_a_sphere_in_units():
+def test_a_sphere_starts_with_hertz_contact_in_other_units():
     result = run(SPHERE)
     data = result.dataset.isel(solver=0, time=0)
     contact = EXACT_SPHERE.contact_radius(FORCE / MODULUS)
@@ -60,7 +60,7 @@ def test_a_sphere_in_units():
     assert np.isnan(answer["pressure_max"][0]).all()
 
 
-def test_every_way_to_give_a_profile(tmp_path):
+def test_all_ways_to_give_a_profile_agree(tmp_path):
     radii = np.linspace(0.0, LENGTH, 41)
     rows = np.column_stack([radii, radii**2 / 16])
     np.savetxt(tmp_path / "profile.csv", rows, delimiter=",", header="radius,height", comments="")
@@ -95,7 +95,7 @@ def test_recesses_and_profiles_add():
 
 
 @pytest.mark.gmsh
-def test_results_say_where_contact_is():
+def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
     result = run(RECESSED, methods=["mdr", "direct", "fem"])
     assert result.verdict == "agree"
     undecided = {row.quantity for row in result.agreement if not row.agrees}
@@ -113,7 +113,7 @@ def test_results_say_where_contact_is():
 
 
 @pytest.mark.parametrize("scene", [SCENE, RECESSED], ids=["flat", "recessed"])
-def test_a_remedy_is_an_accuracy_to_ask_for(scene):
+def test_the_remedy_suggests_a_smaller_rtol(scene):
     told = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
     assert told.endswith("rtol = 1e-04 would decide it")
 
@@ -142,7 +142,7 @@ CIRCLING = {
 
 
 @pytest.mark.parametrize("name", CIRCLING)
-def test_first_contact_is_located_in_a_few_looks(name):
+def test_first_contact_is_found_with_at_most_four_compliances(name):
     modulus = {"half_space__plane_strain_modulus": 1.0, "punch__wear_coefficients": [1.0, 2.0]}
     problem = SCENE.changed(punch__radius=1.0, **modulus, **CIRCLING[name]).problem
     looks = []
@@ -156,7 +156,7 @@ def test_first_contact_is_located_in_a_few_looks(name):
     assert 1 <= len(looks) <= 4
 
 
-def test_first_contact_is_located_once_for_all_methods(monkeypatch):
+def test_first_contact_is_found_once_for_all_methods(monkeypatch):
     calls = []
 
     def count(*arguments):
@@ -169,7 +169,7 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch):
     assert len(calls) == 2
 
 
-def test_a_fixed_indentation():
+def test_the_force_on_a_cone_at_a_fixed_indentation_decays_to_zero():
     fixed = SCENE.changed(
         load={"indentation": 0.02},
         punch__profile={"kind": "cone", "slope": 0.01},
@@ -214,13 +214,13 @@ def table(radii, heights):
         ),
     ],
 )
-def test_what_is_no_punch_is_refused(changes, words):
+def test_impossible_profiles_are_refused(changes, words):
     with pytest.raises(SceneError) as caught:
         SCENE.changed(**changes)
     assert all(word in str(caught.value) for word in words.split("|")), caught.value
 
 
-def test_heights_that_do_not_fit_are_refused():
+def test_negative_heights_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = SCENE.with_heights(lambda r: r - 0.5).problem
 
@@ -236,7 +236,7 @@ def test_heights_that_do_not_fit_are_refused():
         ({"load": {"indentation": 0.1}, "methods": ["direct"]}, "direct|indentation"),
     ],
 )
-def test_what_cannot_be_done_is_refused(changes, words):
+def test_unsupported_options_of_a_recessed_punch_are_refused(changes, words):
     scene = RECESSED.changed(**changes)
     with pytest.raises(SceneError) as caught:
         run(scene)
@@ -267,12 +267,12 @@ def test_an_indentation_that_does_not_touch_is_refused():
         ),
     ],
 )
-def test_sweeps_refuse_at_the_door(base, axes, keep, words):
+def test_impossible_sweeps_are_refused_before_they_start(base, axes, keep, words):
     with pytest.raises(SceneError, match=words):
         sweep(base, axes, keep=keep)
 
 
-def test_a_sweep_over_spheres_is_hertz():
+def test_a_sweep_over_spheres_agrees_with_hertz():
     axes = {"punch.profile.curvature_radius": [1.0, 2.0], "load.indentation": [0.01, 0.04]}
     data = sweep(Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 1e-3]), axes)
     assert data["indentation"].dims == ("indentation",)
@@ -299,7 +299,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
 
 
 @pytest.mark.slow
-def test_the_tradeoff_of_a_sphere():
+def test_the_tradeoff_study_of_a_sphere_reaches_its_tolerances():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
     found = study("tradeoff", scene, quick=True)
     assert not [line for line in found.conclusions if "failed" in line]

@@ -110,7 +110,7 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
 
 
 @pytest.mark.parametrize("rings", [FIVE, THREE], ids=["k to 10", "k to 100"])
-def test_a_flat_face_keeps_its_contact_and_follows_its_modes(rings):
+def test_a_flat_face_stays_in_contact_and_agrees_with_its_modes(rings):
     compliance, times = theory(rings, 60, 1e-4), np.geomspace(1e-2, 3, 8)
     exact = RunningIn(compliance, rings.wear_coefficients).modal(times).indentation
     history = march_on(compliance, face(rings, 0)).adaptive(times, 1e-7).history
@@ -131,7 +131,7 @@ def test_orders_in_time():
     assert many.steps.taken < 10 * few.steps.taken
 
 
-def test_full_contact_relaxes_as_short_steps_have_it():
+def test_relaxation_in_full_contact_against_short_implicit_steps():
     times, march = np.array([2.5, 3.0, 4.0, 6.0]), march_on(theory(FIVE, 40, 1e-3), FACES["cone"])
     history = march.adaptive(times, 1e-7).history
     assert history.contact.all()
@@ -143,7 +143,7 @@ def test_full_contact_relaxes_as_short_steps_have_it():
     assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5)
 
 
-def test_the_law_of_the_worn_sphere():
+def test_a_worn_sphere_against_its_late_time_formula():
     first, ratios = 0.08, np.array([5.0, 10.0])  # radius of the first contact; later ones over it
     force = PowerPunch(0.5, 2).force(first)
     times, depths = np.transpose([worn_sphere(1.0, 1.0, force, first * ratio) for ratio in ratios])
@@ -157,7 +157,7 @@ def test_the_law_of_the_worn_sphere():
     assert radii == pytest.approx(first * ratios, rel=2e-3)
 
 
-def test_contact_may_lift_again():
+def test_a_part_of_the_contact_opens_and_closes_again():
     """As the hard recessed disc comes to bear at last, the corner of the ring round it lets go."""
     rings = Rings(np.array([0.0, 0.73, 1.0]), np.array([0.081, 1.0]))
     times, lifted = np.array([2.6, 2.7604, 2.9, 3.5]), []
@@ -195,7 +195,7 @@ def random_punch(seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
-def test_random_punches(by_depth):
+def test_balances_of_random_punches(by_depth):
     times, touched = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)]), 0
     for seed in range(200):
         punch = random_punch(seed)

@@ -71,7 +71,7 @@ def faults_of(scene):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_faults_of_the_model(scene):
+def test_the_right_fault_of_the_model_is_named_first(scene):
     for name, (size, change) in faults_of(SCENES[scene]).items():
         first = look(scene, solve(SCENES[scene], **change))[0]
         assert (first.name, first.size) == (name, pytest.approx(size, rel=0.2))
@@ -90,14 +90,14 @@ def test_faults_of_the_model(scene):
         ("Poisson's ratio", 1 - 0.3**2, LENGTHS),
     ],
 )
-def test_factors_of_numbers(scene, name, factor, of):
+def test_the_right_factor_is_named_first(scene, name, factor, of):
     theirs = {key: right * (factor if key in of else 1) for key, right in ours(scene).items()}
     first = look(scene, theirs)[0]
     assert (first.name, first.size) == (name, pytest.approx(factor))
     assert f"{factor:.4g}" in first.words
 
 
-def test_faults_of_the_mesh():
+def test_faults_of_the_mesh_are_named():
     coarse = {"accuracy__fem__rim_size": 0.1, "accuracy__fem__degree": 4}
     assert look("five", solve(SCENES["five"], "fem", **coarse))[0].name == "coarse rim"
     # beside a half-space that is cut off, which displacements show
@@ -108,7 +108,7 @@ def test_faults_of_the_mesh():
     assert sizes["checkerboard"] == pytest.approx(0.05, rel=0.01)
 
 
-def test_an_incompressible_half_space_that_is_cut_off():
+def test_a_truncated_incompressible_half_space_is_named():
     """By 6/pi a/R of d0 it errs, as a point force in an incompressible ball does."""
     theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, accuracy__rtol=1e-2, **CLAMPED)
     low = ours("five")["indentation"][0] - theirs["indentation"][0]
@@ -118,7 +118,7 @@ def test_an_incompressible_half_space_that_is_cut_off():
 
 
 @pytest.mark.slow
-def test_a_force_too_high_for_the_indentation_is_that_of_a_half_space_cut_off():
+def test_a_force_too_high_for_the_indentation_means_a_truncated_half_space():
     """At one time a modulus would do as well, and is named beside it; later forces tell."""
     scene = SCENES["five"].changed(
         load={"indentation": 0.8, "sliding_speed": 1.0}, wear__steady=False, accuracy__rtol=1e-3
@@ -140,7 +140,7 @@ def test_a_force_too_high_for_the_indentation_is_that_of_a_half_space_cut_off():
     assert looks[0].size == pytest.approx(20, rel=0.05)
 
 
-def test_layers_that_are_left_out():
+def test_missing_layers_are_named():
     stiffness = 4.0
     layer = {"thickness": 0.3, "youngs_modulus": stiffness, "poisson_ratio": 0.3}
     below = {"youngs_modulus": 1.0, "poisson_ratio": 0.3}
@@ -155,7 +155,7 @@ def test_layers_that_are_left_out():
         assert only.confidence > 0.8
 
 
-def test_a_load_and_a_modulus_that_one_number_cannot_tell_apart_are_both_named():
+def test_one_number_names_both_the_load_and_the_modulus():
     scene = SCENES["five"].changed(wear__times=[0.0])
     right = {"indentation": np.array([1.0])}
     looks = diagnose(
@@ -175,6 +175,6 @@ def test_noise_is_no_fault(scene):
         assert look(scene, theirs) == []
 
 
-def test_what_is_right_is_no_fault():
+def test_right_results_have_no_fault():
     assert look("five", ours("five")) == []
     assert look("five", solve(SCENES["five"], "fem")) == []

@@ -62,7 +62,7 @@ def test_random_scenes(mesher, pytestconfig):
     ],
     ids=["fixed boundary at 20 a", "coarse mesh", "one pole at 2 a"],
 )
-def test_coarse_settings_do_not_pass_for_agreement(settings):
+def test_coarse_settings_never_agree(settings):
     scene = FIVE.changed(methods=["mdr", "fem"], accuracy={"rtol": 1e-3, "fem": settings})
     result = run(scene)
     assert result.verdict != "agree"
@@ -70,7 +70,7 @@ def test_coarse_settings_do_not_pass_for_agreement(settings):
 
 
 @pytest.mark.parametrize("march", ["implicit", "modal"])
-def test_time_steps_are_estimated(march):
+def test_the_estimate_bounds_the_error_of_time_steps(march):
     wear = {"times": [0.01, 0.1, 0.5], "march": march}
     step = {"step": 0.01} if march == "implicit" else {}
     result = run(FIVE.changed(methods=["mdr"], wear=wear | step, **TWO_RINGS))
@@ -93,7 +93,7 @@ class Hopeful(Mdr):
         return super().discretise(replace(problem, rtol=min(0.1, 1e2 * problem.rtol)), stages)
 
 
-def test_refined_until_the_accuracy_is_reached(caplog):
+def test_sizes_are_refined_until_rtol_is_reached(caplog):
     """Sizes that are far too hopeful are noticed by the estimate, and made up for."""
     with caplog.at_level(logging.INFO, "ringwear"):
         result = run(FIVE.changed(accuracy__rtol=1e-5, **TWO_RINGS), methods=[Hopeful()])
@@ -105,7 +105,7 @@ def test_refined_until_the_accuracy_is_reached(caplog):
 
 
 @pytest.mark.parametrize("wear", [{"times": [20.0]}, {}], ids=["late", "steady state only"])
-def test_fields_are_refined_where_the_indentation_has_no_error(wear):
+def test_fields_are_refined_even_if_the_indentation_has_no_error(wear):
     """The first once divided by an error of zero; of the second, fields stayed as they were.
 
     Rings wear so even that the error of the indentation is nothing to roundoff.
@@ -127,7 +127,7 @@ def test_sizes_of_the_user_are_not_refined():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("poisson_ratio", [0.4999, 0.5])
-def test_nothing_locks(poisson_ratio):
+def test_no_locking_near_incompressibility(poisson_ratio):
     """Unequal rings, near incompressibility: of degree 3 at ring edges, errors exceed the
     estimate.
     """

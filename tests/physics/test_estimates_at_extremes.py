@@ -21,7 +21,7 @@ def solved(problem, name="fem"):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("settings", [{"truncation": 100.0}, {"truncation": 1e4}])
-def test_one_pole_is_not_said_to_err_as_a_clamped_boundary(settings):
+def test_the_estimate_of_one_pole_is_not_that_of_a_clamped_boundary(settings):
     """Far away one pole errs by (a/R)^5; clamped, the boundary would err by 1.1 a/R."""
     scene = THREE.changed(wear={"times": [0.0]}, accuracy={"rtol": 1e-4, "fem": settings})
     solution = solved(scene.problem)
@@ -33,7 +33,7 @@ def test_one_pole_is_not_said_to_err_as_a_clamped_boundary(settings):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("truncation", [2.0, 3.0])
-def test_what_one_pole_misses_is_stated(truncation):
+def test_the_estimate_bounds_the_error_of_one_pole(truncation):
     """Eq. 10, where the truncation errs by more than anything else."""
     settings = {"truncation": truncation, "poles": 1}
     scene = THREE.changed(wear={"times": [0.0]}, accuracy={"rtol": 1e-4, "fem": settings})
@@ -43,7 +43,7 @@ def test_what_one_pole_misses_is_stated(truncation):
 
 
 @pytest.mark.parametrize("sizes", [{"growth": 2.0}, {"ring_size": 0.5}])
-def test_degree_2_is_not_compared_with_what_misses_the_same(sizes):
+def test_the_estimate_bounds_the_error_of_degree_2(sizes):
     """Larger triangles of degree 2 were no larger: boundary elements tell how far off both are."""
     settings = {"degree": 2, "mesher": "bisection"} | sizes
     times = {"times": [0.0, 1.0]}
@@ -62,7 +62,7 @@ def test_degree_2_is_not_compared_with_what_misses_the_same(sizes):
 
 
 @pytest.mark.gmsh
-def test_a_coarse_rim_is_felt_in_times_of_running_in():
+def test_estimates_of_running_in_times_include_a_coarse_rim():
     """The whole change begins with the flat start, which errs because of the element at the rim."""
     sizes = {"rim_size": 0.2, "ring_size": 0.2}
     times = {"times": [0.0, 0.1, 1.0]}
@@ -83,7 +83,7 @@ def degrees_of(problem):
 
 
 @pytest.mark.gmsh
-def test_a_finer_accuracy_never_asks_for_fewer_unknowns():
+def test_unknowns_increase_as_rtol_decreases():
     """At the highest degree of quadrilaterals, those beside edges once fell as rtol fell."""
     unknowns, highest = [], []
     for rtol in (1e-6, 1e-7, 1e-8, 1e-9):
@@ -98,7 +98,7 @@ def test_a_finer_accuracy_never_asks_for_fewer_unknowns():
     assert (np.diff(counts) > 0).all()
 
 
-def test_the_radial_mesh_keeps_degrees_that_it_can_have():
+def test_a_cap_on_the_degree_changes_only_higher_degrees():
     """With a highest degree below the wanted one, all that need less have what they need."""
     from ringwear.studies.methods.spaces import radial_space
 
@@ -113,7 +113,7 @@ def test_the_radial_mesh_keeps_degrees_that_it_can_have():
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_slopes_at_the_finest_accuracy():
+def test_rms_slopes_at_the_finest_rtol_against_boundary_elements():
     """Boundary elements tell the RMS slope, in which finite elements once erred by 12 rtol."""
     problem = replace(THREE.changed(wear__times={"tau": [0.01, 0.1, 1.0, 5.0]}).problem, rtol=1e-8)
     exact = solved(replace(problem, rtol=1e-9, compared_on=problem.face), "bem")

@@ -66,7 +66,7 @@ def test_the_naive_choice_fails_where_its_panel_says_so(name):
     assert max(naive_errors(panel, panel.fails_at, exact).values()) > 0.01
 
 
-def test_the_naive_choice_is_right_where_nothing_is_extreme():
+def test_the_naive_choice_is_accurate_in_an_ordinary_scene():
     """Far away its boundary errs by 1.1 a/R, and uniform wear has no singular edges left."""
     scene = PANELS["number of rings"].scene(1, NAIVE).changed(wear__times=[0.0, 10.0])
     errors = naive_errors_of(scene.problem, outer=1000.0)
@@ -82,7 +82,7 @@ def naive_errors_of(problem, outer):
     return {"indentation": np.abs(found["indentation"] / 0.5 - 1)}
 
 
-def test_balances_notice_a_force_and_a_volume_that_are_off():
+def test_closed_forms_and_balances_detect_wrong_forces_and_indentations():
     scene = PANELS["wear ratio"].scene(10.0, "mdr")
     problem, solution = scene.problem, method("mdr").solve(scene.problem, Stages("mdr"))
     assert {row["verdict"] for row in judge_by_theory(scene, problem, solution)} == {"within"}
@@ -93,7 +93,7 @@ def test_balances_notice_a_force_and_a_volume_that_are_off():
         solution.checked[name] /= 1.02
 
 
-def test_refusals_are_told_and_the_table_begins_with_the_worst():
+def test_refusals_are_listed_and_the_table_begins_with_the_worst():
     panel = PANELS["step of the march"]
     solve = panel.family(quick=True).solve
     rows = [{"family": panel.name} | solve((1e-2, name)) for name in (*panel.methods, NAIVE)]

@@ -106,7 +106,7 @@ FAULTS = {
         *((fault, 1e-4) for fault, (_, size) in FAULTS.items() if size >= 1e-4),
     ],
 )
-def test_faults_are_caught(monkeypatch, fault, rtol):
+def test_faults_of_methods_cause_disagreement(monkeypatch, fault, rtol):
     """Those that are not smaller than the accuracy asked for."""
     FAULTS[fault][0](monkeypatch)
     result = run(FIVE.changed(accuracy__rtol=rtol), methods=["mdr", "fem"])
@@ -205,7 +205,7 @@ for size in (SMALL, LARGE):
 
 
 @pytest.mark.parametrize("fault", COMMON_FAULTS)
-def test_faults_that_all_methods_share_are_caught(monkeypatch, fault):
+def test_anchors_detect_faults_shared_by_all_methods(monkeypatch, fault):
     """With nothing to compare with: by what no method can move, at an accuracy of 1e-4."""
     COMMON_FAULTS[fault](monkeypatch)
     # a scene of its own, for the fault may be in how its problem is posed
@@ -232,7 +232,7 @@ def right():
         ("pressure_min", 1.001, "steady pressure_min of the answer"),
     ],
 )
-def test_anchors_hold_what_is_written(right, name, factor, anchor):
+def test_anchors_check_the_written_dataset(right, name, factor, anchor):
     """A dataset that is wrong by itself, whatever the method knows."""
 
     def broken(dataset):

@@ -61,7 +61,7 @@ def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
     assert volumes.T @ (1 / wear) == pytest.approx([0.4, 0.5 + 0.75 + 2.0], rel=1e-9)
 
 
-def test_late_depths_tell_the_harmonic_mean_alone():
+def test_late_depths_depend_on_the_harmonic_mean_only():
     """``w = F / sum(A / k)`` is all that a steady state shows of the wear coefficients."""
     case = cases()["two"]
     late = np.linspace(3.0, 5.0, 20)
@@ -94,7 +94,7 @@ def test_derivatives_are_exact(held):
         assert np.abs(exact - difference).max() <= 1e-4 * np.abs(exact).max()
 
 
-def test_an_offset_and_a_compliance_are_one_number_under_one_force():
+def test_offset_and_compliance_are_indistinguishable_under_one_force():
     names = (WEAR, "sensor_offset", "machine_compliance")
     rising = {"times": [0.3, 0.4], "values": [1.0, 2.0]}
     for force, combinations in ((2.0, [(2, 3)]), (rising, [])):
@@ -127,7 +127,7 @@ def test_a_table_of_wear_along_the_radius_is_fitted():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "count", "least"), [("two", 25, 20), ("ball", 30, 25)])
-def test_intervals_hold_the_truth(name, count, least):
+def test_intervals_contain_the_true_values(name, count, least):
     """Seeds are fixed; of intervals of 95 % fewer than the least hold it once in 100 times."""
     case, held = cases()[name], 0
     for seed in range(count):
@@ -139,7 +139,7 @@ def test_intervals_hold_the_truth(name, count, least):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["k falls", "k goes as p"])
-def test_a_wrong_law_is_noticed(name):
+def test_a_wrong_wear_law_is_rejected(name):
     case = cases()[name]
     for seed in range(5):
         _, found = case.conduct(seed)

@@ -85,7 +85,7 @@ MDR, FEM = {"accuracy__rtol": 1e-6}, {"accuracy__rtol": 1e-4}
 
 @pytest.mark.parametrize("average", ["line", "area"])
 @pytest.mark.parametrize(("method", "changes"), [("direct", {}), ("mdr", MDR), ("fem", FEM)])
-def test_methods(solve, error, method, changes, average):
+def test_history_and_steady_state_against_the_reference(solve, error, method, changes, average):
     data = solve(method, **changes, output__gradient_average=average)
     for name, tolerance in TOLERANCES[method].items():
         assert error(data, name, average) <= tolerance, name
@@ -107,7 +107,7 @@ def test_ring_forces_against_a_finer_radial_mesh(solve):
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])
-def test_the_dial_of_the_mdr(solve, error, rtol):
+def test_rtol_bounds_the_indentation_by_mdr(solve, error, rtol):
     data = solve("mdr", accuracy__rtol=rtol)
     assert error(data, "indentation") <= rtol
     # slopes converge slowly, but a smaller rtol must not give less
@@ -118,7 +118,7 @@ def test_the_dial_of_the_mdr(solve, error, rtol):
 @pytest.mark.parametrize(
     "rtol", [1e-2, 1e-3, *(pytest.param(rtol, marks=pytest.mark.slow) for rtol in (1e-5, 1e-8))]
 )
-def test_the_dial_of_the_fem(solve, error, rtol, mesher):
+def test_rtol_bounds_the_indentation_by_fem(solve, error, rtol, mesher):
     data = solve("fem", accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
     assert error(data, "indentation") <= rtol
 
@@ -141,7 +141,7 @@ def test_fem_to_nine_digits(solve, error):
     ],
     ids=str,
 )
-def test_error_estimates_of_given_sizes_are_honest(solve, error, reference, sizes):
+def test_errors_at_given_sizes_are_at_most_five_times_the_estimates(solve, error, reference, sizes):
     """Estimates, not bounds; the reference itself is good to 1e-10."""
     data = solve("fem", **sizes)
     exact = np.array([state["indentation"] for state in reference["states"]])
@@ -152,7 +152,7 @@ def test_error_estimates_of_given_sizes_are_honest(solve, error, reference, size
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, pytest.param(1e-7, marks=pytest.mark.slow)])
-def test_the_dial_bounds_every_quantity(reference, rtol):
+def test_rtol_bounds_the_error_of_every_quantity(reference, rtol):
     """In its own norm, from the start to beyond the running-in, and no estimate below the truth."""
     times = [0.0, *(state["time"] for state in reference["states"])]
     result = run(FIVE.changed(methods=["mdr", "fem"], wear__times=times, accuracy__rtol=rtol))

@@ -49,13 +49,13 @@ def force_at(problem, times):
     return singular[0] ** 2, force
 
 
-def test_the_uniform_grid_knows_no_fixed_indentation():
+def test_mdr_grid_refuses_a_fixed_indentation():
     with pytest.raises(SceneError, match="mdr-grid solves only flat punches under a given force"):
         run(held().changed(methods=["mdr-grid"]))
 
 
 @pytest.mark.gmsh
-def test_the_force_decays_by_the_modes_of_all_pressures(result):
+def test_the_force_decays_as_in_an_independent_solution(result):
     problem, later = result.scene.problem, slice(1, None)
     slowest, force = force_at(problem, problem.times[later])
     if len(problem.rings.widths) == 1:
@@ -72,7 +72,7 @@ def test_the_force_decays_by_the_modes_of_all_pressures(result):
         assert (table.indentation == pytest.approx(1.0, rel=1e-12)).all()
 
 
-def test_the_force_is_the_answer(result):
+def test_the_answer_reports_forces_and_the_time_to_half_force(result):
     problem, answers = result.scene.problem, result.answers["mdr"]
     slowest, _ = force_at(problem, problem.times[1:])
     unit = problem.units.time
@@ -86,7 +86,7 @@ def test_the_force_is_the_answer(result):
 
 
 @pytest.mark.gmsh
-def test_wear_ends_where_nothing_presses(result):
+def test_wear_ends_when_the_whole_overlap_is_worn_off(result):
     assert result.verdict == "agree"
     assert all(anchor.holds for anchor in result.anchors)
     scene = result.scene.changed(wear__times=[1e3 * result.scene.problem.units.time * TAU])
@@ -98,7 +98,7 @@ def test_wear_ends_where_nothing_presses(result):
 
 
 @pytest.mark.parametrize("quantity", ["normal_force", "ring_worn_volume", "ring_force"])
-def test_anchors_feel_what_is_wrong(result, quantity):
+def test_anchors_detect_a_wrong_quantity(result, quantity):
     table = result.reported("mdr")
     table[quantity] = table[quantity] * np.where(np.arange(len(TIMES)) == 3, 1.002, 1.0).reshape(
         -1, *[1] * (table[quantity].ndim - 1)
@@ -108,7 +108,7 @@ def test_anchors_feel_what_is_wrong(result, quantity):
 
 
 @pytest.mark.parametrize("march", ["implicit", "explicit"])
-def test_steps_of_a_flat_face_at_a_fixed_indentation(march):
+def test_time_steps_at_a_fixed_indentation_are_of_first_order(march):
     exact = run(held(), methods=["mdr"]).dataset.normal_force.values[0, 3]
     wrong = []
     for step in (2e-3, 1e-3):
@@ -122,7 +122,7 @@ def test_steps_of_a_flat_face_at_a_fixed_indentation(march):
     assert wrong[0] / wrong[1] == pytest.approx(2.0, rel=0.02)
 
 
-def test_a_shaped_face_that_has_come_to_bear_decays_by_modes():
+def test_a_shaped_face_in_full_contact_against_short_implicit_steps():
     """As short implicit steps have it, extrapolated."""
     rings, depth = np.array([0.0, 1.0]), 0.5
     space = ContactCells(tuple(rings), 1 / 60, 1e-3).space()
@@ -143,7 +143,7 @@ def test_a_shaped_face_that_has_come_to_bear_decays_by_modes():
     assert (left <= 2 * history.force).all()
 
 
-def test_the_last_of_a_force_is_not_promised():
+def test_errors_of_vanishing_forces_are_as_stated():
     """Where next to nothing overlaps any more, a coarse run errs by all of it, and says so."""
     scene = Scene.load("sphere").changed(
         methods=["mdr"],
@@ -164,7 +164,7 @@ def test_the_last_of_a_force_is_not_promised():
 
 
 @pytest.mark.parametrize("name", ["flat_punch", "sphere"])
-def test_a_stop_changes_nothing(name):
+def test_the_force_is_constant_during_a_stop(name):
     """The speed falls to zero and rises again, with times asked for in between."""
     speed = {"times": [0.0, 0.5, 0.6, 1.0, 1.1], "values": [1.0, 1.0, 0.0, 0.0, 1.0]}
     scene = Scene.load(name).changed(
@@ -195,7 +195,7 @@ def fixed_sphere(depth, edges, wear, times, rtol):
 @pytest.mark.parametrize(
     ("stick", "rtol"), [(0.3, 1e-3), pytest.param(0.5, 1e-4, marks=pytest.mark.slow)]
 )
-def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick, rtol):
+def test_a_stick_zone_leads_to_popovs_limiting_shape(stick, rtol):
     """All but the stick zone has worn off; contact ends where the unworn face still touches."""
     scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], rtol)
     exact = FrettedSphere(1.0, 0.4, stick)
@@ -216,7 +216,7 @@ def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick, rtol):
     ],
     ids=["of all of the face", "of a part"],
 )
-def test_slip_everywhere_wears_off_all_of_the_overlap(depth, rtol, overlap, tolerance):
+def test_full_slip_wears_off_the_whole_overlap(depth, rtol, overlap, tolerance):
     """What overlaps is ``pi a^2 d`` less the volume of the face, if all of it is within d."""
     scene = fixed_sphere(depth, [0.3, 0.6, 1.0], [1.0, 0.2, 0.5], [0.0, 1e4], rtol)
     worn = run(scene).dataset.ring_worn_volume.isel(time=1).sum("ring")
@@ -232,7 +232,7 @@ def test_slip_everywhere_wears_off_all_of_the_overlap(depth, rtol, overlap, tole
         ([1.0, 1.0], [2.0, 40.0, 700.0]),
     ],
 )
-def test_anchors_hold_where_a_ring_hardly_wears_and_where_nothing_presses_any_more(wear, times):
+def test_anchors_hold_at_negligible_wear_and_vanishing_pressure(wear, times):
     punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": wear}
     scene = held(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
     found = run(scene.changed(wear={"times": times}))

@@ -52,7 +52,7 @@ def test_the_stiffness_lies_within_its_bounds(inner_radius):
 
 @pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
 @pytest.mark.parametrize("inner_radius", [0.1, 0.3, 0.6, 0.9, 0.99])
-def test_the_flat_start(method, inner_radius):
+def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
     """To nine digits by the MDR, to the accuracy asked for by elements, with its pressures."""
     rtol = 1e-4 if method == "fem" else 1e-6
     one = {"rings": 1, "wear_coefficients": [1.0]}
@@ -76,7 +76,7 @@ def test_methods_agree(inner_radius):
     assert not result.summary["left_out_of_promise"]
 
 
-def test_a_small_hole_is_nearly_none():
+def test_a_small_hole_hardly_changes_the_results():
     """What a hole takes is of the order of its area."""
     punch = {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 3.0]}
     small, full = (
@@ -89,7 +89,7 @@ def test_a_small_hole_is_nearly_none():
 
 
 @pytest.mark.gmsh
-def test_a_pin_that_rotates_wears_by_the_radius():
+def test_a_rotating_pin_reaches_goryachevas_pressure():
     """Goryacheva: ``p = F / (2 pi (a - b) r)`` in the end."""
     inner_radius = 0.4
     rotating = {"wear_coefficient": {"radii": [inner_radius, 1.0], "values": [inner_radius, 1.0]}}
@@ -104,7 +104,7 @@ def test_a_pin_that_rotates_wears_by_the_radius():
     np.testing.assert_allclose(result.dataset.steady_wear_rate, rate, rtol=1e-9)
 
 
-def test_contact_stays_full():
+def test_a_flat_hollow_punch_stays_in_full_contact():
     """A flat hollow punch never loses contact, so no inequality need be solved."""
     times = [0.0, *np.geomspace(1e-4, 3.0, 30).tolist()]
     punch = {"rings": 3, "wear_coefficients": [1e-3, 1.0]}
@@ -133,14 +133,14 @@ FACES = {
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("load", LOADS)
-def test_any_load(load):
+def test_methods_agree_under_any_load(load):
     result = run(hollow(0.4, rtol=1e-3).changed(load=LOADS[load]))
     assert result.verdict == "agree"
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("face", FACES)
-def test_any_face(face):
+def test_methods_agree_on_any_face(face):
     scene = hollow(0.4, rtol=1e-3).changed(
         punch={
             "radius": 1.0,
@@ -156,7 +156,7 @@ def test_any_face(face):
     np.testing.assert_allclose(first, second, rtol=2e-3)
 
 
-def test_a_hollow_sphere_that_touches_at_its_hole_starts_as_no_annulus():
+def test_first_contact_of_a_hollow_sphere_begins_at_its_hole():
     """Its contact is an annulus whose outer radius is free: less than the whole face presses."""
     sphere = {"profile": {"kind": "parabola", "curvature_radius": 0.05}}
     punch = {"rings": 1, "wear_coefficients": [1.0], **sphere}
@@ -182,7 +182,7 @@ def random_hollow(rng):
 @pytest.mark.parametrize(
     "seed", [*range(4), *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 40))]
 )
-def test_random_hollow_punches(seed):
+def test_random_hollow_punches_never_disagree(seed):
     """No verdict is false: what is stated is above what the methods differ by."""
     result = run(random_hollow(np.random.default_rng(seed)))
     assert result.verdict != "disagree"
@@ -191,14 +191,14 @@ def test_random_hollow_punches(seed):
         assert row.difference <= row.uncertainty
 
 
-def test_a_sweep_over_the_hole():
+def test_a_sweep_over_the_hole_has_the_known_stiffnesses():
     axes = {"punch.inner_radius": [0.0, 0.3, 0.6, 0.9]}
     table = sweep(hollow(0.0, ["mdr"]), axes, ["indentation"])
     found = 1 / table.indentation.isel(time=0).values.ravel()
     np.testing.assert_allclose(found, [2.0, *STIFFNESSES.values()], rtol=1e-6)
 
 
-def test_what_is_modelled_tells_of_the_hole():
+def test_the_summary_mentions_the_hole():
     modelled = run(hollow(0.4, ["mdr"], 1e-2)).summary["modelled"]
     assert any(line.startswith("hole:") for line in modelled)
 
@@ -213,6 +213,6 @@ def test_what_is_modelled_tells_of_the_hole():
         ({"methods": ["mdr-grid"]}, "solves full discs only"),
     ],
 )
-def test_what_cannot_be_is_refused(change, message):
+def test_impossible_hollow_punches_are_refused(change, message):
     with pytest.raises(SceneError, match=message):
         run(hollow(0.4).changed(**change))

@@ -16,7 +16,7 @@ TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
     "scene",
     ["flat_punch", "five_rings", "rubber", pytest.param("many_rings", marks=pytest.mark.slow)],
 )
-def test_a_flat_punch_in_full_contact(prepare, scene, method):
+def test_flat_punches_balance_forces_and_stay_in_full_contact(prepare, scene, method):
     punch = prepare(scene, method)
     history, space = punch.wear.history(TIMES), punch.space
     # forces balance
@@ -50,7 +50,7 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
     np.testing.assert_allclose(values @ (history.profile[1] - history.profile[0]), worn, rtol=1e-10)
 
 
-def test_rings_of_equal_wear_are_no_rings():
+def test_rings_of_equal_wear_equal_a_plain_punch():
     flat, ringed = (
         run(
             FIVE.changed(
@@ -66,7 +66,7 @@ def test_rings_of_equal_wear_are_no_rings():
         np.testing.assert_array_equal(flat[name], ringed[name])
 
 
-def test_neighbours_of_equal_wear_are_one_ring():
+def test_neighbours_of_equal_wear_are_merged():
     merged = FIVE.changed(punch__wear_coefficients=[1.0, 1.0, 10.0, 10.0, 1.0]).problem.merged
     np.testing.assert_allclose(merged.ring_edges, [0, 0.4, 0.8, 1.0], rtol=1e-15)
     np.testing.assert_array_equal(merged.wear_coefficients, [0.1, 1.0, 0.1])
@@ -110,7 +110,7 @@ def dimensionless(a, modulus, force, speed, wear):
         (6e8, 4e-6, 2e-3, 8e5, 3e-10),
     ],
 )
-def test_units_do_not_matter(units):
+def test_dimensionless_results_do_not_depend_on_units(units):
     """Twenty decades of radius, modulus, force, speed and wear change no number without
     dimension.
     """

@@ -48,7 +48,7 @@ def compliance(name, scene):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("ratio", "printed"), [(0.4, 1.472), (1.0, 2.480)])
-def test_stiffnesses_that_hayes_printed(ratio, printed):
+def test_stiffnesses_printed_by_hayes(ratio, printed):
     """Hayes and others (1972), nu = 0.3: print and truth differ by 4e-4 and by 1.4e-3."""
     scene = on(layer(1 / ratio), punch={"radius": 1.0, "wear_coefficient": 1.0})
     stiffness = relative_stiffness(scene.problem.ground)
@@ -59,7 +59,7 @@ def test_stiffnesses_that_hayes_printed(ratio, printed):
 
 
 @pytest.mark.gmsh
-def test_finite_elements_that_do_not_know_the_kernel():
+def test_finite_elements_without_a_far_field_agree_with_the_kernel():
     """A clamped boundary at R = 12 a is as good as none on a rigid base; no far field is taken."""
     sizes = {"far_field": "fixed", "truncation": 12.0}
     scene = on(layer(2.0), accuracy={"rtol": 1e-3, "fem": sizes})
@@ -71,7 +71,7 @@ def test_finite_elements_that_do_not_know_the_kernel():
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("below", [10.0, 0.3])
-def test_far_fields_of_loads_on_layers(below):
+def test_far_fields_on_layers_give_the_energy_of_the_mdr(below):
     """The energy of a uniform pressure, on a mesh that ends at 2.5 a, against the MDR."""
     scene = on(layer(0.5), below=below, accuracy={"rtol": 1e-5})
     fem = compliance("fem", scene)
@@ -104,7 +104,7 @@ def test_three_layers_by_all_methods():
         assert np.isnan(depth) or depth == pytest.approx(start, rel=1e-6)
 
 
-def test_equal_layers_are_no_layers():
+def test_equal_layers_equal_a_plain_half_space():
     """At the start, in all of the history and in the steady state."""
     plain = on(layer(1.0), below=1.0).table()
     plain["half_space"] = {"youngs_modulus": 1.0}

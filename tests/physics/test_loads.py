@@ -65,7 +65,7 @@ def test_integrals_of_a_loading(at):
 
 
 @pytest.mark.parametrize("bend", [-1.0, -0.3, -1e-9, 0.0, 1e-13, 1e-4, 0.7, 1.0])
-def test_what_is_left_of_a_rise(bend):
+def test_mean_decay_during_a_rise_against_quadrature(bend):
     for decayed in (0.0, 1e-9, 0.3, 0.999, 1.001, 7.0, 40.0):
         exact = quad(
             lambda u, x=decayed: np.exp(-x * u * (1 + bend * (1 - u))), 0, 1, epsabs=0, epsrel=1e-13
@@ -85,7 +85,7 @@ def check_same(space, history, depths, pressures, profiles):
         assert (wrong <= 1e-12 * whole).all()
 
 
-def test_wear_goes_by_the_sliding_distance(prepare):
+def test_wear_depends_only_on_the_sliding_distance(prepare):
     punch = prepare("five_rings", "mdr")
     times = np.linspace(0, 1, 41)
     varied = RunningIn(punch.compliance, punch.wear.wear_coefficients, loading=STOP_AND_GO)
@@ -94,7 +94,7 @@ def test_wear_goes_by_the_sliding_distance(prepare):
     check_same(punch.space, history, exact.indentation, exact.pressure, exact.profile)
 
 
-def test_a_force_put_on_at_a_stop_is_a_second_flat_punch(prepare):
+def test_a_force_added_at_a_stop_acts_as_a_second_flat_punch(prepare):
     punch = prepare("five_rings", "mdr")
     # half the force, as much again at a stop after a distance of 0.05
     loading = Loading(
@@ -147,7 +147,7 @@ def test_a_thousand_random_rises_against_implicit_steps():
     assert deep / less_deep == pytest.approx(2, rel=0.05)
 
 
-def test_a_march_follows_the_modes_while_the_force_rises():
+def test_a_march_agrees_with_the_modes_while_the_force_rises():
     half_space, loading, times = compliance(), random_loading(20, True), np.linspace(0.1, 1.5, 8)
     exact = wear_by_modes(half_space, loading).modal(times)
     errors = []
@@ -161,7 +161,7 @@ def test_a_march_follows_the_modes_while_the_force_rises():
 
 
 @pytest.mark.parametrize("height", [None, lambda radii: 0.5 * radii**2], ids=["flat", "sphere"])
-def test_a_force_taken_off_at_a_stop_and_put_on_again_leaves_no_trace(height):
+def test_unloading_and_reloading_during_a_stop_changes_nothing(height):
     half_space, times = compliance(), np.array([0.1, 0.5, 1.0, 2.0])
     stop = Loading(
         np.array([0.0, 0.2, 0.3, 0.4, 0.5, 0.6]),
@@ -178,7 +178,7 @@ def test_a_force_taken_off_at_a_stop_and_put_on_again_leaves_no_trace(height):
 
 
 @pytest.mark.parametrize("height", [None, lambda radii: 0.5 * radii**2], ids=["flat", "sphere"])
-def test_what_is_worn_is_the_integral_of_the_force(height):
+def test_worn_volume_over_k_is_the_integral_of_the_force(height):
     half_space, loading = compliance(), random_loading(25, rising=False)
     times = np.union1d(loading.times[1:], np.linspace(0.05, 2, 9))
     history = march(half_space, loading, 1e-4, times, height)
@@ -194,7 +194,7 @@ def test_what_is_worn_is_the_integral_of_the_force(height):
 
 
 @pytest.mark.gmsh
-def test_methods_agree_on_a_force_that_rises():
+def test_methods_agree_on_a_rising_force():
     """It rises at a stop, too, where pressures are infinite at the rim once more."""
     result = run(
         Scene.load("five_rings").changed(
@@ -210,7 +210,7 @@ def test_methods_agree_on_a_force_that_rises():
     assert result.dataset.normal_force[0].values == pytest.approx([0, 1.375, 2, 2], rel=1e-12)
 
 
-def test_a_duty_cycle():
+def test_methods_agree_on_a_duty_cycle():
     result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr", "fem"])
     for name in ("indentation", "ring_force", "ring_worn_volume", "normal_force"):
         assert result.quantities[name] == "agree", name
@@ -228,7 +228,7 @@ def test_a_duty_cycle():
     assert np.isnan(result.answers["mdr"]["time_to_90"])
 
 
-def test_steps_are_told_of_loads_that_vary():
+def test_stored_steps_follow_a_varying_load():
     scene = Scene.load("duty_cycle").changed(output__every_step=True, accuracy__rtol=1e-3)
     stored, load = run(scene, methods=["mdr"]).dataset.isel(solver=0), scene.load_.normal_force
     times = stored.step_time.to_numpy()

@@ -24,7 +24,7 @@ def exact():
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.45, 0.49])
 @pytest.mark.parametrize(("mesher", "degree"), LOW)
-def test_no_true_error_is_above_the_stated_one(exact, mesher, degree, poisson_ratio):
+def test_estimates_bound_the_errors_of_low_degrees(exact, mesher, degree, poisson_ratio):
     """In no quantity, and near incompressibility neither, where linear elements begin to lock."""
     settings = {"mesher": mesher, "degree": degree}
     scene = FIVE.changed(accuracy__fem=settings, half_space__poisson_ratio=poisson_ratio)
@@ -40,7 +40,7 @@ def test_no_true_error_is_above_the_stated_one(exact, mesher, degree, poisson_ra
 
 
 @pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
-def test_linear_elements_start_flat(mesher):
+def test_the_flat_start_by_linear_elements(mesher):
     """The indentation is F / (2 a E*), to what the method states."""
     scene = FIVE.changed(accuracy__fem={"mesher": mesher, "degree": 1})
     result = run(scene.changed(wear__times=[0.0, 0.1]), methods=["fem"])
@@ -53,7 +53,7 @@ def test_linear_elements_start_flat(mesher):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
-def test_linear_elements_on_random_scenes(mesher):
+def test_estimates_of_linear_elements_on_random_scenes(mesher):
     """None claims an accuracy that it does not reach, and estimates are seldom below the truth.
 
     The RMS slope is left out of the last count: where wear coefficients differ by 1e5, at 1e-13 of
@@ -81,13 +81,13 @@ def test_linear_elements_are_refused_where_they_lock(ratio):
         run(locking, methods=["fem"])
 
 
-def test_a_shaped_punch_has_triangles():
+def test_shaped_punches_refuse_degrees_above_four():
     with pytest.raises(SceneError, match="degree = 1 to 4 without mesher = 'quads'"):
         run(Scene.load("sphere").changed(accuracy__fem__degree=6), methods=["fem"])
 
 
 @pytest.mark.slow
-def test_a_sphere_on_linear_triangles():
+def test_linear_triangles_agree_with_mdr_on_a_sphere():
     """Where contact spreads, they agree with MDR within what both state."""
     scene = Scene.load("sphere").changed(accuracy__rtol=1e-2, wear__steady=False)
     result = run(scene.changed(accuracy__fem__degree=1), methods=["mdr", "fem"])

@@ -333,14 +333,14 @@ def marked(name):
 
 
 @pytest.mark.parametrize("name", [marked(name) for name in ALL])
-def test_the_right_cause_is_named_first_and_no_wrong_one_is_sure(name):
+def test_the_right_cause_is_named_first_and_wrong_ones_are_unsure(name):
     scene, table, right = ALL[name]
     first, *others = looks(scene, table)
     assert first.name in right
     assert all(other.name in right or other.confidence <= 0.7 for other in others)
 
 
-def test_causes_that_pressures_cannot_tell_apart_share_the_confidence():
+def test_causes_with_the_same_pressures_share_the_confidence():
     """k and E* both let time run faster; lengths, which are not given, tell them apart."""
     first, second = looks(*FILES["k 1.1, pressures"][:2])
     assert {first.name, second.name} == {K, "Poisson's ratio"}
@@ -352,7 +352,7 @@ def test_causes_that_pressures_cannot_tell_apart_share_the_confidence():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("program", ["springs", "finite elements", "tamaas"])
-def test_programs_without_a_mistake_have_none_that_is_sure(program):
+def test_no_cause_is_sure_for_programs_without_a_mistake(program):
     """But for the boundary of the finite elements, which is there, far away."""
     table, scene = {
         "springs": (lambda: typed(springs, "five"), "five"),
@@ -363,7 +363,7 @@ def test_programs_without_a_mistake_have_none_that_is_sure(program):
     assert all(one.confidence <= 0.7 for one in looks(scene, table) if one.name not in mesh)
 
 
-def test_one_number_names_what_a_mistake_would_be():
+def test_one_number_has_several_unsure_causes():
     """A clamped box first; what would tell it from the others is a pressure."""
     first, *others = looks("five", lambda: pd.DataFrame({"time": [0.0], "indentation": [0.95]}))
     assert (first.name, first.size) == (BOX, pytest.approx(1.09 / 0.05, rel=1e-2))

@@ -57,7 +57,7 @@ def test_the_flat_start_excites_few_modes(many_rings, earliest):
             np.testing.assert_allclose(part(few, time), expected, atol=atol)
 
 
-def test_a_start_that_excites_nothing_more_ends_the_search(prepare):
+def test_modes_of_an_invariant_space_are_exact(prepare):
     """Two modes of a two-dimensional invariant space are found exactly."""
     wear = prepare("five_rings", "mdr", **COARSE).wear
     whole = modes_of(wear)
@@ -66,7 +66,7 @@ def test_a_start_that_excites_nothing_more_ends_the_search(prepare):
     np.testing.assert_allclose(few.relaxation[:2], whole.relaxation[[1, 4]], rtol=1e-12)
 
 
-def test_too_early_is_refused(prepare):
+def test_times_too_early_are_refused(prepare):
     wear = prepare("five_rings", "mdr", **COARSE).wear
     energy = np.diag([1.0] * 3 + [1e-18] * (len(wear._weights) - 3))
     with pytest.raises(SolverError, match="too early for double precision"):
@@ -77,7 +77,7 @@ def test_too_early_is_refused(prepare):
 
 
 @pytest.mark.parametrize("ratio", [1e-6, 1e-9, 1e-12])
-def test_early_times_beside_slow_rings(ratio):
+def test_slow_rings_do_not_change_early_times(ratio):
     """Rings that hardly wear leave the others what they are, though they relax far more slowly."""
     scene = Scene.load("five_rings").changed(
         methods=["mdr"], wear__times=[0.0, 1e-6, 1e-4], accuracy__rtol=1e-3
@@ -91,7 +91,7 @@ def test_early_times_beside_slow_rings(ratio):
         np.testing.assert_allclose(result[name], limit[name], rtol=1e-3)
 
 
-def test_the_time_until_a_share_is_left_is_that_of_closed_forms():
+def test_time_until_against_closed_forms():
     """One decaying exponential, and two of which one decays twice as fast: a quadratic equation."""
     one = Modes(np.array([3.0]), np.eye(1), np.array([2.0]), 1)
     assert one.time_until(12 * 1e-5) == pytest.approx(3 * np.log(1e5), rel=1e-14)
@@ -105,7 +105,7 @@ def test_the_time_until_a_share_is_left_is_that_of_closed_forms():
     assert np.isnan(two.time_until(2.1))
 
 
-def test_banded_factor():
+def test_banded_cholesky_against_a_dense_factor():
     bands = np.array([0.3, 0.5, 4.0, 0.5, 0.3])
     matrix, right = diags(bands, range(-2, 3), (9, 9)).toarray(), np.eye(9)
     factor, lower = BandedCholesky(csr_matrix(matrix)), np.linalg.cholesky(matrix)
@@ -118,7 +118,7 @@ def test_banded_factor():
         BandedCholesky(csr_matrix(matrix - 20 * np.eye(9)))
 
 
-def test_two_results_may_know_another_number_of_modes():
+def test_results_with_different_numbers_of_modes_are_compared():
     times = np.array([1.0, 0.5, 0.25])
     three, two = (
         xarray.Dataset({"relaxation_time": ("mode", values)}) for values in (1.5 * times, times[:2])

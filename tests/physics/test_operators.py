@@ -40,7 +40,7 @@ def against_mdr(problem, compliance):
         pytest.param(32, 1e-3, marks=pytest.mark.slow),
     ],
 )
-def test_every_steady_state_is_certified(rings, rtol):
+def test_finite_elements_agree_with_mdr_for_every_steady_state(rings, rtol):
     problem = FIVE.changed(punch__rings=rings, accuracy__rtol=rtol).problem
     difference = against_mdr(problem, by_elements(problem))
     assert difference.rings <= rtol
@@ -56,7 +56,7 @@ def test_poisson_ratio_does_not_matter(ratio):
 
 
 @pytest.mark.parametrize("scene", list(random_scenes(20, 6, most_rings=3)))
-def test_history_bounds_the_error(scene):
+def test_the_operator_difference_bounds_the_error_of_histories(scene):
     # the pressure space has its own error, which no comparison on that space can see: it is small
     # beside the dial
     rtol = max(scene.accuracy.rtol, 1e-5)
@@ -65,7 +65,7 @@ def test_history_bounds_the_error(scene):
     assert error <= 1.5 * result.operators[0].history + 0.02 * rtol
 
 
-def test_a_wrong_modulus_shows_in_the_rings():
+def test_a_wrong_modulus_shows_in_the_operator_difference():
     sound = by_elements(FIVE.problem)
     soft = replace(sound, factor=sound.factor * np.sqrt(1.01))
     assert against_mdr(FIVE.problem, soft).rings >= 9e-3
@@ -80,7 +80,7 @@ def test_unstable_multipliers_are_refused():
         check_multipliers("fem", replace(sound, factor=factor), energy.compliance(sound.space))
 
 
-def test_three_operators_in_one_run():
+def test_three_methods_are_compared_as_operators():
     result = run(FIVE, methods=["mdr", "bem", "fem"])
     pairs = {row.methods: row for row in result.operators}
     assert set(pairs) == {("fem", "mdr"), ("fem", "bem"), ("mdr", "bem")}

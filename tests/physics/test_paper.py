@@ -64,7 +64,7 @@ def test_slopes_against_another_quadrature(width_ratio):
     assert direct.rms_slope(edges, pressures) == pytest.approx(np.sqrt(sum(squares)), rel=1e-9)
 
 
-def test_gradient_by_mdr():
+def test_rms_slopes_by_mdr_against_direct_integration():
     """The other theory: line densities, no elliptic integrals, no closed form of a ring."""
     base = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-8, wear__times=[])
     ratios = {"punch.wear_ratio": RATIOS.tolist()}
@@ -75,7 +75,7 @@ def test_gradient_by_mdr():
         np.testing.assert_allclose(slopes / unit, exact, rtol=1e-4)
 
 
-def test_many_rings_from_both_sides():
+def test_many_rings_approach_their_limit_from_both_sides():
     ratios = np.array([1e-4, 0.1, 10.0, 1e4])
     limit = many_rings(ratios, np.ones(1))
     np.testing.assert_allclose(limit, limit[:, ::-1], rtol=1e-14)
@@ -147,7 +147,7 @@ def test_steady_state_in_units_of_the_paper(five):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_files(written):
+def test_the_study_writes_figures_and_tables(written):
     endings = ("png", "csv", "md", "tex")
     expected = {f"fig{number}.{end}" for number in (4, 5, 6, 7) for end in endings}
     expected |= {f"claims.{end}" for end in endings if end != "png"} | {"report.html"}
@@ -162,7 +162,7 @@ def test_files(written):
 
 
 @pytest.mark.slow
-def test_claims(written):
+def test_one_of_ten_claims_does_not_hold(written):
     claims = pd.read_csv(written / "claims.csv")
     assert len(claims) == 10
     (refuted,) = claims[claims.verdict == "does not hold"].values.tolist()

@@ -53,7 +53,7 @@ def pressed(profile, methods=("mdr", "fem"), force=0.05, rtol=1e-3, **changes):
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_the_start_is_that_of_the_closed_form(name):
+def test_starts_against_closed_forms(name):
     profile, g = PROFILES[name]
 
     def force_on(contact):
@@ -69,7 +69,7 @@ def test_the_start_is_that_of_the_closed_form(name):
         assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
 
 
-def test_sneddons_ball_has_his_formulas():
+def test_a_ball_against_sneddons_formulas():
     """``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
     contact, radius = 0.6, 2.0
     logarithm = np.log((radius + contact) / (radius - contact))
@@ -80,7 +80,7 @@ def test_sneddons_ball_has_his_formulas():
 
 
 @pytest.mark.parametrize(("part", "full"), [(1.001, True), (0.9, False)])
-def test_a_dish_fills_at_barbers_force(part, full):
+def test_a_dish_is_in_full_contact_above_barbers_force(part, full):
     """``F = 16/3 E* a h``, from where ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
     depth = 0.1
     force = part * 16 / 3 * depth
@@ -93,7 +93,7 @@ def test_a_dish_fills_at_barbers_force(part, full):
         assert float(start.indentation) == pytest.approx(exact, rel=1e-4)
 
 
-def test_a_ball_is_no_narrower_than_the_punch():
+def test_a_ball_narrower_than_the_punch_is_refused():
     with pytest.raises(SceneError, match=r"below punch\.radius"):
         pressed({"kind": "ball", "ball_radius": 0.5})
 
@@ -106,7 +106,7 @@ def test_a_ball_is_no_narrower_than_the_punch():
         ("annulus", "inner_radius"),
     ],
 )
-def test_a_kind_that_does_not_exist_is_answered(kind, words):
+def test_an_unknown_kind_is_refused_with_a_suggestion(kind, words):
     with pytest.raises(SceneError, match=words):
         pressed({"kind": kind, "ball_radius": 1.0})
 
@@ -124,7 +124,7 @@ def test_a_kind_that_does_not_exist_is_answered(kind, words):
         ("punch__normal_force", "did you mean load.normal_force"),
     ],
 )
-def test_what_is_not_modelled_is_told(key, word):
+def test_keys_that_are_not_modelled_are_refused_with_a_reason(key, word):
     with pytest.raises(SceneError, match=word):
         pressed(PROFILES["ball"][0]).changed(**{key: 1.0})
 
@@ -154,7 +154,7 @@ def test_two_elastic_bodies_have_a_combined_modulus():
 
 
 @pytest.mark.gmsh
-def test_the_inside_goes_as_deep_as_asked_for(tmp_path):
+def test_the_inside_extends_to_the_output_depth(tmp_path):
     """Continuous across the end of the mesh, and Boussinesq's point force far away."""
     import meshio
 

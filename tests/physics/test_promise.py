@@ -58,7 +58,7 @@ def test_the_answer_does_not_depend_on_the_times(scene, more, names):
 
 @pytest.mark.parametrize("times", [[0.0, 1e-3, 1.0], [5.0], [1e3]])
 @pytest.mark.gmsh
-def test_every_number_of_the_answer_has_an_error_that_holds(times):
+def test_every_number_of_the_answer_has_an_estimate_that_bounds_its_error(times):
     """Against closed forms, where there are some."""
     edges, wear = np.arange(6) / 5, np.array([1.0, 10.0, 1.0, 10.0, 1.0])
     result = run(flat({"rings": 5, "wear_coefficients": [1.0, 10.0]}, times))
@@ -166,14 +166,14 @@ def test_times_beyond_double_precision_are_refused(times):
         flat({"rings": 1, "wear_coefficients": [1.0, 1.0]}, times)
 
 
-def test_one_method_does_not_agree():
+def test_a_single_method_is_undecided():
     scene = flat({"rings": 2, "wear_coefficients": [1.0, 2.0]}, [0.0, 1.0], methods="mdr")
     result = run(scene)
     assert result.verdict == "undecided"
     assert all(anchor.holds for anchor in result.anchors)
 
 
-def test_a_table_of_many_points_is_no_matter_of_minutes():
+def test_weak_kinks_of_a_table_get_no_layers():
     """Kinks that are hardly there ask for no layers: 300 points took 5,000 pressures."""
     radii = np.linspace(0, 1, 300)
     table = {"radii": radii.tolist(), "values": (1 + np.sin(7 * radii) ** 2).tolist()}

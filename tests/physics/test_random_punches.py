@@ -31,7 +31,7 @@ def test_random_punches_are_decided(seed):
 
 
 @pytest.mark.slow
-def test_of_many_random_punches_few_are_undecided():
+def test_at_most_one_of_12_punches_is_undecided():
     """Two of each kind; of forty, the crosscheck's page tells."""
     runs = [decide(seed) for seed in range(10, 10 + 2 * len(KINDS))]
     verdicts = [verdict for verdict, _ in runs]
@@ -40,7 +40,7 @@ def test_of_many_random_punches_few_are_undecided():
     assert np.max([seconds for _, seconds in runs]) < MOST_SECONDS
 
 
-def test_contact_radii_state_the_cell_of_their_edge():
+def test_estimates_of_contact_radii_include_the_cell_at_the_edge():
     """Where a part has just opened, both meshes of a method had the edge in the same cell."""
     result = run(random_punch(22))
     radii, errors = (result.dataset[name] for name in ("contact_radius", "contact_radius_error"))

@@ -18,7 +18,7 @@ def rings_of(scene):
 CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))
 
 
-def test_the_independent_solution_has_the_known_history(reference):
+def test_the_independent_solution_against_the_stored_history(reference):
     """Of the five rings, of a whole history that is good to 1e-10."""
     times = [state["time"] for state in reference["states"]]
     scene = FIVE.changed(wear__times=[0.0, *times], output__radii=reference["radii"])
@@ -33,7 +33,7 @@ def test_the_independent_solution_has_the_known_history(reference):
     assert punch.least_pressure(punch.pressures(CONSTANT, problem.times[1:])) > 0
 
 
-def test_a_uniform_k_of_r_in_pieces_is_a_flat_punch():
+def test_uniform_wear_in_pieces_equals_one_piece():
     """Kinks and edges where nothing happens change nothing."""
     whole = Pieces(np.array([0.0, 1.0]), np.ones(1), np.ones(1))
     parts = Pieces(np.array([0.0, 0.3, 0.7, 1.0]), np.ones(3), np.ones(3))
@@ -44,7 +44,7 @@ def test_a_uniform_k_of_r_in_pieces_is_a_flat_punch():
     assert times[0] == pytest.approx(times[1], rel=1e-9)
 
 
-def test_the_steady_state_of_k_of_r_is_its_closed_form():
+def test_the_steady_wear_rate_along_the_radius_in_closed_form():
     """F = w int dA / k, of k linear from 1 to 4."""
     pieces = Pieces(np.array([0.0, 1.0]), np.array([0.25]), np.array([1.0]))
     punch = Punch(pieces, np.array([1e-12, 1e-10]), 12)
@@ -52,7 +52,7 @@ def test_the_steady_state_of_k_of_r_is_its_closed_form():
     assert punch.wear_rate == pytest.approx(rate, rel=1e-10)
 
 
-def test_a_load_that_varies_is_a_sum_of_constant_ones():
+def test_a_rising_load_is_a_sum_of_constant_loads():
     """Of a force that rises in many small steps."""
     rings = rings_of(FIVE)
     punch = Punch(rings, np.append(np.full(5, 1e-6), 1e-8), 8)
@@ -68,7 +68,7 @@ def test_a_load_that_varies_is_a_sum_of_constant_ones():
 @pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("kind", KINDS)
-def test_no_number_is_silently_beyond_what_was_asked_for(kind):
+def test_every_number_beyond_rtol_is_reported(kind):
     rows = [hold(table, ("mdr", "fem")) for table in draw(kind, 7, 4)]
     assert [row.silent for row in rows] == [[]] * len(rows)
     assert [row.first for row in rows] == [[]] * len(rows)

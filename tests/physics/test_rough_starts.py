@@ -76,7 +76,7 @@ def test_a_sphere_under_any_indentation(depth):
 
 
 @pytest.mark.slow
-def test_a_start_of_many_parts_is_as_accurate_as_the_march():
+def test_a_start_of_many_parts_against_a_fitted_mesh():
     began = time.process_time()
     result = run(rough(20, normal_force=0.1))
     assert time.process_time() - began < 10
@@ -91,7 +91,7 @@ def test_a_start_of_many_parts_is_as_accurate_as_the_march():
 
 
 @pytest.mark.slow
-def test_a_face_that_cells_cannot_hold_states_more_than_was_asked_for():
+def test_a_face_too_rough_for_the_cells_states_a_large_error():
     result = run(rough(200, normal_force=1e-2))
     assert float(result.dataset.indentation_error.max()) > 0.1
     assert result.short_of["mdr"] > 0.1

@@ -53,7 +53,7 @@ def ring_stiffness(method, inner, degree=DEGREE):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("exponent", [1, 2, 4, 6, 8])
-def test_powers(method, exponent):
+def test_power_profiles_against_closed_forms(method, exponent):
     exact, radius, start = PowerPunch(1.0, exponent), 0.6, Interval(0.0, 0.5, outer_free=True)
     force, depth = exact.force(radius), exact.indentation(radius)
     profile = rings([0, 1], [0], lambda radii: radii**exponent)
@@ -88,7 +88,7 @@ def test_closed_forms_against_an_independent_package():
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("inner", ANNULI)
-def test_annuli(method, inner):
+def test_flat_annuli_have_the_known_stiffnesses(method, inner):
     degree, tolerance = (9, 5e-9) if method == "fem" else (DEGREE, 1e-9)
     assert ring_stiffness(method, inner, degree) == pytest.approx(ANNULI[inner], rel=tolerance)
 
@@ -148,7 +148,7 @@ def press_on(compliance, profile, force):
     return contact.press(moments(profile, compliance.space), Load(force))
 
 
-def test_a_disc_in_finite_elements_as_in_theory():
+def test_a_pressed_sphere_by_finite_elements_agrees_with_mdr():
     by_elements = even_half_space(ContactCells((0.0, 1.0), 1 / 100, 1e-3), 0.3).compliance()
     by_theory = energy.compliance(by_elements.space)
     first, second = (press_on(compliance, SPHERE, 0.2) for compliance in (by_elements, by_theory))
@@ -163,7 +163,7 @@ def test_a_disc_in_finite_elements_as_in_theory():
         (Interval(0.1, 0.5, True, True), "other than its outermost one"),
     ],
 )
-def test_a_contact_of_another_kind_is_refused(part, words):
+def test_contacts_of_the_wrong_shape_are_refused(part, words):
     on_edges = partial(compliance_on, "mdr", DEGREE)
     with pytest.raises(SolverError, match=words):
         fit_presses(SPHERE, Load(0.1), (part,), (on_edges, on_edges))

@@ -25,7 +25,7 @@ LOADS = {
 
 @pytest.mark.parametrize("profile", [{}, {"profile": ROUNDED}], ids=["flat", "rounded"])
 @pytest.mark.parametrize("name", LOADS)
-def test_the_load_that_is_held_last(name, profile):
+def test_the_steady_state_is_that_of_the_last_load(name, profile):
     scene = Scene.from_table(BASE | {"punch": PUNCH | profile, "load": LOADS[name]})
     result = run(scene, methods=["mdr", "direct"])
     assert result.verdict == "agree"
@@ -53,7 +53,7 @@ def test_a_load_that_ends_has_no_steady_state(what):
     assert "no longer wears" in result.summary["left_out"]["steady state"]
 
 
-def test_a_steady_state_out_of_reach_is_not_told():
+def test_a_steady_state_out_of_reach_is_not_reported():
     """A washer, written as a deep recess: its middle would carry at t = 3e6."""
     scene = Scene.from_table(
         {
@@ -82,7 +82,7 @@ def test_a_steady_state_out_of_reach_is_not_told():
     assert depths[3] - depths[2] == pytest.approx(1 / (0.75 * np.pi), rel=1e-3)
 
 
-def test_a_recess_that_will_carry_keeps_its_steady_state():
+def test_a_recess_that_will_touch_keeps_its_steady_state():
     recessed = {**BASE, "load": {"normal_force": 0.3}, "wear": {"times": [0.0, 0.1]}}
     scene = Scene.from_table(recessed | {"punch": PUNCH | {"recess": [0.05, 0.0]}})
     result = run(scene, methods=["mdr"])
@@ -91,7 +91,7 @@ def test_a_recess_that_will_carry_keeps_its_steady_state():
 
 
 @pytest.mark.parametrize("method", ["mdr", "fem", "direct"])
-def test_a_uniform_recess_is_a_flat_punch(method):
+def test_a_uniform_recess_equals_a_flat_punch(method):
     flat = Scene.from_table(BASE | {"load": {"normal_force": 0.3}})
     lower = flat.changed(punch__recess=[0.25, 0.25])
     assert lower.problem.full_contact

@@ -147,7 +147,7 @@ def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
 @pytest.mark.parametrize("mesher", MESHERS[1:])
-def test_the_estimate_on_triangles(mesher, poisson_ratio):
+def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio):
     """Their degree is the highest already: they say how far they fall short."""
     assert_estimated(*inside(poisson_ratio, accuracy__fem__mesher=mesher))
 
@@ -156,7 +156,7 @@ def test_the_estimate_on_triangles(mesher, poisson_ratio):
 @pytest.mark.parametrize(
     ("changes", "least"), [({"far_field": "fixed"}, 0.95), ({"poles": 1}, 1.0), ({"poles": 2}, 1.0)]
 )
-def test_the_estimate_of_a_truncation(changes, least):
+def test_estimates_bound_stress_errors_of_a_truncation(changes, least):
     """An outer boundary that the user has asked for is seen; of a clamped one, the error itself."""
     fields, errors = inside(0.3, accuracy__fem=changes)
     assert errors["stress"] > 1e-3
@@ -164,7 +164,7 @@ def test_the_estimate_of_a_truncation(changes, least):
 
 
 @pytest.mark.gmsh
-def test_a_degree_that_is_given_is_the_degree_inside():
+def test_a_given_degree_is_used_inside():
     assert inside(0.3, accuracy__fem__degree=5)[0].degree == 5
 
 

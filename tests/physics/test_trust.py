@@ -63,7 +63,7 @@ def test_start_pressures_of_random_scenes():
 
 @pytest.mark.parametrize("indentation", [0.1, 1e-3, 1e-4, None])
 @pytest.mark.parametrize("standoff", [0.2, 100.0])
-def test_results_do_not_depend_on_where_the_face_plane_is(standoff, indentation):
+def test_results_do_not_depend_on_the_face_plane(standoff, indentation):
     """Two rings, the inner of which is recessed; the face stands off its plane."""
 
     def results(standoff):
@@ -113,7 +113,7 @@ def set_cells(monkeypatch, count):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4])
-def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch, rtol):
+def test_estimates_bound_the_errors_of_a_worn_sphere(monkeypatch, rtol):
     """In the norms of the project."""
     times = [0.01, 0.1, 1.0]
     result, _ = worn_sphere(rtol, times)
@@ -128,7 +128,7 @@ def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch, rtol):
 
 
 @pytest.mark.parametrize("name", ["contact_radius", "profile", "indentation"])
-def test_errors_of_a_time_asked_for_alone(single_time, name):
+def test_estimates_at_a_single_time_bound_the_errors(single_time, name):
     """Where two meshes chance to agree then, the times before tell of their errors."""
     result, truth = single_time
     wrong = np.abs(result[name] - truth[name])
@@ -151,7 +151,7 @@ def single_time():
 
 
 @pytest.mark.slow
-def test_a_face_finer_than_the_cells_is_said(monkeypatch):
+def test_a_face_finer_than_the_cells_is_reported(monkeypatch):
     """The truth touches the highest of many peaks; cells see their mean."""
     heights = np.random.default_rng(0).uniform(0, 1e-3, 2000).tolist()
     radii = np.linspace(0, 1, 2000).tolist()
@@ -187,7 +187,7 @@ def test_no_pressure_under_a_flat_punch_is_negative():
 
 
 @pytest.mark.gmsh
-def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
+def test_estimates_of_the_default_scene_are_within_rtol():
     result = run(FIVE)
     assert result.verdict == "agree"
     assert not any(method["beyond_rtol"] for method in result.summary["methods"].values())
@@ -224,7 +224,7 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
 
 
 @pytest.mark.gmsh
-def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
+def test_methods_agree_on_an_annulus_without_wear():
     punch = {"radius": 1.0, "ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0]}
     scene = FIVE.changed(
         punch=punch | {"recess": [0.5, 0.0]},
@@ -240,7 +240,7 @@ def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
     assert not any("worn" in line for line in lines)
 
 
-def test_a_force_that_rounding_leaves_is_none():
+def test_a_force_left_by_rounding_counts_as_zero():
     """Between 3960 s and the knot at 3960.0000000000005 s a force of 1e-13 N would be left."""
     scene = Scene.from_table(
         {

@@ -62,7 +62,7 @@ def floor_of(name):
     )
 
 
-def test_imports_go_down():
+def test_files_import_from_lower_floors_only():
     for name, others in IMPORTS.items():
         floor, room = floor_of(name)
         for other in others:
@@ -70,14 +70,14 @@ def test_imports_go_down():
             assert below < floor or its_room == room, f"{name} imports {other}"
 
 
-def test_imports_go_by_folders():
+def test_imports_inside_the_package_are_relative():
     """So that editors follow them in a plain checkout; examples are what users write."""
     for name, file in FILES.items():
         absolute = re.search(r"^\s*(from|import) ringwear\b", file.read_text("utf-8"), re.MULTILINE)
         assert not absolute or name.startswith("studies.examples."), name
 
 
-def test_nothing_has_grown_too_large():
+def test_files_folders_and_import_chains_are_small():
     """Nor goes in circles, of which the sorter would tell."""
     depth = {}
     for name in TopologicalSorter(IMPORTS).static_order():
@@ -88,7 +88,7 @@ def test_nothing_has_grown_too_large():
     assert max(folders.values()) <= 12
 
 
-def test_every_room_is_installed():
+def test_every_folder_is_installed():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     rooms = {"ringwear." + name.rpartition(".")[0] for name in FILES}
     assert set(project["tool"]["setuptools"]["packages"]) == {"ringwear"} | rooms
@@ -122,12 +122,12 @@ def names_imported(folder):
                 yield from ((file.name, node.module, alias.name) for alias in node.names)
 
 
-def test_whole_runs_are_no_unit_tests():
+def test_unit_tests_make_no_whole_runs():
     whole = {"run", "check", "sweep", "study", "plan"}
     found = [of for of in names_imported("unit") if of[1] == "ringwear" and of[2] in whole]
     assert not found
 
 
-def test_the_command_line_is_tested_in_tests_of_the_system_alone():
+def test_only_system_tests_use_the_command_line():
     for folder in ("unit", "physics"):
         assert not [of for of in names_imported(folder) if of[1] == "ringwear.studies.cli"], folder

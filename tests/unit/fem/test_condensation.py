@@ -63,7 +63,7 @@ def saddle_point(half_space, force):
 @pytest.mark.usefixtures("solver")
 @pytest.mark.parametrize("poles", [(), (0, 2, 4)], ids=str)
 @each_solid
-def test_saddle_point_agrees(solid, poles):
+def test_the_condensed_compliance_agrees_with_the_saddle_point(solid, poles):
     whole = half_space(solid, poles=poles)
     pressure, indentation = saddle_point(whole, force=2.0)
     condensed = press_flat(whole.compliance())
@@ -148,7 +148,7 @@ def test_trailing_factor_is_the_schur_complement(inside):
 @pytest.mark.usefixtures("solver")
 @pytest.mark.parametrize("spoilt", [0, 39], ids=["inside", "trailing"])
 @pytest.mark.parametrize("value", [-1.0, np.nan])
-def test_what_is_not_definite_is_refused(spoilt, value):
+def test_indefinite_matrices_are_refused(spoilt, value):
     dense = random_definite(7)
     dense[spoilt, spoilt] = value
     with pytest.raises(SolverError):

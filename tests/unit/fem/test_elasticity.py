@@ -70,7 +70,7 @@ def energy(u, v, w):
 
 @pytest.mark.parametrize(("kind", "degree"), SOLIDS)
 @pytest.mark.parametrize("poisson_ratio", [-0.5, 0.4999])
-def test_stiffness_is_that_of_the_bilinear_form(kind, degree, poisson_ratio):
+def test_stiffness_equals_the_bilinear_form(kind, degree, poisson_ratio):
     mesh = square(kind, 0.5, 0.2, 3)
     element = element_of_degree(mesh, degree)
     order = 2 * degree + (4 if kind == "triangles" else 1)
@@ -128,7 +128,7 @@ def bent(points):
         ("triangles", 2, ElementTriP2B()),
     ],
 )
-def test_patches(kind, degree, element, poisson_ratio):
+def test_patch_fields_are_exact(kind, degree, element, poisson_ratio):
     """Fields without body force that elements hold are found to roundoff."""
     solid = AxisymmetricElasticity(square(kind, 0.0, 0.0), degree, poisson_ratio, element)
     assert element is None or solid.element is element

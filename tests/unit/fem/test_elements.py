@@ -113,7 +113,7 @@ def test_flat_punch_by_elements(element, degree):
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, skfem.Element) else "",
 )
-def test_other_elements_are_refused_in_one_line(element, reason):
+def test_unsuitable_elements_are_refused_in_one_line(element, reason):
     with pytest.raises(SceneError, match=reason) as told:
         degree_along_side(element)
     assert "\n" not in str(told.value)

@@ -48,7 +48,7 @@ def test_the_indicator_vanishes_on_a_bent_plate_which_the_elements_hold_exactly(
     assert found.sum() < 1e-20 * scale
 
 
-def test_pressure_on_the_contact_is_balanced_and_what_is_missing_beside_it_is_seen(solid):
+def test_a_missing_pressure_beside_the_contact_is_indicated_exactly(solid):
     # uniform compression under the pressure 1 everywhere, also where none is given
     found = indicate(solid, 0.0, -places(solid)[1] / (LAME + 2 * SHEAR), 1.0)
     mesh, expected = solid.mesh, np.zeros(solid.mesh.nelements)
@@ -59,7 +59,7 @@ def test_pressure_on_the_contact_is_balanced_and_what_is_missing_beside_it_is_se
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-14 * expected.max())
 
 
-def test_a_residual_inside_is_seen_with_its_weight(solid):
+def test_a_residual_inside_is_indicated_with_its_weight(solid):
     # u_z = z^2 / 2 has the residual lambda + 2 mu along the axis, and no stress on the surface
     found = indicate(solid, 0.0, places(solid)[1] ** 2 / 2, 0.0)
     mesh = solid.mesh
@@ -82,7 +82,7 @@ def test_quadrilaterals_are_refused():
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
 @pytest.mark.parametrize("seed", range(4))
-def test_no_fewer_triangles_have_the_share_that_is_wanted(seed, share):
+def test_the_fewest_triangles_with_the_wanted_share_are_marked(seed, share):
     indicators = np.random.default_rng(seed).exponential(size=9) ** 2
     marked = fewest_with_share(indicators, share)
     wanted = share * indicators.sum()

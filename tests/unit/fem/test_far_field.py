@@ -57,7 +57,7 @@ def test_surface_is_free(ratio):
 
 
 @each_ratio
-def test_exterior_energy_is_that_of_the_exterior(ratio):
+def test_exterior_stiffness_is_definite_and_scales_with_the_poles(ratio):
     """Symmetric and definite, and for similar boundaries as ``1/rho^(n + m + 1)``."""
     angles = np.linspace(0, np.pi / 2, 5)
     corners = 3 * np.stack([np.sin(angles), np.cos(angles)], axis=1)
@@ -89,7 +89,7 @@ def test_reactions_balance_the_force(orders):
 @pytest.mark.parametrize(
     ("truncation", "negligible"), [(2.5, 1e-9), (5.0, 1e-9), (2.5, 1e-10), (1e3, 1e-9)]
 )
-def test_poles_are_enough(truncation, negligible):
+def test_enough_poles_returns_the_least_sufficient_number(truncation, negligible):
     """The first neglected is of order 4n + 1 in a/R; a pole less would not be enough."""
     count = len(enough_poles(truncation, negligible))
     assert truncation ** -(4 * count + 1) <= negligible

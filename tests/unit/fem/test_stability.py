@@ -43,14 +43,14 @@ def half_space(degree, pressures, broken_at, halvings=0):
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 @pytest.mark.parametrize("broken_at", ["rings", "everywhere"])
-def test_as_high_a_degree_broken_anywhere_is_refused(degree, broken_at):
+def test_discontinuous_pressures_of_the_same_degree_are_refused(degree, broken_at):
     singular = half_space(degree, degree, broken_at)
     assert singular.stability() < 1e-12
     with pytest.raises(SolverError, match="pair of spaces is singular"):
         singular.compliance()
 
 
-def test_a_pressure_that_displaces_nothing_is_found_among_few():
+def test_a_pressure_that_displaces_nothing_is_detected():
     """One is enough, even if there are more displacements than pressures."""
     many = half_space(2, 2, "rings")
     count = len(many.coupling) - len(many.poles)
@@ -70,7 +70,7 @@ def test_stable_pairs_stay_stable(degree, broken_at):
 
 
 @pytest.mark.parametrize("degree", [2, 3])
-def test_checkerboards_fall_as_the_square_of_the_size(degree):
+def test_the_stability_of_checkerboards_falls_as_the_square_of_the_size(degree):
     ratios = [half_space(degree, degree - 1, "everywhere", n).stability() for n in range(3)]
     np.testing.assert_allclose(np.log2(ratios[:-1]) - np.log2(ratios[1:]), 2.0, atol=0.25)
     # such a pair is not singular: it condenses

@@ -23,7 +23,7 @@ def _thirty_digits():
 
 @pytest.mark.parametrize("radius", [0.0, 1e-3, 0.1, 0.27, 0.29999, 0.5, 0.79, 0.95, 0.9999])
 @pytest.mark.parametrize("function", [direct.disc_displacement, direct.disc_slope])
-def test_against_chords(radius, function):
+def test_discs_against_integrals_over_chords(radius, function):
     """The kernel ``1 / (pi distance)`` makes the displacement under unit pressure on a disc the
     integral of the length of the chord through the point over its angle.
     """
@@ -59,7 +59,7 @@ def quadrature():
 
 
 @pytest.mark.parametrize("average", HOMOGENEOUS)
-def test_gradients(average):
+def test_rms_slopes_against_quadrature_and_limits(average):
     """Of a homogeneous punch, of rings, and of many rings of extreme ratio."""
     homogeneous = direct.rms_slope(EDGES[[0, -1]], np.ones(1), average)
     assert homogeneous == pytest.approx(HOMOGENEOUS[average], rel=1e-10)
@@ -94,7 +94,7 @@ def test_limiting_profile_has_its_minimum_at_zero():
     assert -1e-15 <= profile.min() <= 1e-7
 
 
-def test_marches_tend_to_it(prepare, method):
+def test_histories_tend_to_the_steady_state(prepare, method):
     """After forty relaxation times: its pressures, and the method's own limiting profile."""
     punch = prepare("five_rings", method)
     last = punch.wear.history(40 * punch.wear.relaxation_times[:1])

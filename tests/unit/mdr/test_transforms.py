@@ -41,7 +41,7 @@ def test_force_is_twice_the_integral(space):
     np.testing.assert_allclose(forces, space.weights, rtol=1e-12, atol=1e-15)
 
 
-def test_compliance_is_definite_and_refines_itself(space):
+def test_compliance_is_definite_and_indentations_fall_with_refinement(space):
     """A space within another never presses deeper."""
     fewer = replace(space, degrees=np.maximum(space.degrees - 1, 1))
     fine, coarse = energy.compliance(space), energy.compliance(fewer)

@@ -86,7 +86,7 @@ QUADS = cases(mesh_quads, LAYERS, pytest.mark.gmsh)
 
 
 @pytest.mark.parametrize(("mesher", "wanted"), TRIANGLES + QUADS)
-def test_it_is_the_quarter_disc(mesher, wanted):
+def test_meshes_cover_the_quarter_disc(mesher, wanted):
     """On arrival, lengths, areas and ring edges are checked, as the refusals below show."""
     mesh = meshed(mesher, wanted)
     assert truncation(mesh) == wanted.truncation
@@ -136,7 +136,7 @@ def test_layers_shrink_to_the_wanted_size(mesher, wanted):
 
 
 @pytest.mark.gmsh
-def test_a_layer_less_is_coarser():
+def test_coarsening_removes_one_layer_at_each_edge():
     """And each decimal place costs its own layers only."""
     whole, coarsest = graded(LAYERS["five rings"]), graded(LAYERS["coarse"])
     mesh, coarser = whole.mesh, whole.coarser().mesh
@@ -223,7 +223,7 @@ def test_a_hole_is_refused(boundary):
             as_half_space(mesh.remove_elements(np.array([number])), RINGS.ring_edges)
 
 
-def test_what_cannot_be_meshed_is_refused():
+def test_ring_edges_that_cannot_be_meshed_are_refused():
     with pytest.raises(MeshError, match=r"r = 0\.500000001 a.*ring_size"):
         as_half_space(meshed(bisection.mesh, RINGS), np.array([0.0, 0.5 + 1e-9, 1.0]))
     with pytest.raises(MeshError, match=r"narrower than 1e-10.*merge"):

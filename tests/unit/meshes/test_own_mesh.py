@@ -74,7 +74,7 @@ def test_a_file_of_meshio_gives_the_same_mesh_back(tmp_path, ours, ending, scale
 
 
 @pytest.mark.parametrize("surface", [1e-12, -1e-12])
-def test_rounding_at_the_surface_is_mended(tmp_path, ours, surface):
+def test_rounding_at_the_surface_is_corrected(tmp_path, ours, surface):
     content = as_meshio(ours)
     content.points[:, 1] = np.where(ours.p[1] == 0, surface, ours.p[1])
     content.write(tmp_path / "disc.vtk")
@@ -151,7 +151,7 @@ def test_the_message_says_how_to_export(tmp_path, settings, message):
         ("", "this is a directory"),
     ],
 )
-def test_what_is_not_a_mesh_is_refused(tmp_path, capsys, name, message):
+def test_files_that_are_not_meshes_are_refused(tmp_path, capsys, name, message):
     if "text" in name:
         (tmp_path / name).write_text("nothing of the kind\n")
     with pytest.raises(MeshError, match=message):

@@ -95,7 +95,7 @@ def test_mass(space):
     np.testing.assert_allclose(forces, space.weights, rtol=1e-10, atol=1e-16)
 
 
-def test_joined(space):
+def test_the_joined_basis_makes_the_product_with_k_continuous(space):
     """The product with the coefficients is continuous, and nothing more is demanded."""
     basis = space.joined(WEAR).toarray()
     assert np.linalg.matrix_rank(basis) == basis.shape[1] == space.size - 3
@@ -124,7 +124,7 @@ def test_a_coarser_space_lies_within(space):
         assert np.sort(second)[1] > np.sort(first)[1]
 
 
-def test_elements_of_half_a_ring_are_no_layers():
+def test_coarsening_keeps_the_halves_of_rings():
     """A coarser space leaves out layers; without any, two halves of a ring stay apart."""
     edges = np.array([0.0, 0.5, 1.0])
     breakpoints = np.array([0.0, 0.4, 0.5, 0.75, 0.95, 1.0])

@@ -69,7 +69,7 @@ def test_verdicts_on_a_promise(error, estimate, verdict):
     assert verdict_on_promise("indentation", error, estimate, 1e-3)["verdict"] == verdict
 
 
-def test_the_worst_of_a_run_is_told():
+def test_the_worst_quantity_of_a_run_is_reported():
     judged = [verdict_on("a", 1e-5, 1e-4, 1e-3), verdict_on("b", 0.1, 1e-4, 1e-3)]
     assert worst_of(lambda: judged)["quantity"] == "b"
     # nothing that was judged is no verdict, and shows
@@ -129,7 +129,7 @@ def test_starts_in_closed_form():
     assert not start_in_closed_form(PANELS["force that rises"].scene(10.0, "mdr"))
 
 
-def test_a_scene_that_cannot_be_is_a_refusal_with_its_text():
+def test_an_impossible_scene_is_a_refusal_with_its_message():
     row = PANELS["degree"].family(quick=False).solve((17, "fem"))
     assert row["verdict"] == "refused"
     assert "accuracy.fem.degree" in row["message"]

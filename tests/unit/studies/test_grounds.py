@@ -13,7 +13,7 @@ RATIO = 0.3
 
 @pytest.mark.parametrize("thickness", [0.1, 0.8])
 @pytest.mark.parametrize("stiffness", [0.1, 5.0])
-def test_a_layer_takes_the_indentation_of_the_other_formula(thickness, stiffness):
+def test_the_indentation_on_a_layer_agrees_with_the_kernel(thickness, stiffness):
     ground = Ground.from_youngs_moduli([thickness], [stiffness, 1.0], [RATIO, RATIO])
     # over that of the homogeneous half-space below, of which 1/2 is exact
     expected = flat_punch(0.0, ground).indentation / stiffness / 0.5

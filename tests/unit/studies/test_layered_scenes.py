@@ -82,7 +82,7 @@ def test_one_key_of_a_layer_can_be_changed():
     ],
     ids=lambda given: "" if isinstance(given, str) else next(iter(given)),
 )
-def test_what_cannot_be_is_refused_by_its_key(changes, told):
+def test_impossible_layers_are_refused_by_key(changes, told):
     with pytest.raises(SceneError, match=told) as refused:
         pad(**changes)
     assert "\n" not in str(refused.value)
@@ -93,13 +93,13 @@ def test_too_thin_a_layer_is_refused():
         _ = pad(half_space__layers__0__thickness=1e-5).problem
 
 
-def test_methods_that_do_not_know_layers_refuse_them():
+def test_only_mdr_grid_refuses_layers():
     assert "half_space.layers" in method("mdr-grid").refusal(pad().problem)
     for name in ("mdr", "bem", "direct", "fem"):
         assert method(name).refusal(pad().problem) == "", name
 
 
-def test_finite_elements_tell_what_they_cannot_mesh():
+def test_finite_elements_refuse_layers_that_they_cannot_mesh():
     fem = method("fem")
     for changes, told in (
         ({"accuracy__fem": {"mesher": "bisection"}}, "quadrilaterals"),

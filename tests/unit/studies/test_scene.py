@@ -170,7 +170,7 @@ def test_bundled_scenes_round_trip(name):
     ],
     ids=str,
 )
-def test_a_key_takes_the_place_of_those_that_say_the_same(changes, left_out):
+def test_a_key_replaces_its_alternatives(changes, left_out):
     table, key = left_out.split(".")
     changed = GOOD.changed(changes).table()
     assert key in GOOD.table()[table]
@@ -187,7 +187,7 @@ def test_numbers_of_numpy_are_numbers():
     assert changed == GOOD.changed({"wear.times": [0.0, 0.5, 1.0], "punch.radius": 2.0})
 
 
-def test_a_scene_is_a_value():
+def test_a_scene_is_immutable():
     with pytest.raises(AttributeError, match=r"write scene\.changed"):
         GOOD.punch.radius = 3.0
     changed = GOOD.changed(
@@ -198,11 +198,11 @@ def test_a_scene_is_a_value():
     assert Scene.from_toml(TOML) == GOOD
 
 
-def test_whole_numbers_will_do():
+def test_integers_are_accepted():
     assert Scene.from_toml(TOML.replace("2.0", "2").replace("[1.0, 10.0]", "[1, 10]")) == GOOD
 
 
-def test_two_ways_to_say_one_thing():
+def test_alternative_keys_give_the_same_problem():
     edges = GOOD.changed(punch__rings=None, punch__ring_edges=[2 / 3, 4 / 3, 2.0])
     each = GOOD.changed(punch__wear_coefficients=[1.0, 10.0, 1.0])
     ratio = GOOD.changed(
@@ -236,7 +236,7 @@ def test_two_ways_to_say_one_thing():
         ({"methods": ["mdr-grid"]}, "mdr-grid load.normal_force numbers"),
     ],
 )
-def test_what_a_load_that_varies_cannot_have(changes, words):
+def test_varying_loads_refuse_unsupported_options(changes, words):
     load = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
     changes = {"methods": ["mdr"], "load__normal_force": load} | changes
 
@@ -266,7 +266,7 @@ def test_output_radii_show_every_ring_and_touch_no_edge():
     assert np.histogram(radii, edges)[0].min() >= 8
 
 
-def test_defaults_taken_are_said():
+def test_defaults_are_reported():
     table = Scene.load("five_rings").table()
     del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
     ratio, speed = defaults_taken(Scene.from_table(table))
@@ -295,7 +295,7 @@ def test_times_in_units_of_the_running_in():
     ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}],
     ids=str,
 )
-def test_times_that_cannot_be_are_refused(times):
+def test_invalid_times_are_refused(times):
     with pytest.raises(SceneError, match="times"):
         Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
 
@@ -309,12 +309,12 @@ def test_times_that_cannot_be_are_refused(times):
         (lambda _: Scene("five_rings"), r"Scene\.load"),
     ],
 )
-def test_guesses_are_answered_by_what_to_write(guess, told):
+def test_wrong_guesses_are_answered_with_a_remedy(guess, told):
     with pytest.raises(SceneError, match=told):
         guess(Scene.load("five_rings"))
 
 
-def test_keys_are_changed_by_names_with_dots_too():
+def test_keys_can_be_changed_by_dotted_names():
     scene = Scene.load("five_rings")
     assert (
         scene.changed({"accuracy.rtol": 1e-6}).table() == scene.changed(accuracy__rtol=1e-6).table()

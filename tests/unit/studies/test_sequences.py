@@ -69,7 +69,7 @@ class Fields:
 
 
 @pytest.mark.parametrize("order", [0.5, 2.0])
-def test_the_limit_of_fields_is_a_field(order):
+def test_richardsons_limit_of_fields_is_exact(order):
     fields = Fields(order)
     errors = np.abs(fields.wrong).max(axis=1)
     limit, index = Sequence("h", "p", Theory(order), SIZES, errors, fields).richardson

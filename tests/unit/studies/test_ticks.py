@@ -94,7 +94,7 @@ def test_a_method_has_one_look_whatever_else_is_drawn():
     assert len({beside[name]["color"] for name in names}) == len(names)
 
 
-def test_rings_that_wear_alike_are_not_told_apart():
+def test_rings_of_similar_wear_are_not_distinguished():
     assert not rings_differ(np.array([2.127e-5, 2.107e-5]))
     assert not rings_differ(np.array([1.0]))
     assert rings_differ(np.array([1.0, 1.5]))
