@@ -1,7 +1,4 @@
-"""Scenes with recesses, profiles and fixed indentations.
-
-What they ask for, what is refused, and what results say.
-"""
+"""Scenes with recesses, profiles and fixed indentations: keys, refusals and results."""
 
 import numpy as np
 import pytest
@@ -33,7 +30,8 @@ SCENE = Scene.from_table(
 )
 SPHERE = SCENE.changed(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
 RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
-EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)  # by a unit modulus
+# for the plane strain modulus 1: forces are to be divided by MODULUS
+EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)
 
 
 def test_a_sphere_starts_with_hertz_contact_in_other_units():
@@ -49,10 +47,10 @@ def test_a_sphere_starts_with_hertz_contact_in_other_units():
     assert ((data.contact > 0) == (data.radius <= contact)).all()
     assert np.array(data.contact_edge[:2]) == pytest.approx([0.0, contact])
     assert float(data.normal_force) == pytest.approx(FORCE)
-    # recessed material is not worn material, and no time of a flat punch is told as that of this
+    # heights of the unworn face do not count as worn, and times of a flat punch are not reported
     answer = result.answers["mdr"]
     assert float(answer["indentation_start"]) == pytest.approx(depth, rel=1e-8)
-    # F v0 t, shared out by the k of the rings that have touched
+    # sum of V / k over the rings = F v0 t
     assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
     assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
     for name in ("time_to_90", "time_to_99"):
@@ -80,7 +78,7 @@ def test_all_ways_to_give_a_profile_agree(tmp_path):
         tolerance = 2e-3 if name == "table" else 1e-8
         value = float(run(scene).dataset.indentation.squeeze())
         assert value == pytest.approx(depth, rel=tolerance), name
-    # the scene is complete without its file, and functions stay with it
+    # a scene keeps the heights of its file when written, and its functions when changed
     assert Scene.from_toml(ways["table"].to_toml()) == ways["table"]
     assert ways["function"].changed(accuracy__rtol=1e-2).punch.heights
 
@@ -106,7 +104,7 @@ def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
     assert float(data.contact_edge.sel(solver="fem").isel(time=0, edge=1)) == pytest.approx(0.8)
     for name in ("indentation", "ring_force", "ring_worn_volume", "contact_radius"):
         assert np.isfinite(data[f"{name}_error"].sel(solver="mdr")).all()
-    # each ring wears k times what it carries, all rings together F v0 t
+    # sum of V / k over the rings = F v0 t
     worn = (data.ring_worn_volume.sel(solver="mdr") / WEAR).sum("ring")
     np.testing.assert_allclose(worn, FORCE * data.time, rtol=1e-12)
     assert "springs' rule of the MDR" in result.summary["left_out"]
@@ -118,7 +116,8 @@ def test_the_remedy_suggests_a_smaller_rtol(scene):
     assert told.endswith("rtol = 1e-04 would decide it")
 
 
-# first contacts whose cells came back every second, third, ... look, until the looks ran out
+# scenes in which an earlier search for the first contact returned to the same cells in every second
+# or third iteration, or in each, until it had used up its iterations
 CIRCLING = {
     "every second": {
         "punch__ring_edges": [0.199, 0.208, 0.347, 0.769, 1.0],
@@ -165,7 +164,7 @@ def test_first_contact_is_found_once_for_all_methods(monkeypatch):
 
     monkeypatch.setattr("ringwear.studies.methods.spaces.find_first_contact", count)
     run(RECESSED.changed(accuracy__rtol=1e-2), methods=["mdr", "bem"])
-    # on the cells of the result, and on half as many for its error
+    # once on the cells of the result, and once on half as many for the error estimate
     assert len(calls) == 2
 
 
@@ -183,7 +182,7 @@ def test_the_force_on_a_cone_at_a_fixed_indentation_decays_to_zero():
     assert (np.diff(data.normal_force) <= 0).all()
     assert float(data.normal_force[-1]) < 1e-11 * MODULUS
     assert np.isnan(data.steady_wear_rate)
-    # in the end all that is higher than the indentation has worn off
+    # finally, everything within the indentation has worn off
     assert np.array(data.profile[-1]) == pytest.approx(0.02, abs=1e-5)
 
 
@@ -289,7 +288,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
     recesses = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]
     keep = ["worn_volume", "contact_radius", "relaxation_time", "force_share"]
     data = sweep(scene, {"punch.recess": recesses}, keep=keep).sel(solver="mdr")
-    # what one lacks is NaN, and the other has it
+    # a quantity that only one kind of punch has is NaN for the other
     for name, lacks in (("contact_radius", [True, False]), ("relaxation_time", [False, True])):
         assert data[name][:, 0].isnull().values.tolist() == lacks
     for recess, worn, share in zip(recesses, data["worn_volume"], data["force_share"], strict=True):
@@ -336,7 +335,7 @@ def test_degenerate_faces_converge(face):
 
 
 def test_refinement_reaches_the_sizes_of_any_cells():
-    """Single triangles were refined in turn along the contact, until the rounds ran out."""
+    """Facets of triangles follow the cells; an earlier refinement ran out of iterations here."""
     scene = Scene.from_table(
         {
             "methods": ["fem"],
@@ -360,5 +359,5 @@ def test_refinement_reaches_the_sizes_of_any_cells():
     mesh = even_half_space(cells, 0.3).solid.mesh
     radii = contact_radii(mesh)
     assert all(np.abs(radii - edge).min() < 1e-12 for edge in cells.ring_edges)
-    # facets have the size of the cells or less, but for what sizes vary over a triangle
+    # facets are as small as the cells, except that the size varies over a triangle
     assert (np.diff(radii) <= 1.5 * cells((radii[1:] + radii[:-1]) / 2)).all()

@@ -1,4 +1,4 @@
-"""Faults put into results are named first, with their number; clean and noisy results are not."""
+"""Diagnoses name the right fault of results first, and no fault of right or noisy results."""
 
 from functools import cache
 
@@ -27,7 +27,10 @@ def radii_of(scene):
 
 
 def solve(scene, method="mdr", late=0.0, **changes):
-    """Return results at the times and radii of a scene, of this scene with changes."""
+    """Return results of a scene with changes, at the times and radii of the unchanged scene.
+
+    With `late`, wear starts at that time.
+    """
     times, order = np.unique(np.maximum(np.array(scene.wear.times) - late, 0), return_inverse=True)
     changes |= {"output__radii": radii_of(scene).tolist(), "wear__times": times.tolist()}
     dataset = run(scene.changed(**changes), methods=[method]).dataset
@@ -40,7 +43,7 @@ def ours(name):
 
 
 def look(name, theirs, **changes):
-    """Return what results of others look like."""
+    """Return the diagnosis of another program's results."""
     scene = SCENES[name].changed(**changes)
     return diagnose(
         Comparison(np.array(scene.wear.times), radii_of(scene), theirs, ours(name), scene)
@@ -48,9 +51,9 @@ def look(name, theirs, **changes):
 
 
 def faults_of(scene):
-    """Return faults of what is modelled: their size, and the change of the scene."""
+    """Return faults of a model by name: their size, and the change of the scene."""
     punch, last, plane = scene.punch, scene.wear.times[-1], 1 - 0.3**2
-    # to edges that are counted, none may be given beside
+    # ring edges must be changed together with the radius if the scene gives them
     edges = {"punch__ring_edges": [2 * edge for edge in punch.ring_edges or ()]}
     stiff = scene.problem.units.modulus / plane
     half_space = {"plane_strain_modulus": stiff, "poisson_ratio": 0.3}
@@ -100,7 +103,7 @@ def test_the_right_factor_is_named_first(scene, name, factor, of):
 def test_faults_of_the_mesh_are_named():
     coarse = {"accuracy__fem__rim_size": 0.1, "accuracy__fem__degree": 4}
     assert look("five", solve(SCENES["five"], "fem", **coarse))[0].name == "coarse rim"
-    # beside a half-space that is cut off, which displacements show
+    # together with a truncated half-space, which shows in the displacements
     theirs = solve(SCENES["five"], **CLAMPED)
     theirs["pressure"] = theirs["pressure"] * (1 + 0.05 * (-1.0) ** np.arange(125))
     sizes = {fault.name: fault.size for fault in look("five", theirs)}
@@ -109,7 +112,7 @@ def test_faults_of_the_mesh_are_named():
 
 
 def test_a_truncated_incompressible_half_space_is_named():
-    """By 6/pi a/R of d0 it errs, as a point force in an incompressible ball does."""
+    """The indentation is too small by 6/pi a/R, as for a point force in an incompressible ball."""
     theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, accuracy__rtol=1e-2, **CLAMPED)
     low = ours("five")["indentation"][0] - theirs["indentation"][0]
     assert low == pytest.approx(6 / np.pi / 20, rel=0.03)
@@ -119,7 +122,7 @@ def test_a_truncated_incompressible_half_space_is_named():
 
 @pytest.mark.slow
 def test_a_force_too_high_for_the_indentation_means_a_truncated_half_space():
-    """At one time a modulus would do as well, and is named beside it; later forces tell."""
+    """At one time a wrong modulus is as likely and named, too; later forces exclude it."""
     scene = SCENES["five"].changed(
         load={"indentation": 0.8, "sliding_speed": 1.0}, wear__steady=False, accuracy__rtol=1e-3
     )

@@ -1,4 +1,4 @@
-"""Wear coefficients along the radius: the limit of many rings."""
+"""Wear coefficients that vary along the radius, which are the limit of many rings."""
 
 from dataclasses import replace
 
@@ -92,15 +92,15 @@ def test_methods_agree_and_estimates_bound_their_errors(table):
 def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     result = run(scene("mdr fem", rings=2, **along(1.0, last), **shape))
     table, slope = result.dataset, last - 1
-    # F / int dA / k
+    # F / int 1/k dA
     rate = slope / (2 * np.pi * (1 - np.log(last) / slope))
     np.testing.assert_allclose(table["steady_wear_rate"], rate, rtol=1e-9)
     for pressures in table["steady_pressure"]:
         np.testing.assert_allclose(pressures, rate / (1 + slope * table["radius"]), rtol=1e-5)
-    # harmonic means by area
+    # `wear_coefficient` has the harmonic means over the area of each ring
     forces = rate * np.pi * np.array([0.25, 0.75]) / table["wear_coefficient"]
     np.testing.assert_allclose(table["force_share"][0, 1], forces, rtol=1e-6)
-    # wear ends in it, from t = 4 to 5
+    # from t = 4 to 5, the indentation grows at the steady wear rate
     np.testing.assert_allclose(table["indentation"].diff("time")[:, -1], rate, rtol=1e-4)
 
 
@@ -125,7 +125,7 @@ def test_methods_for_constant_coefficients_accept_tables_of_steps():
 
 
 def test_estimates_bound_the_errors_at_an_edge_with_almost_no_kink():
-    """Without layers at an edge, a coarser solution lacks none there."""
+    """An edge without layers of small elements has the same mesh in the coarser solution."""
     rings = {"ring_edges": [0.4, 0.95, 1.0], **along(1.0, 0.9)}
     found = run(scene(**rings).changed(accuracy__rtol=1e-6, wear={"times": [1e-4, 1e-3]}))
     assert not found.solutions["mdr"].notes

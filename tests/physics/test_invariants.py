@@ -1,4 +1,4 @@
-"""What holds for every method and every scene, whatever the numbers."""
+"""Properties that every method has for every scene: balances, signs and units."""
 
 from functools import cache
 
@@ -8,7 +8,7 @@ import pytest
 from ringwear import Scene, run
 
 FIVE = Scene.load("five_rings").changed(accuracy__rtol=1e-3)
-# from far inside the fastest relaxation that is resolved to the steady state
+# from well below the fastest resolved relaxation time to the steady state
 TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
 
 
@@ -39,7 +39,7 @@ def test_flat_punches_balance_forces_and_stay_in_full_contact(prepare, scene, me
 
 
 def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
-    """Archard's law over a time in which nothing is linear: df = k int p dt, by 40 Gauss points."""
+    """Archard's law, df = k int p dt, over a time in which p is not linear, by 40 Gauss points."""
     punch = prepare("five_rings", method)
     node, weight = np.polynomial.legendre.leggauss(40)
     begin, half = 0.02, 0.09
@@ -74,7 +74,7 @@ def test_neighbours_of_equal_wear_are_merged():
 
 @cache
 def dimensionless(a, modulus, force, speed, wear):
-    """Results of uneven rings over the units made of a, E*, F, v0 and k, by every method."""
+    """Return results of uneven rings by every method, in natural units of a, E*, F, v0 and k."""
     height, time = force / a / modulus, a / modulus / speed / wear
     edges = [edge * a for edge in (0.2, 0.47, 0.6, 0.83, 1.0)]
     scene = FIVE.changed(
@@ -111,9 +111,7 @@ def dimensionless(a, modulus, force, speed, wear):
     ],
 )
 def test_dimensionless_results_do_not_depend_on_units(units):
-    """Twenty decades of radius, modulus, force, speed and wear change no number without
-    dimension.
-    """
+    """Radius, modulus, force, speed and wear vary by up to twenty decades."""
     expected, values = dimensionless(1.0, 1.0, 1.0, 1.0, 1.0), dimensionless(*units)
     for name, exact in expected.items():
         atol = 1e-9 * np.nanmax(np.abs(exact))

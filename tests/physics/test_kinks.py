@@ -1,4 +1,4 @@
-"""Kinks of faces that are given as functions: found, or told."""
+"""Kinks of faces that are functions: detected, or given by `kinks`."""
 
 import numpy as np
 import pytest
@@ -90,7 +90,7 @@ def test_given_kinks_replace_detected_ones():
     assert told.problem.profile.kinks == (0.25, 0.75)
     changed = told.changed(accuracy__rtol=1e-2)
     assert changed.problem.profile.kinks == (0.25, 0.75)
-    # they take the place of those that are found
+    # given kinks replace detected ones
     kinked = scene.with_heights(lambda r: np.abs(r - 1.0), kinks=[])
     assert kinked.problem.profile.kinks == ()
     assert scene.with_heights(lambda r: np.abs(r - 1.0)).problem.profile.kinks == pytest.approx(

@@ -1,6 +1,6 @@
 """Faces with closed forms: balls, truncated cones and paraboloids, dishes; two elastic bodies.
 
-By the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d - g) dx``.
+With the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d - g) dx``.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ FLAT = 0.3
 
 
 def ball(x, radius=2.0):
-    """Of Sneddon's ball: ``g = x artanh(x / R)``."""
+    """Return the one-dimensional profile of Sneddon's ball, ``g = x artanh(x / R)``."""
     return x * np.arctanh(x / radius)
 
 
@@ -70,7 +70,7 @@ def test_starts_against_closed_forms(name):
 
 
 def test_a_ball_against_sneddons_formulas():
-    """``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
+    """Sneddon: ``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
     contact, radius = 0.6, 2.0
     logarithm = np.log((radius + contact) / (radius - contact))
     force = (contact**2 + radius**2) / 2 * logarithm - contact * radius
@@ -81,7 +81,7 @@ def test_a_ball_against_sneddons_formulas():
 
 @pytest.mark.parametrize(("part", "full"), [(1.001, True), (0.9, False)])
 def test_a_dish_is_in_full_contact_above_barbers_force(part, full):
-    """``F = 16/3 E* a h``, from where ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
+    """Barber: contact is full for ``F >= 16/3 E* a h``; ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
     depth = 0.1
     force = part * 16 / 3 * depth
     dish = {"kind": "concave", "depth": depth}
@@ -141,7 +141,7 @@ def test_one_material_needs_no_rings():
 
 
 def test_two_elastic_bodies_have_a_combined_modulus():
-    """As springs in series: ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``."""
+    """Compliances add up: ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``."""
     both = {"youngs_modulus": 2.0, "punch_youngs_modulus": 3.0, "punch_poisson_ratio": 0.2}
     modulus = 1 / ((1 - 0.3**2) / 2.0 + (1 - 0.2**2) / 3.0)
     punch = {"radius": 1.0, "wear_coefficient": 1.0}
@@ -155,7 +155,7 @@ def test_two_elastic_bodies_have_a_combined_modulus():
 
 @pytest.mark.gmsh
 def test_the_inside_extends_to_the_output_depth(tmp_path):
-    """Continuous across the end of the mesh, and Boussinesq's point force far away."""
+    """Displacements are continuous at the end of the mesh; far away, a point force's."""
     import meshio
 
     punch = {"radius": 1.0, "wear_coefficient": 1.0}

@@ -1,4 +1,4 @@
-"""Scenes on layers drawn at random: MDR and finite elements agree."""
+"""MDR and finite elements agree on random scenes with layers."""
 
 import pytest
 from random_layers import random_layers

@@ -1,4 +1,4 @@
-"""Scenes drawn at random against an independent solution, which holds to others first."""
+"""Random scenes against an independent solution, which is itself tested first."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))
 
 
 def test_the_independent_solution_against_the_stored_history(reference):
-    """Of the five rings, of a whole history that is good to 1e-10."""
+    """The history of the five rings agrees with the stored one, which is accurate to 1e-10."""
     times = [state["time"] for state in reference["states"]]
     scene = FIVE.changed(wear__times=[0.0, *times], output__radii=reference["radii"])
     problem = scene.problem
@@ -34,7 +34,7 @@ def test_the_independent_solution_against_the_stored_history(reference):
 
 
 def test_uniform_wear_in_pieces_equals_one_piece():
-    """Kinks and edges where nothing happens change nothing."""
+    """Edges between pieces of equal k do not change the relaxation times."""
     whole = Pieces(np.array([0.0, 1.0]), np.ones(1), np.ones(1))
     parts = Pieces(np.array([0.0, 0.3, 0.7, 1.0]), np.ones(3), np.ones(3))
     times = [
@@ -45,7 +45,7 @@ def test_uniform_wear_in_pieces_equals_one_piece():
 
 
 def test_the_steady_wear_rate_along_the_radius_in_closed_form():
-    """F = w int dA / k, of k linear from 1 to 4."""
+    """F = w int 1/k dA, with k linear from 1/4 to 1 (from 1 to 4, over the greatest)."""
     pieces = Pieces(np.array([0.0, 1.0]), np.array([0.25]), np.array([1.0]))
     punch = Punch(pieces, np.array([1e-12, 1e-10]), 12)
     rate = 3 / (2 * np.pi * (1 - np.log(4) / 3)) / 4
@@ -53,7 +53,7 @@ def test_the_steady_wear_rate_along_the_radius_in_closed_form():
 
 
 def test_a_rising_load_is_a_sum_of_constant_loads():
-    """Of a force that rises in many small steps."""
+    """A force that rises linearly is a sum of many small forces that start at later times."""
     rings = rings_of(FIVE)
     punch = Punch(rings, np.append(np.full(5, 1e-6), 1e-8), 8)
     load = Load(np.array([0.0, 0.5]), np.array([0.2, 1.0]), np.array([1.0, 1.0]))
@@ -72,6 +72,6 @@ def test_every_number_beyond_rtol_is_reported(kind):
     rows = [hold(table, ("mdr", "fem")) for table in draw(kind, 7, 4)]
     assert [row.silent for row in rows] == [[]] * len(rows)
     assert [row.first for row in rows] == [[]] * len(rows)
-    # a method may state more than is asked for of numbers that it knows better
+    # a method may overestimate its errors and be undecided
     assert {row.verdict for row in rows} <= {"agree", "undecided"}
     assert sum(row.verdict == "agree" for row in rows) >= 3
