@@ -1,4 +1,4 @@
-"""The house: data flows one way, and files and folders stay small."""
+"""Structure of the package: imports point one way, and files and folders stay small."""
 
 import ast
 import re
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-# the rooms from the ground up; what stands in one line may not import each other
+# packages and modules from the lowest floor up; those on the same floor may not import each other
 ROOMS = (
     {"meshes"},
     {"mdr", "fem"},
@@ -41,7 +41,7 @@ FILES = {
 
 
 def imported(file):
-    """Files of ringwear that a file imports, at its top or within a function."""
+    """Yield the files of ringwear that a file imports, at its top or within a function."""
     folders = file.parent.relative_to(ROOT).parts
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.level:
@@ -54,7 +54,7 @@ IMPORTS = {name: set(imported(file)) for name, file in FILES.items()}
 
 
 def floor_of(name):
-    """Floor and room of a file: those of the longest room name that it begins with."""
+    """Return floor and room of a file; the room is the longest one that its name begins with."""
     rooms = [(floor, room) for floor, rooms in enumerate(ROOMS) for room in rooms]
     return max(
         (place for place in rooms if f"{name}.".startswith(f"{place[1]}.")),
@@ -71,14 +71,14 @@ def test_files_import_from_lower_floors_only():
 
 
 def test_imports_inside_the_package_are_relative():
-    """So that editors follow them in a plain checkout; examples are what users write."""
+    """Editors can follow them in a plain checkout; only examples import as users do."""
     for name, file in FILES.items():
         absolute = re.search(r"^\s*(from|import) ringwear\b", file.read_text("utf-8"), re.MULTILINE)
         assert not absolute or name.startswith("studies.examples."), name
 
 
 def test_files_folders_and_import_chains_are_small():
-    """Nor goes in circles, of which the sorter would tell."""
+    """Circular imports would raise a CycleError in the sorter."""
     depth = {}
     for name in TopologicalSorter(IMPORTS).static_order():
         depth[name] = 1 + max((depth[other] for other in IMPORTS[name]), default=0)
@@ -106,7 +106,7 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
 
     problem = Scene.load("flat_punch").problem
     solid = method("fem").discretise(problem, Stages("fem")).half_space.solid
-    # scikit-fem's, and low parts of the radii beside its rounded ones
+    # scikit-fem's mesh, extended by the rounding errors of the radii
     assert type(solid.mesh) is ExactQuads
     assert issubclass(ExactQuads, MeshQuad)
     assert set(solid.mesh.boundaries) == {"contact", "free", "axis", "far"}
@@ -115,7 +115,7 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
 
 
 def names_imported(folder):
-    """What the tests of a folder import from ringwear: file, module and name."""
+    """Yield file, module and name of everything that tests of a folder import from ringwear."""
     for file in sorted((ROOT / "tests" / folder).rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("ringwear"):

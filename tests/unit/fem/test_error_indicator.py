@@ -1,4 +1,4 @@
-"""The error indicator: what it does not see, what it sees exactly, and the triangles it marks."""
+"""The error indicator: exact values for simple fields, and the triangles that are marked."""
 
 import itertools
 
@@ -27,12 +27,12 @@ def solid(request):
 
 
 def places(solid):
-    """Radius and depth of the nodes."""
+    """Return radius and depth of the nodes."""
     return Basis(solid.mesh, solid.element).doflocs
 
 
 def indicate(solid, radial, axial, pressure):
-    """Squares of the indicators (m,) of a field, given at the nodes, under a uniform pressure."""
+    """Return squared indicators (m,) of a field at the nodes, under a uniform pressure."""
     field = np.stack(np.broadcast_arrays(radial, axial), axis=-1)[None]
     space = pressure_space(solid, EDGES)
     return squared_indicators(solid, field, space, pressure * space.uniform[None])[0]
@@ -43,13 +43,13 @@ def test_the_indicator_vanishes_on_a_bent_plate_which_the_elements_hold_exactly(
     curvature = LAME / (LAME + 2 * SHEAR)
     r, z = places(solid)
     found = indicate(solid, r * z, -(r**2) / 2 - curvature * z**2, 0.0)
-    # of a field of the same size whose surface is not free
+    # for comparison: a field of the same size whose surface is not free of stress
     scale = indicate(solid, r * z, r**2, 0.0).sum()
     assert found.sum() < 1e-20 * scale
 
 
 def test_a_missing_pressure_beside_the_contact_is_indicated_exactly(solid):
-    # uniform compression under the pressure 1 everywhere, also where none is given
+    # uniform compression needs the pressure 1 everywhere, but it acts on the contact only
     found = indicate(solid, 0.0, -places(solid)[1] / (LAME + 2 * SHEAR), 1.0)
     mesh, expected = solid.mesh, np.zeros(solid.mesh.nelements)
     for facet in mesh.boundaries["free"]:

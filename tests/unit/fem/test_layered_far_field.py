@@ -32,7 +32,7 @@ def test_fields_are_continuous_across_interfaces(depth):
         at(radii, depth * (1 + sign * 1e-12)) for sign in (-1, 1)
     )
     assert above == pytest.approx(below, abs=1e-9)
-    # across it act zz and rz
+    # zz and rz act across the interface
     assert stress_above[..., 1:3] == pytest.approx(stress_below[..., 1:3], abs=1e-9)
     assert np.abs(stress_above[..., 0] - stress_below[..., 0]).max() > 1e-4
 
@@ -49,7 +49,7 @@ def test_a_rigid_base_does_not_move():
 
 
 def test_equilibrium_and_hookes_law():
-    """By differences: the divergence of the stress, and strains of the displacement."""
+    """Differences give the divergence of the stress, and strains by which Hooke's law holds."""
     r, z, h = 2.3, 1.4, 1e-3
     moved = {(i, j): at(r + i * h, z + j * h)[0][:, 0] for i in (-1, 0, 1) for j in (-1, 0, 1)}
     stress = {(i, j): at(r + i * h, z + j * h)[1][:, 0] for i in (-1, 0, 1) for j in (-1, 0, 1)}

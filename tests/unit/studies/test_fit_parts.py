@@ -30,7 +30,7 @@ SCENE = Scene(
 
 
 class Formula:
-    """A model whose values are a formula of the coordinates."""
+    """Model whose predictions are a formula of the coordinates x."""
 
     rtol = 0.0
 
@@ -134,7 +134,7 @@ def test_a_straight_model_has_the_intervals_of_linear_regression():
 
 
 def test_an_interval_includes_every_minimum():
-    """Of x^2 = 1 +- 0.1 / sqrt(4), which both signs of x explain."""
+    """The data x^2 = 1 +- 0.1 / sqrt(4) are explained by both signs of x."""
     model = Formula(
         lambda x: x[0] ** 2 * np.ones(4), lambda x: 2 * x[0] * np.ones((4, 1)), [1.0] * 4
     )
@@ -147,14 +147,14 @@ def test_an_interval_includes_every_minimum():
 
 
 def test_an_unbounded_parameter_has_an_infinite_interval():
-    """Of exp(-x) = 0 +- 0.1, which any great x explains."""
+    """The datum exp(-x) = 0 +- 0.1 is explained by any large x."""
     model = Formula(lambda x: np.exp(-x), lambda x: -np.exp(-x)[:, None], [0.0])
     likelihood = likelihood_of(model, 1)
     best = likelihood.best_from(np.array([3.0]))
     profiles = Profiles(likelihood, best, likelihood.covariance(best.x), 1.96**2)
     low, high = profiles.intervals([0])[0]
     assert np.isinf(high)
-    # ends of wide intervals are sought to a tenth of the root of the rise
+    # ends of wide intervals are located with a tolerance of 0.1 in the square root of the rise
     assert low == pytest.approx(-np.log(0.196), abs=0.1)
 
 
@@ -171,7 +171,7 @@ def test_residual_tests_detect_waves_but_not_noise(test):
     random = np.random.default_rng(5)
     noise = random.normal(size=(400, 40))
     alarms = np.mean([test(series) < 0.05 for series in noise])
-    # of 400, 2.5 standard deviations
+    # 2.5 standard deviations of the rate of false alarms in 400 series
     assert 0.01 < alarms < 0.05 + 2.5 * np.sqrt(0.05 * 0.95 / 400)
     waves = noise + 3 * np.sin(np.linspace(0, 4 * np.pi, 40))
     assert np.mean([test(series) < 0.05 for series in waves]) > 0.9

@@ -1,4 +1,4 @@
-"""Tables of studies in Markdown and LaTeX: what other programs read in them is what was there."""
+"""Tables of studies in Markdown and LaTeX keep all cells, and special characters are escaped."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Layers in scenes: their keys, their units, what is refused, and the mesh that has them."""
+"""Layers in scenes: their keys, units and refusals, and meshes with interfaces."""
 
 import numpy as np
 import pytest
@@ -141,7 +141,7 @@ def test_interfaces_are_lines_of_the_mesh():
     depths = mesh.p[1, mesh.t]
     for interface in (0.2, 0.6):
         assert not ((depths < interface - 1e-9).any(0) & (depths > interface + 1e-9).any(0)).any()
-    # the quarter disc ends at the base
+    # the quarter disc is cut off at the base
     assert depths.max() == pytest.approx(0.6)
     outer = 2.5
     enclosed = (0.6 * np.sqrt(outer**2 - 0.6**2) + outer**2 * np.arcsin(0.6 / outer)) / 2

@@ -1,4 +1,4 @@
-"""The probe of a plan, and the memory that it foresees."""
+"""The coarse probe of a plan, and the predicted memory."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Regimes of contact, load and wear: each problem has one of each, and tables have all of them."""
+"""Regimes of contact, load and wear of a problem, and tables that must contain every regime."""
 
 import pytest
 

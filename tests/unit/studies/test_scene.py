@@ -1,7 +1,4 @@
-"""The door.
-
-Bad scenes are refused with one line that names the key, and good ones come through unchanged.
-"""
+"""Scenes: bad ones are refused with one line that names the key, and good ones are unchanged."""
 
 import numpy as np
 import pytest
@@ -35,7 +32,7 @@ radii = [0.5, 1.5]
 """
 GOOD = Scene.from_toml(TOML)
 INF, NAN = float("inf"), float("nan")
-# values that are refused by their key and its own remedy
+# bad values by key; the message must have the key and its remedy
 BAD_VALUES = {
     "title": [3],
     "methods": ["direct", []],
@@ -61,7 +58,7 @@ BAD_VALUES = {
     "punch__profile": [{"kind": "spere"}, {"slope": 1.0}],
 }
 RINGS = {"radius": 2.0, "wear_coefficients": [1.0, 10.0]}
-# changes that are refused, and what the message must name
+# bad changes, and words that the message must have
 BAD_CHANGES = [
     ({"punch__raduis": 2.0}, "punch.raduis did you mean radius"),
     ({"halfspace": {}}, "halfspace write half_space"),
@@ -114,7 +111,7 @@ BAD_CHANGES = [
 
 
 def assert_refused(words, make, *arguments, **named):
-    """In one line, with these words."""
+    """Assert that a call raises a SceneError with these words in one line."""
     with pytest.raises(SceneError) as caught:
         make(*arguments, **named)
     message = str(caught.value)
@@ -126,7 +123,7 @@ def assert_refused(words, make, *arguments, **named):
     ("name", "value"), [(name, value) for name in BAD_VALUES for value in BAD_VALUES[name]], ids=str
 )
 def test_bad_values(name, value):
-    """The message has the key and the remedy that is declared with it, if its type says not all."""
+    """The message has the key, and the remedy if one is declared with the key."""
     path = name.split("__")
     words = ".".join(path), declaration(path, Scene)[1].description or "should be"
     assert_refused(words, GOOD.changed, **{name: value})
@@ -223,7 +220,7 @@ def test_alternative_keys_give_the_same_problem():
         0.5,
         1,
     ]
-    # one value is a number
+    # a load with equal values is constant
     same = {"times": [3.0, 5.0], "values": [2.0, 2.0]}
     assert not GOOD.changed(load__normal_force=same).problem.loading.varies
 
@@ -277,13 +274,13 @@ def test_defaults_are_reported():
 def test_times_in_units_of_the_running_in():
     table = Scene.load("five_rings").table() | {"wear": {"times": {"tau": [0.0, 0.5, 2.0]}}}
     scene = Scene.from_table(table)
-    # 0.3440589 of the reference, to three digits
+    # 0.3440589, the slowest relaxation time of the reference, to three digits
     assert scene.wear.times == [0.0, 0.172, 0.688]
     np.testing.assert_allclose(scene.problem.times, [0.0, 1.72, 6.88])
     near = Scene.from_table(table | {"wear": {"times": {"tau": [1.0, 1.00001]}}})
     assert near.wear.times[0] < near.wear.times[1]
     assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
-    # of another punch they are other times
+    # another speed changes the relaxation time, and with it the times
     assert scene.changed(load__sliding_speed=2.0).wear.times == [0.0, 0.086, 0.344]
     named = Scene.from_table(table | {"wear": {"times": "running-in"}})
     assert (named.wear.times[0], named.wear.times[-1]) == (0.0, 1.72)

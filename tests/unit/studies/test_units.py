@@ -1,4 +1,4 @@
-"""Units of scenes: refused where not consistent, and quantities with units of their own."""
+"""Units of scenes: refusals of inconsistent ones, and quantities with their own units."""
 
 from typing import Annotated
 
@@ -58,7 +58,7 @@ def numbers(table):
     [("SI", (1.0, 1.0, 1.0, 1.0)), ("mm, N, MPa, s", (1e-3, 1.0, 1e6, 1.0))],
 )
 def test_quantities_with_units_equal_plain_numbers(units, sizes):
-    """Within 1e-14; in units of another system by its sizes."""
+    """Quantities equal the plain numbers in SI within 1e-14, and are converted to other units."""
     table = Scene.from_table(WRITTEN | {"units": units}).table()
     expected = Scene.from_table(SI).table()
     assert table.pop("units") == units
@@ -165,7 +165,7 @@ def test_numbers_in_si_are_written_in_convenient_units(value, kind, told):
 
 
 class Stroke(Section):
-    """A table with keys of several kinds."""
+    """Section with keys of several kinds."""
 
     length: Annotated[Positive, Unit("length")] | None = None
     speeds: Annotated[list[Positive], Unit("wear_rate")] | None = None
@@ -174,14 +174,14 @@ class Stroke(Section):
 
 
 class PunchWithStroke(PunchSection):
-    """A punch with a new key and a new table, declared as CONTRIBUTING.md says."""
+    """Punch with a new key and a new table, declared as in CONTRIBUTING.md."""
 
     travel: Annotated[Positive, Unit("length")]
     stroke: Stroke = Stroke()
 
 
 class SceneWithStroke(Scene):
-    """A scene of such a punch."""
+    """Scene of such a punch."""
 
     punch: PunchWithStroke
 
@@ -206,7 +206,7 @@ def test_a_new_key_refuses_wrong_units_and_a_plain_key_refuses_all_units():
     punch = WRITTEN["punch"] | {"travel": 1.0, "stroke": {"count": "7 mm"}}
     with pytest.raises(SceneError, match=r"punch\.stroke\.count = '7 mm'"):
         SceneWithStroke(**WRITTEN | {"punch": punch})
-    # the scene itself has no such key
+    # the original Scene has no such key
     assert kind_of("punch.travel", SceneWithStroke) == "length"
     assert kind_of("punch.travel", Scene) == "number"
 
