@@ -41,7 +41,7 @@ COARSER_GROWTH = 1.5
 GREATEST_COARSER_GROWTH = 2.0
 # Largest factor by which a patch is widened to meet its neighbour. A larger gap has room for a
 # quadrilateral between the two patches, and a patch that is stretched further would be too flat
-# (unit/meshes/test_half_space_mesh.py::test_it_is_the_quarter_disc).
+# (unit/meshes/test_half_space_mesh.py::test_meshes_cover_the_quarter_disc).
 MAX_PATCH_STRETCH = 1.6
 # excess over a whole number of layers that counts as roundoff and adds no layer
 LAYER_COUNT_ROUNDOFF = 1e-9
@@ -129,7 +129,7 @@ def patch_widths(ring_edges: Array) -> Array:
     The half-width is half the width of the narrower of the two rings that meet at the edge. If two
     neighbouring patches leave a gap that a stretch by at most ``MAX_PATCH_STRETCH`` can close, both
     are widened until they meet inside the ring between them. Tested by
-    unit/meshes/test_half_space_mesh.py::test_it_is_the_quarter_disc.
+    unit/meshes/test_half_space_mesh.py::test_meshes_cover_the_quarter_disc.
     """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2

@@ -1,6 +1,6 @@
-"""Shared fixtures.
+"""Fixtures that many tests share.
 
-The reference history of the five rings, and methods made ready once for many tests.
+They are the reference history of the five rings, and compliances of methods that are computed once.
 """
 
 import json
@@ -21,18 +21,18 @@ from ringwear.studies.problem.problem import Problem
 from ringwear.studies.progress import Stages
 from ringwear.studies.wear.full_contact import RunningIn
 
-# workers of the tests have it, and lines would be broken as on a terminal
+# pytest-xdist sets COLUMNS in its workers; argparse would then break lines as on a terminal
 os.environ.pop("COLUMNS", None)
 
 
 def pytest_addoption(parser):
-    """Options of `tests/physics/test_estimates.py`: the scenes that it draws at random."""
+    """Add options for the random scenes of `tests/physics/test_estimates.py`."""
     for name, default in (("seed", 3), ("scenes", 20), ("rings", 3)):
         parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
 
 
 class Prepared(NamedTuple):
-    """One method, ready for a scene."""
+    """Discretised problem and wear model of one method for one scene."""
 
     problem: Problem
     wear: RunningIn
@@ -47,7 +47,7 @@ class Prepared(NamedTuple):
 
     @property
     def everywhere(self):
-        """Sixteen radii in each element."""
+        """Sixteen radii in each element of the pressure space."""
         start, width = self.space.breakpoints[:-1, None], np.diff(self.space.breakpoints)[:, None]
         return (start + width * np.arange(16) / 16).ravel()
 
@@ -59,7 +59,7 @@ WITHOUT_GMSH = unavailable()
 
 
 def pytest_collection_modifyitems(items):
-    """Where gmsh cannot be loaded, what needs it is skipped, with the reason."""
+    """Skip tests marked `gmsh`, with the reason, if gmsh cannot be loaded."""
     for item in items:
         if WITHOUT_GMSH and "gmsh" in item.keywords:
             item.add_marker(pytest.mark.skip(reason=WITHOUT_GMSH))
@@ -67,9 +67,10 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session", autouse=True)
 def _one_thread():
-    """The matrices are small, and pytest-xdist has a process for each core.
+    """Limit linear algebra to one thread.
 
-    Threads would only wait on each other.
+    The matrices are small, and pytest-xdist runs one process on each core. More threads would only
+    wait for each other.
     """
     with threadpool_limits(1):
         yield
@@ -77,7 +78,7 @@ def _one_thread():
 
 @pytest.fixture(scope="session")
 def prepare():
-    """``prepare(scene, name, **changes)``: a method by its name, or finite elements by a mesher."""
+    """Return ``prepare(scene, name, **changes)``; `name` is a method or a mesher of `fem`."""
 
     @cache
     def prepare(scene, name, **changes):
@@ -94,11 +95,11 @@ def prepare():
 
 @pytest.fixture(params=["mdr", "bem", *MESHERS])
 def method(request):
-    """The methods that every invariant is tested on."""
+    """Name of a method or mesher; each test of an invariant runs once for each."""
     return str(request.param)
 
 
 @pytest.fixture(scope="session")
 def reference():
-    """An independent whole history of the five rings, with its accuracy (see its last key)."""
+    """Independent history of the five rings; the last key of the file states its accuracy."""
     return json.loads((Path(__file__).parent / "five_rings.json").read_text("utf-8"))

@@ -1,13 +1,14 @@
 """An independent solution of flat punches: rings or k(r), loads that vary, a given indentation.
 
-It is a second, wider form of `physics/wear_reference.py` and shares nothing with any method. With
-``s = 1 - r^2`` the line density of the MDR is Abel's integral of the pressure, which is known in
-closed form for Legendre polynomials; the energy is its square, integrated by Gauss's rule. Elements
-shrink towards every ring edge, kink of k(r) and the rim, and their degree rises away from it. In
-the inner product of weight k the law of wear is one singular value problem, so that history is
-exact in time: the force enters by the integral of its rate over the decay of each mode.
+It extends `physics/wear_reference.py` and shares no code with any method. With ``s = 1 - r^2`` the
+line density of the MDR is Abel's integral of the pressure, which has a closed form for Legendre
+polynomials. The energy is the integral of its square, by Gauss's rule. Elements become smaller
+towards every ring edge, every kink of k(r) and the rim, and their degree rises with the distance
+from these. In the inner product with weight k, the law of wear is one singular value problem, so
+the history is exact in time: each mode decays exponentially, and a force that varies enters as an
+integral of its rate times this decay.
 
-Contact has to stay full. `Punch.least_pressure` tells whether it does while a force falls.
+The contact must stay full. `Punch.least_pressure` shows whether it does while a force falls.
 """
 
 from itertools import pairwise
@@ -19,29 +20,40 @@ from scipy.linalg import solve_triangular, svd
 from scipy.optimize import brentq
 
 Array = np.ndarray
-FACTOR = 0.2  # of neighbouring elements
-# least degree of the elements
+# ratio of the sizes of neighbouring elements
+FACTOR = 0.2
+# lower limit of the highest polynomial degree
 LEAST_DEGREE = 14
 
 
 class Pieces:
-    """Where the wear coefficient is linear in the radius: edges from 0 to 1 and k at both ends."""
+    """Intervals of the radius in which k is linear: their edges, from 0 to 1, and k at both ends.
+
+    Parameters
+    ----------
+    edges : (N + 1,) radii, from 0 to 1
+    inner, outer : (N,) wear coefficients at the inner and outer end of each interval
+    """
 
     def __init__(self, edges: Array, inner: Array, outer: Array) -> None:
         self.edges, self.inner, self.outer = edges, inner, outer
         self.slope = (outer - inner) / np.diff(edges)
 
     def at(self, piece: Array, radii: Array) -> Array:
-        """Return k at radii of given pieces."""
+        """Return k at radii, each in the interval of the given number."""
         return self.inner[piece] + self.slope[piece] * (radii - self.edges[piece])
 
 
 def elements(pieces: Pieces, smallest: Array, degree: int) -> list[tuple]:
-    """Return (edge in s, ends as distances from it, piece, degree) from the rim to the axis.
+    """Return the elements from the rim to the axis.
 
     Parameters
     ----------
-    smallest : size of the smallest element in s at each of the edges
+    smallest : size of the smallest element in s at each edge
+
+    Returns
+    -------
+    list of (nearest edge in s, both ends as distances from that edge, number of the piece, degree)
     """
     s = ((1 - pieces.edges) * (1 + pieces.edges))[::-1]
     sizes, count, rows = smallest[::-1], len(pieces.inner), []
@@ -62,14 +74,14 @@ def elements(pieces: Pieces, smallest: Array, degree: int) -> list[tuple]:
 
 
 class Punch:
-    """A flat punch, non-dimensional, with its modes of wear.
+    """A non-dimensional flat punch with its relaxation modes.
 
     Parameters
     ----------
-    pieces : of the wear coefficient, over the greatest
-    smallest : size of the smallest element in s at each of the edges
-    degree : of the polynomials
-    held : whether the indentation is given, 1/2, in place of the force
+    pieces : wear coefficient along the radius, relative to the greatest one
+    smallest : size of the smallest element in s at each edge
+    degree : highest degree of the polynomials
+    held : whether the indentation is fixed at 1/2; otherwise the force is given
     """
 
     def __init__(self, pieces: Pieces, smallest: Array, degree: int, held: bool = False) -> None:
@@ -81,14 +93,14 @@ class Punch:
         self.first = np.concatenate([[0], np.cumsum(self.order + 1)])
         self._place_points(low, high)
         self.orthogonal = [self._orthonormal(number) for number in range(len(rows))]
-        # force of each function: in Legendre polynomials that of the constant alone
+        # force of each function: of the Legendre polynomials only the constant carries a force
         self.weights = np.concatenate(
             [
                 np.sqrt(np.pi * width) * np.linalg.inv(lower)[:, 0]
                 for lower, width in zip(self.orthogonal, self.width, strict=True)
             ]
         )
-        # int k phi dA, by which worn heights have a volume
+        # int k phi dA; worn volume = these times the coefficients of worn heights
         self.volumes = np.concatenate(
             [
                 np.sqrt(np.pi * width) * lower.T[:, 0]
@@ -99,7 +111,7 @@ class Punch:
         self._solve()
 
     def _place_points(self, low: Array, high: Array) -> None:
-        """Gauss points s = low cos^2 + high sin^2 of each element, in one row for all."""
+        """Compute Gauss points s = low cos^2 + high sin^2 of all elements, in one array."""
         parts = []
         for number, order in enumerate(self.order):
             node, weight = leggauss(2 * order + 12)
@@ -117,7 +129,7 @@ class Punch:
         self.slope_of_wear = self.pieces.slope[self.piece[self.owner]]
 
     def _legendre(self, number: int, local: Array, derivative: bool = False) -> Array:
-        """Return (points, n) Legendre polynomials, orthonormal by area, or slopes by `s`."""
+        """Return (points, n) Legendre polynomials, orthonormal by area, or derivatives in `s`."""
         order, width = self.order[number], self.width[number]
         scale = np.sqrt((2 * np.arange(order + 1) + 1) / (np.pi * width))
         every = np.diag(scale)
@@ -126,7 +138,7 @@ class Punch:
         return legval(local, every).T
 
     def _orthonormal(self, number: int) -> Array:
-        """Return Cholesky's factor of the mass of weight k on an element."""
+        """Return the Cholesky factor of the mass matrix with weight k on an element."""
         on = self.owner == number
         functions = self._legendre(number, self.local[on])
         weight = np.pi * self.length[on] * self.wear[on]
@@ -135,7 +147,7 @@ class Punch:
     def _triangular_energy(self) -> Array:
         """Return the triangular factor of the energy.
 
-        By DLMF 18.17.46 and the generating function of the Legendre polynomials,
+        DLMF 18.17.46 and the generating function of the Legendre polynomials give the integrals
         ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n + 1/2)``.
         """
         density = np.zeros((len(self.owner), self.first[-1]))
@@ -173,7 +185,7 @@ class Punch:
         self.excited = (self.shapes.T @ self.moments) / self.times
 
     def pressures(self, load: Load, times: Array) -> Array:
-        """Return coefficients (T, n) of the pressure at times after the start."""
+        """Return coefficients (T, n) of the pressure at times > 0."""
         force, distance, _ = load.at(times)
         if self.held:
             left = np.exp(-distance[:, None] / self.times) * self.excited
@@ -188,12 +200,12 @@ class Punch:
         return pressures @ self.moments + self.wear_rate * load.at(times)[2]
 
     def worn(self, depths: Array, pressures: Array) -> Array:
-        """Return worn heights over k (T, n), of displacements d - u."""
+        """Return coefficients (T, n) of the worn heights d - u, divided by k."""
         moved = (pressures @ self.triangle.T) @ self.triangle
         return depths[:, None] * self.weights - moved
 
     def fields(self, radii: Array) -> tuple[Array, Array]:
-        """Return (R, n) values of the functions, and k, at radii."""
+        """Return values (R, n) of the functions, and k (R,), at radii."""
         s = (1 - radii) * (1 + radii)
         number = np.clip(np.searchsorted(self.edge + self.low, s) - 1, 0, len(self.edge) - 1)
         values = np.zeros((len(radii), self.first[-1]))
@@ -208,7 +220,7 @@ class Punch:
         return values, self.pieces.at(self.piece[number], radii)
 
     def _on_points(self, coefficients: Array, derivative: bool = False) -> Array:
-        """Return (T, points) values, or slopes by s, at the points of all elements."""
+        """Return values (T, points), or derivatives in s, at the Gauss points of all elements."""
         values = np.empty((len(coefficients), len(self.owner)))
         for number, lower in enumerate(self.orthogonal):
             on = self.owner == number
@@ -219,14 +231,14 @@ class Punch:
         return values
 
     def rms_slopes(self, worn: Array, average: str) -> Array:
-        """Return the root mean square slope (T,) of worn heights."""
+        """Return the root mean square slope (T,) of the worn face."""
         over_k, rise = self._on_points(worn), self._on_points(worn, derivative=True)
         slopes = self.slope_of_wear * over_k - 2 * self.radius * self.wear * rise
         measure = 1 / (2 * self.radius) if average == "line" else 1.0
         return np.sqrt(slopes**2 @ (self.length * measure))
 
     def least(self, worn: Array) -> Array:
-        """Return the least worn height (T,): of many samples of each element, and a parabola."""
+        """Return the least worn height (T,), by samples and a parabola through the least three."""
         samples = np.cos(np.pi * np.linspace(1, 0, 80))
         lowest = np.full(len(worn), np.inf)
         for number, lower in enumerate(self.orthogonal):
@@ -246,7 +258,7 @@ class Punch:
         return lowest
 
     def by_ring(self, parts: Array, ring_edges: Array) -> Array:
-        """Return sums (T, N) over the rings of (T, n) parts of the functions."""
+        """Return sums (T, N) over each ring of contributions (T, n) of the functions."""
         middle = (self.pieces.edges[1:] + self.pieces.edges[:-1]) / 2
         ring_of_piece = np.searchsorted(ring_edges, middle) - 1
         of_function = np.repeat(ring_of_piece[self.piece], self.order + 1)
@@ -254,12 +266,15 @@ class Punch:
         return parts @ on_rings.T
 
     def least_pressure(self, pressures: Array) -> float:
-        """Return the least pressure over the greatest."""
+        """Return the least ratio, over time, of the least pressure to the greatest pressure."""
         values = self._on_points(pressures)
         return float((values.min(axis=1) / values.max(axis=1)).min())
 
     def left(self, distance: float) -> float:
-        """Return what is left of the running-in, from 1; of a given indentation, of the force."""
+        """Return the fraction of the running-in that remains at a distance; it is 1 at the start.
+
+        At a fixed indentation, return the force instead.
+        """
         if self.held:
             return float(
                 np.exp(-distance / self.times) @ (self.excited * (self.weights @ self.shapes))
@@ -269,7 +284,7 @@ class Punch:
         return float(np.exp(-distance / self.times) @ parts / way)
 
     def time_left(self, part: float) -> float:
-        """Return when that is a part."""
+        """Return the distance at which `left` has a given value."""
         longest = 50 * self.times[0]
         root = brentq(
             lambda power: np.log(max(self.left(10**power), 1e-300) / part),
@@ -282,11 +297,13 @@ class Punch:
 def solved(
     problem, pieces: Pieces, load: Load, error: float, average: str
 ) -> tuple[dict[str, Array], dict[str, Array], Punch]:
-    """Return results over the face, the answer, and the punch, to about an error.
+    """Return results over the face, the answer, and the punch.
 
     Parameters
     ----------
-    problem : non-dimensional, of the scene: its times, radii of the face and ring edges
+    problem : non-dimensional problem of a scene; used are its times, radii and ring edges
+    error : approximate relative error of the solution
+    average : "line" or "area", average of the RMS slope
     """
     times = problem.times[problem.checked]
     held = problem.indentation is not None
@@ -294,14 +311,14 @@ def solved(
     distances = load.at(later)[1]
     earliest = min(distances, default=np.inf)
     smallest = _sizes(pieces, earliest, error)
-    # eight relaxation times, which may all be of one piece, ask for a degree of their own
+    # all eight relaxation times may belong to one piece, which needs at least this degree
     degree = max(int(np.ceil(np.log(1 / error) / np.log(3))) + 1, LEAST_DEGREE)
     punch = Punch(pieces, smallest, degree, held)
     results = {"relaxation_time": punch.times[:8]}
     if len(times):
         results |= _history(problem, punch, load, times, average)
     if problem.steady:
-        # under the force and the speed that are held last
+        # under the last force and speed
         force, speed = load.forces[-1], load.speeds[-1]
         steady = _steady(problem, punch, average)
         results |= {name: force * value for name, value in steady.items()}
@@ -310,21 +327,24 @@ def solved(
 
 
 def _sizes(pieces: Pieces, earliest: float, error: float) -> Array:
-    """Return the size in s of the smallest element at each edge, by what wear has blunted there."""
+    """Return the size in s of the smallest element at each edge.
+
+    It is proportional to the length over which wear has smoothed the pressure at the earliest time.
+    """
     none, infinite = np.append, np.inf
     inner, outer, widths = pieces.inner, pieces.outer, np.diff(pieces.edges)
     slower = np.minimum(none(outer, infinite), none(infinite, inner))
-    # k of a piece may all but vanish within a part of its width
+    # k may nearly vanish within a small part of the width of a piece
     ratios = np.maximum(inner, outer) / np.minimum(inner, outer)
     widths = widths / ratios
     beside = np.minimum(none(widths, infinite), none(infinite, widths))
     sizes = 0.1 * error * np.minimum(beside, slower * earliest)
     before, after = none(np.nan, outer), none(inner, np.nan)
     bend = none(np.nan, pieces.slope) != none(pieces.slope, np.nan)
-    # of a step, of a kink, of nothing but the edge of a ring
+    # at steps of k, at kinks of k, and at ring edges where k is smooth
     kink = 0.1 * np.sqrt(error) * beside
     sizes = np.where(before == after, np.where(bend, kink, np.inf), np.maximum(sizes, 1e-14))
-    # on the axis k is a cone, of which polynomials in s see a root
+    # k is a cone at the axis, r = sqrt(1 - s): a square root for polynomials in s
     sizes[0] = np.inf
     if pieces.slope[0]:
         cone = pieces.inner[0] / abs(pieces.slope[0])
@@ -379,7 +399,7 @@ def _history(problem, punch: Punch, load: Load, times: Array, average: str) -> d
 
 def _steady(problem, punch: Punch, average: str) -> dict[str, Array]:
     functions, wear = punch.fields(problem.face.radii)
-    # u = A p_s, and of heights m - u the least is 0
+    # u = A p_s; the steady profile max(u) - u has the minimum 0
     moved = punch.worn(np.zeros(1), punch.steady[None])
     greatest = -punch.least(moved)[0]
     profile = greatest + (moved @ functions.T)[0] * wear
@@ -394,7 +414,7 @@ def _steady(problem, punch: Punch, average: str) -> dict[str, Array]:
 
 
 def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array]:
-    """Return the answer, non-dimensional, NaN where there is none."""
+    """Return the non-dimensional numbers of the answer, NaN if a number does not exist."""
     edges, pieces = problem.ring_edges, punch.pieces
     root = np.sqrt((1 - edges) * (1 + edges))
     start = [

@@ -1,4 +1,4 @@
-"""A load over time for the independent solution of `independent.py`: exact between knots."""
+"""Load over time for the independent solution of `independent.py`, integrated between knots."""
 
 from itertools import pairwise
 
@@ -9,7 +9,7 @@ Array = np.ndarray
 
 
 class Load:
-    """Force and speed over time, linear between knots. Non-dimensional."""
+    """Force and speed over time, non-dimensional and linear between knots."""
 
     def __init__(self, knots: Array, forces: Array, speeds: Array) -> None:
         self.knots, self.forces, self.speeds = knots, forces, speeds
@@ -18,7 +18,7 @@ class Load:
         return np.append(self.knots[self.knots < until], until)
 
     def _distance(self, times: Array) -> Array:
-        """Return the sliding distance: trapezia are exact."""
+        """Return the sliding distance; the trapezoidal rule is exact for a linear speed."""
         at = np.concatenate([self.knots, [np.inf]])
         out = np.zeros(np.shape(times))
         for begin, end in pairwise(at):
@@ -41,7 +41,11 @@ class Load:
         return np.interp(times, self.knots, self.forces), self._distance(times), np.array(work)
 
     def decayed(self, times: Array, relaxation: Array) -> Array:
-        """Return (T, m) sums of what the force has risen, each part as far as its mode decayed."""
+        """Return the (T, m) forces that remain in each mode after its decay.
+
+        Each increment of the force decays exponentially with the sliding distance since then. The
+        relaxation times (m,) are distances.
+        """
         node, weight = leggauss(12)
         out = []
         for until in np.asarray(times, float):

@@ -1,9 +1,9 @@
-"""Programs of others, as people write them, for results that ringwear did not compute.
+"""Simple programs as other people write them, whose results are compared with ringwear's.
 
-Each takes what a user types in (`Input`), so that mistakes can be typed in, and returns a table of
-time, radius, pressure, displacement, profile and indentation. Their own errors are a few per cent:
-linear finite elements in a box, springs on a uniform grid (MDR), and, from `tamaas_wear.py`, tables
-of tamaas on squares of points.
+The programs are linear finite elements in a box, springs on a uniform grid (MDR), and tamaas on a
+square grid, whose tables `tamaas_wear.py` has written. Each takes the input of a user (`Input`), in
+which a test can make a mistake, and returns a table of time, radius, pressure, displacement,
+profile and indentation. The programs have errors of a few per cent.
 """
 
 from dataclasses import dataclass, replace
@@ -18,10 +18,11 @@ FOLDER = Path(__file__).parent / "physics" / "programs"
 
 @dataclass(frozen=True)
 class Input:
-    """What a user types into a program.
+    """Input that a user types into a program.
 
-    `reach` is the side of the box over the radius, `layer` the thickness and the modulus of a layer
-    over the radius and over the modulus, `plane` whether elements are of plane strain.
+    `reach` is the side of the box relative to the radius. `layer` has the thickness of a layer
+    relative to the radius, and its modulus relative to that of the half-space. `plane` chooses
+    plane strain elements, which is a mistake.
     """
 
     radius: float
@@ -42,17 +43,17 @@ class Input:
         return self.youngs / (1 - self.ratio**2)
 
     def wear_at(self, radii):
-        """Wear coefficients at radii."""
+        """Return wear coefficients at radii."""
         ring = np.searchsorted(self.edges, radii * (1 - 1e-9)).clip(max=len(self.edges) - 1)
         return np.array(self.wear)[ring]
 
     def changed(self, **changes):
-        """Return what another user types in."""
+        """Return the input with changes."""
         return replace(self, **changes)
 
 
 def input_of(scene):
-    """Return what is typed in by somebody who makes no mistake."""
+    """Return the right input for a scene."""
     punch, ground = scene.punch, scene.half_space
     edges = scene.problem.ring_edges[1:] * punch.radius
     youngs = ground.youngs_modulus or ground.plane_strain_modulus * (1 - ground.poisson_ratio**2)
@@ -71,7 +72,7 @@ def input_of(scene):
 
 
 def table(times, radii, pressures, profiles, depths):
-    """Return rows of all times and radii."""
+    """Return a DataFrame with one row for each time and radius."""
     rows = [
         pd.DataFrame(
             {
@@ -89,12 +90,12 @@ def table(times, radii, pressures, profiles, depths):
 
 
 def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
-    """Return pressures, profiles and depths at the times, by explicit steps of Archard's law.
+    """Return pressures, profiles and indentations at the times, by explicit steps.
 
-    `stiffness` are the forces on nodes by displacements of nodes, `force` that of all of them.
+    The matrix `stiffness` maps displacements of nodes to forces on nodes; `force` is the total.
     """
     wear, profile, time = given.wear_at(radii) * given.speed, 0 * radii, 0.0
-    # explicit steps are stable to about this
+    # explicit steps are stable up to about this length
     stable = 0.4 / np.max(np.abs(np.linalg.eigvals(stiffness / areas[:, None] * wear)))
     rigid, found = stiffness.sum(axis=1), []
     for end in given.times:
@@ -110,7 +111,7 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
 
 
 def finite_elements(given, cells=40):
-    """Linear triangles in a box that is clamped outside; displacements are prescribed."""
+    """Return a table by linear triangles in a box with a clamped outer boundary."""
     from scipy.sparse.linalg import splu
     from skfem import Basis, BilinearForm, ElementTriP1, ElementVector, MeshTri, enforce
     from skfem.helpers import ddot, div, sym_grad
@@ -119,7 +120,7 @@ def finite_elements(given, cells=40):
     radii = np.linspace(0, 1, cells + 1)
     thickness, softness = given.layer or (0.0, 1.0)
     lines = np.append(radii, np.geomspace(1 + 1 / cells, given.reach, cells))
-    # rounded, lest a line stands twice beside itself
+    # rounded, so that no two lines differ by roundoff only
     depths = np.unique(np.append(lines, thickness).round(9))
     mesh = MeshTri.init_tensor(lines, -depths[::-1])
     shear, ratio = given.youngs / (2 * (1 + given.ratio)), given.ratio
@@ -149,21 +150,22 @@ def finite_elements(given, cells=40):
 
 
 def springs(given, cells=120):
-    """The rule of springs on a uniform grid: q = d - g, and pressures by a sum of flat punches.
+    """Return a table by springs (MDR) on a uniform grid, whose pressures are sums of flat punches.
 
-    Abel's integrals are taken between the points of the grid, in closed form for linear profiles.
+    The line density is q = d - g. Each interval of the grid has one flat punch, whose pressure and
+    displacement have closed forms.
     """
     size = given.radius
     ends = np.linspace(0, 1, cells + 1) * size
     radii, places = (ends[1:] + ends[:-1]) / 2, ends[1:]
-    # a flat punch of radius b under the force F has p = F / (2 pi b sqrt(b^2 - r^2)): its share in
-    # each ring, and the displacement (2/pi) d arcsin(b/r) beside it
+    # a flat punch of radius b under the force F has p = F / (2 pi b sqrt(b^2 - r^2)): the share of
+    # its force on each ring of the grid, and the displacement (2/pi) d arcsin(b/r) outside it
     inner, outer = ends[:-1], ends[1:]
     root = np.sqrt(np.maximum(places[:, None] ** 2 - ends**2, 0.0))
     shares = (root[:, :-1] - root[:, 1:]) / places[:, None]
     areas = np.pi * (outer**2 - inner**2)
     moved = np.arcsin(np.minimum(places[:, None] / radii, 1.0)) * 2 / np.pi
-    # forces on rings by the depth of each flat punch, and displacements by these depths
+    # forces on rings due to the depth of each flat punch; displacements are `moved` times depths
     forces = 2 * given.modulus * places[:, None] * shares
     stiffness = np.linalg.solve(moved.T, np.eye(cells)).T @ forces
     results = explicit_steps(given, stiffness.T, areas, radii, given.force, 400)
@@ -172,5 +174,5 @@ def springs(given, cells=120):
 
 @cache
 def of_tamaas(name):
-    """A table of tamaas, which `tamaas_wear.py` has written."""
+    """Return a table of tamaas that `tamaas_wear.py` has written."""
     return pd.read_csv(FOLDER / f"{name}.csv", comment="#")

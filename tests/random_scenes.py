@@ -1,11 +1,11 @@
-"""Scenes drawn at random, run, and held to an independent solution.
+"""Compare runs of random scenes with an independent solution.
 
     python -m tests.random_scenes --kind flat --count 40 --seed 7 --methods mdr,fem
 
-Every number of the answer and of the results is compared, in its norm. A number is *silent* if it
-is beyond rtol though nothing names it: no list of what is beyond rtol, no verdict on the quantity
-other than "agree", and not what is left out of the promise. An error that is stated beside the
-number is no name.
+Every number of the answer and of the results is compared in its norm. A number is *silent* if its
+error is above rtol and the run does not report this: the quantity is not in the list of quantities
+beyond rtol, its verdict is "agree", and it is not left out of the promise. An error estimate above
+rtol beside the number does not count as a report.
 """
 
 import argparse
@@ -31,13 +31,14 @@ from independent import Load, Pieces, solved
 
 Array = np.ndarray
 KINDS = ("flat", "graded", "load", "held")
-# of the accuracy asked for, to which the two independent solutions are computed
+# errors of the two independent solutions over rtol; their difference shows how accurate they are
 FINE, COARSE = 0.2, 1.0
+# relaxation times that are compared
 SHOWN_MODES = 8
 
 
 def draw(kind: str, seed: int, count: int) -> Iterator[dict]:
-    """Yield scenes as tables; of one seed, each scene is the same however many are asked for."""
+    """Yield scenes as tables; scene n of a seed is the same for every count."""
     for number in range(count):
         random = np.random.default_rng([KINDS.index(kind), seed, number])
         yield _scene(kind, random)
@@ -93,7 +94,7 @@ def _scene(kind: str, random: np.random.Generator) -> dict:
         if random.random() < 0.5:
             forces = np.sort(forces)
         if (np.diff(forces) < 0).any():
-            # a contact that may change is resolved to its cells
+            # contact may open, and then errors are limited by the size of cells
             rtol = 10 ** random.uniform(-3.5, -2)
         at = (unit * knots).tolist()
         load["normal_force"] = {"times": at, "values": (force * forces).tolist()}
@@ -111,7 +112,7 @@ def _scene(kind: str, random: np.random.Generator) -> dict:
 
 
 def pieces_of(table: dict) -> Pieces:
-    """Read k(r) of a scene: pieces between ring edges and the radii of its table."""
+    """Return k(r) of a scene, linear between ring edges and the radii of its table."""
     punch = table["punch"]
     radius, edges = punch["radius"], np.append(0.0, punch["ring_edges"]) / punch["radius"]
     if "wear_coefficients" in punch:
@@ -137,7 +138,7 @@ def pieces_of(table: dict) -> Pieces:
 
 
 def load_of(table: dict) -> Load:
-    """Read the load of a scene, over its greatest force and speed and in natural time."""
+    """Return the load of a scene, relative to its greatest force and speed, in natural time."""
     punch, load = table["punch"], table["load"]
     wear = punch.get("wear_coefficients") or punch["wear_coefficient"]["values"]
     count = len(punch["ring_edges"]) if "wear_coefficients" in punch else None
@@ -157,15 +158,15 @@ def load_of(table: dict) -> Load:
 
 @dataclass
 class Held:
-    """How a scene compares.
+    """Comparison of the results of a scene with the independent solution.
 
     Parameters
     ----------
-    excluded : times at which quantities are left out, none for all of them
-    beyond : of each number beyond rtol, that is (method, name): true error, and stated, over rtol
-    silent : those that nothing names
-    first : those of the first six lines of the answer that are beyond rtol
-    unsure : names of which the independent solution is not sure to rtol
+    excluded : quantity -> times at which it is left out; an empty list means all times
+    beyond : number above rtol -> its true error and its estimate, both over rtol
+    silent : numbers above rtol that the run does not report
+    first : numbers above rtol among the first six lines of the answer
+    unsure : numbers for which the independent solution may err by more than rtol / 2
     """
 
     table: dict
@@ -188,7 +189,7 @@ class Held:
 
 
 def hold(table: dict, methods: tuple[str, ...]) -> Held:
-    """Run a scene and hold all of its numbers to the independent solution."""
+    """Run a scene, and compare all of its numbers with the independent solution."""
     scene = Scene.from_table(table | {"methods": list(methods)})
     held, problem = Held(table, scene.accuracy.rtol), scene.problem
     started = time.perf_counter()
@@ -217,7 +218,7 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
 
 
 def _loses_contact(table: dict, punch) -> bool:
-    """Return whether pressures would fall below zero at some time while the force falls."""
+    """Return whether a pressure would be negative at some time while the force falls."""
     load = load_of(table)
     if (np.diff(load.forces) >= 0).all():
         return False
@@ -227,7 +228,10 @@ def _loses_contact(table: dict, punch) -> bool:
 
 
 def excluded(result) -> dict[str, list[float]]:
-    """Return the times (none for all) at which quantities are not promised, or not decided."""
+    """Return the times at which quantities are not promised or not decided.
+
+    An empty list means all times.
+    """
     summary, names = result.summary, {}
     for row in summary.get("left_out_of_promise", []):
         times = row.get("times")
@@ -259,9 +263,9 @@ def _hold_results(held: Held, result, fine: dict, doubt: dict) -> None:
 
 
 def _named(held: Held, result, method: str, name: str, count: int) -> Array:
-    """Return of which values (count,) of a quantity something tells that they are not promised."""
+    """Return which values (count,) of a quantity the run reports as beyond rtol or left out."""
     problem, beyond = result.scene.problem, result.summary["methods"][method]["beyond_rtol"]
-    # relaxation times behind the third are in no such list
+    # the list of quantities beyond rtol considers three relaxation times
     named = np.full(count, name in beyond)
     if name in beyond and name == "relaxation_time":
         named[3:] = False
@@ -294,7 +298,7 @@ def _hold_answers(held: Held, result, answer: dict, less: dict) -> None:
                 scale = np.ones(())
             if name == "steady_rms_slope":
                 scale = np.maximum(scale, 1e-3 * answer["indentation_steady"])
-            # pressures at the rim are infinite in both
+            # pressures at the rim are infinite in both solutions and therefore left out
             error, unsure = (
                 np.max(np.abs(part[some] - exact[some]) / scale[some], initial=0.0)
                 for part in (value, less[name])
@@ -323,7 +327,7 @@ def _judge(held: Held, label: str, error: Array, stated: Array, doubt: Array, na
 
 
 def told(held: Held, number: int) -> str:
-    """Return a line of the table."""
+    """Return the line that is printed for a scene."""
     words = f"{number:4} {held.rtol:.0e} {held.verdict or 'ERROR':9} {held.seconds:6.2f} s"
     words += f" (reference {held.reference_seconds:5.1f} s)"
     if held.lost_contact:

@@ -23,7 +23,7 @@ class ErrorFactor(NamedTuple):
 
 
 ESTIMATES = "tests/physics/test_estimates.py::test_random_scenes"
-PUNCHES = "tests/physics/test_random_punches.py::test_of_many_random_punches_few_are_undecided"
+PUNCHES = "tests/physics/test_random_punches.py::test_at_most_one_of_12_punches_is_undecided"
 
 TABLE = {
     "flat punch": ErrorFactor(
@@ -40,13 +40,13 @@ TABLE = {
     "flat punch on halved elements": ErrorFactor(
         3.0,
         "difference of a flat punch to low-degree elements that are twice as large",
-        "tests/physics/test_low_degrees.py::test_no_true_error_is_above_the_stated_one",
+        "tests/physics/test_low_degrees.py::test_estimates_bound_the_errors_of_low_degrees",
     ),
     "wear along the radius": ErrorFactor(
         1.5,
         "the factor and the floor of a flat punch if k varies along the radius, because kinks of k "
         "get fewer layers",
-        "tests/physics/test_graded.py::test_methods_agree_and_errors_stated_are_above_the_true_ones",
+        "tests/physics/test_graded.py::test_methods_agree_and_estimates_bound_their_errors",
     ),
     "moving contact": ErrorFactor(
         2.5,
@@ -63,13 +63,13 @@ TABLE = {
         2.0,
         "the factor and the floor of a moving contact for forces at a fixed indentation: they "
         "decay, but their errors do not",
-        "tests/physics/test_fixed_indentation.py::test_the_last_of_a_force_is_not_promised",
+        "tests/physics/test_fixed_indentation.py::test_errors_of_vanishing_forces_are_as_stated",
     ),
     "time to full contact": ErrorFactor(
         2.0,
         "the factor of a moving contact for the time of full contact, which is located to within "
         "a time step",
-        "tests/physics/test_random_scenes.py::test_no_number_is_silently_beyond_what_was_asked_for",
+        "tests/physics/test_random_scenes.py::test_every_number_beyond_rtol_is_reported",
     ),
     "steps of the coarser march": ErrorFactor(
         4.0,
@@ -86,7 +86,7 @@ TABLE = {
         2.5,
         "a time t: the largest difference at times from t / value to t * value counts, because "
         "differences cross zero",
-        "tests/physics/test_trust.py::test_errors_of_a_time_asked_for_alone",
+        "tests/physics/test_trust.py::test_estimates_at_a_single_time_bound_the_errors",
     ),
     "part of the field": ErrorFactor(
         0.1,

@@ -55,8 +55,8 @@ LOWEST_PRESSURE_DEGREE = 3.0
 # Degree of the displacement minus degree of the pressure on quadrilaterals, before rounding up
 # (physics/test_size_rules.py, `ringwear study convergence`).
 EXTRA_DISPLACEMENT_DEGREES = 1.45
-# Degrees of the displacement that are added per decade by which 1 - 2 nu falls
-# (physics/test_estimates.py::test_nothing_locks checks the accuracy near incompressibility).
+# Degrees of the displacement that are added per decade by which 1 - 2 nu falls. The accuracy is
+# checked by physics/test_estimates.py::test_no_locking_near_incompressibility.
 DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
 # Part of these added degrees that EXTRA_DISPLACEMENT_DEGREES already covers.
 SPARE_DISPLACEMENT_DEGREES = 0.2
@@ -65,7 +65,7 @@ MAX_POISSON_RATIO = 0.4999
 # Tolerance at which the constants for triangle sizes and cell counts below are stated.
 REFERENCE_RTOL = 1e-4
 # Size of triangles at the rim, in a, over rtol. The initial indentation d0 has a relative error of
-# at most a tenth of that size (physics/test_five_rings.py::test_the_dial_of_the_fem).
+# at most a tenth of it (physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem).
 TRIANGLE_SIZE_AT_RIM = 0.1
 # Least number of triangles across the outermost ring, and across the ring next to a hole.
 MIN_TRIANGLES_ACROSS_RING = 4
@@ -145,7 +145,7 @@ def mdr_sizes(problem: Problem) -> dict[str, Any]:
     The keys are the arguments of `methods.spaces.radial_space`. Sizes at ring edges and at the rim
     are those of `ring_sizes` and `rim_size`, but at least `smallest_size`. Degrees are those of
     `pressure_degree` and `degree_of_modes`, rounded up. Values that the scene sets replace these.
-    Shown by physics/test_five_rings.py::test_the_dial_of_the_mdr.
+    Shown by physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_mdr.
     """
     scene_sizes, grading = problem.mdr, problem.mdr.grading or RADIAL_GRADING
     fields = with_affordable_field_tolerance(problem, grading)
@@ -191,7 +191,7 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     -----
     Sizes at ring edges and at the rim are those of `ring_sizes` and `rim_size`, but at least
     `fem_smallest`. A size that the scene sets replaces the one here. Shown by
-    physics/test_five_rings.py::test_the_dial_of_the_fem.
+    physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem.
     """
     scene_sizes, fields = problem.fem, with_affordable_field_tolerance(problem, QUAD_GRADING)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
@@ -230,7 +230,7 @@ def wanted_quad_degree(problem: Problem) -> int:
         q + EXTRA_DISPLACEMENT_DEGREES + max(0, -0.2 - 0.4 log10(1 - 2 nu))
 
     rounded up. The last term grows as the half-space becomes incompressible, where up to two digits
-    are lost. Shown by physics/test_estimates.py::test_nothing_locks.
+    are lost. Shown by physics/test_estimates.py::test_no_locking_near_incompressibility.
     """
     degree_of_fields = pressure_degree(
         with_affordable_field_tolerance(problem, QUAD_GRADING), QUAD_GRADING
@@ -284,8 +284,8 @@ def triangle_sizes(problem: Problem) -> SizeField:
     Notes
     -----
     The size is ``TRIANGLE_SIZE_AT_RIM rtol`` at the rim and that of `triangle_ring_sizes` at ring
-    edges. The growth and the size at the centre are proportional to ``(rtol /
-    REFERENCE_RTOL)^0.115``. Shown by physics/test_five_rings.py::test_the_dial_of_the_fem.
+    edges. Growth and size at the centre are proportional to ``(rtol / REFERENCE_RTOL)^0.115``.
+    Shown by physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem.
     """
     rtol, scene_sizes, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
     across_rim = float(ring_edges[-1] - ring_edges[-2]) / MIN_TRIANGLES_ACROSS_RING

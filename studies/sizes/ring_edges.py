@@ -82,7 +82,7 @@ def edge_sizes(problem: Problem) -> Array:
     ``min(1, sqrt(rtol) / kink) b`` is sufficient.
 
     Shown by physics/test_size_rules.py on rings and by
-    physics/test_graded.py::test_methods_agree_and_errors_stated_are_above_the_true_ones on kinks;
+    physics/test_graded.py::test_methods_agree_and_estimates_bound_their_errors on kinks;
     `ringwear study tradeoff` shows the cost of a tolerance.
     """
     rtol, widths, edge_amplitude = problem.rtol, problem.merged.narrower, problem.edge_amplitude

@@ -1,10 +1,10 @@
-"""Scenes on layered ground, drawn at random; run many of them by
+"""Random scenes on layered ground. To run many of them:
 
     python -m tests.physics.random_layers --count 30 --seed 1
     python -m tests.physics.random_layers --count 10 --seed 1 --shaped
 
-It prints a line for each scene, and last the number of each verdict and of scenes that leave
-anything out of the promise.
+This prints a line for each scene, then how often each verdict occurred, and how many scenes left a
+quantity out of the promise.
 """
 
 import argparse
@@ -60,7 +60,7 @@ def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
 
 
 def main() -> None:
-    """Run scenes, and print what they gave."""
+    """Run scenes, and print their verdicts."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--count", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,4 +1,4 @@
-"""Punches of random shape under random loads, for tests that count how many are decided."""
+"""Punches of random shape under random loads, for tests that count verdicts."""
 
 import numpy as np
 
@@ -10,14 +10,14 @@ KINDS = ("parabola", "cone", "power", "rounded rim", "table", "recess")
 def random_punch(seed, rtol=1e-3):
     """Draw a scene for mdr and fem: shape, rings, wear coefficients, load and times.
 
-    Heights are of the order of the depth that the force makes, so that contact begins on a part of
-    the face and spreads; the last time lies about where it is full.
+    Heights are comparable to the indentation of a flat punch under the same force. So contact
+    begins on a part of the face and spreads, and it is about full at the last time.
     """
     draw = np.random.default_rng([35, seed])
     kind = KINDS[seed % len(KINDS)]
     count = int(draw.integers(1, 5)) + (kind == "recess")
     edges = np.sort(draw.uniform(0.1, 0.95, count - 1))
-    # rings narrower than this would be a test of narrow rings
+    # without very narrow rings, which other tests cover
     edges = [*(float(edge) for edge in edges if edge < 0.95), 1.0]
     edges = [b for a, b in zip([0.0, *edges[:-1]], edges, strict=True) if b - a > 0.04 or b == 1.0]
     punch = {
@@ -27,7 +27,7 @@ def random_punch(seed, rtol=1e-3):
     }
     if len(edges) == 1:
         punch["wear_coefficients"] *= 2
-    # the depth of a flat punch under the force 1
+    # relative to 0.5, the indentation of a flat punch under the force 1
     height = 0.5 * 10 ** draw.uniform(-1, 1)
     match kind:
         case "parabola":

@@ -1,7 +1,4 @@
-"""The verdict.
-
-Methods agree within their stated uncertainty on sensible scenes, and a wrong one is found out.
-"""
+"""Verdicts: methods agree on sensible scenes, and a wrong result is a disagreement."""
 
 from __future__ import annotations
 
@@ -33,7 +30,7 @@ def undecided(result):
 )
 @pytest.mark.parametrize(
     "name",
-    # its 32 rings take the time of all the others together
+    # its 32 rings take as long as all other scenes together
     [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in FLAT],
 )
 def test_bundled_scenes_agree(name, mesher):
@@ -42,7 +39,7 @@ def test_bundled_scenes_agree(name, mesher):
     result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
     assert result.verdict != "disagree"
     if mesher == "quads":
-        # fields of 32 rings are resolved as far as is affordable, and it is said how far
+        # fields of 32 rings may miss rtol because of cost, and a remark says so
         rows = undecided(result)
         fields = {"pressure", "rms_slope", "steady_rms_slope"}
         assert rows.keys() <= (fields if name == "many_rings" else set())
@@ -55,7 +52,7 @@ def test_bundled_scenes_agree(name, mesher):
 def test_bundled_scenes_of_any_punch_agree(name):
     result = run(Scene.load(name))
     assert result.verdict != "disagree"
-    # beside edges that move fields are known to a cell
+    # fields at moving edges are accurate to one cell only and may be undecided
     assert not undecided(result).keys() & {"indentation", "normal_force"}
 
 
@@ -94,7 +91,7 @@ def flat():
 
 
 def compare(flat, factors, errors=None):
-    """The MDR against finite elements whose results are multiplied, or who state other errors."""
+    """Compare MDR with finite elements whose results are scaled or whose estimates are replaced."""
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
     wrong, answers = (
         part | {name: factors[name] * part[name] for name in factors.keys() & part.keys()}
@@ -107,7 +104,7 @@ def compare(flat, factors, errors=None):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("factor", [0.98, 1.02])
-def test_a_wrong_result_is_noticed(flat, factor):
+def test_a_result_wrong_by_two_per_cent_is_a_disagreement(flat, factor):
     quantities = flat.quantities
     assert len(quantities) == 23
     for wrong in quantities:
@@ -116,14 +113,14 @@ def test_a_wrong_result_is_noticed(flat, factor):
     assert flat.verdict == "agree"
 
 
-def test_one_wrong_time_is_noticed(flat):
+def test_an_error_at_one_time_is_a_disagreement(flat):
     row = compare(flat, {"indentation": np.array([1.0, 1.01, 1.0])})["indentation"]
     assert row.verdict == "disagree"
     assert row.difference == pytest.approx(0.01, rel=0.02)
 
 
-def test_what_a_method_does_not_know_is_undecided_not_agreed(flat):
-    """A stated error above what was asked for never agrees; beyond it the methods disagree."""
+def test_a_quantity_with_a_large_error_estimate_is_undecided(flat):
+    """With an estimate above rtol the methods never agree; beyond the estimate they disagree."""
     unsure = {"profile": np.array([1e-5, 0.2, 1e-5])}
     row = compare(flat, {}, unsure)["profile"]
     assert row.verdict == "undecided"
@@ -132,7 +129,7 @@ def test_what_a_method_does_not_know_is_undecided_not_agreed(flat):
     assert compare(flat, {"profile": 1.5}, unsure)["profile"].verdict == "disagree"
 
 
-def test_what_is_local_to_moving_edges_decides_against_only():
+def test_quantities_at_moving_edges_can_only_cause_disagreement():
     both = ("mdr", "fem")
     sure = Agreement("indentation", both, 1e-5, 1e-4, "agree")
     local = Agreement("pressure", both, 1e-2, 1e-1, "undecided", promised=False)
@@ -142,8 +139,8 @@ def test_what_is_local_to_moving_edges_decides_against_only():
 
 
 @pytest.mark.gmsh
-def test_early_layers_that_cannot_be_resolved_are_named():
-    """As t tends to zero the slope is that of a layer at the rim ever thinner."""
+def test_times_too_early_to_resolve_are_named_and_left_out():
+    """As t tends to zero, the slope is that of an ever thinner layer at the rim."""
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"], accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]
     )
@@ -153,17 +150,17 @@ def test_early_layers_that_cannot_be_resolved_are_named():
     assert row.remark.startswith("the layers that wear has made by then need elements of")
     assert not row.promised
     assert result.verdict == "agree"
-    # the first line says what is left out, and the summary why
+    # the first line names the quantity that is left out, and the summary gives the reason
     assert result.verdict_in_words.startswith("The methods agree in all but RMS slope at t = 1e-10")
     rows = {row["quantity"]: row for row in result.summary["left_out_of_promise"]}
     assert rows.keys() == {"rms_slope"}
     assert all(row["times"] == [1e-10] for row in rows.values())
     assert "choose later times" in rows["rms_slope"]["reason"]
-    # the early time does not spoil the later one
+    # the later time is not affected
     assert result.solutions["mdr"].errors["rms_slope"][1] < 1e-6
 
 
-def test_what_a_method_states_no_error_of_is_undecided(flat):
+def test_a_quantity_without_an_error_estimate_is_undecided(flat):
     mdr, names = flat.solutions["mdr"], ["time", "indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
     given = ({name: part[name] for name in names} for part in (mdr.results, mdr.checked))
@@ -171,7 +168,7 @@ def test_what_a_method_states_no_error_of_is_undecided(flat):
     rows = agreements(flat.scene.problem, ("mdr", "springs"), (mdr, springs))
     verdicts = {row.quantity: row.verdict for row in rows}
     assert verdicts == {"indentation": "agree", "pressure": "undecided", "rms_slope": "undecided"}
-    # what would decide is said of methods that are in no table, too
+    # the remark names the remedy also for a method that ringwear does not know
     by_name = {row.quantity: row for row in rows}
     assert "springs states 5.0e-01; rtol = " in by_name["pressure"].remark
     assert by_name["rms_slope"].remark == "a method has no error estimate"

@@ -1,4 +1,4 @@
-"""Numbers of the answer of flat punches, against closed forms, balances and another history."""
+"""Answers for flat punches against closed forms, balances and an independent history."""
 
 import numpy as np
 import pytest
@@ -18,18 +18,18 @@ def five():
 
 
 def test_running_in_against_an_independent_history(five, reference):
-    """What the approach has made of its way at a reference's times leads back to these times."""
+    """`time_until` at the completed fraction of each reference state returns the state's time."""
     wear = five.solutions["mdr"].wear
     assert wear is not None
     slowest = reference["slowest_relaxation_times"][0]
     assert five.answers["mdr"]["running_in_time"] == pytest.approx(slowest, rel=1e-9)
-    # where the approach, less steady wear, ends for a force of 2: d F = int u p dA
+    # final value of d(t) minus the steady wear, under the force F = 2: d F = int u p dA
     pressures = 2 * direct.steady_pressures(EDGES, K)
     rate, steps = K[0] * pressures[0], direct.pressure_steps(pressures)
     end = steps @ disc_energies(EDGES[1:]) @ steps / 2.0
     for state in reference["states"]:
         way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
-        # ten times as fast as the unit of the scene, for the greatest coefficient is ten
+        # the unit of time belongs to the greatest wear coefficient, which is 10
         time = wear.time_until(1 - way) * five.scene.problem.units.time
         assert time == pytest.approx(state["time"], rel=1e-6)
 
@@ -53,10 +53,10 @@ def test_start_and_steady_state_in_closed_form(five):
 @pytest.mark.parametrize(
     "coefficients", [[1.0, 10.0], [3.0, 3.0]], ids=["five materials", "one material"]
 )
-def test_worn_volume_is_what_the_force_has_worn(coefficients):
-    """Sum of V / k over the rings is F v0 t, also where rings are of one material.
+def test_worn_volumes_over_k_sum_to_force_times_distance(coefficients):
+    """The sum of V / k over the rings is F v0 t, also if all rings have one material.
 
-    Units that are not one.
+    Radius, force and speed differ from 1, so that units are tested, too.
     """
     scene = Scene.load("five_rings").changed(
         methods=["mdr"],
@@ -69,13 +69,13 @@ def test_worn_volume_is_what_the_force_has_worn(coefficients):
     volumes = data.worn_volume
     assert float((volumes / data.wear_coefficient).sum()) == pytest.approx(30.0, rel=1e-6)
     if coefficients[0] == coefficients[1]:
-        # nothing happens at the edges: the profile itself, integrated over the second ring
+        # the profile is smooth across edges: compare with its integral over the second ring
         data = run(scene.changed(output__radii=np.linspace(0.4, 0.8, 2001).tolist())).dataset
         rings = 2 * np.pi * data.radius * data.profile[0, -1]
         assert float(volumes[1]) == pytest.approx(float(rings.integrate("radius")), rel=1e-6)
 
 
-def test_the_paper_s_algorithm_answers_what_it_knows():
+def test_the_papers_algorithm_reports_worn_volumes_but_no_running_in_time():
     scene = Scene.load("five_rings").changed(methods=["mdr", "mdr-grid"], wear__steady=False)
     exact, grid = run(scene).answers.values()
     assert np.isnan(grid["running_in_time"])
@@ -87,7 +87,7 @@ def test_the_paper_s_algorithm_answers_what_it_knows():
     [(2, 1e-3, 1.0), (3, 50.0, 0.02), (7, 1e5, 5.0), (1, 1.0, 1.0)],
     ids=str,
 )
-def test_the_time_scale_is_known_beforehand(rings, ratio, width):
+def test_the_slowest_relaxation_time_is_predicted_without_a_run(rings, ratio, width):
     scene = Scene.load("five_rings").changed(
         methods=["mdr"],
         punch__rings=rings,

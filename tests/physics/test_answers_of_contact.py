@@ -1,4 +1,4 @@
-"""What is answered of punches whose contact opens, closes and spreads."""
+"""Answers for punches whose contact opens, closes and spreads."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ CURVATURE, FORCE = 3.0, 0.1
 
 
 def sphere(times, **changes):
-    """In other units than the natural ones."""
+    """Return a scene of a sphere in units that differ from the natural ones."""
     table = {
         "punch": {
             "radius": 2.0,
@@ -31,7 +31,7 @@ def sphere(times, **changes):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_the_start_of_a_sphere_is_that_of_hertz():
+def test_a_sphere_starts_with_hertz_contact():
     result = run(sphere([0.0, 0.1]))
     radius = (3 * FORCE * CURVATURE / 4 / 7.0) ** (1 / 3)
     for answers in result.answers.values():
@@ -39,7 +39,7 @@ def test_the_start_of_a_sphere_is_that_of_hertz():
         peak = 1.5 * FORCE / np.pi / radius**2
         assert answers["pressure_peak_start"] == pytest.approx(peak, rel=1e-4)
         assert answers["indentation_start"] == pytest.approx(radius**2 / CURVATURE, rel=1e-6)
-        # of a disc that spreads slowly not all is reached, and said to be so
+        # the last time is long before full contact, so these numbers are missing
         assert np.isnan(answers["time_to_90"])
         assert "time_to_full_contact" not in answers
         assert "force_start" not in answers
@@ -47,7 +47,7 @@ def test_the_start_of_a_sphere_is_that_of_hertz():
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder"])
-def test_infinite_pressures_are_no_answer(name):
+def test_infinite_peak_pressures_are_left_out_of_the_answer(name):
     scene = Scene.load(name).changed(wear__times=[0.0], wear__steady=False)
     answers = run(scene, methods=["mdr"]).answers["mdr"]
     assert "pressure_peak_start" not in answers
@@ -56,17 +56,17 @@ def test_infinite_pressures_are_no_answer(name):
 
 @pytest.fixture(scope="module")
 def worn():
-    """A sphere that comes to bear: of 8.6e-3 a in a time of 5."""
+    """Run of a sphere that wears into full contact within the times of the scene."""
     return run(sphere([0.0, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
 
 
-def test_running_in_of_a_sphere_that_comes_to_bear(worn):
+def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
     answers = worn.answers["mdr"]
     early, late, full = (
         float(answers[name]) for name in ("time_to_90", "time_to_99", "time_to_full_contact")
     )
     assert early < late < 40.0
-    # a finer run, by another method, passes there
+    # the history of a finer run by another method agrees at these times
     times = np.sort(
         [*np.linspace(0.0, 1.2 * late, 60), early, late, 0.94 * full, 1.06 * full, 40.0]
     )
@@ -77,7 +77,7 @@ def test_running_in_of_a_sphere_that_comes_to_bear(worn):
     left /= left.max()
     assert left[np.isin(times, [early, late])] == pytest.approx([0.1, 0.01], rel=1e-2)
     assert (left[times > late] < 0.01).all()
-    # all of the face carries from there on, to a step of the march
+    # the whole face is in contact from then on, to within a step of the march
     contact = finer.dataset.contact.values[0].all(axis=1)
     assert contact[times > 1.05 * full].all()
     assert not contact[times < 0.95 * full].any()
@@ -86,13 +86,13 @@ def test_running_in_of_a_sphere_that_comes_to_bear(worn):
     )
 
 
-def test_the_words_tell_it(worn):
+def test_the_printed_answer_lists_the_running_in_times(worn):
     told = [what for what, _, _ in Account(worn).answers]
     assert {"time to full contact", "time to 90", "time to 99"} <= set(told)
 
 
-def test_the_force_of_a_given_indentation():
-    # the sphere at the depth that the force presses it to; forces halve where a finer run has half
+def test_forces_in_the_answer_at_a_fixed_indentation():
+    # fixed at Hertz's indentation for FORCE; a finer run has half the force at the reported time
     depth = (3 * FORCE * CURVATURE / 4 / 7.0) ** (2 / 3) / CURVATURE
     scene = sphere([0.0, 0.02, 0.04, 0.2], accuracy__rtol=1e-3, load={"indentation": depth})
     result = run(scene, methods=["mdr"])
@@ -109,34 +109,34 @@ def test_the_force_of_a_given_indentation():
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
-def test_times_that_show_all_of_the_running_in(name):
+def test_times_running_in_cover_the_whole_running_in(name):
     scene = Scene.load(name).changed(wear__times="running-in", accuracy__rtol=1e-2)
     assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
     result = run(scene, methods=["mdr"])
     answers, times = result.answers["mdr"], scene.wear.times
     assert times[1] < 0.05 * answers["time_to_90"]
     assert answers["time_to_99"] <= times[-1] < 10 * answers["time_to_99"]
-    # the first of them still sees the punch as it was
+    # at the first time after the start, the punch is hardly worn
     depth = result.dataset.indentation.values[0]
     assert 0 < depth[1] - depth[0] < 0.01 * depth[0]
-    # and at the depth where it began, until it has lost its force
+    # the same at the initial indentation, held fixed: the times extend until the force has decayed
     fixed = scene.changed(load={"indentation": float(depth[0])})
     force = run(fixed, methods=["mdr"]).dataset.normal_force.values[0]
     assert 0.98 * force[0] < force[1] < force[0]
     assert force[-1] < 0.02 * force[0]
 
 
-def test_a_rigid_sphere_wears_off_its_overlap():
+def test_the_spreading_time_of_a_sphere_against_a_rigid_half_space():
     problem = sphere([0.0, 1.0]).problem
     start, end = spreading_times(problem)
-    # a^4 = 4 R k F v t / pi, at the radius of the punch
+    # a^4 = 4 R k F v t / pi, where a is the radius of the punch
     worn = np.pi * 2.0**4 / (4 * CURVATURE * 0.5 * FORCE * 3.0)
     assert end * problem.units.time == pytest.approx(worn, rel=1e-4)
     assert start < 1e-3 * end
     assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[1]
 
 
-def test_counts_of_the_slowest_time_of_the_full_face():
+def test_tau_counts_relaxation_times_of_the_full_face():
     counts = {"tau": [0.0, 0.5, 2.0]}
     shaped = sphere(counts).wear.times
     flat = Scene.load("flat_punch").changed(wear__times=counts).problem.times
@@ -146,19 +146,19 @@ def test_counts_of_the_slowest_time_of_the_full_face():
     assert held.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
 
 
-def test_curves_go_on_from_steps_to_full_contact(worn):
+def test_curves_continue_from_the_march_into_full_contact(worn):
     for solution in worn.solutions.values():
         march = solution.march
         sampler = Sampler(worn.scene.problem, march.face.compliance.space, march.face.compliance)
         between = sampler.history(march.between)
         times = between["time"]
         assert (np.diff(times) > 0).all()
-        # Archard: of one material, under one load
+        # Archard's law for one material under a constant force
         volumes = between["ring_worn_volume"].sum(axis=1)
         assert volumes == pytest.approx(times, rel=1e-10)
         assert times[-1] == pytest.approx(worn.scene.problem.times[-1], rel=1e-12)
         edge, full = between["contact_edge"][:, 1], march.time_of_full_contact
-        # it spreads, and is known to a cell of the mesh
+        # contact spreads; its edge is accurate to one cell
         cells = march.face.compliance.space.breakpoints
         assert (np.diff(edge) > -np.diff(cells).max()).all()
         assert (edge[times > 1.01 * full] == 1.0).all()
@@ -171,7 +171,7 @@ def test_the_steps_of_the_march_are_stored(worn):
     stored = run(scene, methods=["mdr"]).dataset.isel(solver=0)
     times = stored.step_time.values
     assert (np.diff(times) > 0).all()
-    # it ends where modes go on, and passes through the start
+    # the march begins at the start and ends in full contact, where modes take over
     assert times[0] == 0.0
     assert times[-1] < stored.time[-1]
     assert stored.step_normal_force.values == pytest.approx(20.0)

@@ -1,7 +1,4 @@
-"""Scenes with recesses, profiles and fixed indentations.
-
-What they ask for, what is refused, and what results say.
-"""
+"""Scenes with recesses, profiles and fixed indentations: keys, refusals and results."""
 
 import numpy as np
 import pytest
@@ -33,10 +30,11 @@ SCENE = Scene.from_table(
 )
 SPHERE = SCENE.changed(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
 RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
-EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)  # by a unit modulus
+# for the plane strain modulus 1: forces are to be divided by MODULUS
+EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)
 
 
-def test_a_sphere_in_units():
+def test_a_sphere_starts_with_hertz_contact_in_other_units():
     result = run(SPHERE)
     data = result.dataset.isel(solver=0, time=0)
     contact = EXACT_SPHERE.contact_radius(FORCE / MODULUS)
@@ -49,10 +47,10 @@ def test_a_sphere_in_units():
     assert ((data.contact > 0) == (data.radius <= contact)).all()
     assert np.array(data.contact_edge[:2]) == pytest.approx([0.0, contact])
     assert float(data.normal_force) == pytest.approx(FORCE)
-    # recessed material is not worn material, and no time of a flat punch is told as that of this
+    # heights of the unworn face do not count as worn, and times of a flat punch are not reported
     answer = result.answers["mdr"]
     assert float(answer["indentation_start"]) == pytest.approx(depth, rel=1e-8)
-    # F v0 t, shared out by the k of the rings that have touched
+    # sum of V / k over the rings = F v0 t
     assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
     assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
     for name in ("time_to_90", "time_to_99"):
@@ -60,7 +58,7 @@ def test_a_sphere_in_units():
     assert np.isnan(answer["pressure_max"][0]).all()
 
 
-def test_every_way_to_give_a_profile(tmp_path):
+def test_all_ways_to_give_a_profile_agree(tmp_path):
     radii = np.linspace(0.0, LENGTH, 41)
     rows = np.column_stack([radii, radii**2 / 16])
     np.savetxt(tmp_path / "profile.csv", rows, delimiter=",", header="radius,height", comments="")
@@ -80,7 +78,7 @@ def test_every_way_to_give_a_profile(tmp_path):
         tolerance = 2e-3 if name == "table" else 1e-8
         value = float(run(scene).dataset.indentation.squeeze())
         assert value == pytest.approx(depth, rel=tolerance), name
-    # the scene is complete without its file, and functions stay with it
+    # a scene keeps the heights of its file when written, and its functions when changed
     assert Scene.from_toml(ways["table"].to_toml()) == ways["table"]
     assert ways["function"].changed(accuracy__rtol=1e-2).punch.heights
 
@@ -95,7 +93,7 @@ def test_recesses_and_profiles_add():
 
 
 @pytest.mark.gmsh
-def test_results_say_where_contact_is():
+def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
     result = run(RECESSED, methods=["mdr", "direct", "fem"])
     assert result.verdict == "agree"
     undecided = {row.quantity for row in result.agreement if not row.agrees}
@@ -106,19 +104,20 @@ def test_results_say_where_contact_is():
     assert float(data.contact_edge.sel(solver="fem").isel(time=0, edge=1)) == pytest.approx(0.8)
     for name in ("indentation", "ring_force", "ring_worn_volume", "contact_radius"):
         assert np.isfinite(data[f"{name}_error"].sel(solver="mdr")).all()
-    # each ring wears k times what it carries, all rings together F v0 t
+    # sum of V / k over the rings = F v0 t
     worn = (data.ring_worn_volume.sel(solver="mdr") / WEAR).sum("ring")
     np.testing.assert_allclose(worn, FORCE * data.time, rtol=1e-12)
     assert "springs' rule of the MDR" in result.summary["left_out"]
 
 
 @pytest.mark.parametrize("scene", [SCENE, RECESSED], ids=["flat", "recessed"])
-def test_a_remedy_is_an_accuracy_to_ask_for(scene):
+def test_the_remedy_suggests_a_smaller_rtol(scene):
     told = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
     assert told.endswith("rtol = 1e-04 would decide it")
 
 
-# first contacts whose cells came back every second, third, ... look, until the looks ran out
+# scenes in which an earlier search for the first contact returned to the same cells in every second
+# or third iteration, or in each, until it had used up its iterations
 CIRCLING = {
     "every second": {
         "punch__ring_edges": [0.199, 0.208, 0.347, 0.769, 1.0],
@@ -142,7 +141,7 @@ CIRCLING = {
 
 
 @pytest.mark.parametrize("name", CIRCLING)
-def test_first_contact_is_located_in_a_few_looks(name):
+def test_first_contact_is_found_with_at_most_four_compliances(name):
     modulus = {"half_space__plane_strain_modulus": 1.0, "punch__wear_coefficients": [1.0, 2.0]}
     problem = SCENE.changed(punch__radius=1.0, **modulus, **CIRCLING[name]).problem
     looks = []
@@ -156,7 +155,7 @@ def test_first_contact_is_located_in_a_few_looks(name):
     assert 1 <= len(looks) <= 4
 
 
-def test_first_contact_is_located_once_for_all_methods(monkeypatch):
+def test_first_contact_is_found_once_for_all_methods(monkeypatch):
     calls = []
 
     def count(*arguments):
@@ -165,11 +164,11 @@ def test_first_contact_is_located_once_for_all_methods(monkeypatch):
 
     monkeypatch.setattr("ringwear.studies.methods.spaces.find_first_contact", count)
     run(RECESSED.changed(accuracy__rtol=1e-2), methods=["mdr", "bem"])
-    # on the cells of the result, and on half as many for its error
+    # once on the cells of the result, and once on half as many for the error estimate
     assert len(calls) == 2
 
 
-def test_a_fixed_indentation():
+def test_the_force_on_a_cone_at_a_fixed_indentation_decays_to_zero():
     fixed = SCENE.changed(
         load={"indentation": 0.02},
         punch__profile={"kind": "cone", "slope": 0.01},
@@ -183,7 +182,7 @@ def test_a_fixed_indentation():
     assert (np.diff(data.normal_force) <= 0).all()
     assert float(data.normal_force[-1]) < 1e-11 * MODULUS
     assert np.isnan(data.steady_wear_rate)
-    # in the end all that is higher than the indentation has worn off
+    # finally, everything within the indentation has worn off
     assert np.array(data.profile[-1]) == pytest.approx(0.02, abs=1e-5)
 
 
@@ -214,13 +213,13 @@ def table(radii, heights):
         ),
     ],
 )
-def test_what_is_no_punch_is_refused(changes, words):
+def test_impossible_profiles_are_refused(changes, words):
     with pytest.raises(SceneError) as caught:
         SCENE.changed(**changes)
     assert all(word in str(caught.value) for word in words.split("|")), caught.value
 
 
-def test_heights_that_do_not_fit_are_refused():
+def test_negative_heights_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = SCENE.with_heights(lambda r: r - 0.5).problem
 
@@ -236,7 +235,7 @@ def test_heights_that_do_not_fit_are_refused():
         ({"load": {"indentation": 0.1}, "methods": ["direct"]}, "direct|indentation"),
     ],
 )
-def test_what_cannot_be_done_is_refused(changes, words):
+def test_unsupported_options_of_a_recessed_punch_are_refused(changes, words):
     scene = RECESSED.changed(**changes)
     with pytest.raises(SceneError) as caught:
         run(scene)
@@ -267,12 +266,12 @@ def test_an_indentation_that_does_not_touch_is_refused():
         ),
     ],
 )
-def test_sweeps_refuse_at_the_door(base, axes, keep, words):
+def test_impossible_sweeps_are_refused_before_they_start(base, axes, keep, words):
     with pytest.raises(SceneError, match=words):
         sweep(base, axes, keep=keep)
 
 
-def test_a_sweep_over_spheres_is_hertz():
+def test_a_sweep_over_spheres_agrees_with_hertz():
     axes = {"punch.profile.curvature_radius": [1.0, 2.0], "load.indentation": [0.01, 0.04]}
     data = sweep(Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 1e-3]), axes)
     assert data["indentation"].dims == ("indentation",)
@@ -289,7 +288,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
     recesses = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]
     keep = ["worn_volume", "contact_radius", "relaxation_time", "force_share"]
     data = sweep(scene, {"punch.recess": recesses}, keep=keep).sel(solver="mdr")
-    # what one lacks is NaN, and the other has it
+    # a quantity that only one kind of punch has is NaN for the other
     for name, lacks in (("contact_radius", [True, False]), ("relaxation_time", [False, True])):
         assert data[name][:, 0].isnull().values.tolist() == lacks
     for recess, worn, share in zip(recesses, data["worn_volume"], data["force_share"], strict=True):
@@ -299,7 +298,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
 
 
 @pytest.mark.slow
-def test_the_tradeoff_of_a_sphere():
+def test_the_tradeoff_study_of_a_sphere_reaches_its_tolerances():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
     found = study("tradeoff", scene, quick=True)
     assert not [line for line in found.conclusions if "failed" in line]
@@ -336,7 +335,7 @@ def test_degenerate_faces_converge(face):
 
 
 def test_refinement_reaches_the_sizes_of_any_cells():
-    """Single triangles were refined in turn along the contact, until the rounds ran out."""
+    """Facets of triangles follow the cells; an earlier refinement ran out of iterations here."""
     scene = Scene.from_table(
         {
             "methods": ["fem"],
@@ -360,5 +359,5 @@ def test_refinement_reaches_the_sizes_of_any_cells():
     mesh = even_half_space(cells, 0.3).solid.mesh
     radii = contact_radii(mesh)
     assert all(np.abs(radii - edge).min() < 1e-12 for edge in cells.ring_edges)
-    # facets have the size of the cells or less, but for what sizes vary over a triangle
+    # facets are as small as the cells, except that the size varies over a triangle
     assert (np.diff(radii) <= 1.5 * cells((radii[1:] + radii[:-1]) / 2)).all()

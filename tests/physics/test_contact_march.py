@@ -1,4 +1,4 @@
-"""Wear while contact opens, closes and spreads: balances, the worn sphere, modes, steady states."""
+"""Wear with moving contact edges: balances, the worn sphere, modes and steady states."""
 
 import numpy as np
 import pytest
@@ -68,7 +68,7 @@ def theory(rings, *sizes):
 
 
 def check(history, weights, gap=1e-14):
-    """No tension, no penetration beyond roundoff, by the moments of the gap, and no third."""
+    """Assert complementarity: no tension, no penetration beyond roundoff, no pressure at gaps."""
     pressure, depth = history.pressure, history.indentation
     assert pressure.min() >= 0
     assert (history.gap >= -gap * np.outer(depth, weights)).all()
@@ -93,24 +93,24 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
         for compliance in (energy.compliance(space), half_space)
     )
     _, ring = nodes(space)
-    # finite elements and the energy of the MDR all along
+    # finite elements agree with the MDR at all times
     assert by_elements.indentation == pytest.approx(history.indentation, rel=1e-4)
     assert np.abs(by_elements.profile - history.profile).max() < 1e-4 * history.indentation.min()
-    # all of the face carries in the end, and as the flat punch of these rings
+    # the steady state is that of a flat punch with these rings
     assert history.contact[-1].all()
     assert history.pressure[-1] == pytest.approx(steady_pressures(*rings)[ring], rel=1e-12)
-    # each ring has worn k times what it has carried
+    # sum of V / k over the rings = F v0 t
     check(history, space.weights)
     carried = history.profile[1:] / rings.wear_coefficients[ring]
     assert carried @ space.weights == pytest.approx(times[1:], rel=1e-12)
-    # long steps, each over several cells; of one that wears in twenty of them, most while a whole
-    # ring comes to bear
+    # few iterations, although edges move over several cells in a step. "recessed, k to 100" needs
+    # more, most of them while a whole ring comes into contact
     assert np.mean(history.steps.iterations) <= (1.75 if name == "recessed, k to 100" else 1.5)
     assert max(history.steps.iterations) <= 10
 
 
 @pytest.mark.parametrize("rings", [FIVE, THREE], ids=["k to 10", "k to 100"])
-def test_a_flat_face_keeps_its_contact_and_follows_its_modes(rings):
+def test_a_flat_face_stays_in_contact_and_agrees_with_its_modes(rings):
     compliance, times = theory(rings, 60, 1e-4), np.geomspace(1e-2, 3, 8)
     exact = RunningIn(compliance, rings.wear_coefficients).modal(times).indentation
     history = march_on(compliance, face(rings, 0)).adaptive(times, 1e-7).history
@@ -127,11 +127,11 @@ def test_orders_in_time():
     assert 1.7 < errors[1] / errors[2] < 2.3
     few, many = march.adaptive(times, 1e-4).history, march.adaptive(times, 1e-6).history
     assert abs(many.indentation[-1] / exact - 1) < 1e-5
-    # of third order in a step: a hundredth of the error by 4.6 times the steps
+    # the third order in a step: a hundredth of the error takes 4.6 times the steps
     assert many.steps.taken < 10 * few.steps.taken
 
 
-def test_full_contact_relaxes_as_short_steps_have_it():
+def test_relaxation_in_full_contact_against_short_implicit_steps():
     times, march = np.array([2.5, 3.0, 4.0, 6.0]), march_on(theory(FIVE, 40, 1e-3), FACES["cone"])
     history = march.adaptive(times, 1e-7).history
     assert history.contact.all()
@@ -143,7 +143,7 @@ def test_full_contact_relaxes_as_short_steps_have_it():
     assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5)
 
 
-def test_the_law_of_the_worn_sphere():
+def test_a_worn_sphere_against_its_late_time_formula():
     first, ratios = 0.08, np.array([5.0, 10.0])  # radius of the first contact; later ones over it
     force = PowerPunch(0.5, 2).force(first)
     times, depths = np.transpose([worn_sphere(1.0, 1.0, force, first * ratio) for ratio in ratios])
@@ -157,8 +157,8 @@ def test_the_law_of_the_worn_sphere():
     assert radii == pytest.approx(first * ratios, rel=2e-3)
 
 
-def test_contact_may_lift_again():
-    """As the hard recessed disc comes to bear at last, the corner of the ring round it lets go."""
+def test_a_part_of_the_contact_opens_and_closes_again():
+    """When the hard recessed disc comes into contact, the inner part of its ring loses contact."""
     rings = Rings(np.array([0.0, 0.73, 1.0]), np.array([0.081, 1.0]))
     times, lifted = np.array([2.6, 2.7604, 2.9, 3.5]), []
     for compliance in (theory(rings), even_half_space(cells(rings), 0.3).compliance()):
@@ -166,7 +166,8 @@ def test_contact_may_lift_again():
         history = march.adaptive(times, 5e-6).history
         first, *later = edges_in_time(history, compliance.space)
         assert first[-1] == (0.73, 1.0)
-        assert len(later[-1]) == 1  # and bears again, as the disc wears on
+        # the ring is in contact again after the disc has worn further
+        assert len(later[-1]) == 1
         inner = (parts[-1][0] for parts in later if len(parts) > 1)
         lifted.append(next(edge for edge in inner if edge > 0.731))
         assert history.pressure.min() >= 0
@@ -174,8 +175,9 @@ def test_contact_may_lift_again():
 
 
 def random_punch(seed):
-    """Up to six rings, wear coefficients over three decades, and recesses, powers, waves, a rounded
-    rim, or sums of two.
+    """Return a random face: up to six rings with recesses, powers, waves and a rounded rim.
+
+    Wear coefficients range over three decades; each of the shapes is added by chance.
     """
     draw = np.random.default_rng(seed)
     count = int(draw.integers(1, 7))
@@ -195,7 +197,7 @@ def random_punch(seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
-def test_random_punches(by_depth):
+def test_balances_of_random_punches(by_depth):
     times, touched = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)]), 0
     for seed in range(200):
         punch = random_punch(seed)
@@ -209,10 +211,10 @@ def test_random_punches(by_depth):
         carried = space.ring_forces(edges) @ (history.profile / wear[nodes(space)[1]]).T
         if by_depth:
             assert (np.diff(history.force) <= 1e-12).all(), seed
-            # no ring wears deeper than the punch is held, to the error of the steps
+            # no ring wears deeper than the fixed indentation, up to the error of the steps
             assert (wear * carried[:, -1] <= depth * ring_areas(edges) * (1 + 1e-4)).all(), seed
         else:
-            # each ring by its own coefficient: the sum over them is the force times time
+            # sum of V / k over the rings = F v0 t
             assert carried.sum(axis=0) == pytest.approx(times, rel=1e-12), seed
     assert touched >= 100
 
@@ -220,7 +222,7 @@ def test_random_punches(by_depth):
 @pytest.mark.slow
 @pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
 def test_random_punches_respect_their_error_estimates(by_depth):
-    """Through a method: its press fitted to the edges of the contact, its cells, its estimate."""
+    """Solutions by the method mdr satisfy gaps and balances to within their estimates."""
     solved, times = 0, np.array([0.0, *np.geomspace(1e-2, 1e2, 9)])
     for seed in range(1000, 1020):
         rings, profile = random_punch(seed)

@@ -1,4 +1,4 @@
-"""Faults put into results are named first, with their number; clean and noisy results are not."""
+"""Diagnoses name the right fault of results first, and no fault of right or noisy results."""
 
 from functools import cache
 
@@ -27,7 +27,10 @@ def radii_of(scene):
 
 
 def solve(scene, method="mdr", late=0.0, **changes):
-    """Return results at the times and radii of a scene, of this scene with changes."""
+    """Return results of a scene with changes, at the times and radii of the unchanged scene.
+
+    With `late`, wear starts at that time.
+    """
     times, order = np.unique(np.maximum(np.array(scene.wear.times) - late, 0), return_inverse=True)
     changes |= {"output__radii": radii_of(scene).tolist(), "wear__times": times.tolist()}
     dataset = run(scene.changed(**changes), methods=[method]).dataset
@@ -40,7 +43,7 @@ def ours(name):
 
 
 def look(name, theirs, **changes):
-    """Return what results of others look like."""
+    """Return the diagnosis of another program's results."""
     scene = SCENES[name].changed(**changes)
     return diagnose(
         Comparison(np.array(scene.wear.times), radii_of(scene), theirs, ours(name), scene)
@@ -48,9 +51,9 @@ def look(name, theirs, **changes):
 
 
 def faults_of(scene):
-    """Return faults of what is modelled: their size, and the change of the scene."""
+    """Return faults of a model by name: their size, and the change of the scene."""
     punch, last, plane = scene.punch, scene.wear.times[-1], 1 - 0.3**2
-    # to edges that are counted, none may be given beside
+    # ring edges must be changed together with the radius if the scene gives them
     edges = {"punch__ring_edges": [2 * edge for edge in punch.ring_edges or ()]}
     stiff = scene.problem.units.modulus / plane
     half_space = {"plane_strain_modulus": stiff, "poisson_ratio": 0.3}
@@ -71,7 +74,7 @@ def faults_of(scene):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_faults_of_the_model(scene):
+def test_the_right_fault_of_the_model_is_named_first(scene):
     for name, (size, change) in faults_of(SCENES[scene]).items():
         first = look(scene, solve(SCENES[scene], **change))[0]
         assert (first.name, first.size) == (name, pytest.approx(size, rel=0.2))
@@ -90,17 +93,17 @@ def test_faults_of_the_model(scene):
         ("Poisson's ratio", 1 - 0.3**2, LENGTHS),
     ],
 )
-def test_factors_of_numbers(scene, name, factor, of):
+def test_the_right_factor_is_named_first(scene, name, factor, of):
     theirs = {key: right * (factor if key in of else 1) for key, right in ours(scene).items()}
     first = look(scene, theirs)[0]
     assert (first.name, first.size) == (name, pytest.approx(factor))
     assert f"{factor:.4g}" in first.words
 
 
-def test_faults_of_the_mesh():
+def test_faults_of_the_mesh_are_named():
     coarse = {"accuracy__fem__rim_size": 0.1, "accuracy__fem__degree": 4}
     assert look("five", solve(SCENES["five"], "fem", **coarse))[0].name == "coarse rim"
-    # beside a half-space that is cut off, which displacements show
+    # together with a truncated half-space, which shows in the displacements
     theirs = solve(SCENES["five"], **CLAMPED)
     theirs["pressure"] = theirs["pressure"] * (1 + 0.05 * (-1.0) ** np.arange(125))
     sizes = {fault.name: fault.size for fault in look("five", theirs)}
@@ -108,8 +111,8 @@ def test_faults_of_the_mesh():
     assert sizes["checkerboard"] == pytest.approx(0.05, rel=0.01)
 
 
-def test_an_incompressible_half_space_that_is_cut_off():
-    """By 6/pi a/R of d0 it errs, as a point force in an incompressible ball does."""
+def test_a_truncated_incompressible_half_space_is_named():
+    """The indentation is too small by 6/pi a/R, as for a point force in an incompressible ball."""
     theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, accuracy__rtol=1e-2, **CLAMPED)
     low = ours("five")["indentation"][0] - theirs["indentation"][0]
     assert low == pytest.approx(6 / np.pi / 20, rel=0.03)
@@ -118,8 +121,8 @@ def test_an_incompressible_half_space_that_is_cut_off():
 
 
 @pytest.mark.slow
-def test_a_force_too_high_for_the_indentation_is_that_of_a_half_space_cut_off():
-    """At one time a modulus would do as well, and is named beside it; later forces tell."""
+def test_a_force_too_high_for_the_indentation_means_a_truncated_half_space():
+    """At one time a wrong modulus is as likely and named, too; later forces exclude it."""
     scene = SCENES["five"].changed(
         load={"indentation": 0.8, "sliding_speed": 1.0}, wear__steady=False, accuracy__rtol=1e-3
     )
@@ -140,7 +143,7 @@ def test_a_force_too_high_for_the_indentation_is_that_of_a_half_space_cut_off():
     assert looks[0].size == pytest.approx(20, rel=0.05)
 
 
-def test_layers_that_are_left_out():
+def test_missing_layers_are_named():
     stiffness = 4.0
     layer = {"thickness": 0.3, "youngs_modulus": stiffness, "poisson_ratio": 0.3}
     below = {"youngs_modulus": 1.0, "poisson_ratio": 0.3}
@@ -155,7 +158,7 @@ def test_layers_that_are_left_out():
         assert only.confidence > 0.8
 
 
-def test_a_load_and_a_modulus_that_one_number_cannot_tell_apart_are_both_named():
+def test_one_number_names_both_the_load_and_the_modulus():
     scene = SCENES["five"].changed(wear__times=[0.0])
     right = {"indentation": np.array([1.0])}
     looks = diagnose(
@@ -175,6 +178,6 @@ def test_noise_is_no_fault(scene):
         assert look(scene, theirs) == []
 
 
-def test_what_is_right_is_no_fault():
+def test_right_results_have_no_fault():
     assert look("five", ours("five")) == []
     assert look("five", solve(SCENES["five"], "fem")) == []

@@ -1,4 +1,4 @@
-"""Estimates of finite elements where nothing coarser tells: one pole, degree 2, highest degree."""
+"""Estimates of finite elements without a coarser solution: one pole, degree 2, highest degree."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def solved(problem, name="fem"):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("settings", [{"truncation": 100.0}, {"truncation": 1e4}])
-def test_one_pole_is_not_said_to_err_as_a_clamped_boundary(settings):
-    """Far away one pole errs by (a/R)^5; clamped, the boundary would err by 1.1 a/R."""
+def test_the_estimate_of_one_pole_is_not_that_of_a_clamped_boundary(settings):
+    """With one pole, the truncation errs by (a/R)^5; a clamped boundary would err by 1.1 a/R."""
     scene = THREE.changed(wear={"times": [0.0]}, accuracy={"rtol": 1e-4, "fem": settings})
     solution = solved(scene.problem)
     assert solution.settings["poles"] == 1
@@ -33,8 +33,8 @@ def test_one_pole_is_not_said_to_err_as_a_clamped_boundary(settings):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("truncation", [2.0, 3.0])
-def test_what_one_pole_misses_is_stated(truncation):
-    """Eq. 10, where the truncation errs by more than anything else."""
+def test_the_estimate_bounds_the_error_of_one_pole(truncation):
+    """The error of Eq. 10 is bounded by the estimate where the truncation dominates."""
     settings = {"truncation": truncation, "poles": 1}
     scene = THREE.changed(wear={"times": [0.0]}, accuracy={"rtol": 1e-4, "fem": settings})
     solution = solved(scene.problem)
@@ -43,8 +43,11 @@ def test_what_one_pole_misses_is_stated(truncation):
 
 
 @pytest.mark.parametrize("sizes", [{"growth": 2.0}, {"ring_size": 0.5}])
-def test_degree_2_is_not_compared_with_what_misses_the_same(sizes):
-    """Larger triangles of degree 2 were no larger: boundary elements tell how far off both are."""
+def test_the_estimate_bounds_the_error_of_degree_2(sizes):
+    """Relaxation times against boundary elements.
+
+    An earlier estimate compared two meshes of degree 2 that were equally coarse.
+    """
     settings = {"degree": 2, "mesher": "bisection"} | sizes
     times = {"times": [0.0, 1.0]}
     scene = THREE.changed(wear=times, accuracy={"rtol": 1e-3, "fem": settings})
@@ -62,8 +65,8 @@ def test_degree_2_is_not_compared_with_what_misses_the_same(sizes):
 
 
 @pytest.mark.gmsh
-def test_a_coarse_rim_is_felt_in_times_of_running_in():
-    """The whole change begins with the flat start, which errs because of the element at the rim."""
+def test_estimates_of_running_in_times_include_a_coarse_rim():
+    """The running-in begins at the flat start, whose error comes from the element at the rim."""
     sizes = {"rim_size": 0.2, "ring_size": 0.2}
     times = {"times": [0.0, 0.1, 1.0]}
     scene = THREE.changed(wear=times, accuracy={"rtol": 1e-3, "fem": sizes})
@@ -75,7 +78,7 @@ def test_a_coarse_rim_is_felt_in_times_of_running_in():
 
 
 def degrees_of(problem):
-    """Degree of each element of the mesh that a problem asks for."""
+    """Return the finite elements for a problem, with their degrees."""
     from ringwear.studies.methods.fem import half_space_on
     from ringwear.studies.sizes.half_space_mesh import half_space_mesh
 
@@ -83,8 +86,8 @@ def degrees_of(problem):
 
 
 @pytest.mark.gmsh
-def test_a_finer_accuracy_never_asks_for_fewer_unknowns():
-    """At the highest degree of quadrilaterals, those beside edges once fell as rtol fell."""
+def test_unknowns_increase_as_rtol_decreases():
+    """Earlier, degrees next to edges decreased with rtol once the highest degree was reached."""
     unknowns, highest = [], []
     for rtol in (1e-6, 1e-7, 1e-8, 1e-9):
         solid = degrees_of(replace(THREE.problem, rtol=rtol))
@@ -98,8 +101,8 @@ def test_a_finer_accuracy_never_asks_for_fewer_unknowns():
     assert (np.diff(counts) > 0).all()
 
 
-def test_the_radial_mesh_keeps_degrees_that_it_can_have():
-    """With a highest degree below the wanted one, all that need less have what they need."""
+def test_a_cap_on_the_degree_changes_only_higher_degrees():
+    """Elements whose wanted degree is below the cap keep it; all others have the cap."""
     from ringwear.studies.methods.spaces import radial_space
 
     problem = replace(THREE.problem, rtol=1e-9)
@@ -113,8 +116,8 @@ def test_the_radial_mesh_keeps_degrees_that_it_can_have():
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_slopes_at_the_finest_accuracy():
-    """Boundary elements tell the RMS slope, in which finite elements once erred by 12 rtol."""
+def test_rms_slopes_at_the_finest_rtol_against_boundary_elements():
+    """The RMS slope agrees with boundary elements to rtol; it was once wrong by 12 rtol."""
     problem = replace(THREE.changed(wear__times={"tau": [0.01, 0.1, 1.0, 5.0]}).problem, rtol=1e-8)
     exact = solved(replace(problem, rtol=1e-9, compared_on=problem.face), "bem")
     solution = solved(problem)

@@ -1,4 +1,4 @@
-"""Scenes at the limits of what can be computed: no verdict is false, and errors are as stated."""
+"""Scenes at the limits of what can be computed: estimates hold, and failures are reported."""
 
 import json
 from functools import partial
@@ -21,7 +21,7 @@ PANELS = {panel.name: panel for panel in read_panels(0.3)}
 
 
 def cells(quick):
-    """Return what solves each cell of the map of limits, by family, method, x and y."""
+    """Return functions that solve the cells of the map of limits, by family, method, x and y."""
     return {
         (family.name, *cell): partial(family.solve, cell)
         for family in of_map.families(0.3, quick)
@@ -41,7 +41,7 @@ def test_a_quick_cell_of_each_family_and_method_is_judged():
 @pytest.mark.parametrize(
     "place",
     [
-        # the layer of these is set by the width of the ring, not by the size asked for
+        # the width of the ring limits the smallest element, not the size in the settings
         *(("rim_size/a × degree", 0.5, degree) for degree in (8, 12, 16)),
         *(("ring_size/a × degree", 0.5, degree) for degree in (4, 12, 16)),
         ("h2/h1 × k2/k1", 0.01, 1e-8),
@@ -66,11 +66,11 @@ def test_the_naive_choice_fails_where_its_panel_says_so(name):
     assert max(naive_errors(panel, panel.fails_at, exact).values()) > 0.01
 
 
-def test_the_naive_choice_is_right_where_nothing_is_extreme():
-    """Far away its boundary errs by 1.1 a/R, and uniform wear has no singular edges left."""
+def test_the_naive_choice_is_accurate_in_an_ordinary_scene():
+    """The truncation errs by 1.1 a/R = 1.1e-3, and a punch of one material has no ring edges."""
     scene = PANELS["number of rings"].scene(1, NAIVE).changed(wear__times=[0.0, 10.0])
     errors = naive_errors_of(scene.problem, outer=1000.0)
-    # an even mesh errs in the flat start by about its size, 1/20, over the pressure's own
+    # the mesh of equal elements has the size 1/20
     assert errors["indentation"][0] < 0.02
     # the steady pressure of one material is uniform (Eq. 24)
     assert naive.solve(scene.problem)["pressure"][1] == pytest.approx(1 / np.pi, rel=5e-3)
@@ -82,7 +82,7 @@ def naive_errors_of(problem, outer):
     return {"indentation": np.abs(found["indentation"] / 0.5 - 1)}
 
 
-def test_balances_notice_a_force_and_a_volume_that_are_off():
+def test_closed_forms_and_balances_detect_wrong_forces_and_indentations():
     scene = PANELS["wear ratio"].scene(10.0, "mdr")
     problem, solution = scene.problem, method("mdr").solve(scene.problem, Stages("mdr"))
     assert {row["verdict"] for row in judge_by_theory(scene, problem, solution)} == {"within"}
@@ -93,7 +93,7 @@ def test_balances_notice_a_force_and_a_volume_that_are_off():
         solution.checked[name] /= 1.02
 
 
-def test_refusals_are_told_and_the_table_begins_with_the_worst():
+def test_refusals_are_listed_and_the_table_begins_with_the_worst():
     panel = PANELS["step of the march"]
     solve = panel.family(quick=True).solve
     rows = [{"family": panel.name} | solve((1e-2, name)) for name in (*panel.methods, NAIVE)]

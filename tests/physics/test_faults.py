@@ -1,7 +1,4 @@
-"""A fault put into one method, or into what all share, is found out.
-
-By the verdict or by what no method can move.
-"""
+"""Faults of one method, or of all, are detected by comparison or by anchors."""
 
 from dataclasses import replace
 
@@ -23,7 +20,7 @@ FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 0.01, 0.1, 1.0])
 
 
 def change_result(owner, name, change):
-    """A function returns something else."""
+    """Change what a function returns."""
 
     def put(patch):
         right = getattr(owner, name)
@@ -33,7 +30,7 @@ def change_result(owner, name, change):
 
 
 def scale_compliance(size, *methods):
-    """The compliance of methods is too great."""
+    """Make the compliance of methods too great."""
 
     def soften(compliance):
         return Compliance(compliance.space, compliance.factor * np.sqrt(1 + size))
@@ -50,7 +47,7 @@ def scale_compliance(size, *methods):
 
 
 def change_rings(edges=0.0, wear=0.0):
-    """The finite elements solve a punch of another second edge, or third wear coefficient."""
+    """Change the second ring edge or the third wear coefficient for finite elements only."""
 
     def change(problem):
         (right_edges, right_wear), second = problem.rings, np.arange(6) == 2
@@ -72,7 +69,7 @@ def change_rings(edges=0.0, wear=0.0):
 
 
 def scale_weights(size):
-    """Every pressure counts for more force than it has, in all methods."""
+    """Overestimate the force of every pressure, in all methods."""
 
     def put(patch):
         right = PressureSpace.weights.func
@@ -96,7 +93,7 @@ FAULTS = {
 @pytest.mark.parametrize(
     ("fault", "rtol"),
     [
-        # without gmsh the finite elements are of lower degree, and reach less
+        # without gmsh, finite elements have a lower degree and are less accurate
         *(
             pytest.param(
                 fault, 1e-6, marks=[pytest.mark.gmsh, *[pytest.mark.slow] * (size >= 1e-4)]
@@ -106,8 +103,8 @@ FAULTS = {
         *((fault, 1e-4) for fault, (_, size) in FAULTS.items() if size >= 1e-4),
     ],
 )
-def test_faults_are_caught(monkeypatch, fault, rtol):
-    """Those that are not smaller than the accuracy asked for."""
+def test_faults_of_methods_cause_disagreement(monkeypatch, fault, rtol):
+    """Faults that are at least as large as rtol make the methods disagree."""
     FAULTS[fault][0](monkeypatch)
     result = run(FIVE.changed(accuracy__rtol=rtol), methods=["mdr", "fem"])
     assert result.verdict == "disagree"
@@ -119,8 +116,7 @@ def test_without_a_fault_nothing_disagrees(rtol):
     methods = ["mdr", "bem", "direct", "fem"]
     result = run(FIVE.changed(accuracy__rtol=rtol), methods=methods)
     assert result.verdict == "agree" or (rtol < 1e-4 and result.verdict == "undecided")
-    # pressures at the start, infinite at the rim, and early slopes finite elements do not promise
-    # to that
+    # finite elements do not reach rtol 1e-6 for the infinite start pressures and for early slopes
     assert {row.quantity for row in result.agreement if not row.agrees} <= {"pressure", "rms_slope"}
     assert all(anchor.holds for anchor in result.anchors)
     assert {anchor.method for anchor in result.anchors} == set(methods)
@@ -144,9 +140,12 @@ def slow_down(size):
 
 
 def scale_reported(name, size, start=True, on_face=True):
-    """A quantity of all methods is too great.
+    """Scale a quantity in all methods.
 
-    From the start or later, on all of the face or at the radii of the output.
+    Parameters
+    ----------
+    start : whether the value at the start is scaled, too
+    on_face : whether values on the face are scaled, too, and not only those at output radii
     """
 
     def put(patch):
@@ -168,13 +167,13 @@ def scale_reported(name, size, start=True, on_face=True):
 
 
 def move_force(size):
-    """A part of the force on the second ring is said to be on the third."""
+    """Move a force from the second ring to the third."""
     moved = size * np.array([0, -1, 1, 0, 0])
     return change_result(Sampler, "ring_forces", lambda forces: forces + moved)
 
 
 def delay(size):
-    """Times at the door are too late."""
+    """Delay all times when a scene becomes a non-dimensional problem."""
     return change_result(
         Problem, "from_tables", lambda problem: replace(problem, times=problem.times * (1 + size))
     )
@@ -186,7 +185,7 @@ NUMBERS = ("displacement_max", "displacement_centre", "rms_slope")
 STEADY = ("pressure", "displacement_max", "rms_slope", "wear_rate")
 COMMON_FAULTS = {
     **{f"mode {number} lost": lose_mode(number) for number in (1, 3, 6)},
-    # of the greatest displacement, which is its norm, that is a third
+    # relative to the greatest displacement, which is its norm, this is a third of 1e-3
     "steady_profile 1e-3": scale_reported("steady_profile", 1e-3),
 }
 for size in (SMALL, LARGE):
@@ -205,10 +204,10 @@ for size in (SMALL, LARGE):
 
 
 @pytest.mark.parametrize("fault", COMMON_FAULTS)
-def test_faults_that_all_methods_share_are_caught(monkeypatch, fault):
-    """With nothing to compare with: by what no method can move, at an accuracy of 1e-4."""
+def test_anchors_detect_faults_shared_by_all_methods(monkeypatch, fault):
+    """At rtol 1e-4, with a single method, a failed anchor makes the verdict "disagree"."""
     COMMON_FAULTS[fault](monkeypatch)
-    # a scene of its own, for the fault may be in how its problem is posed
+    # a new scene, because a fault may change the problem, which a scene caches
     assert run(FIVE.changed(), methods=["mdr"]).verdict == "disagree"
 
 
@@ -221,7 +220,7 @@ def right():
     ("name", "factor", "anchor"),
     [
         ("indentation", 1.001, "flat start, d = F / (2 a E*)"),
-        # no number holds to nothing
+        # an anchor does not hold for NaN
         ("indentation", np.nan, "flat start, d = F / (2 a E*)"),
         ("indentation", 1.001, "reciprocity with the flat punch"),
         ("ring_force", 1.001, "ring forces add up to F"),
@@ -232,8 +231,8 @@ def right():
         ("pressure_min", 1.001, "steady pressure_min of the answer"),
     ],
 )
-def test_anchors_hold_what_is_written(right, name, factor, anchor):
-    """A dataset that is wrong by itself, whatever the method knows."""
+def test_anchors_check_the_written_dataset(right, name, factor, anchor):
+    """Anchors fail for a wrong number in the dataset although the solution itself is right."""
 
     def broken(dataset):
         rows = anchors(right.scene, "mdr", dataset, right.solutions["mdr"])

@@ -1,4 +1,4 @@
-"""Wear coefficients from measurements: against closed forms, an independent history, and truths."""
+"""Fits of wear coefficients against closed forms, an independent history and known true values."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ def test_wear_coefficients_of_an_independent_history_are_found(reference):
     scene = Scene.load("five_rings").changed({WEAR: [1.5, 6.0]})
     found = fit(scene, data, WEAR, noise=1e-6)
     assert found.estimates.value.tolist() == pytest.approx([1.0, 10.0], rel=1e-4)
-    # and the numerical part of the uncertainty is as small as the rule says
+    # the numerical error is at most a tenth of the noise
     assert found.model_error <= 0.1
     assert found.degrees_of_freedom == len(times) - 2
 
 
 def test_a_ball_of_one_material_has_the_interval_of_its_closed_form():
-    """Its worn volume is k F s, whatever the half-space, and so ln k is a mean of logarithms."""
+    """The worn volume is k F s whatever the half-space, so k is a weighted mean of V / (F s)."""
     noise = 0.02 * np.array([1.0, -0.5, 0.3, 0.8, -1.2])
     volumes = 1.3 * 0.01 * WEIGHINGS * (1 + noise)
     data = pd.DataFrame({"time": WEIGHINGS, "worn_volume": volumes})
@@ -47,7 +47,7 @@ def test_a_ball_of_one_material_has_the_interval_of_its_closed_form():
 
 
 def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
-    """``sum V_i / k_i = int F ds``, also where the force rises and wherever the parameters are."""
+    """``sum V_i / k_i = int F ds``, also for a rising force and for any values of parameters."""
     load = {"normal_force": {"times": [0.0, 0.5, 1.0], "values": [1.0, 1.0, 2.0]}}
     table = Scene.load("five_rings").table() | {"load": load}
     case = Experiments(
@@ -61,8 +61,8 @@ def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
     assert volumes.T @ (1 / wear) == pytest.approx([0.4, 0.5 + 0.75 + 2.0], rel=1e-9)
 
 
-def test_late_depths_tell_the_harmonic_mean_alone():
-    """``w = F / sum(A / k)`` is all that a steady state shows of the wear coefficients."""
+def test_late_depths_depend_on_the_harmonic_mean_only():
+    """Late depths depend on the wear coefficients only through ``w = F / sum(A / k)``."""
     case = cases()["two"]
     late = np.linspace(3.0, 5.0, 20)
     rates = replace(case, columns=(("indentation", late, None, 1e-3, None),))
@@ -76,7 +76,11 @@ def test_late_depths_tell_the_harmonic_mean_alone():
 
 @pytest.mark.parametrize("held", [False, True])
 def test_derivatives_are_exact(held):
-    """Of depths, forces, profiles and volumes by wear, modulus, load, speed and the rig."""
+    """Derivatives of all measured quantities agree with differences, for all kinds of parameters.
+
+    Quantities are depths or forces, profiles and volumes; parameters are wear coefficients,
+    modulus, load, speed, and start time and offset of the rig.
+    """
     case = cases()["five"]
     names = [WEAR, "half_space.plane_strain_modulus", "load.sliding_speed", "start_time"]
     columns = list(case.columns)
@@ -94,7 +98,7 @@ def test_derivatives_are_exact(held):
         assert np.abs(exact - difference).max() <= 1e-4 * np.abs(exact).max()
 
 
-def test_an_offset_and_a_compliance_are_one_number_under_one_force():
+def test_offset_and_compliance_are_indistinguishable_under_one_force():
     names = (WEAR, "sensor_offset", "machine_compliance")
     rising = {"times": [0.3, 0.4], "values": [1.0, 2.0]}
     for force, combinations in ((2.0, [(2, 3)]), (rising, [])):
@@ -127,8 +131,11 @@ def test_a_table_of_wear_along_the_radius_is_fitted():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "count", "least"), [("two", 25, 20), ("ball", 30, 25)])
-def test_intervals_hold_the_truth(name, count, least):
-    """Seeds are fixed; of intervals of 95 % fewer than the least hold it once in 100 times."""
+def test_intervals_contain_the_true_values(name, count, least):
+    """At least `least` of `count` 95 % intervals contain the true value, for fixed seeds.
+
+    For correct intervals, the chance of fewer is 1 %.
+    """
     case, held = cases()[name], 0
     for seed in range(count):
         truth, found = case.conduct(seed)
@@ -139,7 +146,7 @@ def test_intervals_hold_the_truth(name, count, least):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["k falls", "k goes as p"])
-def test_a_wrong_law_is_noticed(name):
+def test_a_wrong_wear_law_is_rejected(name):
     case = cases()[name]
     for seed in range(5):
         _, found = case.conduct(seed)
@@ -149,7 +156,7 @@ def test_a_wrong_law_is_noticed(name):
 
 @pytest.mark.slow
 def test_a_brake_that_is_applied_and_released_is_fitted():
-    """The load bends and falls between the times of the data, which come from a whole run."""
+    """Data come from a run of a load that bends and falls between the times of the data."""
     scene = Scene.load("duty_cycle")
     times = np.array(scene.wear.times[1:])
     truth = scene.changed({WEAR: [1.3e-15, 5e-15], "accuracy.rtol": 1e-3})

@@ -1,4 +1,4 @@
-"""A punch held at a fixed indentation: its force decays, and its wear ends."""
+"""Punches at a fixed indentation: the force decays, and wear ends."""
 
 from functools import cache
 
@@ -17,13 +17,14 @@ from ringwear.studies.contact.moments import moments
 from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.wear.unilateral import Load
 
-# slowest relaxation time of one ring; later, where an error of it by 1e-4 is one of F by 9e-4
+# slowest relaxation time of one ring, and a late time, at which an error of TAU by 1e-4 changes the
+# force by 9e-4
 TAU, LATE = 1.7275, 8.7 * 1.7275
 TIMES = [0.0, 1e-3, 0.1, 1.0, LATE]
 
 
 def held(name="flat_punch", **changes):
-    # in other units than the natural ones: F is 2 a E* d = 2 at the start
+    # not in natural units: the force is 2 a E* d = 2 at the start
     scene = Scene.load(name).changed(load={"indentation": 1.0}, wear={"times": TIMES})
     return scene.changed(methods=["mdr", "fem"], **changes)
 
@@ -35,7 +36,7 @@ def result(request):
 
 @cache
 def decay(problem):
-    """Singular values, and what each carries, of an independent problem."""
+    """Return singular values of an independent problem, and the initial force of each mode."""
     rings = problem.merged
     punch = Reference(*rings, np.full(len(rings.widths), 1e-9))
     _, singular, shapes = np.linalg.svd(punch.triangle)
@@ -43,19 +44,19 @@ def decay(problem):
 
 
 def force_at(problem, times):
-    """Slowest time, and force (T,) at times > 0, by an independent problem of singular values."""
+    """Return the slowest relaxation time and the force (T,) at times > 0, independently."""
     singular, carried = decay(problem)
     force = np.exp(-times[:, None] / singular**2) @ carried * problem.indentation
     return singular[0] ** 2, force
 
 
-def test_the_uniform_grid_knows_no_fixed_indentation():
+def test_mdr_grid_refuses_a_fixed_indentation():
     with pytest.raises(SceneError, match="mdr-grid solves only flat punches under a given force"):
         run(held().changed(methods=["mdr-grid"]))
 
 
 @pytest.mark.gmsh
-def test_the_force_decays_by_the_modes_of_all_pressures(result):
+def test_the_force_decays_as_in_an_independent_solution(result):
     problem, later = result.scene.problem, slice(1, None)
     slowest, force = force_at(problem, problem.times[later])
     if len(problem.rings.widths) == 1:
@@ -72,7 +73,7 @@ def test_the_force_decays_by_the_modes_of_all_pressures(result):
         assert (table.indentation == pytest.approx(1.0, rel=1e-12)).all()
 
 
-def test_the_force_is_the_answer(result):
+def test_the_answer_reports_forces_and_the_time_to_half_force(result):
     problem, answers = result.scene.problem, result.answers["mdr"]
     slowest, _ = force_at(problem, problem.times[1:])
     unit = problem.units.time
@@ -86,19 +87,19 @@ def test_the_force_is_the_answer(result):
 
 
 @pytest.mark.gmsh
-def test_wear_ends_where_nothing_presses(result):
+def test_wear_ends_when_the_whole_overlap_is_worn_off(result):
     assert result.verdict == "agree"
     assert all(anchor.holds for anchor in result.anchors)
     scene = result.scene.changed(wear__times=[1e3 * result.scene.problem.units.time * TAU])
     end = run(scene, methods=["mdr"]).dataset
     assert end.ring_worn_volume.sum() == pytest.approx(np.pi, rel=1e-12)
-    # to the roundoff of its modes, 3e-12
+    # the roundoff of the modes is 3e-12
     assert end.profile.values == pytest.approx(1.0, rel=1e-11)
     assert "steady state" in result.summary["left_out"]
 
 
 @pytest.mark.parametrize("quantity", ["normal_force", "ring_worn_volume", "ring_force"])
-def test_anchors_feel_what_is_wrong(result, quantity):
+def test_anchors_detect_a_wrong_quantity(result, quantity):
     table = result.reported("mdr")
     table[quantity] = table[quantity] * np.where(np.arange(len(TIMES)) == 3, 1.002, 1.0).reshape(
         -1, *[1] * (table[quantity].ndim - 1)
@@ -108,7 +109,7 @@ def test_anchors_feel_what_is_wrong(result, quantity):
 
 
 @pytest.mark.parametrize("march", ["implicit", "explicit"])
-def test_steps_of_a_flat_face_at_a_fixed_indentation(march):
+def test_time_steps_at_a_fixed_indentation_are_of_first_order(march):
     exact = run(held(), methods=["mdr"]).dataset.normal_force.values[0, 3]
     wrong = []
     for step in (2e-3, 1e-3):
@@ -118,12 +119,12 @@ def test_steps_of_a_flat_face_at_a_fixed_indentation(march):
         forces = [run(each, methods=["mdr"]).dataset.normal_force[0, 0] for each in (scene, coarse)]
         assert forces[1] == pytest.approx(exact, rel=1e-2)
         wrong.append(float(forces[0] - forces[1]))
-    # of first order
+    # first order: half the step, half the error
     assert wrong[0] / wrong[1] == pytest.approx(2.0, rel=0.02)
 
 
-def test_a_shaped_face_that_has_come_to_bear_decays_by_modes():
-    """As short implicit steps have it, extrapolated."""
+def test_a_shaped_face_in_full_contact_against_short_implicit_steps():
+    """Compare the decay by modes with Richardson's extrapolation of short implicit steps."""
     rings, depth = np.array([0.0, 1.0]), 0.5
     space = ContactCells(tuple(rings), 1 / 60, 1e-3).space()
     profile = InitialProfile(rings, np.zeros(1), (lambda radii: 0.2 * radii**2,))
@@ -135,16 +136,16 @@ def test_a_shaped_face_that_has_come_to_bear_decays_by_modes():
     assert history.steps.taken < 400
     coarse, fine = (march.implicit(times, step).history.force for step in (0.01, 0.005))
     assert 2 * fine - coarse == pytest.approx(history.force, rel=1e-4)
-    # what is worn, and what the face lacks, fill the indentation but for what still presses
+    # volume of the indentation that is neither unworn gap nor worn = volume of the displacement
     unworn = moved.sum()
     left = np.pi * depth - unworn - history.profile @ space.weights
-    # under a uniform pressure the half-space moves by (4/pi) E(r), from 2 on the axis to 4/pi
+    # under a uniform pressure the displacement is (4/pi) E(r), from 2 on the axis to 4/pi
     assert (left >= 4 / np.pi * history.force).all()
     assert (left <= 2 * history.force).all()
 
 
-def test_the_last_of_a_force_is_not_promised():
-    """Where next to nothing overlaps any more, a coarse run errs by all of it, and says so."""
+def test_errors_of_vanishing_forces_are_as_stated():
+    """If almost nothing overlaps, a coarse run errs by the whole force, and its estimate holds."""
     scene = Scene.load("sphere").changed(
         methods=["mdr"],
         punch={"radius": 1.0, "rings": 3, "wear_coefficients": [0.1, 1.0]},
@@ -155,7 +156,7 @@ def test_the_last_of_a_force_is_not_promised():
     fine, coarse = (
         run(scene.changed(accuracy__rtol=rtol)).dataset.isel(solver=0) for rtol in (1e-3, 1e-1)
     )
-    # forces vanish: errors are stated over the greatest so far
+    # the force vanishes: its errors are relative to the greatest force so far
     differences = np.abs(coarse.normal_force - fine.normal_force)
     stated = coarse.normal_force_error + fine.normal_force_error
     assert float(fine.normal_force[2]) < 1e-3 * float(fine.normal_force[0])
@@ -164,8 +165,8 @@ def test_the_last_of_a_force_is_not_promised():
 
 
 @pytest.mark.parametrize("name", ["flat_punch", "sphere"])
-def test_a_stop_changes_nothing(name):
-    """The speed falls to zero and rises again, with times asked for in between."""
+def test_the_force_is_constant_during_a_stop(name):
+    """The speed falls to zero and rises again; two output times lie within the stop."""
     speed = {"times": [0.0, 0.5, 0.6, 1.0, 1.1], "values": [1.0, 1.0, 0.0, 0.0, 1.0]}
     scene = Scene.load(name).changed(
         methods=["mdr"],
@@ -181,7 +182,7 @@ def test_a_stop_changes_nothing(name):
 
 
 def fixed_sphere(depth, edges, wear, times, rtol):
-    """A sphere of curvature radius 1 at an indentation."""
+    """Return a scene of a sphere with curvature radius 1 at a fixed indentation."""
     return Scene.load("sphere").changed(
         methods=["mdr", "fem"],
         punch={"radius": 1.0, "ring_edges": edges, "wear_coefficients": wear},
@@ -195,8 +196,8 @@ def fixed_sphere(depth, edges, wear, times, rtol):
 @pytest.mark.parametrize(
     ("stick", "rtol"), [(0.3, 1e-3), pytest.param(0.5, 1e-4, marks=pytest.mark.slow)]
 )
-def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick, rtol):
-    """All but the stick zone has worn off; contact ends where the unworn face still touches."""
+def test_a_stick_zone_leads_to_popovs_limiting_shape(stick, rtol):
+    """Outside the stick zone the face wears until it no longer presses."""
     scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], rtol)
     exact = FrettedSphere(1.0, 0.4, stick)
     table = run(scene).dataset.isel(time=1)
@@ -204,7 +205,7 @@ def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick, rtol):
     wrong = np.abs(table.profile - exact.heights(table.radius.values)).max("radius") / 0.4
     assert (wrong <= table.profile_error).all()
     assert wrong.max() < 2e-3
-    # inside, nothing has worn
+    # nothing has worn inside the stick zone
     assert table.ring_worn_volume[:, 0].max() < 1e-7
 
 
@@ -216,8 +217,8 @@ def test_a_zone_of_stick_leaves_the_limiting_shape_of_fretting(stick, rtol):
     ],
     ids=["of all of the face", "of a part"],
 )
-def test_slip_everywhere_wears_off_all_of_the_overlap(depth, rtol, overlap, tolerance):
-    """What overlaps is ``pi a^2 d`` less the volume of the face, if all of it is within d."""
+def test_full_slip_wears_off_the_whole_overlap(depth, rtol, overlap, tolerance):
+    """If the whole face is within d, the overlap is ``pi a^2 d`` minus the profile's volume."""
     scene = fixed_sphere(depth, [0.3, 0.6, 1.0], [1.0, 0.2, 0.5], [0.0, 1e4], rtol)
     worn = run(scene).dataset.ring_worn_volume.isel(time=1).sum("ring")
     np.testing.assert_allclose(worn, overlap, rtol=tolerance)
@@ -226,13 +227,13 @@ def test_slip_everywhere_wears_off_all_of_the_overlap(depth, rtol, overlap, tole
 @pytest.mark.parametrize(
     ("wear", "times"),
     [
-        # the volume of a ring that hardly wears is known to a part of that of the other
+        # the volume of a ring that hardly wears errs by a fraction of that of the other ring
         ([1.0, 3.6e-6], [5e-5, 1.5e-4, 5e-4, 1.5e-3]),
-        # pressures whose squares are no numbers any more
+        # squares of the pressures underflow
         ([1.0, 1.0], [2.0, 40.0, 700.0]),
     ],
 )
-def test_anchors_hold_where_a_ring_hardly_wears_and_where_nothing_presses_any_more(wear, times):
+def test_anchors_hold_at_negligible_wear_and_vanishing_pressure(wear, times):
     punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": wear}
     scene = held(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
     found = run(scene.changed(wear={"times": times}))

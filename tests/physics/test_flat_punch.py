@@ -41,9 +41,9 @@ def test_pressure(prepare, method):
 
 @pytest.mark.parametrize("inner", [0.9, 0.99, 0.999])
 def test_force_near_the_rim(prepare, method, inner):
-    """Point values are lost in the last elements, where the pressure is infinite.
+    """The force near the rim is accurate, although the pressure at points there is not.
 
-    The force there is not.
+    The exact pressure is infinite at the rim.
     """
     punch = prepare("flat_punch", method)
     force = punch.space.ring_forces([0.0, inner, 1.0])[1] @ flat_start(punch.compliance).pressure

@@ -1,4 +1,4 @@
-"""Wear coefficients along the radius: the limit of many rings."""
+"""Wear coefficients that vary along the radius, which are the limit of many rings."""
 
 from dataclasses import replace
 
@@ -34,14 +34,14 @@ def along(*values, radii=(0.0, 1.0)):
 
 
 @pytest.mark.parametrize("shape", [{}, SPHERE])
-def test_a_constant_table_is_the_plain_number(shape):
+def test_a_constant_table_equals_a_plain_number(shape):
     constant = {"rings": 1, "wear_coefficients": [3.0]}
     table, number = (run(scene(**punch, **shape)).dataset for punch in (along(3.0, 3.0), constant))
     for name in number.data_vars:
         np.testing.assert_allclose(table[name], number[name], rtol=1e-13, atol=1e-13)
 
 
-def test_a_slope_of_zero_is_a_constant():
+def test_zero_slopes_equal_constants():
     problem = scene(rings=3, wear_coefficients=[1.0, 0.2, 0.5]).problem
     compliance = energy.compliance(pressure_spaces(problem)[0])
     coefficients = problem.wear_coefficients
@@ -53,7 +53,7 @@ def test_a_slope_of_zero_is_a_constant():
 
 
 @pytest.mark.slow
-def test_many_rings_tend_to_it_at_second_order():
+def test_many_rings_tend_to_wear_along_the_radius_at_second_order():
     def times_and_depths(**punch):
         chosen = {"output__quantities": ["indentation", "relaxation_time"]}
         table = run(scene(**punch).changed(**chosen)).dataset
@@ -76,7 +76,7 @@ def test_many_rings_tend_to_it_at_second_order():
     "table",
     [along(1.0, 4.0), along(1.0, 0.01), along(1.0, 2.0, 0.5, 1.0, radii=(0.3, 0.4, 0.4, 1))],
 )
-def test_methods_agree_and_errors_stated_are_above_the_true_ones(table):
+def test_methods_agree_and_estimates_bound_their_errors(table):
     given = scene("mdr fem bem", **table)
     result = run(given)
     assert result.summary["verdict"] == "agree"
@@ -92,15 +92,15 @@ def test_methods_agree_and_errors_stated_are_above_the_true_ones(table):
 def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     result = run(scene("mdr fem", rings=2, **along(1.0, last), **shape))
     table, slope = result.dataset, last - 1
-    # F / int dA / k
+    # F / int 1/k dA
     rate = slope / (2 * np.pi * (1 - np.log(last) / slope))
     np.testing.assert_allclose(table["steady_wear_rate"], rate, rtol=1e-9)
     for pressures in table["steady_pressure"]:
         np.testing.assert_allclose(pressures, rate / (1 + slope * table["radius"]), rtol=1e-5)
-    # harmonic means by area
+    # `wear_coefficient` has the harmonic means over the area of each ring
     forces = rate * np.pi * np.array([0.25, 0.75]) / table["wear_coefficient"]
     np.testing.assert_allclose(table["force_share"][0, 1], forces, rtol=1e-6)
-    # wear ends in it, from t = 4 to 5
+    # from t = 4 to 5, the indentation grows at the steady wear rate
     np.testing.assert_allclose(table["indentation"].diff("time")[:, -1], rate, rtol=1e-4)
 
 
@@ -112,20 +112,20 @@ def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
         (along(1.0, 0.0), r"wear_coefficient.values.1: 0.0.*positive"),
     ],
 )
-def test_tables_that_make_no_sense_are_refused(punch, remedy):
+def test_invalid_tables_are_refused(punch, remedy):
     with pytest.raises(SceneError, match=remedy):
         scene(**punch)
 
 
-def test_methods_that_know_constants_take_steps_of_it():
+def test_methods_for_constant_coefficients_accept_tables_of_steps():
     for method in ("direct", "mdr-grid"):
         with pytest.raises(SceneError, match="many rings"):
             run(scene(method, **along(1.0, 2.0)))
         run(scene(method, **along(1.0, 2.0, radii=(0.5, 0.5))))
 
 
-def test_an_edge_of_almost_no_kink_does_not_spoil_the_estimate():
-    """Without layers at an edge, a coarser solution lacks none there."""
+def test_estimates_bound_the_errors_at_an_edge_with_almost_no_kink():
+    """An edge without layers of small elements has the same mesh in the coarser solution."""
     rings = {"ring_edges": [0.4, 0.95, 1.0], **along(1.0, 0.9)}
     found = run(scene(**rings).changed(accuracy__rtol=1e-6, wear={"times": [1e-4, 1e-3]}))
     assert not found.solutions["mdr"].notes

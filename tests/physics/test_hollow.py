@@ -1,4 +1,4 @@
-"""Hollow punches, against the flat annulus, direct integration and each other's methods."""
+"""Hollow punches against the flat annulus, and methods against each other."""
 
 import numpy as np
 import pytest
@@ -8,12 +8,12 @@ from ringwear.mdr.annulus import flat_annulus
 from ringwear.mdr.annulus_bounds import stiffness_bounds
 from ringwear.meshes.errors import SceneError
 
-# F / (E* a d) of flat annuli by b/a, to nine digits
+# F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
 STIFFNESSES = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
 def hollow(inner_radius, methods=("mdr", "fem"), rtol=1e-4, times=(0.0, 0.01, 0.1, 1.0), **punch):
-    """Return a scene of a hollow punch, of two rings unless the punch says otherwise."""
+    """Return a scene of a hollow punch; without keys of the punch, it has two rings."""
     rings = {"rings": 2, "wear_coefficients": [1.0, 3.0]}
     return Scene.from_table(
         {
@@ -52,8 +52,11 @@ def test_the_stiffness_lies_within_its_bounds(inner_radius):
 
 @pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
 @pytest.mark.parametrize("inner_radius", [0.1, 0.3, 0.6, 0.9, 0.99])
-def test_the_flat_start(method, inner_radius):
-    """To nine digits by the MDR, to the accuracy asked for by elements, with its pressures."""
+def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
+    """The indentation errs by at most 1e-9 by mdr and bem, and 0.1 rtol by finite elements.
+
+    Pressures err by at most rtol, and the estimate is above the error.
+    """
     rtol = 1e-4 if method == "fem" else 1e-6
     one = {"rings": 1, "wear_coefficients": [1.0]}
     result = run(hollow(inner_radius, [method], rtol, [0.0], **one))
@@ -76,8 +79,8 @@ def test_methods_agree(inner_radius):
     assert not result.summary["left_out_of_promise"]
 
 
-def test_a_small_hole_is_nearly_none():
-    """What a hole takes is of the order of its area."""
+def test_a_small_hole_hardly_changes_the_results():
+    """The effect of a hole is of the order of its area."""
     punch = {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 3.0]}
     small, full = (
         run(hollow(inner_radius, ["mdr"], 1e-7, **punch)).dataset.isel(solver=0)
@@ -89,8 +92,8 @@ def test_a_small_hole_is_nearly_none():
 
 
 @pytest.mark.gmsh
-def test_a_pin_that_rotates_wears_by_the_radius():
-    """Goryacheva: ``p = F / (2 pi (a - b) r)`` in the end."""
+def test_a_rotating_pin_reaches_goryachevas_pressure():
+    """Goryacheva: the steady pressure is ``p = F / (2 pi (a - b) r)``."""
     inner_radius = 0.4
     rotating = {"wear_coefficient": {"radii": [inner_radius, 1.0], "values": [inner_radius, 1.0]}}
     result = run(hollow(inner_radius, times=[0.0, 10.0], **rotating))
@@ -104,8 +107,8 @@ def test_a_pin_that_rotates_wears_by_the_radius():
     np.testing.assert_allclose(result.dataset.steady_wear_rate, rate, rtol=1e-9)
 
 
-def test_contact_stays_full():
-    """A flat hollow punch never loses contact, so no inequality need be solved."""
+def test_a_flat_hollow_punch_stays_in_full_contact():
+    """Pressures stay positive, so full contact can be assumed."""
     times = [0.0, *np.geomspace(1e-4, 3.0, 30).tolist()]
     punch = {"rings": 3, "wear_coefficients": [1e-3, 1.0]}
     pressure = run(hollow(0.3, ["mdr"], 1e-5, times, **punch)).dataset.pressure
@@ -133,14 +136,14 @@ FACES = {
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("load", LOADS)
-def test_any_load(load):
+def test_methods_agree_under_any_load(load):
     result = run(hollow(0.4, rtol=1e-3).changed(load=LOADS[load]))
     assert result.verdict == "agree"
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("face", FACES)
-def test_any_face(face):
+def test_methods_agree_on_any_face(face):
     scene = hollow(0.4, rtol=1e-3).changed(
         punch={
             "radius": 1.0,
@@ -156,8 +159,8 @@ def test_any_face(face):
     np.testing.assert_allclose(first, second, rtol=2e-3)
 
 
-def test_a_hollow_sphere_that_touches_at_its_hole_starts_as_no_annulus():
-    """Its contact is an annulus whose outer radius is free: less than the whole face presses."""
+def test_first_contact_of_a_hollow_sphere_begins_at_its_hole():
+    """The contact is an annulus whose outer radius is smaller than that of the face."""
     sphere = {"profile": {"kind": "parabola", "curvature_radius": 0.05}}
     punch = {"rings": 1, "wear_coefficients": [1.0], **sphere}
     start = run(hollow(0.4, ["mdr"], 1e-3, [0.0], **punch)).dataset.isel(solver=0, time=0)
@@ -167,7 +170,7 @@ def test_a_hollow_sphere_that_touches_at_its_hole_starts_as_no_annulus():
 
 
 def random_hollow(rng):
-    """Return a hollow punch drawn at random, with its times."""
+    """Return a random scene of a hollow punch."""
     inner_radius = float(rng.choice([rng.uniform(0.05, 0.95), 10 ** rng.uniform(-3, -1)]))
     count = int(rng.integers(1, 5))
     widths = rng.uniform(0.3, 1.0, count)
@@ -182,8 +185,8 @@ def random_hollow(rng):
 @pytest.mark.parametrize(
     "seed", [*range(4), *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 40))]
 )
-def test_random_hollow_punches(seed):
-    """No verdict is false: what is stated is above what the methods differ by."""
+def test_random_hollow_punches_never_disagree(seed):
+    """Methods differ by at most the sum of their estimates, and anchors hold."""
     result = run(random_hollow(np.random.default_rng(seed)))
     assert result.verdict != "disagree"
     assert all(anchor["holds"] for anchor in result.summary["anchors"])
@@ -191,14 +194,14 @@ def test_random_hollow_punches(seed):
         assert row.difference <= row.uncertainty
 
 
-def test_a_sweep_over_the_hole():
+def test_a_sweep_over_the_hole_has_the_known_stiffnesses():
     axes = {"punch.inner_radius": [0.0, 0.3, 0.6, 0.9]}
     table = sweep(hollow(0.0, ["mdr"]), axes, ["indentation"])
     found = 1 / table.indentation.isel(time=0).values.ravel()
     np.testing.assert_allclose(found, [2.0, *STIFFNESSES.values()], rtol=1e-6)
 
 
-def test_what_is_modelled_tells_of_the_hole():
+def test_the_summary_mentions_the_hole():
     modelled = run(hollow(0.4, ["mdr"], 1e-2)).summary["modelled"]
     assert any(line.startswith("hole:") for line in modelled)
 
@@ -213,6 +216,6 @@ def test_what_is_modelled_tells_of_the_hole():
         ({"methods": ["mdr-grid"]}, "solves full discs only"),
     ],
 )
-def test_what_cannot_be_is_refused(change, message):
+def test_impossible_hollow_punches_are_refused(change, message):
     with pytest.raises(SceneError, match=message):
         run(hollow(0.4).changed(**change))

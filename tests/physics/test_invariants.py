@@ -1,4 +1,4 @@
-"""What holds for every method and every scene, whatever the numbers."""
+"""Properties that every method has for every scene: balances, signs and units."""
 
 from functools import cache
 
@@ -8,7 +8,7 @@ import pytest
 from ringwear import Scene, run
 
 FIVE = Scene.load("five_rings").changed(accuracy__rtol=1e-3)
-# from far inside the fastest relaxation that is resolved to the steady state
+# from well below the fastest resolved relaxation time to the steady state
 TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
 
 
@@ -16,7 +16,7 @@ TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
     "scene",
     ["flat_punch", "five_rings", "rubber", pytest.param("many_rings", marks=pytest.mark.slow)],
 )
-def test_a_flat_punch_in_full_contact(prepare, scene, method):
+def test_flat_punches_balance_forces_and_stay_in_full_contact(prepare, scene, method):
     punch = prepare(scene, method)
     history, space = punch.wear.history(TIMES), punch.space
     # forces balance
@@ -39,7 +39,7 @@ def test_a_flat_punch_in_full_contact(prepare, scene, method):
 
 
 def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
-    """Archard's law over a time in which nothing is linear: df = k int p dt, by 40 Gauss points."""
+    """Archard's law, df = k int p dt, over a time in which p is not linear, by 40 Gauss points."""
     punch = prepare("five_rings", method)
     node, weight = np.polynomial.legendre.leggauss(40)
     begin, half = 0.02, 0.09
@@ -50,7 +50,7 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
     np.testing.assert_allclose(values @ (history.profile[1] - history.profile[0]), worn, rtol=1e-10)
 
 
-def test_rings_of_equal_wear_are_no_rings():
+def test_rings_of_equal_wear_equal_a_plain_punch():
     flat, ringed = (
         run(
             FIVE.changed(
@@ -66,7 +66,7 @@ def test_rings_of_equal_wear_are_no_rings():
         np.testing.assert_array_equal(flat[name], ringed[name])
 
 
-def test_neighbours_of_equal_wear_are_one_ring():
+def test_neighbours_of_equal_wear_are_merged():
     merged = FIVE.changed(punch__wear_coefficients=[1.0, 1.0, 10.0, 10.0, 1.0]).problem.merged
     np.testing.assert_allclose(merged.ring_edges, [0, 0.4, 0.8, 1.0], rtol=1e-15)
     np.testing.assert_array_equal(merged.wear_coefficients, [0.1, 1.0, 0.1])
@@ -74,7 +74,7 @@ def test_neighbours_of_equal_wear_are_one_ring():
 
 @cache
 def dimensionless(a, modulus, force, speed, wear):
-    """Results of uneven rings over the units made of a, E*, F, v0 and k, by every method."""
+    """Return results of uneven rings by every method, in natural units of a, E*, F, v0 and k."""
     height, time = force / a / modulus, a / modulus / speed / wear
     edges = [edge * a for edge in (0.2, 0.47, 0.6, 0.83, 1.0)]
     scene = FIVE.changed(
@@ -110,10 +110,8 @@ def dimensionless(a, modulus, force, speed, wear):
         (6e8, 4e-6, 2e-3, 8e5, 3e-10),
     ],
 )
-def test_units_do_not_matter(units):
-    """Twenty decades of radius, modulus, force, speed and wear change no number without
-    dimension.
-    """
+def test_dimensionless_results_do_not_depend_on_units(units):
+    """Radius, modulus, force, speed and wear vary by up to twenty decades."""
     expected, values = dimensionless(1.0, 1.0, 1.0, 1.0, 1.0), dimensionless(*units)
     for name, exact in expected.items():
         atol = 1e-9 * np.nanmax(np.abs(exact))

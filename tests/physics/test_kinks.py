@@ -1,4 +1,4 @@
-"""Kinks of faces that are given as functions: found, or told."""
+"""Kinks of faces that are functions: detected, or given by `kinks`."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_kinks_are_found(name, edges):
     assert kinks == pytest.approx((FLAT_RADIUS,), abs=1e-9)
 
 
-def test_jumps_of_the_bend_are_found():
+def test_jumps_of_the_curvature_are_found():
     assert found(lambda r: np.maximum(r - 0.8, 0) ** 2) == pytest.approx((0.8,), abs=1e-5)
 
 
@@ -79,18 +79,18 @@ def test_smooth_faces_have_no_kinks(name):
     assert found(SMOOTH[name]) == ()
 
 
-def test_rough_faces_have_none_that_are_worth_an_edge():
+def test_rough_faces_have_no_kinks():
     heights = np.random.default_rng(1).uniform(0, 1, 300)
     assert found(lambda r: np.interp(r, np.linspace(0, 1, 300), heights)) == ()
 
 
-def test_kinks_that_are_given_stay_with_the_scene():
+def test_given_kinks_replace_detected_ones():
     scene = SCENE.changed(punch__radius=2.0, load__normal_force=0.1)
     told = scene.with_heights(lambda r: 0.1 * r**2, kinks=[0.5, 1.5])
     assert told.problem.profile.kinks == (0.25, 0.75)
     changed = told.changed(accuracy__rtol=1e-2)
     assert changed.problem.profile.kinks == (0.25, 0.75)
-    # they take the place of those that are found
+    # given kinks replace detected ones
     kinked = scene.with_heights(lambda r: np.abs(r - 1.0), kinks=[])
     assert kinked.problem.profile.kinks == ()
     assert scene.with_heights(lambda r: np.abs(r - 1.0)).problem.profile.kinks == pytest.approx(

@@ -1,4 +1,4 @@
-"""Layered ground: printed and independent stiffnesses, all methods beside each other, limits."""
+"""Layered ground: published and independent stiffnesses, agreement of methods, and limits."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def layer(thickness, youngs_modulus=1.0, poisson_ratio=0.3):
 
 
 def on(*layers, punch=TWO_RINGS, below=None, **more):
-    """A scene on layers; below them a rigid base, or a half-space of Young's modulus `below`."""
+    """Return a scene on layers above a half-space of Young's modulus `below`, or a rigid base."""
     base = {"rigid": True} if below is None else {"youngs_modulus": below}
     table = {
         "punch": punch,
@@ -51,8 +51,8 @@ def compliance(name, scene):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("ratio", "printed"), [(0.4, 1.472), (1.0, 2.480)])
-def test_stiffnesses_that_hayes_printed(ratio, printed):
-    """Hayes and others (1972), nu = 0.3: print and truth differ by 4e-4 and by 1.4e-3."""
+def test_stiffnesses_printed_by_hayes(ratio, printed):
+    """Hayes and others (1972), nu = 0.3; their values are off by 4e-4 and by 1.4e-3."""
     scene = on(layer(1 / ratio), punch={"radius": 1.0, "wear_coefficient": 1.0})
     stiffness = relative_stiffness(scene.problem.ground)
     assert stiffness == pytest.approx(printed, rel=2e-3)
@@ -62,8 +62,8 @@ def test_stiffnesses_that_hayes_printed(ratio, printed):
 
 
 @pytest.mark.gmsh
-def test_finite_elements_that_do_not_know_the_kernel():
-    """A clamped boundary at R = 12 a is as good as none on a rigid base; no far field is taken."""
+def test_finite_elements_without_a_far_field_agree_with_the_kernel():
+    """On a rigid base, a clamped boundary at R = 12 a has no effect; no far field is used."""
     sizes = {"far_field": "fixed", "truncation": 12.0}
     scene = on(layer(2.0), accuracy={"rtol": 1e-3, "fem": sizes})
     half_space = method("fem").discretise(scene.problem, Stages("fem"))
@@ -74,8 +74,8 @@ def test_finite_elements_that_do_not_know_the_kernel():
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("below", [10.0, 0.3])
-def test_far_fields_of_loads_on_layers(below):
-    """The energy of a uniform pressure, on a mesh that ends at 2.5 a, against the MDR."""
+def test_far_fields_on_layers_give_the_energy_of_the_mdr(below):
+    """The energy of a uniform pressure on a mesh that ends at 2.5 a agrees with the MDR."""
     scene = on(layer(0.5), below=below, accuracy={"rtol": 1e-5})
     fem = compliance("fem", scene)
     mdr = energy.compliance(fem.space, scene.problem.ground)
@@ -91,7 +91,7 @@ def test_boundary_elements_and_the_mdr_are_the_same_operator():
     space = PressureSpace(breakpoints, np.full(8, 4), edges)
     matrices = [each.compliance(space, ground).matrix for each in (energy, ring_kernel)]
     assert np.abs(matrices[0] - matrices[1]).max() <= 1e-13 * np.abs(matrices[0]).max()
-    # the ground matters: without layers the matrix is another
+    # the layers have an effect on the matrix
     assert np.abs(energy.compliance(space).matrix - matrices[0]).max() > 0.1 * matrices[0].max()
 
 
@@ -107,15 +107,15 @@ def test_three_layers_by_all_methods():
         assert np.isnan(depth) or depth == pytest.approx(start, rel=1e-6)
 
 
-def test_equal_layers_are_no_layers():
-    """At the start, in all of the history and in the steady state."""
+def test_equal_layers_equal_a_plain_half_space():
+    """Layers of the same material as the base change neither the history nor the steady state."""
     plain = on(layer(1.0), below=1.0).table()
     plain["half_space"] = {"youngs_modulus": 1.0}
     layered = on(layer(0.2), layer(0.3), below=1.0)
     results = [run(each, methods=["mdr", "direct"]).dataset for each in (plain, layered)]
     for name in ("indentation", "relaxation_time", "steady_rms_slope", "steady_displacement_max"):
         values = [each[name].values[np.isfinite(each[name].values)] for each in results]
-        # the elements differ
+        # the elements of both scenes differ
         assert values[1] == pytest.approx(values[0], rel=1e-4), name
 
 
@@ -133,7 +133,7 @@ def test_loads_over_time_fixed_indentations_and_wear_along_the_radius():
 
 
 def test_a_stiff_layer_bends_away_from_a_flat_punch():
-    """On soft ground it is a plate: only the rim touches, and contact spreads inwards with wear."""
+    """On soft ground the layer is a plate: only the rim touches, and contact spreads inwards."""
     scene = on(layer(0.5), below=0.01, accuracy={"rtol": 1e-2}, wear={"times": [0.0, 1.0, 10.0]})
     assert not scene.problem.full_contact
     assert on(layer(0.5), below=0.5).problem.full_contact
@@ -144,7 +144,7 @@ def test_a_stiff_layer_bends_away_from_a_flat_punch():
     assert 0.9 < inner[0] < 0.97
     assert np.all(np.diff(inner) < 0)
     assert all(anchor.holds for anchor in result.anchors)
-    # a punch that may pull would sink in less
+    # with tension, the indentation would be smaller
     pulled = 0.5 / relative_stiffness(scene.problem.ground) * scene.problem.units.displacement
     assert float(result.dataset.indentation[0, 0]) > 1.01 * pulled
 
@@ -152,7 +152,7 @@ def test_a_stiff_layer_bends_away_from_a_flat_punch():
 @pytest.mark.gmsh
 @pytest.mark.slow
 def test_a_sphere_on_layers():
-    """Hertz's depth if the layers are equal; on a stiff base the sphere sinks in less."""
+    """The indentation is Hertz's if layer and base are equal, and smaller on a stiff base."""
     sphere = {
         "radius": 1.0,
         "wear_coefficient": 1.0,
@@ -222,7 +222,7 @@ def test_hollow_punches_on_layers():
 
 @pytest.mark.gmsh
 def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
-    """Each pressure has the same energy by the MDR and on triangles with lines at interfaces."""
+    """Each pressure has the same energy by the MDR and on triangles that follow interfaces."""
     cells = ContactCells((0.0, 0.4, 1.0), largest=0.02, edge_size=1e-3)
     for ground in (
         Ground.from_youngs_moduli([0.1], [1.0, 10.0], [0.3, 0.2]),
@@ -238,7 +238,7 @@ def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
 
 
 def test_thin_layers_run_in_with_one_relaxation_time():
-    """Winkler's limit: springs of stiffness M / h wear with h / (M k), each by itself."""
+    """Winkler's limit: independent springs of stiffness M / h relax in the time h / (M k)."""
     rings = Scene.load("five_rings").changed(punch__wear_coefficients=[1.0, 1.0]).problem.merged
     spread = []
     for thickness in (0.2, 0.05):
@@ -252,7 +252,7 @@ def test_thin_layers_run_in_with_one_relaxation_time():
 
 @pytest.mark.gmsh
 def test_stresses_at_an_interface():
-    """What acts across it is continuous, and the hoop strain; the radial stress jumps."""
+    """The stresses zz and rz and the hoop strain are continuous; the radial stress jumps."""
     result = run(on(layer(0.4), below=5.0, wear={"times": []}), methods=["fem"])
     inside, (r, z) = result.inside, result.inside.points
     state, mean = -1, 1 / np.pi
@@ -282,7 +282,7 @@ def test_stresses_at_an_interface():
 @pytest.mark.gmsh
 @pytest.mark.slow
 def test_incompressible_layers():
-    """Modelled with nu = 1/2 - 1e-8, where .49999 would err by 6e-3 to 4e-4 (C = 40, h = 0.1)."""
+    """The model has nu = 1/2 - 1e-8; with .49999 it would err by 4e-4 to 6e-3 (C = 40, h = 0.1)."""
     scene = on(layer(0.1, 1.0, 0.5), accuracy={"rtol": 1e-4})
     found = 0.5 / flat_start(compliance("fem", scene)).indentation
     assert found == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-5)

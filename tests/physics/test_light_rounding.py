@@ -1,4 +1,4 @@
-"""Flat punches whose edge is rounded a little, under the loads of real ones."""
+"""Flat punches with slightly rounded edges, under realistic loads."""
 
 from itertools import product
 
@@ -8,7 +8,7 @@ from closed_forms import RoundedPunch
 from ringwear import Scene, run
 
 RADII, PRESSURES = (0.003, 0.01, 0.03, 0.1), (1e-5, 1e-4, 1e-3)
-# those that are solved in every run of the tests: usual punches, quickly solved
+# (radius, mean pressure) of usual punches that are solved quickly; the others are marked `slow`
 QUICK = {(0.01, 1e-4), (0.03, 1e-3)}
 PUNCHES = [
     pytest.param(
@@ -19,7 +19,7 @@ PUNCHES = [
 
 
 def rounded(radius, mean_pressure):
-    """Return a punch with an edge rounded on twice the radius of the rounding."""
+    """Return a punch whose edge is rounded over a width of twice the radius of the rounding."""
     profile = {"kind": "rounded_rim", "flat_radius": 1 - 2 * radius, "curvature_radius": radius}
     return Scene.from_table(
         {
@@ -46,7 +46,7 @@ def test_lightly_rounded_edges(radius, mean_pressure):
     assert result.verdict == "agree"
     for solver in scene.methods:
         start = result.dataset.sel(solver=solver).isel(time=0)
-        # promised are 1e-3; the fitted start gives far more
+        # rtol is 1e-3, but the start on a fitted mesh is far more accurate
         assert float(start.indentation) == pytest.approx(exact.indentation(contact), rel=1e-6)
         assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
         assert not any("not fitted" in note for note in result.notes)

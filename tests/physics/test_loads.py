@@ -1,4 +1,4 @@
-"""Loads that vary: by superposition, by other marches, by balances, and by the sliding distance."""
+"""Varying loads against superposition, other marches, balances and the sliding distance."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ STOP_AND_GO = Loading(
 
 
 def random_loading(count, rising, seed=1):
-    """Forces and speeds at random knots; both are zero now and then."""
+    """Return a load with random knots; force and speed are zero at some of them."""
     draw = np.random.default_rng(seed)
     forces = draw.uniform(0, 1, count + 1)
     forces[[0, count // 3]] = 0.0
@@ -65,7 +65,7 @@ def test_integrals_of_a_loading(at):
 
 
 @pytest.mark.parametrize("bend", [-1.0, -0.3, -1e-9, 0.0, 1e-13, 1e-4, 0.7, 1.0])
-def test_what_is_left_of_a_rise(bend):
+def test_mean_decay_during_a_rise_against_quadrature(bend):
     for decayed in (0.0, 1e-9, 0.3, 0.999, 1.001, 7.0, 40.0):
         exact = quad(
             lambda u, x=decayed: np.exp(-x * u * (1 + bend * (1 - u))), 0, 1, epsabs=0, epsrel=1e-13
@@ -75,7 +75,7 @@ def test_what_is_left_of_a_rise(bend):
 
 
 def check_same(space, history, depths, pressures, profiles):
-    """To roundoff: indentations, and fields in the root mean square."""
+    """Assert that indentations, and fields in the root mean square, are equal up to roundoff."""
     np.testing.assert_allclose(history.indentation, depths, rtol=1e-12)
     for values, exact in ((history.pressure, pressures), (history.profile, profiles)):
         wrong, whole = (
@@ -85,7 +85,7 @@ def check_same(space, history, depths, pressures, profiles):
         assert (wrong <= 1e-12 * whole).all()
 
 
-def test_wear_goes_by_the_sliding_distance(prepare):
+def test_wear_depends_only_on_the_sliding_distance(prepare):
     punch = prepare("five_rings", "mdr")
     times = np.linspace(0, 1, 41)
     varied = RunningIn(punch.compliance, punch.wear.wear_coefficients, loading=STOP_AND_GO)
@@ -94,9 +94,9 @@ def test_wear_goes_by_the_sliding_distance(prepare):
     check_same(punch.space, history, exact.indentation, exact.pressure, exact.profile)
 
 
-def test_a_force_put_on_at_a_stop_is_a_second_flat_punch(prepare):
+def test_a_force_added_at_a_stop_acts_as_a_second_flat_punch(prepare):
     punch = prepare("five_rings", "mdr")
-    # half the force, as much again at a stop after a distance of 0.05
+    # half the force first; the other half is added during a stop, after the distance 0.05
     loading = Loading(
         np.array([0.0, 0.1, 0.2, 0.3]), np.array([0.5, 0.5, 1.0, 1.0]), np.array([1.0, 0, 0, 1])
     )
@@ -115,7 +115,7 @@ def test_a_force_put_on_at_a_stop_is_a_second_flat_punch(prepare):
 
 
 def implicit_euler(half_space, loading, steps):
-    """Pressure and depth at the last knot, by equal steps between knots: d b - A p = K int p."""
+    """Return pressure and depth at the last knot by implicit steps of ``d b - A p = K int p``."""
     matrix, weights = half_space.matrix, half_space.space.weights
     mass = half_space.space.mass(FIVE.wear_coefficients).toarray()
     worn, start = np.zeros(len(weights)), solve(matrix, weights, assume_a="pos")
@@ -147,7 +147,7 @@ def test_a_thousand_random_rises_against_implicit_steps():
     assert deep / less_deep == pytest.approx(2, rel=0.05)
 
 
-def test_a_march_follows_the_modes_while_the_force_rises():
+def test_a_march_agrees_with_the_modes_while_the_force_rises():
     half_space, loading, times = compliance(), random_loading(20, True), np.linspace(0.1, 1.5, 8)
     exact = wear_by_modes(half_space, loading).modal(times)
     errors = []
@@ -156,12 +156,12 @@ def test_a_march_follows_the_modes_while_the_force_rises():
         assert history.force == pytest.approx(exact.force, rel=1e-12)
         errors.append(np.abs(history.indentation / exact.indentation - 1).max())
     assert errors[0] < 1e-4
-    # steps go by the third root, errors by their square
+    # steps scale with the cube root of the tolerance, errors with the square of the steps
     assert errors[1] < errors[0] / 10
 
 
 @pytest.mark.parametrize("height", [None, lambda radii: 0.5 * radii**2], ids=["flat", "sphere"])
-def test_a_force_taken_off_at_a_stop_and_put_on_again_leaves_no_trace(height):
+def test_unloading_and_reloading_during_a_stop_changes_nothing(height):
     half_space, times = compliance(), np.array([0.1, 0.5, 1.0, 2.0])
     stop = Loading(
         np.array([0.0, 0.2, 0.3, 0.4, 0.5, 0.6]),
@@ -171,14 +171,14 @@ def test_a_force_taken_off_at_a_stop_and_put_on_again_leaves_no_trace(height):
     distances = stop.at(times).distance
     history = march(half_space, stop, 3e-8, times, height)
     whole = march(half_space, Loading(), 3e-8, distances, height)
-    # and a scene of its own for what comes after the stop
+    # the punch has worn further after the stop
     assert history.indentation[1:] != pytest.approx(whole.indentation[0], rel=1e-3)
     assert history.indentation == pytest.approx(whole.indentation, rel=3e-6)
     assert np.abs(history.profile - whole.profile).max() < 3e-6 * whole.indentation[-1]
 
 
 @pytest.mark.parametrize("height", [None, lambda radii: 0.5 * radii**2], ids=["flat", "sphere"])
-def test_what_is_worn_is_the_integral_of_the_force(height):
+def test_worn_volume_over_k_is_the_integral_of_the_force(height):
     half_space, loading = compliance(), random_loading(25, rising=False)
     times = np.union1d(loading.times[1:], np.linspace(0.05, 2, 9))
     history = march(half_space, loading, 1e-4, times, height)
@@ -187,15 +187,15 @@ def test_what_is_worn_is_the_integral_of_the_force(height):
     assert carried @ half_space.space.weights == pytest.approx(loading.at(times).work, rel=1e-10)
     forces = loading.at(times).force
     assert history.pressure @ half_space.space.weights == pytest.approx(forces, rel=1e-10)
-    # without force it rests on one point, and does not sink into the half-space
+    # without force, the punch touches at one point and does not penetrate
     gaps = history.gap[forces == 0] / half_space.space.weights
     assert gaps.min(axis=1) == pytest.approx([0], abs=1e-12)
     assert history.gap.min() >= -1e-12 * np.abs(history.indentation).max()
 
 
 @pytest.mark.gmsh
-def test_methods_agree_on_a_force_that_rises():
-    """It rises at a stop, too, where pressures are infinite at the rim once more."""
+def test_methods_agree_on_a_rising_force():
+    """The force rises during a stop, too, where pressures at the rim become infinite again."""
     result = run(
         Scene.load("five_rings").changed(
             methods=["mdr", "fem"],
@@ -210,17 +210,17 @@ def test_methods_agree_on_a_force_that_rises():
     assert result.dataset.normal_force[0].values == pytest.approx([0, 1.375, 2, 2], rel=1e-12)
 
 
-def test_a_duty_cycle():
+def test_methods_agree_on_a_duty_cycle():
     result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr", "fem"])
     for name in ("indentation", "ring_force", "ring_worn_volume", "normal_force"):
         assert result.quantities[name] == "agree", name
     assert all(anchor.holds for anchor in result.anchors)
-    # differences are within what both state
+    # methods differ by at most the sum of their estimates
     assert all(row.difference <= row.uncertainty + 1e-12 for row in result.agreement)
     data, load = result.dataset.sel(solver="mdr"), result.scene.load_.normal_force
     forces = np.interp(data.time, load.times, load.values)
     assert data.normal_force.to_numpy() == pytest.approx(forces, rel=1e-12)
-    # nothing touches, and nothing wears, from 4.5 s to 8 s
+    # there is no contact and no wear from 4.5 s to 8 s
     off = np.flatnonzero(forces == 0)[1:]
     worn = data.ring_worn_volume.sum("ring").to_numpy()
     assert worn[off[1]] == worn[off[0]] > 0
@@ -228,12 +228,12 @@ def test_a_duty_cycle():
     assert np.isnan(result.answers["mdr"]["time_to_90"])
 
 
-def test_steps_are_told_of_loads_that_vary():
+def test_stored_steps_follow_a_varying_load():
     scene = Scene.load("duty_cycle").changed(output__every_step=True, accuracy__rtol=1e-3)
     stored, load = run(scene, methods=["mdr"]).dataset.isel(solver=0), scene.load_.normal_force
     times = stored.step_time.to_numpy()
     assert (np.diff(times) > 0).all()
     forces = np.interp(times, load.times, load.values)
     assert stored.step_normal_force.to_numpy() == pytest.approx(forces, rel=1e-9, abs=1e-9)
-    # from where nothing touches any more to where the brake is applied again, and the last stop
+    # the ends of contact, the next application of the brake, and the last stop are among the steps
     assert {4.5, 10.0, 14.5} <= set(times)

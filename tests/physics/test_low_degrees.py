@@ -1,4 +1,4 @@
-"""Linear and other elements of a low degree in a scene: what they err by, and what they state."""
+"""Linear elements and others of low degree: their errors, estimates and refusals."""
 
 import numpy as np
 import pytest
@@ -18,14 +18,14 @@ LOW = [
 
 @pytest.fixture(scope="module")
 def exact():
-    """The five rings by MDR, whose errors are far below those of low degrees."""
+    """Solution of the five rings by MDR at rtol 1e-7, used as exact."""
     return run(FIVE.changed(accuracy__rtol=1e-7), methods=["mdr"]).solutions["mdr"]
 
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.45, 0.49])
 @pytest.mark.parametrize(("mesher", "degree"), LOW)
-def test_no_true_error_is_above_the_stated_one(exact, mesher, degree, poisson_ratio):
-    """In no quantity, and near incompressibility neither, where linear elements begin to lock."""
+def test_estimates_bound_the_errors_of_low_degrees(exact, mesher, degree, poisson_ratio):
+    """This includes a ratio near incompressibility, where linear elements begin to lock."""
     settings = {"mesher": mesher, "degree": degree}
     scene = FIVE.changed(accuracy__fem=settings, half_space__poisson_ratio=poisson_ratio)
     solution = run(scene, methods=["fem"]).solutions["fem"]
@@ -34,31 +34,31 @@ def test_no_true_error_is_above_the_stated_one(exact, mesher, degree, poisson_ra
     errors = differences(solution.checked, exact.checked, scene.problem.face)
     for name, error in errors.items():
         assert error.max() <= solution.errors[name].max(), name
-    # and they are no nonsense: some per cent at most
+    # errors are a few per cent at most
     assert errors["indentation"].max() <= 0.03
     assert errors["pressure"].max() <= 0.1
 
 
 @pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
-def test_linear_elements_start_flat(mesher):
-    """The indentation is F / (2 a E*), to what the method states."""
+def test_the_flat_start_by_linear_elements(mesher):
+    """The indentation is F / (2 a E*) to within its estimate."""
     scene = FIVE.changed(accuracy__fem={"mesher": mesher, "degree": 1})
     result = run(scene.changed(wear__times=[0.0, 0.1]), methods=["fem"])
     exact = 2.0 / (2 * 1.0 * 1.0)
     error = abs(result.dataset.indentation.sel(solver="fem", time=0).item() / exact - 1)
     assert error <= result.error("indentation") <= 0.1
-    # halving twice has made it small
+    # the elements are refined twice
     assert error <= 0.01
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
-def test_linear_elements_on_random_scenes(mesher):
-    """None claims an accuracy that it does not reach, and estimates are seldom below the truth.
+def test_estimates_of_linear_elements_on_random_scenes(mesher):
+    """No error is above rtol with an estimate below, and few errors exceed their estimate.
 
-    The RMS slope is left out of the last count: where wear coefficients differ by 1e5, at 1e-13 of
-    the natural time, it is that of layers thinner than any triangle, and triangles of every degree
-    state too little of it, though more than is asked for.
+    The RMS slope is not counted among these few: if wear coefficients differ by 1e5, the slope at
+    1e-13 of the natural time is that of layers thinner than any triangle. Triangles of every degree
+    underestimate its error then, although the estimate is still above rtol.
     """
     count = below = 0
     settings = {"mesher": mesher, "degree": 1}
@@ -81,14 +81,14 @@ def test_linear_elements_are_refused_where_they_lock(ratio):
         run(locking, methods=["fem"])
 
 
-def test_a_shaped_punch_has_triangles():
+def test_shaped_punches_refuse_degrees_above_four():
     with pytest.raises(SceneError, match="degree = 1 to 4 without mesher = 'quads'"):
         run(Scene.load("sphere").changed(accuracy__fem__degree=6), methods=["fem"])
 
 
 @pytest.mark.slow
-def test_a_sphere_on_linear_triangles():
-    """Where contact spreads, they agree with MDR within what both state."""
+def test_linear_triangles_agree_with_mdr_on_a_sphere():
+    """In a spreading contact, both methods agree within the sum of their estimates."""
     scene = Scene.load("sphere").changed(accuracy__rtol=1e-2, wear__steady=False)
     result = run(scene.changed(accuracy__fem__degree=1), methods=["mdr", "fem"])
     assert result.verdict != "disagree"

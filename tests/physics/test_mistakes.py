@@ -1,12 +1,12 @@
-"""Mistakes typed into programs of others, or made with their tables, are named first.
+"""Mistakes in the input of other programs, or in their tables, are named first by the diagnosis.
 
-The programs have errors of their own of one to ten per cent (`tests/programs.py`). No mistake that
-was not made is named with a confidence above 0.7.
+The programs themselves have errors of one to ten per cent (`tests/programs.py`). A mistake that was
+not made may be named with a confidence of at most 0.7.
 
-The diagnosis was made with `FILES` at hand. `FRESH` was looked at later: at first the right cause
-was named first in 9 of 10, and in 2 a wrong one had a confidence above 0.7; then this was mended.
-`UNSEEN` was made and looked at once after that, and nothing was changed since: the right cause is
-named first in 9 of 10, and in 1 a wrong one has a confidence above 0.7 (`MISSED`).
+The diagnosis was developed with `FILES`. It was then tested with `FRESH`: the right cause was named
+first in 9 of 10 cases, and in 2 a wrong one had a confidence above 0.7; this was then corrected.
+Finally `UNSEEN` was made and tested once, and nothing has been changed since: the right cause is
+named first in 9 of 10 cases, and in 1 a wrong one has a confidence above 0.7 (`MISSED`).
 """
 
 import math
@@ -55,7 +55,7 @@ SCENES = {
         load={"normal_force": 1.0, "sliding_speed": 1.0},
         wear={"times": [0.0, 0.05, 0.2, 0.5, 1.0, 2.0]},
     ),
-    # for the fresh files
+    # for FRESH
     "four": Scene(
         methods=["mdr"],
         punch={
@@ -74,7 +74,7 @@ SCENES = {
         load={"normal_force": 4000.0, "sliding_speed": 10.0},
         wear={"times": [0.0, 2.0, 10.0, 40.0, 120.0, 300.0]},
     ),
-    # for those that nobody has looked at before
+    # for UNSEEN
     "wide": Scene(
         **MM,
         punch={
@@ -105,51 +105,51 @@ def scaled(table, **factors):
 
 
 def lengths(factor):
-    """Return factors on all lengths but radii."""
+    """Return a factor for each length except radii."""
     return dict.fromkeys(LENGTHS, factor)
 
 
 def linear(factor):
-    """Return factors on all that a load causes."""
+    """Return a factor for each quantity that is proportional to the load."""
     return lengths(factor) | {"pressure": factor}
 
 
 def typed(program, scene, **changes):
-    """Return a table of a program by a scene, typed in with changes."""
+    """Return a program's table for the input of a scene with changes."""
     given = input_of(SCENES[scene])
     changes = {key: of(given) if callable(of) else of for key, of in changes.items()}
     return program(given.changed(**changes))
 
 
 def times(factor):
-    """Return what multiplies wear coefficients."""
+    """Return a function that multiplies the wear coefficients of an input."""
     return lambda given: tuple(factor * np.array(given.wear))
 
 
 def loaded(factor):
-    """Return what multiplies the force."""
+    """Return a function that multiplies the force of an input."""
     return lambda given: given.force * factor
 
 
 def of_challenge(name):
-    """Return a table of a program in the challenge, away from the rim."""
+    """Return the table of a program in the challenge, without radii near the rim."""
     table = pd.read_csv(Path(challenge.__file__).parent / "others" / f"{name}.csv", comment="#")
     table = table[table["radius"] < 0.95]
     return table.assign(profile=0.0)
 
 
 def twice(given: Input):
-    """Return edges that are diameters."""
+    """Return ring edges of an input as diameters."""
     return tuple(2 * np.array(given.edges))
 
 
 def first_time(table):
-    """Return what a table gives at its first time."""
+    """Return the rows of a table at its first time."""
     return table[table["time"] == table["time"].min()]
 
 
 def only(table, *names):
-    """Return what a table gives of some quantities."""
+    """Return a table with some of its quantities."""
     return table[["time", "radius", *names]]
 
 
@@ -311,7 +311,7 @@ UNSEEN = {
 
 
 ALL = FILES | FRESH | UNSEEN
-# and why
+# files whose cause is not named first, with the reason
 MISSED = {
     "minutes": "all times are early, where springs err most: a wear coefficient 49 times as great"
 }
@@ -320,12 +320,12 @@ QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
 
 @cache
 def looks(scene, table):
-    """Return what a file looks like."""
+    """Return the diagnosis of a table for a scene."""
     return check(SCENES[scene], table()).diagnoses["theirs"]
 
 
 def marked(name):
-    """Return the marks of a file."""
+    """Return the name of a file with its pytest marks."""
     marks = [] if name in QUICK else [pytest.mark.slow]
     if name in MISSED:
         marks.append(pytest.mark.xfail(reason=MISSED[name], strict=True))
@@ -333,15 +333,15 @@ def marked(name):
 
 
 @pytest.mark.parametrize("name", [marked(name) for name in ALL])
-def test_the_right_cause_is_named_first_and_no_wrong_one_is_sure(name):
+def test_the_right_cause_is_named_first_and_wrong_ones_are_unsure(name):
     scene, table, right = ALL[name]
     first, *others = looks(scene, table)
     assert first.name in right
     assert all(other.name in right or other.confidence <= 0.7 for other in others)
 
 
-def test_causes_that_pressures_cannot_tell_apart_share_the_confidence():
-    """k and E* both let time run faster; lengths, which are not given, tell them apart."""
+def test_causes_with_the_same_pressures_share_the_confidence():
+    """k and E* both scale the time; only lengths, which are not given, distinguish them."""
     first, second = looks(*FILES["k 1.1, pressures"][:2])
     assert {first.name, second.name} == {K, "Poisson's ratio"}
     assert first.confidence + second.confidence == pytest.approx(1, abs=0.1)
@@ -353,8 +353,8 @@ def test_causes_that_pressures_cannot_tell_apart_share_the_confidence():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("program", ["springs", "finite elements", "tamaas"])
-def test_programs_without_a_mistake_have_none_that_is_sure(program):
-    """But for the boundary of the finite elements, which is there, far away."""
+def test_no_cause_is_sure_for_programs_without_a_mistake(program):
+    """Faults of the mesh may be named, because the finite elements do have them."""
     table, scene = {
         "springs": (lambda: typed(springs, "five"), "five"),
         "finite elements": (lambda: typed(finite_elements, "three"), "three"),
@@ -364,8 +364,8 @@ def test_programs_without_a_mistake_have_none_that_is_sure(program):
     assert all(one.confidence <= 0.7 for one in looks(scene, table) if one.name not in mesh)
 
 
-def test_one_number_names_what_a_mistake_would_be():
-    """A clamped box first; what would tell it from the others is a pressure."""
+def test_one_number_has_several_unsure_causes():
+    """A clamped box is named first, and a pressure is suggested to distinguish it from others."""
     first, *others = looks("five", lambda: pd.DataFrame({"time": [0.0], "indentation": [0.95]}))
     assert (first.name, first.size) == (BOX, pytest.approx(1.09 / 0.05, rel=1e-2))
     assert first.confidence < 0.5

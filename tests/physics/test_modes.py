@@ -1,7 +1,4 @@
-"""Relaxation modes.
-
-Those of a Krylov space against all of them, and banded factors against dense ones.
-"""
+"""Relaxation modes by a Krylov space against all modes; banded factors against dense ones."""
 
 import numpy as np
 import pytest
@@ -34,9 +31,7 @@ def many_rings(prepare):
 
 @pytest.mark.parametrize("earliest", [1e-4, 1e-2, 1.0, 1e12])
 def test_the_flat_start_excites_few_modes(many_rings, earliest):
-    """The Krylov space carries the history from its earliest time on, and the slowest relaxation
-    times.
-    """
+    """A few modes give the history from the earliest time on, and the slowest relaxation times."""
     wear, whole = many_rings
     few = excited_modes(*pencil(wear), earliest)
     assert 5 <= few.exact < len(few.relaxation) < len(whole.relaxation)
@@ -57,8 +52,8 @@ def test_the_flat_start_excites_few_modes(many_rings, earliest):
             np.testing.assert_allclose(part(few, time), expected, atol=atol)
 
 
-def test_a_start_that_excites_nothing_more_ends_the_search(prepare):
-    """Two modes of a two-dimensional invariant space are found exactly."""
+def test_modes_of_an_invariant_space_are_exact(prepare):
+    """From a start in a two-dimensional invariant space, the search ends with its two modes."""
     wear = prepare("five_rings", "mdr", **COARSE).wear
     whole = modes_of(wear)
     start = whole.shapes[:, [1, 4]] @ np.ones(2)
@@ -66,7 +61,7 @@ def test_a_start_that_excites_nothing_more_ends_the_search(prepare):
     np.testing.assert_allclose(few.relaxation[:2], whole.relaxation[[1, 4]], rtol=1e-12)
 
 
-def test_too_early_is_refused(prepare):
+def test_times_too_early_are_refused(prepare):
     wear = prepare("five_rings", "mdr", **COARSE).wear
     energy = np.diag([1.0] * 3 + [1e-18] * (len(wear._weights) - 3))
     with pytest.raises(SolverError, match="too early for double precision"):
@@ -77,8 +72,8 @@ def test_too_early_is_refused(prepare):
 
 
 @pytest.mark.parametrize("ratio", [1e-6, 1e-9, 1e-12])
-def test_early_times_beside_slow_rings(ratio):
-    """Rings that hardly wear leave the others what they are, though they relax far more slowly."""
+def test_slow_rings_do_not_change_early_times(ratio):
+    """Rings that hardly wear relax far more slowly, but do not affect the others."""
     scene = Scene.load("five_rings").changed(
         methods=["mdr"], wear__times=[0.0, 1e-6, 1e-4], accuracy__rtol=1e-3
     )
@@ -87,38 +82,38 @@ def test_early_times_beside_slow_rings(ratio):
         for slow in (ratio, 1e-14)
     )
     for name in ("indentation", "rms_slope", "ring_force"):
-        # to the accuracy asked for
+        # to within rtol
         np.testing.assert_allclose(result[name], limit[name], rtol=1e-3)
 
 
-def test_the_time_until_a_share_is_left_is_that_of_closed_forms():
-    """One decaying exponential, and two of which one decays twice as fast: a quadratic equation."""
+def test_time_until_against_closed_forms():
+    """Closed forms: one exponential, and two, one twice as fast (a quadratic equation)."""
     one = Modes(np.array([3.0]), np.eye(1), np.array([2.0]), 1)
     assert one.time_until(12 * 1e-5) == pytest.approx(3 * np.log(1e5), rel=1e-14)
     # y + y^2 is left, with y = exp(-t)
     two = Modes(np.array([1.0, 0.5]), np.eye(2), np.array([1.0, 2**0.5]), 2)
     for y in (1e-8, 0.3, 0.9999):
         assert two.time_until(y + y**2) == pytest.approx(-np.log(y), rel=1e-11)
-    # far scales: the fast one is long gone
+    # very different times: the fast mode has vanished
     far = Modes(np.array([1.0, 1e-12]), np.eye(2), np.array([1e-3, 1e5]), 2)
     assert far.time_until(1e-8) == pytest.approx(np.log(100), rel=1e-13)
     assert np.isnan(two.time_until(2.1))
 
 
-def test_banded_factor():
+def test_banded_cholesky_against_a_dense_factor():
     bands = np.array([0.3, 0.5, 4.0, 0.5, 0.3])
     matrix, right = diags(bands, range(-2, 3), (9, 9)).toarray(), np.eye(9)
     factor, lower = BandedCholesky(csr_matrix(matrix)), np.linalg.cholesky(matrix)
     np.testing.assert_allclose(matrix @ factor.solve(right), right, atol=1e-14)
     np.testing.assert_allclose(lower @ factor.forward(right[:, 0]), right[:, 0], atol=1e-14)
     np.testing.assert_allclose(lower.T @ factor.backward(right), right, atol=1e-14)
-    # LAPACK's wrapper writes past the end of no columns
+    # LAPACK's wrapper writes out of bounds if there are no columns
     assert factor.solve(np.empty((9, 0))).shape == (9, 0)
     with pytest.raises(SolverError, match="too extreme for double precision"):
         BandedCholesky(csr_matrix(matrix - 20 * np.eye(9)))
 
 
-def test_two_results_may_know_another_number_of_modes():
+def test_results_with_different_numbers_of_modes_are_compared():
     times = np.array([1.0, 0.5, 0.25])
     three, two = (
         xarray.Dataset({"relaxation_time": ("mode", values)}) for values in (1.5 * times, times[:2])

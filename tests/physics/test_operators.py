@@ -1,4 +1,4 @@
-"""The methods as operators: certified for every pressure at once, and faults that show at once."""
+"""Methods compared as operators, for every pressure at once, and the stability of multipliers."""
 
 import time
 from dataclasses import replace
@@ -25,7 +25,7 @@ def by_elements(problem):
 
 
 def against_mdr(problem, compliance):
-    """A compliance against that of the MDR on its own space."""
+    """Compare a compliance with that of the MDR on the same space."""
     first, second = (
         RunningIn(each, problem.merged.wear_coefficients)
         for each in (compliance, energy.compliance(compliance.space))
@@ -40,12 +40,11 @@ def against_mdr(problem, compliance):
         pytest.param(32, 1e-3, marks=pytest.mark.slow),
     ],
 )
-def test_every_steady_state_is_certified(rings, rtol):
+def test_finite_elements_agree_with_mdr_for_every_steady_state(rings, rtol):
     problem = FIVE.changed(punch__rings=rings, accuracy__rtol=rtol).problem
     difference = against_mdr(problem, by_elements(problem))
     assert difference.rings <= rtol
-    # the multipliers see the displacement, on coarse meshes and on fine ones: as one over the
-    # degree
+    # the multipliers are stable on coarse and fine meshes: the constant falls as 1 / degree
     assert difference.stability >= 2.5 / quad_degree(problem)
 
 
@@ -56,16 +55,16 @@ def test_poisson_ratio_does_not_matter(ratio):
 
 
 @pytest.mark.parametrize("scene", list(random_scenes(20, 6, most_rings=3)))
-def test_history_bounds_the_error(scene):
-    # the pressure space has its own error, which no comparison on that space can see: it is small
-    # beside the dial
+def test_the_operator_difference_bounds_the_error_of_histories(scene):
+    # a comparison on the pressure space does not include the error of that space, which is small
+    # relative to rtol
     rtol = max(scene.accuracy.rtol, 1e-5)
     result = run(scene.changed(accuracy__rtol=rtol), methods=["mdr", "fem"])
     error = true_errors(result)["fem"]["indentation"][0].max()
     assert error <= 1.5 * result.operators[0].history + 0.02 * rtol
 
 
-def test_a_wrong_modulus_shows_in_the_rings():
+def test_a_wrong_modulus_shows_in_the_operator_difference():
     sound = by_elements(FIVE.problem)
     soft = replace(sound, factor=sound.factor * np.sqrt(1.01))
     assert against_mdr(FIVE.problem, soft).rings >= 9e-3
@@ -73,14 +72,14 @@ def test_a_wrong_modulus_shows_in_the_rings():
 
 def test_unstable_multipliers_are_refused():
     sound = by_elements(FIVE.problem)
-    # one bubble that displaces next to nothing: a checkerboard
+    # one bubble causes almost no displacement, like a checkerboard
     factor = sound.factor.copy()
     factor[:, -1] *= 1e-2
     with pytest.raises(SolverError, match="unstable"):
         check_multipliers("fem", replace(sound, factor=factor), energy.compliance(sound.space))
 
 
-def test_three_operators_in_one_run():
+def test_three_methods_are_compared_as_operators():
     result = run(FIVE, methods=["mdr", "bem", "fem"])
     pairs = {row.methods: row for row in result.operators}
     assert set(pairs) == {("fem", "mdr"), ("fem", "bem"), ("mdr", "bem")}
@@ -100,7 +99,8 @@ def test_refusing_singular_pairs_costs_less_than_two_per_cent_of_a_run(mesher):
         pytest.skip(WITHOUT_GMSH)
     scene = FIVE.changed(accuracy__fem__mesher=mesher)
     half_space = run(scene, methods=["fem"]).solutions["fem"].half_space
-    _ = half_space.coupling  # which condensing needs anyway
+    # computed beforehand, because condensation needs it anyway
+    _ = half_space.coupling
 
     def seconds(call):
         start = time.process_time()
@@ -108,6 +108,6 @@ def test_refusing_singular_pairs_costs_less_than_two_per_cent_of_a_run(mesher):
         return time.process_time() - start
 
     of_runs = [seconds(lambda: run(scene, methods=["fem"])) for _ in range(3)]
-    # twice in a run, for the coarser half-space, too
+    # a run checks two half-spaces, the second one for the coarser solution
     of_checks = [2 * seconds(half_space.stability) for _ in range(9)]
     assert np.median(of_checks) <= 0.02 * np.median(of_runs)

@@ -1,4 +1,4 @@
-"""Orders of all quantities of a scene, and of what they are measured by."""
+"""Orders of convergence of all quantities of a scene, and the stresses on the axis."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def five_rings():
 
 
 def orders(studied, way):
-    """Observed orders between the last levels, and finest errors, by quantity."""
+    """Return the order between the last levels, and the finest error, of each quantity."""
     family = studied.family(way)
     table = Record().solve("levels", [family], ["family", "setting", "size", *family.theory])
     return {
@@ -68,17 +68,17 @@ def test_quadrilaterals_of_one_size_have_the_order_of_the_rim(five_rings):
 
 
 def test_pressures_of_mdr_have_the_order_of_their_mean_square(five_rings):
-    """Of degree 2: three, and six for the history, two orders each."""
+    """With degree 2, pressures have the order 3, and the history the order 6."""
     found = orders(five_rings, radial_graded_way(five_rings.problem, "mdr", 2, (0.5, 0.6)))
     assert found["pressure"][0] == pytest.approx(3, abs=0.2)
     assert found["d(t)"][0] == pytest.approx(6, abs=0.3)
 
 
 def flat_punch_on_axis(poisson_ratio):
-    """Stresses zz and rr on the axis under a flat punch of the force 1 (Sneddon 1946)."""
+    """Return stresses zz and rr on the axis under a flat punch of force 1 (Sneddon 1946)."""
     below = 1 + DEPTHS**2
     axial = -(1 + 3 * DEPTHS**2) / below**2 / (2 * np.pi)
-    # half the trace of the plane, by Hankel integrals of sin(s) exp(-s z) and z times s of it
+    # rr = half of rr + hoop, by Hankel integrals of sin(s) exp(-s z) and s z sin(s) exp(-s z)
     plane = -(1 + 2 * poisson_ratio) / below + 2 * DEPTHS**2 / below**2
     return np.stack([axial, plane / (4 * np.pi)], axis=-1)
 

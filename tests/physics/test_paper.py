@@ -1,7 +1,4 @@
-"""The study of the paper.
-
-Limits from both sides, methods against each other, and the files it writes.
-"""
+"""The study of the paper: quadratures, limits, agreement of methods, and its files."""
 
 from __future__ import annotations
 
@@ -35,14 +32,14 @@ def five():
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """Everything, in its smaller version."""
+    """Folder with the files of the quick study."""
     out = tmp_path_factory.mktemp("paper")
     study("paper", "five_rings", quick=True).save(out)
     return out
 
 
 def gradients_of(count, wear_ratios, width_ratio=1.0):
-    """(2, M) normalised gradients of alternating rings by direct integration."""
+    """Return (2, M) normalised RMS gradients of alternating rings by direct integration."""
     rings = [Rings.alternating(count, width_ratio, ratio) for ratio in wear_ratios]
     pressures = np.stack([np.pi * direct.steady_pressures(*each) for each in rings], axis=1)
     edges = rings[0].ring_edges
@@ -52,7 +49,10 @@ def gradients_of(count, wear_ratios, width_ratio=1.0):
 
 @pytest.mark.parametrize("width_ratio", [0.1, 10.0])
 def test_slopes_against_another_quadrature(width_ratio):
-    """The quadrature that all curves rest on, which knows where slopes have logarithmic poles."""
+    """Compare the quadrature behind all curves with an adaptive one between ring edges.
+
+    At ring edges, slopes have logarithmic poles.
+    """
     edges = alternating_edges(8, width_ratio)
     pressures = np.where(np.arange(8) % 2, 0.01, 1.0)
     steps = direct.pressure_steps(pressures)
@@ -64,8 +64,8 @@ def test_slopes_against_another_quadrature(width_ratio):
     assert direct.rms_slope(edges, pressures) == pytest.approx(np.sqrt(sum(squares)), rel=1e-9)
 
 
-def test_gradient_by_mdr():
-    """The other theory: line densities, no elliptic integrals, no closed form of a ring."""
+def test_rms_slopes_by_mdr_against_direct_integration():
+    """MDR uses line densities, and neither elliptic integrals nor closed forms of rings."""
     base = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-8, wear__times=[])
     ratios = {"punch.wear_ratio": RATIOS.tolist()}
     for average, exact in zip(("line", "area"), gradients_of(5, RATIOS), strict=True):
@@ -75,7 +75,7 @@ def test_gradient_by_mdr():
         np.testing.assert_allclose(slopes / unit, exact, rtol=1e-4)
 
 
-def test_many_rings_from_both_sides():
+def test_many_rings_approach_their_limit_from_both_sides():
     ratios = np.array([1e-4, 0.1, 10.0, 1e4])
     limit = many_rings(ratios, np.ones(1))
     np.testing.assert_allclose(limit, limit[:, ::-1], rtol=1e-14)
@@ -97,7 +97,7 @@ def test_many_rings_of_unequal_width():
         ]
         assert (np.diff(distances, axis=0) < 0).all()
         assert (distances[-1] < 0.02).all()
-    # a material that is everywhere leaves a homogeneous punch
+    # if one material covers nearly all of the face, the punch is homogeneous
     assert many_rings(ratio, np.array([1e9])) == pytest.approx(1.0, abs=1e-6)
 
 
@@ -117,13 +117,13 @@ def test_methods_agree_in_every_state(five):
     for name in ("f_over_d0", "g_over_d0"):
         for later in five.states[name][1:, 1:].values:
             np.testing.assert_allclose(later, five.states[name][0, 1:], atol=1e-3)
-    # at first only the rim wears, in a layer thinner than any element
+    # earlier, only a layer at the rim has worn, which is thinner than any element
     later = five.history[:, :, five.history.time.values > 1e-3].values
     np.testing.assert_allclose(later, later[:, [0, 0, 0]], atol=1e-3)
 
 
 def test_line_profile_is_equation_three(five):
-    """Eq. 3 with its missing f(0), on the profile; the study takes it from the pressure."""
+    """Eq. 3 with its missing f(0), applied to the profile; the study integrates the pressure."""
     radii, states = five.states.radius.values, five.states.sel(solver="mdr")
     inside = np.flatnonzero(radii > 0.02)[:-5]
     by_profile = states.f_over_d0.values @ profile_transform(radii, radii[inside]).T
@@ -132,9 +132,9 @@ def test_line_profile_is_equation_three(five):
 
 
 def test_steady_state_in_units_of_the_paper(five):
-    """Of 25 equal areas 15 are slow and 10 fast.
+    """Of 25 equal areas, 15 wear slowly and 10 ten times faster.
 
-    ``p1 = 1/(2 (0.6 + 0.04))`` ... times ``2 p0`` (Eq. 26).
+    Hence the slow rings have the pressure ``p1 = 2 p0 / (0.6 + 0.4 / 10)`` (Eq. 26).
     """
     pressure = five.states.p_over_p0.values
     slow = 2 / (0.6 + 0.4 / 10)
@@ -147,7 +147,7 @@ def test_steady_state_in_units_of_the_paper(five):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_files(written):
+def test_the_study_writes_figures_and_tables(written):
     endings = ("png", "csv", "md", "tex")
     expected = {f"fig{number}.{end}" for number in (4, 5, 6, 7) for end in endings}
     expected |= {f"claims.{end}" for end in endings if end != "png"} | {"report.html"}
@@ -162,7 +162,7 @@ def test_files(written):
 
 
 @pytest.mark.slow
-def test_claims(written):
+def test_one_of_ten_claims_does_not_hold(written):
     claims = pd.read_csv(written / "claims.csv")
     assert len(claims) == 10
     (refuted,) = claims[claims.verdict == "does not hold"].values.tolist()

@@ -1,6 +1,6 @@
 """Faces with closed forms: balls, truncated cones and paraboloids, dishes; two elastic bodies.
 
-By the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d - g) dx``.
+With the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d - g) dx``.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ FLAT = 0.3
 
 
 def ball(x, radius=2.0):
-    """Of Sneddon's ball: ``g = x artanh(x / R)``."""
+    """Return the one-dimensional profile of Sneddon's ball, ``g = x artanh(x / R)``."""
     return x * np.arctanh(x / radius)
 
 
@@ -53,7 +53,7 @@ def pressed(profile, methods=("mdr", "fem"), force=0.05, rtol=1e-3, **changes):
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_the_start_is_that_of_the_closed_form(name):
+def test_starts_against_closed_forms(name):
     profile, g = PROFILES[name]
 
     def force_on(contact):
@@ -69,8 +69,8 @@ def test_the_start_is_that_of_the_closed_form(name):
         assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
 
 
-def test_sneddons_ball_has_his_formulas():
-    """``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
+def test_a_ball_against_sneddons_formulas():
+    """Sneddon: ``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
     contact, radius = 0.6, 2.0
     logarithm = np.log((radius + contact) / (radius - contact))
     force = (contact**2 + radius**2) / 2 * logarithm - contact * radius
@@ -80,8 +80,8 @@ def test_sneddons_ball_has_his_formulas():
 
 
 @pytest.mark.parametrize(("part", "full"), [(1.001, True), (0.9, False)])
-def test_a_dish_fills_at_barbers_force(part, full):
-    """``F = 16/3 E* a h``, from where ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
+def test_a_dish_is_in_full_contact_above_barbers_force(part, full):
+    """Barber: contact is full for ``F >= 16/3 E* a h``; ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
     depth = 0.1
     force = part * 16 / 3 * depth
     dish = {"kind": "concave", "depth": depth}
@@ -93,7 +93,7 @@ def test_a_dish_fills_at_barbers_force(part, full):
         assert float(start.indentation) == pytest.approx(exact, rel=1e-4)
 
 
-def test_a_ball_is_no_narrower_than_the_punch():
+def test_a_ball_narrower_than_the_punch_is_refused():
     with pytest.raises(SceneError, match=r"below punch\.radius"):
         pressed({"kind": "ball", "ball_radius": 0.5})
 
@@ -106,7 +106,7 @@ def test_a_ball_is_no_narrower_than_the_punch():
         ("annulus", "inner_radius"),
     ],
 )
-def test_a_kind_that_does_not_exist_is_answered(kind, words):
+def test_an_unknown_kind_is_refused_with_a_suggestion(kind, words):
     with pytest.raises(SceneError, match=words):
         pressed({"kind": kind, "ball_radius": 1.0})
 
@@ -124,7 +124,7 @@ def test_a_kind_that_does_not_exist_is_answered(kind, words):
         ("punch__normal_force", "did you mean load.normal_force"),
     ],
 )
-def test_what_is_not_modelled_is_told(key, word):
+def test_keys_that_are_not_modelled_are_refused_with_a_reason(key, word):
     with pytest.raises(SceneError, match=word):
         pressed(PROFILES["ball"][0]).changed(**{key: 1.0})
 
@@ -141,7 +141,7 @@ def test_one_material_needs_no_rings():
 
 
 def test_two_elastic_bodies_have_a_combined_modulus():
-    """As springs in series: ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``."""
+    """Compliances add up: ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``."""
     both = {"youngs_modulus": 2.0, "punch_youngs_modulus": 3.0, "punch_poisson_ratio": 0.2}
     modulus = 1 / ((1 - 0.3**2) / 2.0 + (1 - 0.2**2) / 3.0)
     punch = {"radius": 1.0, "wear_coefficient": 1.0}
@@ -154,8 +154,8 @@ def test_two_elastic_bodies_have_a_combined_modulus():
 
 
 @pytest.mark.gmsh
-def test_the_inside_goes_as_deep_as_asked_for(tmp_path):
-    """Continuous across the end of the mesh, and Boussinesq's point force far away."""
+def test_the_inside_extends_to_the_output_depth(tmp_path):
+    """Displacements are continuous at the end of the mesh; far away, a point force's."""
     import meshio
 
     punch = {"radius": 1.0, "wear_coefficient": 1.0}

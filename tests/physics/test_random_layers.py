@@ -1,4 +1,4 @@
-"""Scenes on layers drawn at random: MDR and finite elements agree."""
+"""MDR and finite elements agree on random scenes with layers."""
 
 import pytest
 from random_layers import random_layers
@@ -9,14 +9,14 @@ pytestmark = [pytest.mark.gmsh, pytest.mark.slow]
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_flat_punches(seed):
+def test_methods_agree_for_flat_punches(seed):
     result = run(random_layers(seed))
     assert all(anchor.holds for anchor in result.anchors)
     assert result.verdict == "agree"
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_shaped_punches(seed):
+def test_methods_agree_for_shaped_punches(seed):
     result = run(random_layers(seed, shaped=True, rtol=1e-3))
     assert all(anchor.holds for anchor in result.anchors)
     assert result.verdict == "agree"

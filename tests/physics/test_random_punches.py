@@ -1,4 +1,4 @@
-"""Punches drawn at random: nearly all of them are decided, and soon."""
+"""Random punches: methods agree on nearly all of them, within a limited time."""
 
 import time
 
@@ -9,17 +9,17 @@ from random_punches import KINDS, random_punch
 from ringwear import run
 from ringwear.studies.crosscheck.promise import AT_EDGES, BY_CELLS
 
-# of a punch, on a machine that does nothing else
+# upper limit for one punch on an idle machine
 MOST_SECONDS = 30
 
 
 def decide(seed):
-    """Return the verdict, and the seconds of processor time that it took."""
+    """Return the verdict on a random punch, and the seconds of processor time."""
     began = time.process_time()
     result = run(random_punch(seed))
     verdict = result.verdict
     if verdict == "agree":
-        # what is left undecided is named as what is not promised
+        # only quantities without a promise may be undecided
         undecided = {row.quantity for row in result.agreement if not row.agrees}
         assert undecided <= {*AT_EDGES, *BY_CELLS}
     return verdict, time.process_time() - began
@@ -31,8 +31,8 @@ def test_random_punches_are_decided(seed):
 
 
 @pytest.mark.slow
-def test_of_many_random_punches_few_are_undecided():
-    """Two of each kind; of forty, the crosscheck's page tells."""
+def test_at_most_one_of_12_punches_is_undecided():
+    """Two punches of each kind; results for forty are in studies/crosscheck/README.md."""
     runs = [decide(seed) for seed in range(10, 10 + 2 * len(KINDS))]
     verdicts = [verdict for verdict, _ in runs]
     assert "disagree" not in verdicts
@@ -40,8 +40,8 @@ def test_of_many_random_punches_few_are_undecided():
     assert np.max([seconds for _, seconds in runs]) < MOST_SECONDS
 
 
-def test_contact_radii_state_the_cell_of_their_edge():
-    """Where a part has just opened, both meshes of a method had the edge in the same cell."""
+def test_estimates_of_contact_radii_include_the_cell_at_the_edge():
+    """A part of the contact has just opened; both meshes of a method have the edge in one cell."""
     result = run(random_punch(22))
     radii, errors = (result.dataset[name] for name in ("contact_radius", "contact_radius_error"))
     differ = np.abs(np.diff(radii, axis=0)[0])

@@ -1,4 +1,4 @@
-"""Scenes drawn at random against an independent solution, which holds to others first."""
+"""Random scenes against an independent solution, which is itself tested first."""
 
 import numpy as np
 import pytest
@@ -18,8 +18,8 @@ def rings_of(scene):
 CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))
 
 
-def test_the_independent_solution_has_the_known_history(reference):
-    """Of the five rings, of a whole history that is good to 1e-10."""
+def test_the_independent_solution_against_the_stored_history(reference):
+    """The history of the five rings agrees with the stored one, which is accurate to 1e-10."""
     times = [state["time"] for state in reference["states"]]
     scene = FIVE.changed(wear__times=[0.0, *times], output__radii=reference["radii"])
     problem = scene.problem
@@ -33,8 +33,8 @@ def test_the_independent_solution_has_the_known_history(reference):
     assert punch.least_pressure(punch.pressures(CONSTANT, problem.times[1:])) > 0
 
 
-def test_a_uniform_k_of_r_in_pieces_is_a_flat_punch():
-    """Kinks and edges where nothing happens change nothing."""
+def test_uniform_wear_in_pieces_equals_one_piece():
+    """Edges between pieces of equal k do not change the relaxation times."""
     whole = Pieces(np.array([0.0, 1.0]), np.ones(1), np.ones(1))
     parts = Pieces(np.array([0.0, 0.3, 0.7, 1.0]), np.ones(3), np.ones(3))
     times = [
@@ -44,16 +44,16 @@ def test_a_uniform_k_of_r_in_pieces_is_a_flat_punch():
     assert times[0] == pytest.approx(times[1], rel=1e-9)
 
 
-def test_the_steady_state_of_k_of_r_is_its_closed_form():
-    """F = w int dA / k, of k linear from 1 to 4."""
+def test_the_steady_wear_rate_along_the_radius_in_closed_form():
+    """F = w int 1/k dA, with k linear from 1/4 to 1 (from 1 to 4, over the greatest)."""
     pieces = Pieces(np.array([0.0, 1.0]), np.array([0.25]), np.array([1.0]))
     punch = Punch(pieces, np.array([1e-12, 1e-10]), 12)
     rate = 3 / (2 * np.pi * (1 - np.log(4) / 3)) / 4
     assert punch.wear_rate == pytest.approx(rate, rel=1e-10)
 
 
-def test_a_load_that_varies_is_a_sum_of_constant_ones():
-    """Of a force that rises in many small steps."""
+def test_a_rising_load_is_a_sum_of_constant_loads():
+    """A force that rises linearly is a sum of many small forces that start at later times."""
     rings = rings_of(FIVE)
     punch = Punch(rings, np.append(np.full(5, 1e-6), 1e-8), 8)
     load = Load(np.array([0.0, 0.5]), np.array([0.2, 1.0]), np.array([1.0, 1.0]))
@@ -68,10 +68,10 @@ def test_a_load_that_varies_is_a_sum_of_constant_ones():
 @pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("kind", KINDS)
-def test_no_number_is_silently_beyond_what_was_asked_for(kind):
+def test_every_number_beyond_rtol_is_reported(kind):
     rows = [hold(table, ("mdr", "fem")) for table in draw(kind, 7, 4)]
     assert [row.silent for row in rows] == [[]] * len(rows)
     assert [row.first for row in rows] == [[]] * len(rows)
-    # a method may state more than is asked for of numbers that it knows better
+    # a method may overestimate its errors and be undecided
     assert {row.verdict for row in rows} <= {"agree", "undecided"}
     assert sum(row.verdict == "agree" for row in rows) >= 3

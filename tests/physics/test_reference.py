@@ -1,7 +1,4 @@
-"""The independent reference that estimates are judged by is judged itself.
-
-By closed forms and by numbers from elsewhere.
-"""
+"""The reference solution of other tests against a stored history and closed forms."""
 
 import numpy as np
 from wear_reference import Reference
@@ -30,7 +27,7 @@ def test_history_of_five_rings(reference):
         assert_equal(punch.rms_slopes(worn, average), f"rms_slope_{average}", 1e-5, first=3)
     expected = np.array(reference["slowest_relaxation_times"]) * fastest
     np.testing.assert_allclose(punch.relaxation_times[: len(expected)], expected, rtol=1e-10)
-    # late it is the steady state
+    # at a late time, the steady state
     pressure, worn, indentation = punch.at(np.array([1e3]))
     steady = direct.steady_pressures(edges, wear)
     np.testing.assert_allclose(punch.wear_rate, wear[0] * steady[0], rtol=1e-12)

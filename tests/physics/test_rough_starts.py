@@ -1,4 +1,7 @@
-"""Starts that are hard to find: rough faces, many parts, next to no load, against physics alone."""
+"""First contacts that are hard to find: rough faces, many parts and very small loads.
+
+They are checked for complementarity and force balance.
+"""
 
 import time
 
@@ -56,7 +59,7 @@ def test_contact_begins_where_the_face_is_lowest(name):
     depths = np.abs(of_profile) + press.indentation * space.weights
     assert gap.min() >= -1e-14 * depths.max()
     assert space.weights @ press.pressure == pytest.approx(press.force, rel=1e-12)
-    # to the cell there, where the contact is narrower
+    # the lowest point is in contact, to within one cell, because the contact may be narrower
     radii, heights = problem.profile.sampled()
     lowest = radii[heights.argmin()]
     cell = float(cells(lowest))
@@ -76,14 +79,14 @@ def test_a_sphere_under_any_indentation(depth):
 
 
 @pytest.mark.slow
-def test_a_start_of_many_parts_is_as_accurate_as_the_march():
+def test_a_start_of_many_parts_against_a_fitted_mesh():
     began = time.process_time()
     result = run(rough(20, normal_force=0.1))
     assert time.process_time() - began < 10
     assert any("not fitted" in note for note in result.notes)
     data = result.dataset.isel(solver=0, time=0)
     assert float(data.ring_force.sum()) == pytest.approx(0.1, rel=1e-9)
-    # digits of a solution on a mesh that was fitted to its edges
+    # indentation on a mesh that was fitted to the contact edges
     assert float(data.indentation) == pytest.approx(
         0.083289092068, rel=float(data.indentation_error)
     )
@@ -91,7 +94,7 @@ def test_a_start_of_many_parts_is_as_accurate_as_the_march():
 
 
 @pytest.mark.slow
-def test_a_face_that_cells_cannot_hold_states_more_than_was_asked_for():
+def test_a_face_too_rough_for_the_cells_states_a_large_error():
     result = run(rough(200, normal_force=1e-2))
     assert float(result.dataset.indentation_error.max()) > 0.1
     assert result.short_of["mdr"] > 0.1

@@ -1,7 +1,7 @@
-"""Constants of the rules of sizes are felt: with a worse one, a quantity errs far more.
+"""Constants of the size rules matter: with a worse value, the error of a quantity is far greater.
 
-Errors are those of a single solution, against a reference that shares nothing with any method: a
-run would solve again with finer sizes, and hide what the constant is for.
+Errors are those of a single solution against an independent reference. A run would solve again
+with finer sizes, which would hide the effect of the constant.
 """
 
 from functools import cache
@@ -34,7 +34,7 @@ def error_over_rtol(scene, name, quantity):
     problem = SCENES[scene].problem
     solution = method(name).solve(problem, Stages(name))
     errors = np.atleast_1d(differences(solution.checked, exact_of(scene), problem.face)[quantity])
-    # the reference knows three relaxation times
+    # the three slowest relaxation times are compared
     shown = errors[:3] if quantity == "relaxation_time" else errors
     return float(shown.max()) / problem.rtol
 
@@ -62,6 +62,6 @@ def test_a_quantity_errs_more_with_a_worse_constant(
     error = error_over_rtol(scene, name, quantity)
     assert error <= 1
     monkeypatch.setattr(module, constant, factor * getattr(module, constant))
-    # else it would bound the growth of triangles
+    # otherwise this limit would hide the effect of TRIANGLE_GROWTH
     monkeypatch.setattr(defaults, "MAX_TRIANGLE_GROWTH", np.inf)
     assert error_over_rtol(scene, name, quantity) > 3 * error

@@ -1,4 +1,4 @@
-"""Static contact on part of the face: closed forms, annuli, and what contact has to satisfy."""
+"""Static contact on part of the face: closed forms, annuli and complementarity."""
 
 from functools import cache, partial
 
@@ -18,7 +18,7 @@ from ringwear.studies.wear.unilateral import MOST_CHANGES, Contact, Interval, Lo
 
 DEGREE = 8
 METHODS = ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)]
-# F / (E* a d) of flat annuli by inner radius: digits of an independent computation
+# F / (E* a d) of flat annuli by inner radius, from an independent computation
 ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
@@ -46,14 +46,14 @@ def press(method, profile, load, *parts, degree=DEGREE):
 
 
 def ring_stiffness(method, inner, degree=DEGREE):
-    """``F / (E* d)`` of a flat ring."""
+    """Return ``F / (E* d)`` of a flat ring."""
     tall, parts = rings([0, inner, 1], [100.0, 0.0]), Interval(inner, 1.0)
     return 1 / press(method, tall, Load(1.0), parts, degree=degree).indentation
 
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("exponent", [1, 2, 4, 6, 8])
-def test_powers(method, exponent):
+def test_power_profiles_against_closed_forms(method, exponent):
     exact, radius, start = PowerPunch(1.0, exponent), 0.6, Interval(0.0, 0.5, outer_free=True)
     force, depth = exact.force(radius), exact.indentation(radius)
     profile = rings([0, 1], [0], lambda radii: radii**exponent)
@@ -64,7 +64,7 @@ def test_powers(method, exponent):
     pressure = exact.pressure(radius, radii)
     difference = pressed.pressure_at(radii) - pressure
     assert np.sqrt(radii @ difference**2 / (radii @ pressure**2)) < 1e-4
-    # the same press, by its indentation
+    # the same contact at the given indentation
     pressed = press(method, profile, Load(None, depth), start)
     assert pressed.force == pytest.approx(force, rel=1e-8)
 
@@ -88,7 +88,7 @@ def test_closed_forms_against_an_independent_package():
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("inner", ANNULI)
-def test_annuli(method, inner):
+def test_flat_annuli_have_the_known_stiffnesses(method, inner):
     degree, tolerance = (9, 5e-9) if method == "fem" else (DEGREE, 1e-9)
     assert ring_stiffness(method, inner, degree) == pytest.approx(ANNULI[inner], rel=tolerance)
 
@@ -96,7 +96,7 @@ def test_annuli(method, inner):
 @pytest.mark.parametrize("method", ["mdr", "bem"])
 @pytest.mark.parametrize("hole", [0.15, 0.2, 0.3])
 def test_annuli_with_small_holes_follow_the_published_series(method, hole):
-    """To the term after its last, of which 0.02 is left: the last one is 0.007 e^8."""
+    """The error is of the order of the first term that the series omits, about 0.02 e^9."""
     error = ring_stiffness(method, hole) / 2 - annulus_stiffness(hole)
     assert abs(error) <= 0.03 * hole**9
 
@@ -126,7 +126,7 @@ def test_contact_is_complementary(load, recess):
     assert gap.min() >= -1e-14 * np.abs(of_profile).max()
     assert pressed.pressure @ np.abs(gap) <= 1e-12 * pressed.force * pressed.indentation
     assert pressed.iterations <= 20
-    # there is but one such contact, wherever the search begins
+    # the contact is unique: the search finds it from any start
     for start in (np.ones(len(gap), dtype=bool), np.arange(len(gap)) % 3 == 0):
         again = contact.press(of_profile, load, start)
         assert again.indentation == pytest.approx(pressed.indentation, rel=1e-12)
@@ -148,7 +148,7 @@ def press_on(compliance, profile, force):
     return contact.press(moments(profile, compliance.space), Load(force))
 
 
-def test_a_disc_in_finite_elements_as_in_theory():
+def test_a_pressed_sphere_by_finite_elements_agrees_with_mdr():
     by_elements = even_half_space(ContactCells((0.0, 1.0), 1 / 100, 1e-3), 0.3).compliance()
     by_theory = energy.compliance(by_elements.space)
     first, second = (press_on(compliance, SPHERE, 0.2) for compliance in (by_elements, by_theory))
@@ -159,11 +159,12 @@ def test_a_disc_in_finite_elements_as_in_theory():
 @pytest.mark.parametrize(
     ("part", "words"),
     [
-        (Interval(0.0, 1.0), "more parts"),  # so wide, it would have to pull
+        # such a wide contact would need tension
+        (Interval(0.0, 1.0), "more parts"),
         (Interval(0.1, 0.5, True, True), "other than its outermost one"),
     ],
 )
-def test_a_contact_of_another_kind_is_refused(part, words):
+def test_contacts_of_the_wrong_shape_are_refused(part, words):
     on_edges = partial(compliance_on, "mdr", DEGREE)
     with pytest.raises(SolverError, match=words):
         fit_presses(SPHERE, Load(0.1), (part,), (on_edges, on_edges))
@@ -183,7 +184,7 @@ def test_contacts_that_differ_by_a_few_nodes_share_a_factor(load):
         tried = first.contact.copy()
         tried[nodes] = ~tried[nodes]
         pressure, gap, depth = contact._solve_for_contact(of_profile, load, tried)
-        # anew where borders have lost more than roundoff
+        # the matrix is factorised again if the bordered system loses more than roundoff
         shared += contact._system.factor is factor
         factor = contact._system.factor
         own_pressure, _, own_depth = Contact(matrix, weights)._solve_for_contact(
@@ -196,7 +197,7 @@ def test_contacts_that_differ_by_a_few_nodes_share_a_factor(load):
         roundoff = np.abs(of_profile) + depth * weights
         assert (np.abs(gap) <= 2e-14 * roundoff)[tried].all()
     assert shared >= 3
-    # with more, the factor is that of the contact itself
+    # with more changes, the matrix of the new contact is factorised
     contact._solve_for_contact(of_profile, load, np.arange(len(weights)) % 2 == 0)
     assert contact._system.factor is not factor
     assert not len(contact._system.changed)

@@ -1,4 +1,4 @@
-"""Which steady state is reported: that of the load held last, and none that is out of reach."""
+"""The reported steady state is that of the last load, or is left out if it cannot be reached."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ LOADS = {
 
 @pytest.mark.parametrize("profile", [{}, {"profile": ROUNDED}], ids=["flat", "rounded"])
 @pytest.mark.parametrize("name", LOADS)
-def test_the_load_that_is_held_last(name, profile):
+def test_the_steady_state_is_that_of_the_last_load(name, profile):
     scene = Scene.from_table(BASE | {"punch": PUNCH | profile, "load": LOADS[name]})
     result = run(scene, methods=["mdr", "direct"])
     assert result.verdict == "agree"
@@ -38,7 +38,7 @@ def test_the_load_that_is_held_last(name, profile):
         pressures = np.where(data.radius < 1.0, rate, rate / 4)
         np.testing.assert_allclose(data.steady_pressure, pressures, rtol=1e-6)
         greatest = direct.greatest_displacement(np.array([0.0, 0.5, 1.0]), rate / wear)
-        # u over a p / E* has no unit
+        # u in units of a p / E*, with a = 2 and E* = 5
         expected = 2.0 / 5.0 * float(greatest)
         assert float(data.steady_displacement_max) == pytest.approx(expected, rel=1e-4)
     answer = result.answers["mdr"]
@@ -53,8 +53,8 @@ def test_a_load_that_ends_has_no_steady_state(what):
     assert "no longer wears" in result.summary["left_out"]["steady state"]
 
 
-def test_a_steady_state_out_of_reach_is_not_told():
-    """A washer, written as a deep recess: its middle would carry at t = 3e6."""
+def test_a_steady_state_out_of_reach_is_not_reported():
+    """A washer, given by a deep recess, whose inner disc would touch only at t = 2.4e6."""
     scene = Scene.from_table(
         {
             "punch": {
@@ -72,17 +72,17 @@ def test_a_steady_state_out_of_reach_is_not_told():
     result = run(scene, methods=["mdr", "fem"])
     assert result.verdict == "agree"
     assert np.isnan(result.dataset.steady_wear_rate).all()
-    # until it does, 3/4 of the face wears by 1e6: t = 1e6 * 3 pi / 4
+    # until then, 3/4 of the face wears by 1e6: t = 1e6 * 3 pi / 4
     assert "t = 2.4e+06" in result.summary["left_out"]["steady state"]
     answer = result.answers["mdr"]
     for name in ("running_in_time", "indentation_steady"):
         assert np.isnan(answer[name])
-    # the face of the washer tends to the rate F / A of the ring
+    # the wear rate of the washer tends to F / A of the ring
     depths = result.dataset.indentation.sel(solver="mdr").to_numpy()
     assert depths[3] - depths[2] == pytest.approx(1 / (0.75 * np.pi), rel=1e-3)
 
 
-def test_a_recess_that_will_carry_keeps_its_steady_state():
+def test_a_recess_that_will_touch_keeps_its_steady_state():
     recessed = {**BASE, "load": {"normal_force": 0.3}, "wear": {"times": [0.0, 0.1]}}
     scene = Scene.from_table(recessed | {"punch": PUNCH | {"recess": [0.05, 0.0]}})
     result = run(scene, methods=["mdr"])
@@ -93,7 +93,7 @@ def test_a_recess_that_will_carry_keeps_its_steady_state():
 
 
 @pytest.mark.parametrize("method", ["mdr", "fem", "direct"])
-def test_a_uniform_recess_is_a_flat_punch(method):
+def test_a_uniform_recess_equals_a_flat_punch(method):
     flat = Scene.from_table(BASE | {"load": {"normal_force": 0.3}})
     lower = flat.changed(punch__recess=[0.25, 0.25])
     assert lower.problem.full_contact
@@ -103,7 +103,7 @@ def test_a_uniform_recess_is_a_flat_punch(method):
     for name in ("pressure", "displacement", "rms_slope", "steady_rms_slope", "relaxation_time"):
         if name in one:
             np.testing.assert_array_equal(one[name], other[name])
-    # heights are counted from the face plane, which is where it was
+    # heights are measured from the face plane, which is 0.25 above the recessed face
     for name in {"indentation", "profile"} & set(one):
         np.testing.assert_allclose(other[name], one[name] + 0.25, rtol=1e-14)
     answers = [result.answers[method]["indentation_start"] for result in (first, second)]

@@ -1,4 +1,4 @@
-"""The inside of the half-space against closed forms, on every kind of element."""
+"""Displacements and stresses inside the half-space against closed forms, on all elements."""
 
 import numpy as np
 import pytest
@@ -17,16 +17,17 @@ MESHERS = [*(pytest.param(name, marks=pytest.mark.gmsh) for name in ("quads", "g
 
 
 def potentials(r, z, poisson_ratio, radius):
-    """Displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4), of which imaginary parts are those
-    under a flat punch of some radius, of force ``2 pi radius`` and E* = 1.
+    """Return complex displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4).
 
-    Sneddon, Boussinesq's problem for a flat-ended cylinder, Proc. Camb. Phil. Soc. 42 (1946):
-    Hankel integrals with the transform ``sin(s)/(2 pi s)`` of the pressure. They are imaginary
-    parts of Laplace transforms of ``J_0(sr)`` and ``J_1(sr)`` at ``z - i``: of ``1/R`` and the
-    like, R the distance of the point from a source at the complex depth i.
+    Their imaginary parts are the fields under a flat punch of the given radius, with the force ``2
+    pi radius`` and E* = 1. Sneddon, Boussinesq's problem for a flat-ended cylinder, Proc. Camb.
+    Phil. Soc. 42 (1946), gives Hankel integrals with the transform ``sin(s)/(2 pi s)`` of the
+    pressure. They are imaginary parts of Laplace transforms of ``J_0(sr)`` and ``J_1(sr)`` at ``z -
+    i``, that is of functions such as ``1/R``, where R is the distance from a source at the complex
+    depth i (for radius 1).
     """
     source = z - 1j * radius
-    # the root with a positive real part; under the punch, where that is 0, the limit from inside
+    # the root with a positive real part; under the punch, where that is 0, the limit from below
     squared = r**2 + source**2
     under = (squared.imag == 0) & (squared.real < 0)
     distance = np.where(under, -1j * np.sqrt(np.abs(squared)), np.sqrt(squared))
@@ -46,16 +47,16 @@ def potentials(r, z, poisson_ratio, radius):
 
 
 def flat_punch(r, z, poisson_ratio):
-    """Displacements and stresses under the flat punch, F = a = E* = 1, off its rim."""
+    """Return displacements and stresses under the flat punch, F = a = E* = 1, except at its rim."""
     return (field.imag / (2 * np.pi) for field in potentials(r, z, poisson_ratio, 1.0))
 
 
 def sphere(r, z, poisson_ratio, contact):
-    """Displacements and stresses under a sphere ``r^2 / 2`` in contact on a disc, E* = 1.
+    """Return displacements and stresses under a sphere ``r^2 / 2`` in contact on a disc, E* = 1.
 
-    As the contact grows, each radius x adds a flat punch of depth ``2 x dx`` and force ``4 x^2 dx``
-    (Popov and Hess, Method of Dimensionality Reduction, chapter 3). The integral is taken on a half
-    circle of complex radii, off the points where the rim of such a punch is.
+    The contact is a sum of flat punches: the radius x adds the depth ``2 x dx`` and the force ``4
+    x^2 dx`` (Popov and Hess, Method of Dimensionality Reduction, chapter 3). The path of
+    integration is a half circle of complex radii, which avoids the singular rims of these punches.
     """
     node, weight = np.polynomial.legendre.leggauss(60)
     turned = np.exp(1j * np.pi * (1 - node) / 2)
@@ -68,12 +69,12 @@ def sphere(r, z, poisson_ratio, contact):
 
 
 def half_space_under(scene):
-    """The interior of a scene; of a solution, it takes the half-space alone."""
+    """Return the fields inside for a scene, computed from its discretised half-space."""
     return interior(scene, named("fem").discretise(scene.problem, Stages("fem")))
 
 
 def inside(poisson_ratio, **changes):
-    """The interior under the flat punch at t = 0, and the true errors of what it estimates."""
+    """Return the fields inside under the flat punch at t = 0, and their true errors."""
     scene = Scene.load("flat_punch").changed(
         half_space__poisson_ratio=poisson_ratio, wear__times=[0.0], **changes
     )
@@ -87,7 +88,7 @@ def inside(poisson_ratio, **changes):
 
 
 def true_errors(fields, far, exact, indentation, mean_pressure):
-    """Greatest errors at the start, over what they are stated over."""
+    """Return the greatest errors at the start, relative to the scales of their estimates."""
     moved, stress = exact
     parts = {
         "displacement": (moved, indentation),
@@ -103,7 +104,7 @@ def true_errors(fields, far, exact, indentation, mean_pressure):
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("force", [1e-4, 0.3])
 def test_stresses_under_a_sphere(force, poisson_ratio):
-    """Everywhere but beside the edge of the contact, and no worse than they say."""
+    """Errors, except near edges, are below the estimates."""
     scene = Scene.load("sphere").changed(load__normal_force=force)
     scene = scene.changed(half_space__poisson_ratio=poisson_ratio, output__field_times=[0.0])
     fields = half_space_under(scene)
@@ -115,7 +116,7 @@ def test_stresses_under_a_sphere(force, poisson_ratio):
     exact = (part / force for part in sphere(r[far], z[far], poisson_ratio, contact))
     errors = true_errors(fields, far, exact, 1 / (2 * contact), 1 / (np.pi * contact**2))
     assert errors["stress"] < (2e-2 if poisson_ratio == 0.5 else 1e-3)
-    # held against a degree that locks
+    # at nu = 0.5, the estimate compares with a degree that locks and is therefore larger
     assert_estimated(fields, errors, most=100 if poisson_ratio == 0.5 else 50)
 
 
@@ -138,7 +139,7 @@ def assert_estimated(fields, errors, least=1.0, most=50):
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, pytest.param(1e-6, marks=pytest.mark.slow)])
 def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
-    """Within 10 rtol of the mean pressure wherever they are finite, and no worse than they say."""
+    """Errors, except near the rim, are at most 10 rtol of the mean pressure and the estimates."""
     fields, errors = inside(poisson_ratio, accuracy__rtol=rtol)
     assert fields.errors["stress"][0] <= 10 * rtol
     assert errors["stress"] <= 10 * rtol
@@ -147,8 +148,8 @@ def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
 
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
 @pytest.mark.parametrize("mesher", MESHERS[1:])
-def test_the_estimate_on_triangles(mesher, poisson_ratio):
-    """Their degree is the highest already: they say how far they fall short."""
+def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio):
+    """Triangles have their highest degree already; the estimates bound the errors."""
     assert_estimated(*inside(poisson_ratio, accuracy__fem__mesher=mesher))
 
 
@@ -156,15 +157,15 @@ def test_the_estimate_on_triangles(mesher, poisson_ratio):
 @pytest.mark.parametrize(
     ("changes", "least"), [({"far_field": "fixed"}, 0.95), ({"poles": 1}, 1.0), ({"poles": 2}, 1.0)]
 )
-def test_the_estimate_of_a_truncation(changes, least):
-    """An outer boundary that the user has asked for is seen; of a clamped one, the error itself."""
+def test_estimates_bound_stress_errors_of_a_truncation(changes, least):
+    """The estimates include the truncation that a user chooses, also for a clamped boundary."""
     fields, errors = inside(0.3, accuracy__fem=changes)
     assert errors["stress"] > 1e-3
     assert_estimated(fields, errors, least)
 
 
 @pytest.mark.gmsh
-def test_a_degree_that_is_given_is_the_degree_inside():
+def test_a_given_degree_is_used_inside():
     assert inside(0.3, accuracy__fem__degree=5)[0].degree == 5
 
 
@@ -174,7 +175,7 @@ def test_samples_fill_the_half_space_and_agree_on_facets(mesher):
     points, moved = fields.points, fields.displacement[0]
     sizes = areas(MeshTri(points, fields.triangles))
     assert sizes.min() > 0
-    # of a convex polygon
+    # the samples fill a convex polygon
     assert sizes.sum() == pytest.approx(ConvexHull(points.T).volume, rel=1e-12)
     # points on facets belong to both elements, of different degrees: the displacement is one
     off_rim = np.flatnonzero(np.hypot(points[0] - 1, points[1]) > 1e-3)

@@ -1,7 +1,4 @@
-"""What is reported is what is checked.
-
-Numbers that were wrong while the verdict was "agree", each held to what is known.
-"""
+"""Numbers that once were wrong although the verdict was "agree", against exact results."""
 
 from dataclasses import replace
 
@@ -20,7 +17,7 @@ FIVE = Scene.load("five_rings")
 
 
 def check_start(result):
-    """Start pressures that methods report are within rtol of Eq. 10, at radii off the rim."""
+    """Assert that reported start pressures are within rtol of Eq. 10, except at the rim."""
     pressure, scene = result.dataset.pressure.isel(time=0), result.scene
     ratio = pressure.radius / scene.punch.radius
     ratio = ratio.where(ratio < 1)
@@ -41,7 +38,7 @@ def check_start(result):
 )
 @pytest.mark.parametrize("first", [1e-2, 1e-7])
 def test_start_pressures_are_those_of_the_closed_form(rtol, first):
-    """The small elements beside ring edges, which later times need, do not lose the start."""
+    """Small elements at ring edges, which later times need, do not make the start worse."""
     scene = FIVE.changed(accuracy__rtol=rtol, wear__times=[0.0, first, 1.0])
     result = run(scene, methods=["mdr", "bem"] if rtol > 1e-6 else ["mdr"])
     check_start(result)
@@ -55,7 +52,7 @@ def test_start_pressures_are_those_of_the_closed_form(rtol, first):
 @pytest.mark.slow
 @pytest.mark.gmsh
 def test_start_pressures_of_random_scenes():
-    """To 16 rings, first times to 1e-8, rtol 1e-2 to 1e-8, every method."""
+    """Up to 16 rings, first times from 1e-8 on, rtol from 1e-2 to 1e-8, by mdr and fem."""
     for scene in random_scenes(2211, 20, 16, methods=["mdr", "fem"]):
         times = [0.0, *(time for time in scene.wear.times if time)]
         check_start(run(scene.changed(wear={"times": times})))
@@ -63,8 +60,8 @@ def test_start_pressures_of_random_scenes():
 
 @pytest.mark.parametrize("indentation", [0.1, 1e-3, 1e-4, None])
 @pytest.mark.parametrize("standoff", [0.2, 100.0])
-def test_results_do_not_depend_on_where_the_face_plane_is(standoff, indentation):
-    """Two rings, the inner of which is recessed; the face stands off its plane."""
+def test_results_do_not_depend_on_the_face_plane(standoff, indentation):
+    """Two rings, the inner one recessed, with the whole face at a distance from the face plane."""
 
     def results(standoff):
         force = {"normal_force": 0.1}
@@ -79,7 +76,7 @@ def test_results_do_not_depend_on_where_the_face_plane_is(standoff, indentation)
 
     plain, moved = results(0.0), results(standoff)
     depth = float(plain.indentation.max())
-    # coordinates of a face that stands so far off are known to its roundoff
+    # the distance of the face causes roundoff of its heights
     roundoff = max(1e-9, 1e-14 * standoff / depth)
     for name in ("pressure", "normal_force", "ring_worn_volume", "contact_radius"):
         scale = float(np.abs(plain[name]).max())
@@ -91,7 +88,7 @@ def test_results_do_not_depend_on_where_the_face_plane_is(standoff, indentation)
 
 
 def worn_sphere(rtol, times, **changes):
-    """Dataset and notes of a sphere of contact radius .2 at the start, over 1200 radii."""
+    """Return dataset, at 1200 radii, and notes of a sphere whose first contact radius is 0.2."""
     scene = Scene.load("sphere").changed(
         load__normal_force=4 / 3 * 0.2**3,
         wear={"times": times, "steady": False},
@@ -113,8 +110,8 @@ def set_cells(monkeypatch, count):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4])
-def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch, rtol):
-    """In the norms of the project."""
+def test_estimates_bound_the_errors_of_a_worn_sphere(monkeypatch, rtol):
+    """Errors, in their norms, are below the estimates."""
     times = [0.01, 0.1, 1.0]
     result, _ = worn_sphere(rtol, times)
     set_cells(monkeypatch, 500)
@@ -128,8 +125,8 @@ def test_errors_of_a_worn_sphere_are_not_below_the_truth(monkeypatch, rtol):
 
 
 @pytest.mark.parametrize("name", ["contact_radius", "profile", "indentation"])
-def test_errors_of_a_time_asked_for_alone(single_time, name):
-    """Where two meshes chance to agree then, the times before tell of their errors."""
+def test_estimates_at_a_single_time_bound_the_errors(single_time, name):
+    """Two meshes may agree by chance at one time; estimates use errors at nearby times, too."""
     result, truth = single_time
     wrong = np.abs(result[name] - truth[name])
     scale = 1.0 if name == "contact_radius" else truth.indentation
@@ -151,8 +148,8 @@ def single_time():
 
 
 @pytest.mark.slow
-def test_a_face_finer_than_the_cells_is_said(monkeypatch):
-    """The truth touches the highest of many peaks; cells see their mean."""
+def test_a_face_finer_than_the_cells_is_reported(monkeypatch):
+    """The exact contact begins at the highest of many peaks; cells see their mean."""
     heights = np.random.default_rng(0).uniform(0, 1e-3, 2000).tolist()
     radii = np.linspace(0, 1, 2000).tolist()
     rough = {"punch__profile": {"kind": "table", "radii": radii, "heights": heights}}
@@ -167,7 +164,7 @@ def test_a_face_finer_than_the_cells_is_said(monkeypatch):
 
 @pytest.mark.parametrize("gap", [1, 2, 3])
 def test_parts_of_the_contact_do_not_overlap(gap):
-    """Edges extrapolated from worn depths on both sides of a narrow gap."""
+    """Contact edges are extrapolated from worn depths on both sides of a narrow gap."""
     space = ContactCells((0.0, 1.0), 0.02, 0.02).space()
     node = np.arange(space.size)
     middle = space.size // 2
@@ -187,7 +184,7 @@ def test_no_pressure_under_a_flat_punch_is_negative():
 
 
 @pytest.mark.gmsh
-def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
+def test_estimates_of_the_default_scene_are_within_rtol():
     result = run(FIVE)
     assert result.verdict == "agree"
     assert not any(method["beyond_rtol"] for method in result.summary["methods"].values())
@@ -200,16 +197,16 @@ def test_the_default_scene_reaches_its_accuracy_by_its_own_word():
         (0.9, 0.01, 0.01, "agree"),
         (1.9, 0.6, 0.6, "agree"),
         (2.1, 0.5, 0.5, "disagree"),
-        (2.1, 1.2, 1.2, "undecided"),  # within what they state, which is more than asked for
-        (30.0, 0.5, 1.1, "disagree"),  # a method that states a large error is not exempt
+        (2.1, 1.2, 1.2, "undecided"),  # within the sum of the estimates, which are above rtol
+        (30.0, 0.5, 1.1, "disagree"),  # beyond the sum of the estimates
         (3.0, 2.0, 2.5, "undecided"),
-        (0.1, 0.5, 2.0, "undecided"),  # a large stated error never agrees
+        (0.1, 0.5, 2.0, "undecided"),  # with an estimate above rtol, methods never agree
         (np.nan, 0.5, 0.5, "disagree"),
         (0.1, np.nan, 0.5, "undecided"),
     ],
 )
 def test_the_rule_of_the_verdict(difference, first, second, verdict):
-    """In units of the accuracy asked for."""
+    """The difference and both estimates are in units of rtol."""
     scene = FIVE.changed(wear__times=[0.1])
     rtol, solution = scene.accuracy.rtol, run(scene, methods=["mdr"]).solutions["mdr"]
     exact = solution.checked
@@ -224,7 +221,7 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
 
 
 @pytest.mark.gmsh
-def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
+def test_methods_agree_on_an_annulus_without_wear():
     punch = {"radius": 1.0, "ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0]}
     scene = FIVE.changed(
         punch=punch | {"recess": [0.5, 0.0]},
@@ -240,8 +237,8 @@ def test_an_annulus_that_is_only_pressed_on_does_not_disagree():
     assert not any("worn" in line for line in lines)
 
 
-def test_a_force_that_rounding_leaves_is_none():
-    """Between 3960 s and the knot at 3960.0000000000005 s a force of 1e-13 N would be left."""
+def test_a_force_left_by_rounding_counts_as_zero():
+    """At 3960 s, just before the knot at 3960.0000000000005 s, the force would be 1e-13 N."""
     scene = Scene.from_table(
         {
             "units": "mm, N, MPa, s",

@@ -1,4 +1,4 @@
-"""Faults that two methods share are noticed by anchors, in scenes of every kind."""
+"""Anchors notice faults that two methods share, in scenes of every kind."""
 
 from collections import Counter
 
@@ -6,7 +6,7 @@ import pytest
 from faults import computed, pipeline, reported
 from faults.scenes import SCENES, damage, healthy, noticed, shared, with_table
 
-# what is not noticed, with the reason
+# faults that are not noticed, with the reason
 FAST_MODES = "two small problems of the anchor differ by more where modes are fast"
 AT_EDGES = "displacement and profile state as much there, beside an edge that moves"
 UNNOTICED = {
@@ -21,7 +21,7 @@ FAULTS = [
     (kind, place, name, fault)
     for kind in SCENES
     for place, of in (("reported", reported), ("computed", computed), ("pipeline", pipeline))
-    # what is found under a load that rises is what is found under one that does not
+    # under a rising load, faults of computed results are the same as in the flat scene
     if (kind, place) != ("rising", "computed")
     for name, fault in of.faults(kind)
 ]
@@ -29,20 +29,20 @@ NAMES = [f"{kind}, {place}: {name}" for kind, place, name, _ in FAULTS]
 
 
 @pytest.mark.parametrize("kind", SCENES)
-def test_a_healthy_scene_gives_no_alarm(kind):
+def test_anchors_hold_without_a_fault(kind):
     result = healthy(kind)
     assert [anchor for anchor in result.anchors if not anchor.holds] == []
     assert result.verdict == "agree"
 
 
-# damaged numbers may be divided by, too
+# anchors may divide by damaged numbers
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize(("kind", "place", "name", "fault"), FAULTS, ids=NAMES)
-def test_a_fault_is_noticed(monkeypatch, kind, place, name, fault):
+def test_a_fault_is_noticed_unless_listed(monkeypatch, kind, place, name, fault):
     right = healthy(kind)
     if place == "pipeline":
         fault(monkeypatch)
-        # a scene of its own, for the fault may be in how its problem is posed
+        # a new scene, because a fault may change the problem, which a scene caches
         wrong = shared(SCENES[kind].changed())
     else:
         wrong = (with_table if place == "reported" else computed.with_results)(right, fault)
@@ -50,7 +50,7 @@ def test_a_fault_is_noticed(monkeypatch, kind, place, name, fault):
     assert noticed(wrong) == (f"{kind}, {place}: {name}" not in UNNOTICED)
 
 
-def test_hardly_a_fault_is_unnoticed():
+def test_at_most_ten_faults_are_unnoticed():
     assert max(Counter(NAMES).values()) == 1
     assert len(FAULTS) >= 184
     assert len(UNNOTICED) <= 10

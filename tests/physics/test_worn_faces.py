@@ -1,4 +1,4 @@
-"""Faces that have worn: their slopes and displacements, against the steady state in closed form."""
+"""Slopes and displacements of worn faces against the steady state in closed form."""
 
 import numpy as np
 import pytest
@@ -61,10 +61,10 @@ def test_a_run_in_face_has_the_steady_slope(method):
     steady = direct.rms_slope(np.array([0.0, 1.0]), uniform, "line")
     last = result.dataset.isel(solver=0, time=-1)
     assert float(last.rms_slope) == pytest.approx(float(steady), rel=1e-3)
-    # and the face that of the steady state, at every radius
+    # the face is that of the steady state at every radius
     moved = direct.displacement(np.array([0.0, 1.0]), uniform, last.radius.to_numpy())
     heights = last.profile - last.profile.min()
-    # of the displacement, without cells beside the rim, where the slope is infinite
+    # errors relative to the displacement, except near the rim, where the slope is infinite
     greatest = direct.greatest_displacement(np.array([0.0, 1.0]), uniform)
     within = last.radius.to_numpy() < 0.99
     np.testing.assert_allclose(heights[within], (greatest - moved)[within], atol=1e-3 * greatest)
@@ -82,14 +82,14 @@ def test_displacements_where_wear_varies_along_the_radius(method):
     greatest = float(direct.greatest_displacement(edges, pressures))
     unit = HUMP.problem.units.displacement
     assert float(data.displacement_max) / unit == pytest.approx(greatest, rel=1e-3)
-    # what it states holds
+    # the estimate bounds the error
     off = abs(float(data.displacement_max) / unit - greatest)
     assert off <= float(data.displacement_max_error) * float(data.indentation) / unit
 
 
 @pytest.mark.slow
 def test_the_force_at_a_fixed_indentation_is_decided():
-    """Errors are relative to the greatest force so far: the force itself vanishes."""
+    """Errors are relative to the greatest force so far, because the force itself vanishes."""
     scene = RIPPLES.changed(
         methods=["mdr", "fem"],
         punch__profile={"kind": "parabola", "curvature_radius": 1.0},
@@ -104,6 +104,6 @@ def test_the_force_at_a_fixed_indentation_is_decided():
     errors = result.dataset.normal_force_error
     assert float(errors.max()) <= 2e-3
     assert float(forces.isel(time=-1).max()) < 1e-3 * float(forces[0, 0])
-    # they differ by no more than they state, all of it over the greatest force
+    # methods differ by at most the sum of their estimates, relative to the greatest force
     between = np.abs(np.diff(forces, axis=0)[0]) / float(forces[0, 0])
     assert (between <= errors.sum("solver").to_numpy() + 1e-12).all()

@@ -1,14 +1,12 @@
-"""An independent reference.
-
-Archard's wear by broken Legendre polynomials in ``1 - r^2``, and nothing of what it judges.
+"""An independent reference solution of Archard's wear by discontinuous Legendre polynomials.
 
 With ``s = 1 - r^2`` the line density of the MDR is Abel's integral ``q(x) = int_0^x p(s) / sqrt(x -
-s) ds``, the energy is ``int u p dA = int_0^1 q^2 / sqrt(1 - x) dx``, and an area ``pi ds``. On a
-mesh graded to every ring edge Legendre polynomials, orthonormal with the wear coefficient as
-weight, turn the law of wear into one singular value problem: no continuity is asked of pressure or
-wear rate, and no half-space, mesh, basis or quadrature is shared with any method. Coordinates are
-distances from the nearest ring edge, so that elements may be far thinner than `s` itself could
-tell.
+s) ds``, the energy is ``int u p dA = int_0^1 q^2 / sqrt(1 - x) dx``, and the element of area is
+``pi ds``. The mesh is graded to every ring edge. Legendre polynomials that are orthonormal with the
+wear coefficient as weight turn the law of wear into one singular value problem. Neither pressure
+nor wear rate needs to be continuous, and no half-space, mesh, basis or quadrature is shared with
+any method. Coordinates are distances from the nearest ring edge, so that elements may be far
+thinner than the roundoff of `s`.
 """
 
 from itertools import pairwise
@@ -25,9 +23,10 @@ from ringwear.studies.sampling.norms import differences
 
 
 def graded_elements(edges, smallest, factor):
-    """Elements from the rim (s = 0) to the axis, which shrink by a factor towards every ring edge.
+    """Return elements from the rim (s = 0) to the axis, graded by a factor towards every ring edge.
 
-    Returns the nearest ring edge of each, its ends as distances from it, and its ring from the rim.
+    For each element: the nearest ring edge, both ends as distances from it, and the number of its
+    ring, counted from the rim.
     """
     rows, smallest = [], np.append(smallest, np.inf)  # the axis is no edge
     for ring, (left, right) in enumerate(pairwise(edges)):
@@ -41,17 +40,17 @@ def graded_elements(edges, smallest, factor):
 
 
 class Reference:
-    """A punch (non-dimensional, force 1) worn from its flat start.
+    """Non-dimensional history of a flat punch under the force 1.
 
     Fields are coefficients (T, E, degree + 1) of polynomials on E elements from the rim (s = 0) to
-    the axis, orthonormal in the mass of weight k.
+    the axis. The polynomials are orthonormal with the weight k.
 
     Parameters
     ----------
-    ring_edges, wear_coefficients : of the punch, from 0 to 1
-    smallest : (N,) smallest element at each edge but the centre, in s, the rim last
-    degree : of the polynomials
-    factor : by which elements shrink towards ring edges and rim
+    ring_edges, wear_coefficients : those of the punch, both from 0 to 1
+    smallest : (N,) size in s of the smallest element at each edge except the centre, the rim last
+    degree : degree of the polynomials
+    factor : ratio of sizes of neighbouring elements towards ring edges and rim
     """
 
     def __init__(self, ring_edges, wear_coefficients, smallest, degree=12, factor=0.2):
@@ -59,37 +58,38 @@ class Reference:
         self.edge, self.low, high, ring = graded_elements(edges, smallest[::-1], factor)
         self.ring, self.width = len(smallest) - 1 - ring.astype(int), high - self.low
         self.wear, self.order = wear_coefficients[self.ring], np.arange(degree + 1)
-        # factors that make the Legendre polynomials of each element orthonormal
+        # factors that make the Legendre polynomials of each element orthonormal with the weight k
         areas = np.pi * self.width * self.wear
         self.scale = np.sqrt((2 * self.order + 1) / areas[:, None])
-        # force of each function: that of the constant on each element alone
+        # force of each function: only the constant of each element carries a force
         self.weights = np.pi * self.width[:, None] * self.scale * (self.order == 0)
-        # points x (E, Q) = low cos^2 w + high sin^2 w, in which roots at the low end, where line
-        # densities of elements below end, and at the axis are smooth
+        # points x (E, Q) = low cos^2 w + high sin^2 w: square roots at both ends are smooth in w.
+        # They occur where line densities of lower elements end, and at the axis
         node, weight = leggauss(2 * degree + 12)
         angle = np.pi / 4 * (1 + node)
         self.local = -np.cos(2 * angle)
         self.distance = np.outer(self.low, np.cos(angle) ** 2) + np.outer(high, np.sin(angle) ** 2)
-        self.square = (1 - self.edge)[:, None] - self.distance  # 1 - x, of the radius
+        self.square = (1 - self.edge)[:, None] - self.distance  # 1 - x, the squared radius
         self.integral = np.pi / 4 * weight * np.sin(2 * angle) * self.width[:, None]
         self.triangle = self._triangular_energy()
         flat = self.weights.ravel()
         self.wear_rate = 1 / (flat @ flat)
         self.steady = flat * self.wear_rate
         self.moments = self.triangle.T @ (self.triangle @ self.steady)
-        # relaxation modes are without force; the last that is found has no energy
+        # relaxation modes carry no force; the last singular vector has no energy and is dropped
         across = flat / np.linalg.norm(flat)
         projected = self.triangle - np.outer(self.triangle @ across, across)
         _, singular, shapes = svd(projected, full_matrices=False, overwrite_a=True)
         self.relaxation_times, self.shapes = singular[:-1] ** 2, shapes[:-1].T
-        self.shapes -= np.outer(across, across @ self.shapes)  # which roundoff left
+        # remove the remaining force, which is roundoff
+        self.shapes -= np.outer(across, across @ self.shapes)
 
     def _triangular_energy(self):
-        """Triangular factor of the energy.
+        """Return the triangular factor of the energy.
 
-        By DLMF 18.17.46 and, beyond the element, by the generating function of the Legendre
-        polynomials, ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n +
-        1/2)`` from t = -1 up to 1 or x.
+        It needs ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n + 1/2)``
+        from t = -1 up to 1 or x, by DLMF 18.17.46 and, beyond the element, by the generating
+        function of the Legendre polynomials.
         """
         order, points = self.order + 0.5, self.distance.size
         density = np.zeros((points, *self.scale.shape))
@@ -104,7 +104,7 @@ class Reference:
         return np.linalg.qr(density.reshape(points, -1), mode="r")
 
     def at(self, times):
-        """Pressure and worn height over k, coefficients, and indentation (T,) at times > 0."""
+        """Return coefficients of pressure and worn height over k, and indentation, at times > 0."""
         relaxation, excited = self.relaxation_times, self.shapes.T @ self.moments
         amplitudes = np.exp(-times[:, None] / relaxation) * excited / relaxation
         pressure = self.steady - amplitudes @ self.shapes.T
@@ -115,9 +115,9 @@ class Reference:
         return pressure.reshape(shape), worn.reshape(shape), indentation
 
     def values(self, coefficients, radii):
-        """(T, len(radii)) values of a field."""
+        """Return (T, len(radii)) values of a field."""
         s = (1 - radii) * (1 + radii)
-        # a radius on a ring edge belongs to the ring outside it, which is the lesser s
+        # a radius on a ring edge belongs to the outer ring, which has the smaller s
         element = np.maximum(np.searchsorted(self.edge + self.low, s) - 1, 0)
         within = (s - self.edge[element]) - self.low[element]
         local = (2 * within / self.width[element] - 1).clip(-1, 1)
@@ -125,27 +125,27 @@ class Reference:
         return np.einsum("trn,rn->tr", coefficients[:, element], functions)
 
     def worn(self, worn, radii):
-        """(T, len(radii)) worn heights."""
+        """Return (T, len(radii)) worn heights."""
         return self.values(worn * self.wear[:, None], radii)
 
     def legendre(self, worn):
-        """Coefficients of worn heights, of Legendre polynomials as they are."""
+        """Return coefficients of worn heights for Legendre polynomials without normalisation."""
         return worn * self.scale * self.wear[:, None]
 
     def ring_forces(self, pressure):
-        """(T, N) force on each ring, from the centre."""
+        """Return the (T, N) force on each ring, from the centre outwards."""
         rings = self.ring == np.arange(self.ring.max() + 1)[:, None]
         return (pressure * self.weights).sum(axis=2) @ rings.T
 
     def rms_slopes(self, worn, average="line"):
-        """(T,) root mean square of the slope of worn heights."""
+        """Return the (T,) root mean square slope of the worn face."""
         slopes = legder(self.legendre(worn), axis=2) @ legvander(self.local, self.order[-2]).T
         slopes /= self.width[:, None] / 2
         measure = 2 * np.sqrt(self.square) if average == "line" else 4 * self.square
         return np.sqrt(np.sum(slopes**2 * measure * self.integral, axis=(1, 2)))
 
     def lowest(self, worn):
-        """(T,) least worn height: at an end of an element, or where its slope vanishes."""
+        """Return the (T,) least worn height, at ends of elements or where the slope vanishes."""
 
         def least(height):
             stationary = legroots(legder(height)).real.clip(-1, 1)
@@ -155,16 +155,16 @@ class Reference:
 
 
 def exact_results(problem, finer=0.01):
-    """Return what a problem asks for at the times that are checked, on the face of the punch.
+    """Return the results of a problem at its compared times, on the face of the punch.
 
-    To `finer` times its accuracy; the start and the steady state are closed forms.
+    Errors are about `finer` rtol. The start and the steady state are closed forms.
     """
     rings, times = problem.merged, problem.times[problem.checked]
     error = finer * problem.rtol
-    # wear blunts the pressure beside an edge as the slower ring wears
+    # the slower ring sets the length over which wear has smoothed the pressure at an edge
     slower = np.minimum(rings.wear_coefficients, np.append(rings.wear_coefficients[1:], np.inf))
     narrowest = np.minimum(rings.widths.min(), slower * (problem.earliest or np.inf))
-    # in s; thinner layers would be felt by slopes alone, and by little
+    # sizes in s; thinner elements would change slopes only, and by little
     smallest = np.maximum(0.1 * error * narrowest, 1e-12 * finer)
     degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
     results = method("direct").solve(problem, Stages("direct")).checked if problem.steady else {}
@@ -210,10 +210,10 @@ def _later(problem, punch, times):
 
 
 def true_errors(result):
-    """Return (error, estimate) at the checked times, by method and quantity of a run.
+    """Return (error, estimate) at the compared times, for each method and quantity of a run.
 
-    Beyond what the reference is known to, which is how far a coarser one is from it; of relaxation
-    times, the three slowest.
+    Twice the uncertainty of the reference, its difference to a coarser one, is subtracted from the
+    errors. Three relaxation times, the slowest, are compared.
     """
     problem = result.scene.problem
     exact = exact_results(problem)
@@ -233,8 +233,11 @@ def true_errors(result):
 
 
 def random_scenes(seed, count, most_rings, **changes):
-    """Rings 1 to `most_rings`, widths to 1e-4, wear ratios 1e-6 to 1e6, nu -0.5 to 0.5, rtol 1e-2
-    to 1e-8; seven times from 1e-8 to 1e3 natural ones, about half with the start.
+    """Yield random scenes of flat punches with 1 to `most_rings` rings.
+
+    Widths are 1e-4 or more, wear ratios 1e-6 to 1e6, Poisson's ratios -0.5 to 0.5, and rtol 1e-2 to
+    1e-8. Seven times lie between 1e-8 and 1e3 natural units; about half of the scenes also have the
+    start.
     """
     draw = np.random.default_rng(seed)
     for _ in range(count):

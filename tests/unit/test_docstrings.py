@@ -1,11 +1,11 @@
-"""Each class that users combine shows in its docstring how to use it."""
+"""Classes that users combine have a short example in their docstring, and it runs."""
 
 import doctest
 import importlib
 
 import pytest
 
-# lines that a reader takes in at a glance
+# upper limit of the lines of an example
 MOST_LINES = 6
 
 
@@ -24,7 +24,7 @@ def test_a_class_has_a_short_example_that_runs(module, name):
     (test,) = doctest.DocTestFinder(recurse=False).find(of_class, name)
     lines = "".join(example.source for example in test.examples).splitlines()
     assert 1 < len(lines) <= MOST_LINES
-    # numbers are shown, not only computed
+    # the example prints its last result
     assert test.examples[-1].want
     done = doctest.DocTestRunner().run(test)
     assert done.attempted == len(test.examples)

@@ -1,4 +1,4 @@
-"""The house: data flows one way, and files and folders stay small."""
+"""Structure of the package: imports point one way, and files and folders stay small."""
 
 import ast
 import re
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-# the rooms from the ground up; what stands in one line may not import each other
+# packages and modules from the lowest floor up; those on the same floor may not import each other
 ROOMS = (
     {"meshes"},
     {"mdr", "fem"},
@@ -41,7 +41,7 @@ FILES = {
 
 
 def imported(file):
-    """Files of ringwear that a file imports, at its top or within a function."""
+    """Yield the files of ringwear that a file imports, at its top or within a function."""
     folders = file.parent.relative_to(ROOT).parts
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.level:
@@ -54,7 +54,7 @@ IMPORTS = {name: set(imported(file)) for name, file in FILES.items()}
 
 
 def floor_of(name):
-    """Floor and room of a file: those of the longest room name that it begins with."""
+    """Return floor and room of a file; the room is the longest one that its name begins with."""
     rooms = [(floor, room) for floor, rooms in enumerate(ROOMS) for room in rooms]
     return max(
         (place for place in rooms if f"{name}.".startswith(f"{place[1]}.")),
@@ -62,7 +62,7 @@ def floor_of(name):
     )
 
 
-def test_imports_go_down():
+def test_files_import_from_lower_floors_only():
     for name, others in IMPORTS.items():
         floor, room = floor_of(name)
         for other in others:
@@ -70,15 +70,15 @@ def test_imports_go_down():
             assert below < floor or its_room == room, f"{name} imports {other}"
 
 
-def test_imports_go_by_folders():
-    """So that editors follow them in a plain checkout; examples are what users write."""
+def test_imports_inside_the_package_are_relative():
+    """Editors can follow them in a plain checkout; only examples import as users do."""
     for name, file in FILES.items():
         absolute = re.search(r"^\s*(from|import) ringwear\b", file.read_text("utf-8"), re.MULTILINE)
         assert not absolute or name.startswith("studies.examples."), name
 
 
-def test_nothing_has_grown_too_large():
-    """Nor goes in circles, of which the sorter would tell."""
+def test_files_folders_and_import_chains_are_small():
+    """Circular imports would raise a CycleError in the sorter."""
     depth = {}
     for name in TopologicalSorter(IMPORTS).static_order():
         depth[name] = 1 + max((depth[other] for other in IMPORTS[name]), default=0)
@@ -88,7 +88,7 @@ def test_nothing_has_grown_too_large():
     assert max(folders.values()) <= 12
 
 
-def test_every_room_is_installed():
+def test_every_folder_is_installed():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     rooms = {"ringwear." + name.rpartition(".")[0] for name in FILES}
     assert set(project["tool"]["setuptools"]["packages"]) == {"ringwear"} | rooms
@@ -106,7 +106,7 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
 
     problem = Scene.load("flat_punch").problem
     solid = method("fem").discretise(problem, Stages("fem")).half_space.solid
-    # scikit-fem's, and low parts of the radii beside its rounded ones
+    # scikit-fem's mesh, extended by the rounding errors of the radii
     assert type(solid.mesh) is ExactQuads
     assert issubclass(ExactQuads, MeshQuad)
     assert set(solid.mesh.boundaries) == {"contact", "free", "axis", "far"}
@@ -115,19 +115,19 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
 
 
 def names_imported(folder):
-    """What the tests of a folder import from ringwear: file, module and name."""
+    """Yield file, module and name of everything that tests of a folder import from ringwear."""
     for file in sorted((ROOT / "tests" / folder).rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text("utf-8"))):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("ringwear"):
                 yield from ((file.name, node.module, alias.name) for alias in node.names)
 
 
-def test_whole_runs_are_no_unit_tests():
+def test_unit_tests_make_no_whole_runs():
     whole = {"run", "check", "sweep", "study", "plan"}
     found = [of for of in names_imported("unit") if of[1] == "ringwear" and of[2] in whole]
     assert not found
 
 
-def test_the_command_line_is_tested_in_tests_of_the_system_alone():
+def test_only_system_tests_use_the_command_line():
     for folder in ("unit", "physics"):
         assert not [of for of in names_imported(folder) if of[1] == "ringwear.studies.cli"], folder

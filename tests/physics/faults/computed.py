@@ -1,4 +1,4 @@
-"""Faults in what is found: the table and the fields over the face are wrong alike."""
+"""Faults of computed results: the table and the fields on the face have the same error."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -15,12 +15,12 @@ STEADY = "steady_pressure steady_profile steady_displacement_max steady_rms_slop
 
 
 def with_results(result: Result, change: Change) -> Result:
-    """Return the result of two methods whose solution is changed.
+    """Return the result of two methods that share a changed solution.
 
     Parameters
     ----------
     change : (results by name, radii of their fields, problem) -> None
-        Changes copies in place: once of what is written, once of what is known over the face.
+        Changes copies in place: once of the results at output radii, once of those on the face.
     """
     solution, problem = result.solutions["mdr"], result.scene.problem
     changed = {}
@@ -40,7 +40,7 @@ def scale(name: str, size: float, *where) -> Change:
 
 
 def scale_together(names: str, size: float) -> Change:
-    """Some quantities are wrong by the same factor, as if by a unit or by one source."""
+    """Scale several quantities by one factor, as a wrong unit would do."""
 
     def change(values, *_):
         for name in names.split():
@@ -59,7 +59,7 @@ def scale_on_ring(name: str, size: float, ring: int) -> Change:
 
 
 def add(name: str, part: float) -> Change:
-    """A field is off everywhere by a part of the indentation."""
+    """Add a fraction of the indentation to a field everywhere."""
 
     def change(values, *_):
         values[name][...] += part * values["indentation"][:, None]
@@ -68,7 +68,7 @@ def add(name: str, part: float) -> Change:
 
 
 def move_force(size: float) -> Change:
-    """A part of the force on the first ring is said to be on the second."""
+    """Move a fraction of the total force from the first ring to the second."""
 
     def change(values, *_):
         forces = values["ring_force"]
@@ -80,7 +80,7 @@ def move_force(size: float) -> Change:
 
 
 def smear(width: float) -> Change:
-    """Pressures are averaged within a width of the first ring edge."""
+    """Average pressures over all radii within a distance from the first ring edge."""
 
     def change(values, radii, problem):
         near = np.abs(radii - problem.ring_edges[1]) < width
@@ -92,7 +92,7 @@ def smear(width: float) -> Change:
 
 
 def stretch(name: str, size: float) -> Change:
-    """A field belongs to other radii."""
+    """Stretch a field along the radius."""
 
     def change(values, radii, _):
         for row in values[name]:
@@ -102,7 +102,7 @@ def stretch(name: str, size: float) -> Change:
 
 
 def late(names: str) -> Change:
-    """The last time but one has what belongs to the one before."""
+    """Replace values at the last time but one with those at the time before it."""
 
     def change(values, *_):
         for name in names.split():
@@ -113,7 +113,7 @@ def late(names: str) -> Change:
 
 
 def tilt(size: float) -> Change:
-    """Profile and displacement are wrong together, so that their sum is right."""
+    """Add opposite errors to profile and displacement, so that their sum stays right."""
 
     def change(values, radii, _):
         off = size * values["indentation"][:, None] * radii
@@ -125,7 +125,7 @@ def tilt(size: float) -> Change:
 
 
 def faults(kind: str) -> Iterator[tuple[str, Change]]:
-    """Yield name and change of the solution of each fault of a kind."""
+    """Yield the name of each fault for a kind of scene, and its change of the solution."""
     size, full = SIZES[kind], kind not in MOVING
     for name in HISTORY + (STEADY.split() if kind not in ("held", "rising") else []):
         yield f"{name} found too great", scale(name, size)

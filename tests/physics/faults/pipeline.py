@@ -1,4 +1,4 @@
-"""Faults in how results are computed: put into the code itself, and run."""
+"""Faults of the computation: the code itself is patched, and then a scene is run."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -22,7 +22,7 @@ Put = Callable[[pytest.MonkeyPatch], None]
 
 
 def change_result(owner, name: str, change: Callable) -> Put:
-    """A function returns something else."""
+    """Change what a function returns."""
 
     def put(patch):
         right = getattr(owner, name)
@@ -32,14 +32,14 @@ def change_result(owner, name: str, change: Callable) -> Put:
 
 
 def pose(change: Callable[[Problem], dict]) -> Put:
-    """The problem is not the one that the scene poses."""
+    """Replace parts of the non-dimensional problem of a scene."""
     return change_result(
         Problem, "from_tables", lambda problem: replace(problem, **change(problem))
     )
 
 
 def unit(**factors: float) -> Put:
-    """Numbers are scaled wrongly at the door."""
+    """Scale units wrongly when a scene becomes a non-dimensional problem."""
 
     def change(problem):
         units = problem.units
@@ -50,7 +50,7 @@ def unit(**factors: float) -> Put:
 
 
 def rings(edges=None, wear=None) -> Put:
-    """The punch is of other rings."""
+    """Change ring edges and wear coefficients of the punch."""
 
     def change(problem):
         right_edges, right_wear = problem.rings
@@ -62,7 +62,7 @@ def rings(edges=None, wear=None) -> Put:
 
 
 def graded(change: Callable[[Rings], Rings]) -> Put:
-    """The wear coefficient along the radius is another one."""
+    """Change the wear coefficient along the radius."""
     return pose(lambda problem: {"graded": change(problem.graded)})
 
 
@@ -75,7 +75,7 @@ def times(change: Callable) -> Put:
 
 
 def heights(factor: float) -> Put:
-    """The unworn face is higher."""
+    """Scale the heights of the unworn face."""
 
     def change(problem):
         profile = problem.profile
@@ -93,7 +93,7 @@ def scale_one(values, index, factor):
 
 
 def stiffness(size: float) -> Put:
-    """The half-space is too soft."""
+    """Make the half-space too soft."""
 
     def soften(compliance):
         return Compliance(compliance.space, compliance.factor * np.sqrt(1 + size))
@@ -106,7 +106,7 @@ def stiffness(size: float) -> Put:
 
 
 def weights(size: float) -> Put:
-    """Every pressure counts for more force than it has."""
+    """Overestimate the force of every pressure."""
 
     def put(patch):
         right = PressureSpace.weights.func
@@ -125,7 +125,7 @@ def lose_mode(number: int) -> Put:
 
 
 def change_mode(number: int, size: float, name: str = "relaxation") -> Put:
-    """A mode decays too slowly, or is excited too much."""
+    """Scale the relaxation time or the amplitude of a mode."""
 
     def change(modes):
         one = 1 + size * (np.arange(len(modes.relaxation)) == number - 1)
@@ -135,7 +135,7 @@ def change_mode(number: int, size: float, name: str = "relaxation") -> Put:
 
 
 def change_steady(**sizes: float) -> Put:
-    """A part of the steady state is too great wherever it is used."""
+    """Scale parts of the steady state wherever they are used."""
 
     def put(patch):
         right = RunningIn.steady.func
@@ -153,7 +153,7 @@ def change_steady(**sizes: float) -> Put:
 
 
 def area_in_place_of_line() -> Put:
-    """The RMS slope is an average over the area."""
+    """Average the RMS slope over the area instead of the radius."""
 
     def put(patch):
         patch.setattr(sampler, "radial_weight", lambda radii, *_: 2 * radii)
@@ -162,7 +162,7 @@ def area_in_place_of_line() -> Put:
 
 
 def change_state(**parts: float) -> Put:
-    """Force, distance or work at a time are wrong, as if integrated wrongly."""
+    """Scale force, distance or work at a time, as a wrong integration would do."""
 
     def change(state):
         return state._replace(**{name: getattr(state, name) * of for name, of in parts.items()})
@@ -171,7 +171,7 @@ def change_state(**parts: float) -> Put:
 
 
 def forget_knots() -> Put:
-    """What the force has risen since the start is left out of the modes."""
+    """Leave the increments of the force after the start out of the modes."""
     return change_result(Modes, "at_knots", lambda at: at * 0.0)
 
 
@@ -244,7 +244,7 @@ LOADS: dict[str, Put] = {
     "a speed of one knot": load(lambda of: _varied(of, speeds=of.speeds * 0.98)),
     "the last knot lost": load(lambda of: Loading(of.times[:-1], of.forces[:-1], of.speeds[:-1])),
 }
-# of a march they would be in two places that do not fit
+# not used for marches, where such a fault would also make two uses of the load inconsistent
 STATES: dict[str, Put] = {
     "sliding distance": change_state(distance=1.02, slid=1.02),
     "work": change_state(work=1.02),
@@ -288,5 +288,5 @@ BY_KIND: dict[str, dict[str, Put]] = {
 
 
 def faults(kind: str) -> Iterator[tuple[str, Put]]:
-    """Yield name and patch of each fault of a kind."""
+    """Yield the name of each fault for a kind of scene, and its patch of the code."""
     yield from BY_KIND[kind].items()

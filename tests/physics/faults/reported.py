@@ -1,4 +1,4 @@
-"""Faults in what is reported: the table is not what the method found."""
+"""Faults of reported results: the table differs from what the method computed."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -45,7 +45,7 @@ def scale(name: str, size: float) -> Change:
 
 
 def scale_at(name: str, size: float, where) -> Change:
-    """A quantity is wrong at some times, rings or modes: an index behind that of the solver."""
+    """Scale a quantity at some times, rings or modes; `where` follows the index of the solver."""
 
     def change(values, _):
         values[name][(slice(None), *where)] *= 1 + size
@@ -54,13 +54,13 @@ def scale_at(name: str, size: float, where) -> Change:
 
 
 def of_ring(values, problem, ring):
-    """Which radii are on a ring."""
+    """Return which output radii are on a ring."""
     radii, edges = values["radius"] / problem.units.length, problem.ring_edges
     return (radii > edges[ring]) & (radii < edges[ring + 1])
 
 
 def scale_on_ring(name: str, size: float, ring: int = 1, add: bool = False) -> Change:
-    """A field is wrong on one ring: in proportion, or by a part of its greatest value."""
+    """Scale a field on one ring, or add a fraction of its greatest value there."""
 
     def change(values, problem):
         on, field = of_ring(values, problem, ring), values[name]
@@ -71,7 +71,7 @@ def scale_on_ring(name: str, size: float, ring: int = 1, add: bool = False) -> C
 
 
 def offset(name: str, part: float) -> Change:
-    """A field is off everywhere by a part of the indentation."""
+    """Add a fraction of the indentation to a field everywhere."""
 
     def change(values, _):
         values[name][...] += part * values["indentation"][..., None]
@@ -87,7 +87,7 @@ def turn(name: str) -> Change:
 
 
 def swap(name: str, first: int = 0, second: int = 1) -> Change:
-    """Two rings are taken for each other."""
+    """Exchange the values of two rings."""
 
     def change(values, _):
         values[name][..., [first, second]] = values[name][..., [second, first]]
@@ -96,7 +96,7 @@ def swap(name: str, first: int = 0, second: int = 1) -> Change:
 
 
 def late(name: str, at: int = -1) -> Change:
-    """A time, the last, has what belongs to the one before."""
+    """Replace the values at a time with those at the time before it."""
 
     def change(values, _):
         values[name][:, at] = values[name][:, at - 1]
@@ -105,7 +105,7 @@ def late(name: str, at: int = -1) -> Change:
 
 
 def shift_radii(name: str) -> Change:
-    """Each radius has what belongs to the next."""
+    """Shift a field by one output radius."""
 
     def change(values, _):
         values[name][..., 1:-1] = values[name][..., 2:]
@@ -114,7 +114,7 @@ def shift_radii(name: str) -> Change:
 
 
 def smear(name: str) -> Change:
-    """A field is averaged over the neighbouring radii of the second ring edge."""
+    """Average a field over the radii near the first ring edge off the axis."""
 
     def change(values, problem):
         radii = values["radius"] / problem.units.length
@@ -125,7 +125,7 @@ def smear(name: str) -> Change:
 
 
 def swap_states(name: str) -> Change:
-    """The start is taken for the steady state."""
+    """Exchange the values of the start and of the steady state."""
 
     def change(values, _):
         values[name][...] = values[name][:, ::-1]
@@ -134,7 +134,7 @@ def swap_states(name: str) -> Change:
 
 
 def take(name: str, other: str, *where) -> Change:
-    """A number is another one."""
+    """Replace a number with another one."""
 
     def change(values, _):
         values[name][...] = values[other][(slice(None), *where)]
@@ -151,12 +151,12 @@ def common(kind: str) -> Iterator[tuple[str, Change]]:
     for name in ("pressure", "profile", "indentation", "rms_slope", "ring_force"):
         yield f"{name} at the last time", scale_at(name, size, (-1,))
     if kind != "held":
-        # the indentation, by which it is measured, has grown by wear
+        # its error is relative to the indentation, which has grown by wear
         yield "displacement at the last time", scale_at("displacement", 10 * size, (-1,))
     yield "indentation at the first later time", scale_at("indentation", size, (1,))
     for name in ("indentation", "pressure", "profile", "ring_force", "rms_slope"):
         if (kind, name) != ("held", "indentation"):
-            # nothing changes any more by the last of the times of k(r)
+            # with k(r), the last two times differ too little
             yield f"{name} of the time before", late(name, -2 if kind == "graded" else -1)
     yield "pressure scaled on one ring", scale_on_ring("pressure", 5 * size)
     yield "profile scaled on one ring", scale_on_ring("profile", size, add=True)
@@ -213,8 +213,8 @@ def special(kind: str) -> Iterator[tuple[str, Change]]:
 
 
 def faults(kind: str) -> Iterator[tuple[str, Change]]:
-    """Yield name and change of the table of each fault of a kind."""
+    """Yield the name of each fault for a kind of scene, and its change of the table."""
     for name, change in (*common(kind), *special(kind)):
-        # what no load over time has any part in is the same as in the flat scene
+        # these quantities do not depend on a varying load; the flat scene covers them
         if kind != "rising" or not re.match("steady|relaxation|pressure_m", name):
             yield name, change

@@ -1,6 +1,6 @@
-"""Healthy scenes, one of each kind, that faults are put into, and how a fault is judged.
+"""One scene of each kind for tests with faults, and the rules by which a fault counts as noticed.
 
-Two methods share each fault, so that only anchors can notice it.
+Two methods share each fault, so that only anchors can detect it.
 """
 
 from collections.abc import Callable
@@ -69,8 +69,9 @@ SCENES = {
     "held": _scene(1e-4, RINGS, HELD),
     "sphere": _scene(3e-3, SPHERE),
 }
-# sizes of faults: ten times the accuracy asked for
+# relative sizes of faults: ten times rtol
 SIZES = {kind: 10 * scene.problem.rtol for kind, scene in SCENES.items()}
+# kinds of scenes in which edges of the contact move
 MOVING = ("up_and_down", "sphere")
 # quantities of every history
 HISTORY = [
@@ -86,14 +87,14 @@ HISTORY = [
 
 
 def shared(scene: Scene) -> Result:
-    """Return a run by two methods that are the same in everything."""
+    """Return a run by two methods that have the same solution."""
     result = run(scene, methods=["mdr"])
     solution = result.solutions["mdr"]
     return twice(result, solution)
 
 
 def twice(result: Result, solution) -> Result:
-    """Return the result of two methods that give the same solution."""
+    """Return a result with two methods that both have this solution."""
     names, method, stages = ("mdr", "twin"), result.methods["mdr"], result.stages["mdr"]
     rows = agreements(result.scene.problem, names, (solution, solution))
     return replace(
@@ -107,17 +108,17 @@ def twice(result: Result, solution) -> Result:
 
 @cache
 def healthy(kind: str) -> Result:
-    """Return the run of a kind without any fault."""
+    """Return the run of a kind of scene without a fault."""
     return shared(SCENES[kind])
 
 
 def with_table(result: Result, change: Callable) -> Result:
-    """Return a result whose table is written wrongly.
+    """Return a copy of a result whose table is changed.
 
     Parameters
     ----------
     change : (values by name, problem) -> None
-        Changes a copy of the table in place; arrays of variables begin with the solvers.
+        Changes a copy of the table in place; the first index of variables is the solver.
     """
     table = result.table
     parts = [
@@ -127,7 +128,7 @@ def with_table(result: Result, change: Callable) -> Result:
     values = {name: array for part in parts for name, (_, array, _) in part.items()}
     change(values, result.scene.problem)
     wrong = copy(result)
-    # frozen, with properties that are computed once
+    # the result is frozen, and its properties are cached in __dict__
     for name in ("anchors", "coordinates", "dataset"):
         wrong.__dict__.pop(name, None)
     wrong.__dict__["table"] = table._replace(variables=parts[0], coordinates=parts[1])
@@ -135,11 +136,11 @@ def with_table(result: Result, change: Callable) -> Result:
 
 
 def damage(right: Result, wrong: Result) -> float:
-    """Return the greatest relative difference of two tables, each quantity in its norm.
+    """Return the greatest relative difference of two tables, with each quantity in its norm.
 
-    Fields of displacements are relative to the indentation, pressures to their root mean square
-    by area, forces and volumes of rings to their sum, radii to that of the punch, and all else to
-    itself. What is infinite or not given in one only counts as 1.
+    Displacements are relative to the indentation, pressures to their root mean square over the
+    area, forces and volumes of rings to their sum, radii to that of the punch, and all others to
+    their own value. The difference is 1 if a value is finite in only one of the tables.
     """
     scene, worst = right.scene, 0.0
     known = dict(right.table.coordinates) | dict(right.table.variables)
@@ -163,7 +164,7 @@ def damage(right: Result, wrong: Result) -> float:
         elif norm == "pressure":
             radii = known["radius"][1]
             areas = np.gradient(radii**2)
-            # infinite at the rim when the start is pressed on
+            # the pressure of the flat start is infinite at the rim
             areas = areas * (radii < 0.999 * radii[-1])
             difference, scale = (
                 np.sqrt((field**2 * areas).sum(axis=-1)) for field in (difference, value)
@@ -183,8 +184,8 @@ def damage(right: Result, wrong: Result) -> float:
 
 
 def noticed(wrong: Result) -> bool:
-    """Return whether anything but agreement comes of a fault that both methods share."""
+    """Return whether a fault that both methods share breaks an anchor or changes the verdict."""
     solution = wrong.solutions["mdr"]
-    # of two that are the same, anchors of one are enough to disagree
+    # both methods have the same solution, so the anchors of one are enough
     rows = anchors(wrong.scene, "mdr", wrong.reported("mdr"), solution)
     return any(not anchor.holds for anchor in rows) or wrong.verdict != "agree"

@@ -1,7 +1,7 @@
 """Wear of ringed flat punches by tamaas: explicit steps of Archard's law on 64 x 64 points.
 
-Run in this folder, with tamaas installed (`pip install "tamaas>=2.9,<3"`), it writes the tables
-that `tests/programs.py` reads. Plane strain modulus, punch radius, force and sliding speed are 1.
+If it is run in this folder with tamaas installed (`pip install "tamaas>=2.9,<3"`), it writes the
+tables that `tests/programs.py` reads. Plane strain modulus, radius, force and speed are 1.
 """
 
 import numpy as np

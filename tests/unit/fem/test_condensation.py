@@ -1,4 +1,4 @@
-"""The condensed compliance against the whole system, theory, dense algebra, and each solver."""
+"""The condensed compliance against the whole system, theory, dense algebra and each solver."""
 
 import importlib.util
 from functools import cache
@@ -23,7 +23,7 @@ from ringwear.studies.wear.flat_contact import press_flat
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])
-# on quadrilaterals in layers or, of degree 2 to 4, on triangles
+# kind of mesh and degree of the displacement
 SOLIDS = [("triangles", 2), ("triangles", 3), ("triangles", 4), ("quads", 4), ("quads", 6)]
 each_solid = pytest.mark.parametrize("solid", SOLIDS, ids=str)
 
@@ -48,7 +48,7 @@ def half_space(solid, poisson_ratio=0.3, poles=(0, 2, 4)):
 
 
 def saddle_point(half_space, force):
-    """Pressure coefficients and indentation of the flat punch, from the whole system."""
+    """Return pressure coefficients and indentation of the flat punch from the whole system."""
     continuous, system = half_space.space.joined(), half_space.system
     inside = system.shape[0]
     loads = np.pad(half_space.coupling, ((inside - len(half_space.coupling), 0), (0, 0)))
@@ -63,7 +63,7 @@ def saddle_point(half_space, force):
 @pytest.mark.usefixtures("solver")
 @pytest.mark.parametrize("poles", [(), (0, 2, 4)], ids=str)
 @each_solid
-def test_saddle_point_agrees(solid, poles):
+def test_the_condensed_compliance_agrees_with_the_saddle_point(solid, poles):
     whole = half_space(solid, poles=poles)
     pressure, indentation = saddle_point(whole, force=2.0)
     condensed = press_flat(whole.compliance())
@@ -73,19 +73,19 @@ def test_saddle_point_agrees(solid, poles):
 
 
 def squared_ratios(factor, reference):
-    """Generalised eigenvalues of two matrices, both given by factors ``A = F^T F``."""
+    """Return the generalised eigenvalues of two matrices, both given by factors ``A = F^T F``."""
     inverse = np.linalg.inv(np.linalg.qr(reference, mode="r"))
     return np.linalg.svd(factor @ inverse, compute_uv=False) ** 2
 
 
-# an incompressible solid is modelled by lambda / G = 5e4, and roundoff grows by as much
+# an incompressible solid is modelled by lambda / G = 5e4, which multiplies roundoff
 @pytest.mark.parametrize(("poisson_ratio", "tolerance"), [(0.0, 1e-8), (0.3, 1e-8), (0.5, 1e-6)])
 def test_solvers_agree_for_each_pressure(monkeypatch, poisson_ratio, tolerance):
     pytest.importorskip("kvxopt")
 
     def factor_by(solver):
         monkeypatch.setattr(condensation, "solver", lambda: solver)
-        # made anew, with an order of elimination of its own
+        # without the cache, so that the order of elimination is computed again
         return half_space.__wrapped__(("triangles", 4), poisson_ratio).compliance().factor
 
     first, second = map(factor_by, SOLVERS)
@@ -94,7 +94,7 @@ def test_solvers_agree_for_each_pressure(monkeypatch, poisson_ratio, tolerance):
 
 @each_solid
 def test_coupling_carries_forces_and_moments(solid):
-    """Displacements 1 and r on the contact meet each pressure with its force and its moment."""
+    """The coupling of displacements 1 and r with each pressure is its force and its moment."""
     whole = half_space(solid)
     ones, radii = (
         whole.solid.interpolate("contact", field)[:, 0] for field in (np.ones_like, np.asarray)
@@ -108,7 +108,7 @@ def test_coupling_carries_forces_and_moments(solid):
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.4999])
 @each_solid
 def test_multipliers_are_stable(solid, poisson_ratio):
-    """No checkerboards: displacements see each pressure as well as theory does."""
+    """Without checkerboards, each pressure has at least 0.3 times its energy in theory."""
     whole = half_space(solid, poisson_ratio)
     ratios = squared_ratios(whole.compliance().factor, energy.compliance(whole.space).factor)
     assert ratios.min() >= 0.3
@@ -148,7 +148,7 @@ def test_trailing_factor_is_the_schur_complement(inside):
 @pytest.mark.usefixtures("solver")
 @pytest.mark.parametrize("spoilt", [0, 39], ids=["inside", "trailing"])
 @pytest.mark.parametrize("value", [-1.0, np.nan])
-def test_what_is_not_definite_is_refused(spoilt, value):
+def test_indefinite_matrices_are_refused(spoilt, value):
     dense = random_definite(7)
     dense[spoilt, spoilt] = value
     with pytest.raises(SolverError):

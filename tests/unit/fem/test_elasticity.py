@@ -1,6 +1,6 @@
 """The axisymmetric solid on every kind of element.
 
-Forms, patches, Lame's cylinder, Boussinesq's field.
+It is compared with a bilinear form, patch fields, Lame's cylinder and Boussinesq's field.
 """
 
 from dataclasses import replace
@@ -32,15 +32,17 @@ SOLIDS = [
 
 
 def square(kind, r, z, count=4):
-    """Square of size 1 with a corner at (r, z): `count` by `count` skew quadrilaterals, no two
-    alike, or each cut in two; of `layers`, degrees differ from element to element.
+    """Return a mesh of a square of size 1 with a corner at (r, z).
+
+    It has `count` by `count` different skew quadrilaterals, or twice as many triangles. With the
+    kind "layers", degrees differ from element to element.
     """
     grid = np.linspace(0, 1, count + 1)
     mesh = MeshQuad.init_tensor(grid, grid)
     if kind == "triangles":
         mesh = mesh.to_meshtri()
     else:
-        # in an order of vertices that no neighbours agree on
+        # neighbours have different orders of vertices
         shift = np.arange(mesh.nelements) % 4
         corners = np.take_along_axis(mesh.t, (np.arange(4)[:, None] + shift) % 4, axis=0)
         mesh = oriented(MeshQuad(mesh.p, corners))
@@ -55,7 +57,7 @@ def square(kind, r, z, count=4):
 
 @BilinearForm
 def energy(u, v, w):
-    """Twice the energy of displacements (radial, axial), as it stands in a textbook."""
+    """Return twice the energy of displacements (radial, axial), written as in a textbook."""
     r = w.x[0]
 
     def strains(displacement, gradient):
@@ -70,7 +72,7 @@ def energy(u, v, w):
 
 @pytest.mark.parametrize(("kind", "degree"), SOLIDS)
 @pytest.mark.parametrize("poisson_ratio", [-0.5, 0.4999])
-def test_stiffness_is_that_of_the_bilinear_form(kind, degree, poisson_ratio):
+def test_stiffness_equals_the_bilinear_form(kind, degree, poisson_ratio):
     mesh = square(kind, 0.5, 0.2, 3)
     element = element_of_degree(mesh, degree)
     order = 2 * degree + (4 if kind == "triangles" else 1)
@@ -89,10 +91,10 @@ def test_stiffness_is_that_of_the_bilinear_form(kind, degree, poisson_ratio):
 
 
 def greatest_error(solid, field):
-    """Solve with a field (n, 2) at (n, 2) points given all around, but for its axial part on the
-    left, where it has no shear.
+    """Return the greatest error at vertices, relative to the greatest value.
 
-    Greatest error at vertices over the greatest value.
+    The displacement is prescribed on the boundary by a field, (n, 2) at (n, 2) points. On the left,
+    only its radial part is prescribed, because the field has no shear there.
     """
     moved = np.where(np.tile(solid.fixed, (2, 1)), 0.0, np.nan)
     for name, components in (("left", 1), ("right", 2), ("top", 2), ("bottom", 2)):
@@ -112,7 +114,7 @@ def affine(points):
 
 
 def bent(points):
-    """Every strain at once, and neither a body force nor a change of volume."""
+    """Return a field with all strains, but without body force or change of volume."""
     r, z = points.T
     return np.stack([r * z, r**2 / 2 - z**2], axis=1)
 
@@ -120,7 +122,7 @@ def bent(points):
 @pytest.mark.parametrize("poisson_ratio", [-0.5, 0.0, 0.3, 0.4999])
 @pytest.mark.parametrize(
     ("kind", "degree", "element"),
-    # the last two are of one's own: any H1 element of scikit-fem's will do
+    # the last two are elements that a user chooses: any H1 element of scikit-fem is allowed
     [
         *((*solid, None) for solid in SOLIDS),
         *(("layers", degree, None) for degree in (4, 6, 8)),
@@ -128,21 +130,21 @@ def bent(points):
         ("triangles", 2, ElementTriP2B()),
     ],
 )
-def test_patches(kind, degree, element, poisson_ratio):
-    """Fields without body force that elements hold are found to roundoff."""
+def test_patch_fields_are_exact(kind, degree, element, poisson_ratio):
+    """Fields without body force that elements can represent are exact up to roundoff."""
     solid = AxisymmetricElasticity(square(kind, 0.0, 0.0), degree, poisson_ratio, element)
     assert element is None or solid.element is element
     assert greatest_error(solid, bent if degree > 1 else affine) <= 1e-10
 
 
 def lame_cylinder(points, _):
-    """A thick-walled cylinder in plane strain, ``u_r = A r + B / r``."""
+    """Return displacements of a thick-walled cylinder in plane strain, ``u_r = A r + B / r``."""
     radius = points[:, :1]
     return (0.3 * radius + 0.7 / radius) * [1, 0]
 
 
 def boussinesq(points, poisson_ratio):
-    """Below the point force: all strains, hoop strain at the axis."""
+    """Return displacements below a point force, with all strains and hoop strain at the axis."""
     return poles(points, (0,), poisson_ratio, moduli(poisson_ratio)[1])[0][0]
 
 
@@ -161,12 +163,11 @@ def vertex_error(field, kind, degree, poisson_ratio, count):
         ("triangles", 2, 0.3, 3, 5e-5),
         ("triangles", 3, 0.3, 4, 5e-7),
         ("triangles", 4, 0.3, 5, 1e-8),
-        # without all the products inside, an order is lost on quadrilaterals that are no
-        # parallelograms
+        # without all products of polynomials, quadrilaterals that are no parallelograms lose an
+        # order
         ("quadrilaterals", 3, 0.3, 4, 5e-7),
         ("quadrilaterals", 4, 0.3, 4, 1e-9),
-        # nearly incompressible, dilatations of the lower degrees are not stable and an order is
-        # lost; no more than one
+        # nearly incompressible: dilatations of lower degrees are not stable, and one order is lost
         ("triangles", 2, 0.49999, 2, 5e-3),
         ("triangles", 3, 0.49999, 3, 1e-5),
         ("triangles", 4, 0.49999, 4, 1e-7),
@@ -184,9 +185,9 @@ def test_order_of_displacements_at_vertices(field, kind, degree, poisson_ratio, 
     ("poisson_ratio", "highest", "cap"), [(0.0, 9, 1e-12), (0.3, 9, 5e-12), (0.49999, 7, 5e-9)]
 )
 def test_error_falls_exponentially_with_the_degree(poisson_ratio, highest, cap):
-    """On quadrilaterals numbered at random.
+    """Convergence on quadrilaterals whose vertices have a random order.
 
-    Sides that ran differently in their two elements would stop it at 1e-4.
+    If a side had opposite directions in its two elements, errors would not fall below 1e-4.
     """
     degrees = range(3, highest + 1, 2)
     errors = [vertex_error(boussinesq, "quadrilaterals", p, poisson_ratio, 4) for p in degrees]

@@ -1,4 +1,4 @@
-"""Elements of scikit-fem and of one's own: which work, and which are refused in one line."""
+"""Elements of scikit-fem and of users: which ones work, and which are refused."""
 
 import numpy as np
 import pytest
@@ -22,22 +22,22 @@ TRIANGLES = bisection.mesh(SizeField((0.0, 1.0), 0.01, 0.05, 0.6, 5.0))
 
 
 def mesh_for(element):
-    """Triangles by bisection, or quadrilaterals by gmsh, whichever the element is of."""
+    """Return triangles by bisection or quadrilaterals by gmsh, depending on the element."""
     if not is_on_quadrilaterals(element):
         return TRIANGLES
     if WITHOUT_GMSH:
         pytest.skip(WITHOUT_GMSH)
     mesh = quads.graded(FLAT, 0.05, 0.01, 0.4, 1.0, 2.5).mesh
-    # without subdomains, in which the degree may be lower
+    # without subdomains, so that the degree is the same everywhere
     return as_half_space(skfem.MeshQuad(mesh.p, mesh.t), FLAT)
 
 
 class Quadratic(skfem.ElementTriP2):
-    """One of a user's own."""
+    """Element of a user, equal to ElementTriP2."""
 
 
 class Discontinuous(skfem.ElementTriP2):
-    """One whose functions on a side are no polynomials of degree 2."""
+    """Element whose functions on a side are no polynomials of degree 2."""
 
     def lbasis(self, X, i):
         """Return a function of the triangle and its gradient."""
@@ -46,7 +46,7 @@ class Discontinuous(skfem.ElementTriP2):
 
 
 class Halved(skfem.ElementQuadP):
-    """One with the degrees of freedom of scikit-fem's, and other functions."""
+    """Element with the degrees of freedom of ElementQuadP and other functions."""
 
     def lbasis(self, X, i):
         """Return half a function and half its gradient."""
@@ -57,7 +57,7 @@ class Halved(skfem.ElementQuadP):
 @pytest.mark.parametrize("element", [*map(skfem.ElementQuadP, (3, 4, 9)), Halved(3)])
 def test_functions_and_gradients_are_those_of_the_element(element):
     points = np.random.default_rng(1).random((2, 7))
-    # at one coordinate twice, as a rule has them
+    # a coordinate occurs twice, as in a product rule
     points[0, 3] = points[1, 5]
     values, gradients = tables(element, points)
     assert len(values) == (element.p + 1) ** 2
@@ -86,7 +86,7 @@ def test_functions_and_gradients_are_those_of_the_element(element):
     ids=lambda value: type(value).__name__ if isinstance(value, skfem.Element) else str(value),
 )
 def test_flat_punch_by_elements(element, degree):
-    """The indentation is F / (2 a E*) = 1/2; about ten facets err by h^2 if they are linear."""
+    """The indentation is F / (2 a E*) = 1/2; ten linear facets have an error of about h^2."""
     assert degree_along_side(element) == degree
     mesh = mesh_for(element)
     solid = AxisymmetricElasticity(mesh, degree, 0.3, own_element=element)
@@ -113,7 +113,7 @@ def test_flat_punch_by_elements(element, degree):
     ],
     ids=lambda value: type(value).__name__ if isinstance(value, skfem.Element) else "",
 )
-def test_other_elements_are_refused_in_one_line(element, reason):
+def test_unsuitable_elements_are_refused_in_one_line(element, reason):
     with pytest.raises(SceneError, match=reason) as told:
         degree_along_side(element)
     assert "\n" not in str(told.value)

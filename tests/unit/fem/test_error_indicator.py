@@ -1,4 +1,4 @@
-"""The error indicator: what it does not see, what it sees exactly, and the triangles it marks."""
+"""The error indicator: exact values for simple fields, and the triangles that are marked."""
 
 import itertools
 
@@ -27,12 +27,12 @@ def solid(request):
 
 
 def places(solid):
-    """Radius and depth of the nodes."""
+    """Return radius and depth of the nodes."""
     return Basis(solid.mesh, solid.element).doflocs
 
 
 def indicate(solid, radial, axial, pressure):
-    """Squares of the indicators (m,) of a field, given at the nodes, under a uniform pressure."""
+    """Return squared indicators (m,) of a field at the nodes, under a uniform pressure."""
     field = np.stack(np.broadcast_arrays(radial, axial), axis=-1)[None]
     space = pressure_space(solid, EDGES)
     return squared_indicators(solid, field, space, pressure * space.uniform[None])[0]
@@ -43,13 +43,13 @@ def test_the_indicator_vanishes_on_a_bent_plate_which_the_elements_hold_exactly(
     curvature = LAME / (LAME + 2 * SHEAR)
     r, z = places(solid)
     found = indicate(solid, r * z, -(r**2) / 2 - curvature * z**2, 0.0)
-    # of a field of the same size whose surface is not free
+    # for comparison: a field of the same size whose surface is not free of stress
     scale = indicate(solid, r * z, r**2, 0.0).sum()
     assert found.sum() < 1e-20 * scale
 
 
-def test_pressure_on_the_contact_is_balanced_and_what_is_missing_beside_it_is_seen(solid):
-    # uniform compression under the pressure 1 everywhere, also where none is given
+def test_a_missing_pressure_beside_the_contact_is_indicated_exactly(solid):
+    # uniform compression needs the pressure 1 everywhere, but it acts on the contact only
     found = indicate(solid, 0.0, -places(solid)[1] / (LAME + 2 * SHEAR), 1.0)
     mesh, expected = solid.mesh, np.zeros(solid.mesh.nelements)
     for facet in mesh.boundaries["free"]:
@@ -59,7 +59,7 @@ def test_pressure_on_the_contact_is_balanced_and_what_is_missing_beside_it_is_se
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-14 * expected.max())
 
 
-def test_a_residual_inside_is_seen_with_its_weight(solid):
+def test_a_residual_inside_is_indicated_with_its_weight(solid):
     # u_z = z^2 / 2 has the residual lambda + 2 mu along the axis, and no stress on the surface
     found = indicate(solid, 0.0, places(solid)[1] ** 2 / 2, 0.0)
     mesh = solid.mesh
@@ -82,7 +82,7 @@ def test_quadrilaterals_are_refused():
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
 @pytest.mark.parametrize("seed", range(4))
-def test_no_fewer_triangles_have_the_share_that_is_wanted(seed, share):
+def test_the_fewest_triangles_with_the_wanted_share_are_marked(seed, share):
     indicators = np.random.default_rng(seed).exponential(size=9) ** 2
     marked = fewest_with_share(indicators, share)
     wanted = share * indicators.sum()

@@ -18,7 +18,7 @@ each_ratio = pytest.mark.parametrize("ratio", [-0.3, 0.0, 0.3, 0.5])
 
 
 def slopes(fields, step=1e-3):
-    """Derivatives by radius and depth at `PLACES`: central differences of sixth order."""
+    """Yield derivatives by radius and depth at `PLACES`, by central differences of sixth order."""
     weights = {1: 45, -1: -45, 2: -9, -2: 9, 3: 1, -3: -1}
     for axis in np.eye(2):
         yield sum(w * fields(PLACES + n * step * axis) for n, w in weights.items()) / (60 * step)
@@ -47,7 +47,7 @@ def test_equilibrium_and_hooke(ratio):
 
 @each_ratio
 def test_surface_is_free(ratio):
-    """And sinks under a point force by ``(1 - nu) F / (2 pi G r)``, drawn towards it."""
+    """A point force displaces the surface by ``(1 - nu) F / (2 pi G r)``, and towards itself."""
     radii = np.geomspace(0.1, 100, 7)
     moved, stress = poles(np.stack([radii, 0 * radii], axis=1), ORDERS, ratio, SHEAR)
     assert np.abs(stress[..., 1:3]).max() == 0
@@ -57,8 +57,8 @@ def test_surface_is_free(ratio):
 
 
 @each_ratio
-def test_exterior_energy_is_that_of_the_exterior(ratio):
-    """Symmetric and definite, and for similar boundaries as ``1/rho^(n + m + 1)``."""
+def test_exterior_stiffness_is_definite_and_scales_with_the_poles(ratio):
+    """It is symmetric and definite, and proportional to ``1/rho^(n + m + 1)`` for poles n and m."""
     angles = np.linspace(0, np.pi / 2, 5)
     corners = 3 * np.stack([np.sin(angles), np.cos(angles)], axis=1)
     sides = np.stack([corners[:-1], corners[1:]], axis=1)
@@ -73,7 +73,7 @@ def test_exterior_energy_is_that_of_the_exterior(ratio):
 
 @pytest.mark.parametrize("orders", [(), (0, 2, 4)], ids=str)
 def test_reactions_balance_the_force(orders):
-    """Nodal forces: the load on the contact, its opposite on the outer boundary, nothing else."""
+    """Nodal forces sum to 1 on the contact, to -1 on the outer boundary, and are 0 elsewhere."""
     mesh = bisection.mesh(SizeField((0.0, 1.0), 1e-6, 1e-6, 0.35, 5.0))
     solid = AxisymmetricElasticity(mesh, 4, 0.3)
     whole = HalfSpace(solid, pressure_space(solid, np.array([0.0, 1.0])), orders)
@@ -89,8 +89,8 @@ def test_reactions_balance_the_force(orders):
 @pytest.mark.parametrize(
     ("truncation", "negligible"), [(2.5, 1e-9), (5.0, 1e-9), (2.5, 1e-10), (1e3, 1e-9)]
 )
-def test_poles_are_enough(truncation, negligible):
-    """The first neglected is of order 4n + 1 in a/R; a pole less would not be enough."""
+def test_enough_poles_returns_the_least_sufficient_number(truncation, negligible):
+    """The first pole neglected after n has the order 4n + 1 in a/R; one pole less would not do."""
     count = len(enough_poles(truncation, negligible))
     assert truncation ** -(4 * count + 1) <= negligible
     assert count == 1 or truncation ** -(4 * count - 3) > negligible

@@ -15,7 +15,7 @@ def at(radius, depth, ground=GROUND, count=3):
     return loaded_fields(np.atleast_2d(points), count, ground, OUTER)
 
 
-def test_where_an_interface_is_drawn_does_not_matter_without_one():
+def test_an_interface_between_equal_layers_changes_nothing():
     radii, depths = np.array([2.5, 1.5, 0.3]), np.array([0.1, 2.0, 2.6])
     fields = [
         at(radii, depths, Ground((thickness,), (0.35, 0.35), (0.3, 0.3)))
@@ -26,18 +26,18 @@ def test_where_an_interface_is_drawn_does_not_matter_without_one():
 
 
 @pytest.mark.parametrize("depth", [0.5, 0.9])
-def test_interfaces(depth):
+def test_fields_are_continuous_across_interfaces(depth):
     radii = np.array([1.5, 2.0, 2.4])
     (above, stress_above), (below, stress_below) = (
         at(radii, depth * (1 + sign * 1e-12)) for sign in (-1, 1)
     )
     assert above == pytest.approx(below, abs=1e-9)
-    # across it act zz and rz
+    # zz and rz act across the interface
     assert stress_above[..., 1:3] == pytest.approx(stress_below[..., 1:3], abs=1e-9)
     assert np.abs(stress_above[..., 0] - stress_below[..., 0]).max() > 1e-4
 
 
-def test_nothing_acts_on_the_surface_beside_the_load():
+def test_the_surface_beside_the_load_is_free():
     _, stress = at(np.array([2.0, 2.3, 2.5]), 0.0)
     assert np.abs(stress[..., 1:3]).max() < 1e-10
 
@@ -49,7 +49,7 @@ def test_a_rigid_base_does_not_move():
 
 
 def test_equilibrium_and_hookes_law():
-    """By differences: the divergence of the stress, and strains of the displacement."""
+    """Differences give the divergence of the stress, and strains by which Hooke's law holds."""
     r, z, h = 2.3, 1.4, 1e-3
     moved = {(i, j): at(r + i * h, z + j * h)[0][:, 0] for i in (-1, 0, 1) for j in (-1, 0, 1)}
     stress = {(i, j): at(r + i * h, z + j * h)[1][:, 0] for i in (-1, 0, 1) for j in (-1, 0, 1)}
@@ -68,7 +68,7 @@ def test_equilibrium_and_hookes_law():
     assert here[:, 1] == pytest.approx(expected, abs=1e-5 * size)
 
 
-def test_what_a_rigid_base_leaves_is_dropped():
+def test_dependent_and_vanishing_fields_are_not_counted():
     alike = np.array([[1.0, 1.0], [1.0, 1.0 + 1e-12]])
     assert independent_count(alike, 1.0) == 1
     assert independent_count(1e-20 * np.eye(3), 1.0) == 0

@@ -1,4 +1,4 @@
-"""Pairs of spaces on the contact: stable, with checkerboards, and singular."""
+"""Pairs of displacements and pressures on the contact: stable, with checkerboards, singular."""
 
 from functools import cache
 
@@ -32,7 +32,10 @@ def meshed(halvings):
 
 
 def half_space(degree, pressures, broken_at, halvings=0):
-    """Displacements of a degree, pressures of a degree that break at some edges or everywhere."""
+    """Return a half-space with given degrees of displacements and pressures.
+
+    Pressures are discontinuous nowhere, at ring edges ("rings") or at all breakpoints.
+    """
     mesh = meshed(halvings)
     breakpoints, below = contact_breakpoints(mesh, EDGES)
     breaks = {"nowhere": EDGES[[0, -1]], "rings": EDGES, "everywhere": breakpoints}[broken_at]
@@ -43,15 +46,15 @@ def half_space(degree, pressures, broken_at, halvings=0):
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
 @pytest.mark.parametrize("broken_at", ["rings", "everywhere"])
-def test_as_high_a_degree_broken_anywhere_is_refused(degree, broken_at):
+def test_discontinuous_pressures_of_the_same_degree_are_refused(degree, broken_at):
     singular = half_space(degree, degree, broken_at)
     assert singular.stability() < 1e-12
     with pytest.raises(SolverError, match="pair of spaces is singular"):
         singular.compliance()
 
 
-def test_a_pressure_that_displaces_nothing_is_found_among_few():
-    """One is enough, even if there are more displacements than pressures."""
+def test_a_pressure_that_displaces_nothing_is_detected():
+    """One such pressure suffices, even if there are more displacements than pressures."""
     many = half_space(2, 2, "rings")
     count = len(many.coupling) - len(many.poles)
     unseen = np.linalg.svd(many.coupling[:count])[2][-1]
@@ -63,23 +66,23 @@ def test_a_pressure_that_displaces_nothing_is_found_among_few():
 @pytest.mark.parametrize("broken_at", ["nowhere", "rings"])
 @pytest.mark.parametrize("degree", [2, 3, 4])
 def test_stable_pairs_stay_stable(degree, broken_at):
-    """Whatever the size; the ratio falls as one over the degree."""
+    """The constant does not depend on the size of elements, and falls as 1 / degree."""
     ratios = [half_space(degree, degree - 1, broken_at, n).stability() for n in range(3)]
     assert min(ratios) > 1 / degree
     assert max(ratios) < 1.5 * min(ratios)
 
 
 @pytest.mark.parametrize("degree", [2, 3])
-def test_checkerboards_fall_as_the_square_of_the_size(degree):
+def test_the_stability_of_checkerboards_falls_as_the_square_of_the_size(degree):
     ratios = [half_space(degree, degree - 1, "everywhere", n).stability() for n in range(3)]
     np.testing.assert_allclose(np.log2(ratios[:-1]) - np.log2(ratios[1:]), 2.0, atol=0.25)
-    # such a pair is not singular: it condenses
+    # such a pair is not singular, and the compliance can be computed
     half_space(degree, degree - 1, "everywhere").compliance()
 
 
 @pytest.mark.parametrize("halvings", [0, 1, 2])
 def test_linear_pressures_beneath_linear_displacements_are_stable(halvings):
-    """As broken at ring edges as others: two facets there have one pressure together."""
+    """Pressures are discontinuous at ring edges, where two facets share one linear pressure."""
     solid = AxisymmetricElasticity(meshed(halvings), 1, 0.3)
     space = pressure_space(solid, EDGES)
     assert np.isin(EDGES, space.breakpoints).all()
@@ -88,6 +91,6 @@ def test_linear_pressures_beneath_linear_displacements_are_stable(halvings):
     ratios = eigh(whole.compliance().matrix, energy.compliance(space).matrix, eigvals_only=True)
     assert ratios[0] > 0.14
     assert ratios[-1] <= 1.001
-    # pressures and displacements meet with their forces: a constant displacement sees all of each
+    # the coupling of a constant displacement with each pressure is the force of that pressure
     coupling = whole.coupling[: len(whole.coupling) - len(whole.poles)]
     np.testing.assert_allclose(coupling.sum(axis=0), space.weights, rtol=1e-12)

@@ -1,4 +1,4 @@
-"""The compliance by boundary elements is that of the MDR, as an operator."""
+"""The compliance by boundary elements equals that of the MDR, as an operator."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ def uniform(elements, rings, degree):
 
 
 def deviation(first, second):
-    """Largest |lambda - 1| of the generalised eigenvalues of two matrices ``F^T F``, by factors."""
+    """Return the largest |lambda - 1| of generalised eigenvalues of two matrices ``F^T F``."""
     triangle = np.linalg.qr(second, mode="r")
     ratio = scipy.linalg.solve_triangular(triangle.T, first.T, lower=True)
     return float(np.abs(np.linalg.svd(ratio, compute_uv=False) ** 2 - 1).max())
@@ -41,7 +41,7 @@ def deviation(first, second):
 )
 def test_equals_mdr_as_an_operator(space):
     factor, rings = ring_kernel.compliance(space).factor, space.ring_indicator()
-    # by more points than the MDR has: exact for all bubbles, too
+    # with more quadrature points than the MDR uses, so that all bubbles are exact, too
     positions, weights, _ = panel_quadrature(replace(space, degrees=space.degrees + 10))
     reference = np.sqrt(2 * weights)[:, None] * line_density(space, positions)
     assert deviation(factor @ rings, reference @ rings) < 1e-12
@@ -49,7 +49,7 @@ def test_equals_mdr_as_an_operator(space):
 
 
 def test_restricted_to_a_coarser_space():
-    """The compliance within a space is that computed on the coarser one itself."""
+    """The restriction of a compliance to a coarser space equals the one computed there."""
     space = graded(alternating_edges(5))
     coarse = space.coarser()
     for compliance in (ring_kernel.compliance, energy.compliance):
@@ -59,7 +59,7 @@ def test_restricted_to_a_coarser_space():
 
 @pytest.mark.parametrize("widths", [[0.5, 1e-4, 0.4999], [1e-4, 0.9999], [0.9999, 1e-4]])
 def test_neighbours_may_differ_ten_thousandfold(widths):
-    """Constants on coarse elements against the same on a graded mesh of like neighbours."""
+    """Constants on elements of very different widths agree with those on a graded mesh."""
     edges = np.append(0.0, np.cumsum(widths) / sum(widths))
     spaces = PressureSpace(edges, np.full(len(widths), 8), edges), graded(edges)
     sums = [ring_kernel.compliance(space).factor @ space.ring_indicator() for space in spaces]

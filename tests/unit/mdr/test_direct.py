@@ -1,4 +1,4 @@
-"""Direct integration against quadrature in 30 digits, which knows no elliptic integrals."""
+"""Direct integration against quadrature in 30 digits without elliptic integrals."""
 
 import numpy as np
 import pytest
@@ -23,9 +23,11 @@ def _thirty_digits():
 
 @pytest.mark.parametrize("radius", [0.0, 1e-3, 0.1, 0.27, 0.29999, 0.5, 0.79, 0.95, 0.9999])
 @pytest.mark.parametrize("function", [direct.disc_displacement, direct.disc_slope])
-def test_against_chords(radius, function):
-    """The kernel ``1 / (pi distance)`` makes the displacement under unit pressure on a disc the
-    integral of the length of the chord through the point over its angle.
+def test_discs_against_integrals_over_chords(radius, function):
+    """The displacement under a disc of unit pressure is an integral of chord lengths.
+
+    The kernel is ``1 / (pi distance)``; the integral is over the angle of the chord through the
+    point.
     """
     expected, r = mp.mpf(0), mp.mpf(radius)
     for step, disc in zip(direct.pressure_steps(PRESSURES), EDGES[1:], strict=True):
@@ -42,25 +44,25 @@ def test_against_chords(radius, function):
 
 
 def test_steady_pressures_carry_the_force_and_wear_alike():
-    """Eqs. 24 and 26: at the rate of the mean wear coefficient, harmonic and weighted by area."""
+    """Eqs. 24 and 26: the wear rate is that of the harmonic mean, over the area, of k."""
     mean = np.pi / np.sum(ring_areas(EDGES) / WEAR)
     np.testing.assert_allclose(WEAR * PRESSURES, mean / np.pi, rtol=1e-14)
     assert PRESSURES @ ring_areas(EDGES) == pytest.approx(1.0, rel=1e-14)
 
 
 def quadrature():
-    """Radii and weights (4, n) on each ring, for what has logarithms at ring edges."""
+    """Return radii and weights (4, n) on each ring, for logarithmic singularities at edges."""
     node, weight = np.polynomial.legendre.leggauss(40)
     node, weight = (1 + node) / 2, weight / 2
     half = np.diff(EDGES)[:, None] / 2
-    # powers flatten them
+    # the fourth power removes the singularity
     radii = np.hstack([EDGES[:-1, None] + half * node**4, EDGES[1:, None] - half * node**4])
     return radii, np.tile(half * 4 * node**3 * weight, 2)
 
 
 @pytest.mark.parametrize("average", HOMOGENEOUS)
-def test_gradients(average):
-    """Of a homogeneous punch, of rings, and of many rings of extreme ratio."""
+def test_rms_slopes_against_quadrature_and_limits(average):
+    """RMS slopes of a homogeneous punch, of rings, and of many rings of extreme wear ratio."""
     homogeneous = direct.rms_slope(EDGES[[0, -1]], np.ones(1), average)
     assert homogeneous == pytest.approx(HOMOGENEOUS[average], rel=1e-10)
     radii, weights = quadrature()
@@ -77,7 +79,7 @@ def test_gradients(average):
 
 
 def test_energies_of_rings_by_the_mdr():
-    """``int u p dA = 2 int q^2 dx``; 16/3 for the disc."""
+    """``int u p dA = 2 int q^2 dx``, which is 16/3 for the disc."""
     breakpoints = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
     space = PressureSpace(breakpoints, layer_degrees(breakpoints, EDGES, 6, rise=1), EDGES)
     rings = space.ring_indicator()
@@ -94,8 +96,8 @@ def test_limiting_profile_has_its_minimum_at_zero():
     assert -1e-15 <= profile.min() <= 1e-7
 
 
-def test_marches_tend_to_it(prepare, method):
-    """After forty relaxation times: its pressures, and the method's own limiting profile."""
+def test_histories_tend_to_the_steady_state(prepare, method):
+    """After forty relaxation times, pressures and displacements are those of the steady state."""
     punch = prepare("five_rings", method)
     last = punch.wear.history(40 * punch.wear.relaxation_times[:1])
     expected = punch.space.ring_indicator() @ direct.steady_pressures(*punch.problem.merged)

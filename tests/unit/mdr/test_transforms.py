@@ -1,4 +1,4 @@
-"""The MDR transforms against closed forms, and quadrature in 40 digits."""
+"""The MDR transforms against closed forms and quadrature in 40 digits."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ def space(request):
 
 
 def test_line_density_of_rings(space):
-    """Differences of discs, whose line density is ``2 sqrt(c^2 - x^2)``."""
+    """Rings are differences of discs, whose line density is ``2 sqrt(c^2 - x^2)``."""
     x = np.linspace(0.001, 0.999, 500)
     discs = 2 * np.sqrt(np.maximum(EDGES**2 - x[:, None] ** 2, 0))
     densities = line_density(space, x) @ space.ring_indicator()
@@ -41,8 +41,8 @@ def test_force_is_twice_the_integral(space):
     np.testing.assert_allclose(forces, space.weights, rtol=1e-12, atol=1e-15)
 
 
-def test_compliance_is_definite_and_refines_itself(space):
-    """A space within another never presses deeper."""
+def test_compliance_is_definite_and_indentations_fall_with_refinement(space):
+    """A space that contains another has a smaller indentation, or the same."""
     fewer = replace(space, degrees=np.maximum(space.degrees - 1, 1))
     fine, coarse = energy.compliance(space), energy.compliance(fewer)
     assert np.linalg.svd(fine.factor, compute_uv=False).min() > 0
@@ -52,10 +52,10 @@ def test_compliance_is_definite_and_refines_itself(space):
 @pytest.mark.parametrize("gap", [0.25, 2.0**-13, 2.0**-26])
 @pytest.mark.parametrize("degree", [1, 7, 12, 16])
 def test_line_density_of_every_shape(degree, gap):
-    """On an element at the rim, seen from inside it, from its edge and from afar."""
+    """The element is at the rim; positions are inside it, at its edge and far away."""
     left = 1 - gap
     element = PressureSpace(np.array([0.0, left, 1.0]), np.array([1, degree]), np.array([0.0, 1.0]))
-    # dyadic, so that positions are as far from the element's ends as they say
+    # dyadic numbers, so that distances from the ends of the element have no roundoff
     positions = np.array(
         [left / 2, left - gap, left - gap / 8, left, left + gap / 64, left + gap / 2, 1 - gap / 8]
     )
@@ -74,7 +74,7 @@ def test_line_density_of_every_shape(degree, gap):
 
 
 def test_profile_transform():
-    """Eq. 3: exact for constants and cones; ``r^2`` becomes ``2 x^2``, to order 3/2 in the grid."""
+    """Eq. 3 is exact for constants and cones; ``r^2`` becomes ``2 x^2`` with the order 3/2."""
     radii = np.sort(np.append(np.random.default_rng(1).random(20), [0.0, 1.0]))
     positions = np.linspace(0.01, 1, 57)
     matrix = profile_transform(radii, positions)
@@ -90,8 +90,9 @@ def test_profile_transform():
 
 
 def test_pressure_transform():
-    """Eq. 7 of all that is linear between positions: a constant gives the flat punch, ``c - x``
-    on ``x < c`` gives ``arcosh(c/r) / pi``.
+    """Eq. 7 is exact for functions that are linear between positions.
+
+    A constant gives the flat punch, and ``c - x`` on ``x < c`` gives ``arcosh(c/r) / pi``.
     """
     positions, radii = np.linspace(0, 1, 12), np.linspace(0.003, 0.997, 101)[:, None]
     matrix = pressure_transform(positions, radii.ravel())

@@ -1,4 +1,4 @@
-"""Every mesher makes the quarter disc that it should, and a broken mesh is refused on arrival."""
+"""Every mesher covers the quarter disc with the wanted sizes, and broken meshes are refused."""
 
 import subprocess
 import sys
@@ -86,14 +86,17 @@ QUADS = cases(mesh_quads, LAYERS, pytest.mark.gmsh)
 
 
 @pytest.mark.parametrize(("mesher", "wanted"), TRIANGLES + QUADS)
-def test_it_is_the_quarter_disc(mesher, wanted):
-    """On arrival, lengths, areas and ring edges are checked, as the refusals below show."""
+def test_meshes_cover_the_quarter_disc(mesher, wanted):
+    """The mesh has named boundaries, no holes, all ring edges, and is the same each time.
+
+    `as_half_space` checks lengths and areas; the tests of refusals below show this.
+    """
     mesh = meshed(mesher, wanted)
     assert truncation(mesh) == wanted.truncation
     # chords of the arc
     far = np.linalg.norm(np.diff(segments(mesh, mesh.boundaries["far"]), axis=1), axis=2).sum()
     assert 0.9 * np.pi / 2 < far / wanted.truncation < np.pi / 2
-    # Euler: no holes, nor points that belong to nothing
+    # Euler's formula: no holes, and no points without an element
     assert mesh.nvertices - mesh.nfacets + mesh.nelements == 1
     named = np.sort(np.concatenate(list(mesh.boundaries.values())))
     np.testing.assert_array_equal(named, np.sort(mesh.boundary_facets()))
@@ -115,7 +118,7 @@ def test_triangles_follow_the_size_field(mesher, field):
     assert quality(mesh).min() >= 0.05
     radii = contact_radii(mesh)
     widths = np.diff(radii)
-    # a mesher's size is that of a triangle, which the field lets grow with its distance
+    # the size of a triangle is that of the field at its centre, where the field is larger
     assert widths[-1] <= 4 * field.rim_size
     at = np.searchsorted(radii, np.array(field.ring_edges[1:-1]) - 1e-12)
     assert (np.maximum(widths[at - 1], widths[at]) <= 4 * field.sizes[1:-1]).all()
@@ -130,14 +133,14 @@ def test_layers_shrink_to_the_wanted_size(mesher, wanted):
     sizes = np.append(np.broadcast_to(wanted.sizes, len(edges) - 1), wanted.rim_size)
     inside = edges - radii[np.searchsorted(radii, edges) - 1]
     assert (inside <= sizes * (1 + 1e-6) + 1e-15).all()
-    # smaller by the last factor only, and at least one layer
+    # sizes are smaller by at most one factor, and there is at least one layer
     widths = patch_widths(np.array(wanted.ring_edges)).min(axis=1)
     assert (inside >= 0.6 * wanted.factor * np.minimum(sizes, widths)).all()
 
 
 @pytest.mark.gmsh
-def test_a_layer_less_is_coarser():
-    """And each decimal place costs its own layers only."""
+def test_coarsening_removes_one_layer_at_each_edge():
+    """A decade of the size at the rim costs a fixed number of layers."""
     whole, coarsest = graded(LAYERS["five rings"]), graded(LAYERS["coarse"])
     mesh, coarser = whole.mesh, whole.coarser().mesh
     assert mesh.nelements - coarser.nelements == 4 * 5
@@ -149,7 +152,7 @@ def test_a_layer_less_is_coarser():
 
 @pytest.mark.gmsh
 def test_degrees_fall_inwards():
-    """As if nothing had been blunted: by the root of the distance at ring edges."""
+    """Degrees fall towards ring edges, for a solution that varies as the root of the distance."""
     whole = graded(LAYERS["five rings"])
     mesh = whole.mesh
     parts = {
@@ -167,7 +170,7 @@ def test_degrees_fall_inwards():
 
 
 def test_quality():
-    """The least sine of a corner: 1 in squares, negative where an element bends inwards."""
+    """Quality is the least sine of a corner: 1 in squares, negative at reentrant corners."""
     height = np.sqrt(0.75)
     corners = [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, height], [1.5, height], [0.8, 0.8]]
     points = np.array(corners).T
@@ -223,7 +226,7 @@ def test_a_hole_is_refused(boundary):
             as_half_space(mesh.remove_elements(np.array([number])), RINGS.ring_edges)
 
 
-def test_what_cannot_be_meshed_is_refused():
+def test_ring_edges_that_cannot_be_meshed_are_refused():
     with pytest.raises(MeshError, match=r"r = 0\.500000001 a.*ring_size"):
         as_half_space(meshed(bisection.mesh, RINGS), np.array([0.0, 0.5 + 1e-9, 1.0]))
     with pytest.raises(MeshError, match=r"narrower than 1e-10.*merge"):
@@ -232,7 +235,7 @@ def test_what_cannot_be_meshed_is_refused():
 
 @pytest.mark.gmsh
 def test_gmsh_leaves_signals_to_python():
-    """Its start takes SIGTERM and SIGPIPE away, and a study that was ended lost its rows."""
+    """gmsh replaces handlers of SIGTERM and SIGPIPE; once, a study that was ended lost its rows."""
     code = """
 import signal
 from ringwear.meshes.by_gmsh.session import session

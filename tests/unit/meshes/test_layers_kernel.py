@@ -1,4 +1,4 @@
-"""The kernel of layered ground: two other derivations, limits, and printed stiffnesses."""
+"""The kernel of layered ground against two other derivations, limits and published stiffnesses."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ WAVE_NUMBERS = np.geomspace(1e-4, 40, 60)
 
 
 def o_sullivan_and_king(s, thickness, ratio, ground_ratio, contrast):
-    """One layer on a substrate; the contrast is G1 / G2 (J. Tribol. 110, 1988, 235)."""
+    """Return the kernel of one layer; the contrast is G1 / G2 (J. Tribol. 110, 1988, 235)."""
     kappa = (contrast - 1) / (contrast + 3 - 4 * ratio)
     lamda = 1 - 4 * (1 - ratio) / (1 + contrast * (3 - 4 * ground_ratio))
     x = s * thickness
@@ -27,7 +27,7 @@ def test_one_layer_by_o_sullivan_and_king(contrast):
         ground = Ground((thickness,), (0.35, 0.35 / contrast), (0.3, 0.2))
         exact = o_sullivan_and_king(WAVE_NUMBERS, thickness, 0.3, 0.2, contrast)
         found = relative_compliance(ground, WAVE_NUMBERS)
-        # eps times the square of the ratio of the moduli
+        # roundoff: eps times the square of the ratio of the moduli
         assert found == pytest.approx(exact, rel=1e-14 + 2e-16 * max(contrast, 1 / contrast) ** 2)
 
 
@@ -38,10 +38,11 @@ def test_a_layer_on_a_rigid_base_by_o_sullivan_and_king():
 
 
 def by_potentials(ground, s):
-    """Phi(s) by Papkovich's and Neuber's potentials, one linear system for all layers.
+    """Return the kernel Phi(s) by Papkovich's and Neuber's potentials.
 
     2 G u = grad(phi + z psi) - 4 (1 - nu) psi e_z with harmonic phi, psi; z is the depth below the
-    surface, and exponentials grow, which fifty digits can bear.
+    surface. One linear system has the amplitudes of all layers. Its exponentials grow with depth,
+    so the computation needs fifty digits.
     """
     solids = list(zip(ground.shear_moduli, ground.poisson_ratios, strict=True))
     tops = [mpf(0), *map(mpf, np.cumsum([mpf(h) for h in ground.thicknesses]))]
@@ -49,7 +50,7 @@ def by_potentials(ground, s):
     solids, signs = (part[: len(part) - ground.rigid] for part in (solids, signs))
 
     def state(solid, sign, z):
-        """Columns u_r, u_z, t_rz, s_zz of phi and psi = exp(sign s z); Bessel factors left out."""
+        """Return u_r, u_z, t_rz, s_zz of phi and psi = exp(sign s z), without Bessel factors."""
         shear, nu = map(mpf, solid)
         e, d = mp.exp(sign * s * z), sign * s
         phi = (-s * e / (2 * shear), d * e / (2 * shear), -s * d * e, d * d * e)
@@ -123,7 +124,7 @@ def test_thick_and_thin_layers():
     assert relative_compliance(ground, np.array([60.0])) == pytest.approx(1.0, abs=1e-12)
     of_substrate = (0.9 / 3.5) / (0.7 / 0.35)
     assert relative_compliance(ground, np.array([1e-6])) == pytest.approx(of_substrate, rel=1e-5)
-    # a punch on a layer of a hundred radii; what the substrate adds falls as a / h
+    # on a layer of thickness 50 a and 100 a, the effect of the substrate falls as a / h
     far = [relative_stiffness(replace_thickness(ground, depth)) - 1 for depth in (50.0, 100.0)]
     assert far[0] / far[1] == pytest.approx(2.0, rel=0.05)
     assert abs(far[1]) < 0.01
@@ -136,8 +137,8 @@ def replace_thickness(ground, thickness):
 def test_printed_stiffnesses_of_hayes():
     """Hayes, Keer, Herrmann and Mockros (J. Biomech. 5, 1972, 541), nu = 0.3, a rigid base.
 
-    Their numbers are off by more than their last digit where the layer is thin: by 4 in a thousand
-    at a/h = 2 (the two derivations above, and finite elements, have no doubt of it).
+    Their values are less accurate than their last digit for thin layers: they are off by 4e-3 at
+    a/h = 2, as the two derivations above and finite elements show.
     """
     printed = {0.2: 1.207, 0.4: 1.472, 0.6: 1.784, 0.8: 2.124, 1.0: 2.480, 1.5: 3.400, 2.0: 4.336}
     for ratio, stiffness in printed.items():
@@ -147,7 +148,7 @@ def test_printed_stiffnesses_of_hayes():
 
 
 def test_a_thin_compressible_layer_is_a_foundation_of_springs():
-    """Winkler's limit: u = p h / (K + 4 G / 3), the same over all of the face, as h falls to 0."""
+    """Winkler's limit for thin layers: u = p h / (K + 4 G / 3) at each point of the face."""
     shear, nu = 0.35, 0.3
     off = []
     for thickness in (0.08, 0.04):

@@ -1,6 +1,4 @@
-"""Meshes that users bring: good ones by gmsh and by meshio, and every refusal with what and
-where.
-"""
+"""Meshes of users: files of gmsh and meshio, and refusals that state what is wrong and where."""
 
 from itertools import pairwise
 
@@ -24,13 +22,13 @@ def ours():
 
 
 def as_meshio(mesh, scale=1.0):
-    """The mesh as meshio knows it, without any names."""
+    """Return the mesh for meshio, without names of boundaries."""
     points = np.column_stack([scale * mesh.p.T, np.zeros(mesh.nvertices)])
     return meshio.Mesh(points, [("triangle", mesh.t.T.copy())])
 
 
 def gmsh_file(path, version=4.1, recombine=False, order=1, surface=True):
-    """The quarter disc by gmsh itself, as a physical group or without one."""
+    """Write a quarter disc by gmsh, with or without a physical group for its surface."""
     with gmsh_session.session() as gmsh:
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 1)
         gmsh.option.setNumber("Mesh.MshFileVersion", version)
@@ -74,7 +72,7 @@ def test_a_file_of_meshio_gives_the_same_mesh_back(tmp_path, ours, ending, scale
 
 
 @pytest.mark.parametrize("surface", [1e-12, -1e-12])
-def test_rounding_at_the_surface_is_mended(tmp_path, ours, surface):
+def test_rounding_at_the_surface_is_corrected(tmp_path, ours, surface):
     content = as_meshio(ours)
     content.points[:, 1] = np.where(ours.p[1] == 0, surface, ours.p[1])
     content.write(tmp_path / "disc.vtk")
@@ -84,7 +82,7 @@ def test_rounding_at_the_surface_is_mended(tmp_path, ours, surface):
 
 
 def tear(content):
-    """Give each triangle vertices of its own."""
+    """Separate all triangles, so that each has its own vertices."""
     triangles = content.cells[0].data
     content.points = content.points[triangles.ravel()]
     content.cells[0].data = np.arange(triangles.size).reshape(-1, 3)
@@ -95,7 +93,7 @@ def mix(content):
 
 
 def move(points):
-    """All points by a function of theirs, as columns."""
+    """Move all points by a function of their coordinates."""
 
     def change(content):
         content.points = np.column_stack(points(content.points.T))
@@ -104,7 +102,7 @@ def move(points):
 
 
 def pull_out(content):
-    """One vertex beyond the surface."""
+    """Move one vertex outside the half-space."""
     r, z, _ = content.points.T
     content.points[int(np.argmin(np.hypot(r - 2, z - 0.3))), 1] = -0.25
 
@@ -151,7 +149,7 @@ def test_the_message_says_how_to_export(tmp_path, settings, message):
         ("", "this is a directory"),
     ],
 )
-def test_what_is_not_a_mesh_is_refused(tmp_path, capsys, name, message):
+def test_files_that_are_not_meshes_are_refused(tmp_path, capsys, name, message):
     if "text" in name:
         (tmp_path / name).write_text("nothing of the kind\n")
     with pytest.raises(MeshError, match=message):

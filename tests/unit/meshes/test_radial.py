@@ -1,4 +1,4 @@
-"""Graded radii, and the pressure space: partitions of unity, forces, slopes, and joined bases."""
+"""Graded radii and the pressure space: values, slopes, forces, masses and coarser spaces."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ def space(request):
 
 def test_ring_areas():
     np.testing.assert_allclose(ring_areas(EDGES), np.pi * np.diff(EDGES**2), rtol=1e-14)
-    # of a narrow ring, to roundoff: 2 pi r w
+    # a narrow ring has the area 2 pi r w, up to roundoff
     narrow = 2 * np.pi * 2.0**-40 * (1 - 2.0**-41)
     assert ring_areas([1 - 2.0**-40, 1.0])[0] == pytest.approx(narrow, rel=1e-15)
 
@@ -35,7 +35,7 @@ def test_graded_breakpoints(edges, edge_size, rim_size, factor, axis_size):
     widths = np.diff(radii)
     assert (widths > 0).all()
     assert np.isin(edges, radii).all()
-    # the sizes within a step of the grading, or all of the ring's half where that is smaller
+    # sizes are right to within one step of the grading, or elements are half a narrow ring
     spans = np.diff(edges) / 2
     spans[0] *= 2 if axis_size is None else 1
     sizes = np.append(np.full(len(edges) - 2, edge_size), rim_size) / np.sqrt(factor)
@@ -46,7 +46,7 @@ def test_graded_breakpoints(edges, edge_size, rim_size, factor, axis_size):
 
 
 def test_layer_degrees():
-    """Lowest on both sides of every edge, and by a degree more with each element."""
+    """Degrees are lowest on both sides of every edge and rise by one with each element."""
     radii = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
     degrees = layer_degrees(radii, EDGES, 6, rise=1, lowest=2)
     at = np.searchsorted(radii, EDGES[1:])
@@ -62,7 +62,7 @@ def test_ring_indicator(space):
 
 
 def test_each_element_holds_polynomials_of_its_degree(space):
-    """And their slopes."""
+    """Polynomials of the element's degree are represented exactly, with their slopes."""
     element = len(space.degrees) // 2
     left, right = space.breakpoints[element : element + 2]
     radii = left + (right - left) * (1 - np.cos(np.linspace(0, np.pi, 40)) * (1 - 1e-9)) / 2
@@ -76,7 +76,7 @@ def test_each_element_holds_polynomials_of_its_degree(space):
 
 
 def test_forces(space):
-    """On rings, and on rings of another punch, whose edges cut elements."""
+    """Forces on the punch's rings, and on other rings, whose edges cut elements, are areas."""
     rings, forces = space.ring_indicator(), space.ring_forces(EDGES)
     np.testing.assert_allclose(forces @ rings, np.diag(ring_areas(EDGES)), rtol=1e-12, atol=1e-16)
     np.testing.assert_allclose(forces.sum(axis=0), space.weights, rtol=1e-12, atol=1e-15)
@@ -95,8 +95,8 @@ def test_mass(space):
     np.testing.assert_allclose(forces, space.weights, rtol=1e-10, atol=1e-16)
 
 
-def test_joined(space):
-    """The product with the coefficients is continuous, and nothing more is demanded."""
+def test_the_joined_basis_makes_the_product_with_k_continuous(space):
+    """k p is continuous at the three ring edges, and there are no other conditions."""
     basis = space.joined(WEAR).toarray()
     assert np.linalg.matrix_rank(basis) == basis.shape[1] == space.size - 3
     inside, outside = (
@@ -112,7 +112,7 @@ def test_joined(space):
 
 
 def test_a_coarser_space_lies_within(space):
-    """Its functions are reproduced point by point, and it has a layer less at every edge."""
+    """The finer space reproduces its functions, and it has one layer less at every edge."""
     coarse = space.coarser()
     assert set(coarse.breakpoints) < set(space.breakpoints)
     assert (coarse.degrees.max() < space.top) or space.top == 1
@@ -124,8 +124,8 @@ def test_a_coarser_space_lies_within(space):
         assert np.sort(second)[1] > np.sort(first)[1]
 
 
-def test_elements_of_half_a_ring_are_no_layers():
-    """A coarser space leaves out layers; without any, two halves of a ring stay apart."""
+def test_coarsening_keeps_the_halves_of_rings():
+    """Coarsening removes layers; if there are none, both halves of a ring are kept."""
     edges = np.array([0.0, 0.5, 1.0])
     breakpoints = np.array([0.0, 0.4, 0.5, 0.75, 0.95, 1.0])
     coarse = PressureSpace(breakpoints, np.full(5, 3), edges).coarser()

@@ -1,4 +1,4 @@
-"""The tables of the challenge's READMEs are those that the generator writes."""
+"""The READMEs of the challenge contain the generated tables."""
 
 from ringwear.studies.challenge.problems import FOLDER, OTHERS, problem_named, problems
 from ringwear.studies.challenge.rows import errors_table, problems_table

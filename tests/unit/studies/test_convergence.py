@@ -24,15 +24,16 @@ from ringwear.studies.wear.flat_contact import press_flat
 
 
 def order(sizes, errors):
-    """Between the two finest."""
+    """Return the order between the two finest levels."""
     return float(np.log(errors[-2] / errors[-1]) / np.log(sizes[-2] / sizes[-1]))
 
 
 @pytest.mark.parametrize(("exponent", "cap"), [(1, 2e-3), (3, 2e-6)])
 @pytest.mark.parametrize("degree", [1, 2, 3])
 def test_indentation_by_graded_radii(degree, exponent, cap):
-    """With the pressure's root at the rim, radii ``1 - (1 - i/n)^m`` make the energy converge as
-    ``n^-m``, from above.
+    """Radii ``1 - (1 - i/n)^m`` make the energy converge as ``n^-m``, from above.
+
+    The reason is the root singularity of the pressure at the rim.
     """
     counts, errors = np.array([8, 16, 32]), []
     for count in counts:
@@ -49,7 +50,7 @@ def paper_grid(count):
 
 
 def test_the_papers_march_is_first_order_in_time():
-    """Against the exact solution of the same grid, by its matrix exponential."""
+    """Errors in time against the exact solution on the same grid, by a matrix exponential."""
     grid, time = paper_grid(40), 1.0
     count = len(grid.radii)
     # df/dt = M f + c as one homogeneous system
@@ -68,9 +69,7 @@ def test_the_papers_march_is_first_order_in_time():
 
 @pytest.mark.parametrize("count", [50, 100, 200])
 def test_the_papers_march_blows_up_above_its_limit_only(count):
-    """Where theory puts it: twice the fastest relaxation of the grid, which a wave of two cells
-    sets.
-    """
+    """The limit is twice the shortest relaxation time of the grid, that of a wave of two cells."""
     grid = paper_grid(count)
     rates = np.linalg.eigvals(grid.rate_matrix())
     limit = 2 / np.abs(rates).max()
@@ -84,7 +83,7 @@ def test_the_papers_march_blows_up_above_its_limit_only(count):
 
 
 def test_the_papers_grid_is_first_order(reference):
-    """Its error at t = 0.1, where the ring edges are sharp, against the independent reference."""
+    """The error at t = 0.1, when slopes at ring edges are steep, against the stored reference."""
     (state,) = [state for state in reference["states"] if state["time"] == 0.1]
     edges, wear = (np.array(reference[name]) for name in ("ring_edges", "wear_coefficients"))
     counts, errors = np.array([50, 100, 200]), []
@@ -97,7 +96,7 @@ def test_the_papers_grid_is_first_order(reference):
 
 
 def test_parts_of_opposite_signs_explain_an_order_that_differs():
-    """Pressures err by 0.01 h, displacements by -0.012 h: both of order 1, and the sum of less."""
+    """Errors 0.01 h of pressures and -0.012 h^0.9 of displacements have a sum of lower order."""
     sizes = np.array([1.0, 0.5, 0.25])
     pressures, whole = 0.01 * sizes, 0.01 * sizes - 0.012 * sizes**0.9
     rows = {"family": "Q2", "size": sizes, "d0": whole, PRESSURE_PART: pressures}

@@ -1,4 +1,4 @@
-"""Decks: meshes, pressures by forces, and readers of what programs write."""
+"""Input decks: their meshes, pressures computed from forces, and readers of output files."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from ringwear.studies.decks.pressures import pressures_of
 from ringwear.studies.decks.reports import read_dat, read_rpt
 
 RINGS = np.array([0.0, 0.3, 0.35, 1.0])
-# one ring of two linear elements, its radii 0, 1 and 2, and two steps: a deck as far as readers go
+# the part of a deck that readers use: one ring of two linear elements, radii 0, 1 and 2, two steps
 DECK = """*HEADING
 ** times: 0, 0.5
 ** ring edges: 0, 2
@@ -28,13 +28,13 @@ DECK = """*HEADING
 *NSET, NSET=CONTACT
 1, 2, 3
 """
-# of a pressure of 1: int N 2 pi r dr
+# nodal forces of the pressure 1: int N 2 pi r dr
 FORCES = 2 * np.pi * np.array([1 / 6, 1.0, 5 / 6])
 DAT = """
  forces (fx,fy,fz) for set CONTACT and time  0.{end}000000E+01
 
 """
-# as "Getting Started with Abaqus" shows a report of reaction forces
+# a report of reaction forces in the format shown in "Getting Started with Abaqus"
 RPT = """Field Output Report
 
 Source 1
@@ -73,7 +73,7 @@ def test_meshes_are_what_programs_ask_for(quadratic):
     points = mesh.points * [1, -1]
     corners = points[mesh.cells[:, :4]]
     sides = np.roll(corners, -1, axis=1)
-    # anticlockwise, middles between the corners in order
+    # corners are anticlockwise, and midside nodes lie between them in this order
     turns = corners[..., 0] * sides[..., 1] - sides[..., 0] * corners[..., 1]
     assert (turns.sum(axis=1) > 0).all()
     if quadratic:
@@ -99,7 +99,7 @@ def test_sizes_grow_with_the_distance():
 
 @pytest.mark.parametrize("degree", [1, 2])
 def test_pressures_of_the_functions_of_elements_are_exact(degree):
-    """Forces of p = 1 + r^degree, its integrals by a Gauss rule of another order."""
+    """Nodal forces of p = 1 + r^degree, by an independent Gauss rule, give p back."""
     radii = np.array([0.0, 0.5, 1.0, 1.2, 1.4])
     places, weights = np.polynomial.legendre.leggauss(12)
     forces = np.zeros(5)
@@ -116,13 +116,13 @@ def test_pressures_of_the_functions_of_elements_are_exact(degree):
 
 
 def test_the_dat_of_calculix(tmp_path):
-    """Forces are those of two degrees, and negative where they press."""
+    """CalculiX reports forces of a sector of two degrees, and pressing forces are negative."""
     rows = "".join(f" {n}  0.0E+00 {-f / 180:.6E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
     path = write(tmp_path, ".dat", "".join(DAT.format(end=end) + rows for end in (1, 2)))
     table = read_dat(path)
     assert table.time.tolist() == [0.0] * 3 + [0.5] * 3
     assert table.radius.tolist() == [0.0, 1.0, 2.0] * 2
-    # at the start pressures beside the rim are left out
+    # at the start, the pressure at the rim is left out
     np.testing.assert_allclose(table.pressure, [1, 1, np.nan, 1, 1, 1], rtol=1e-5)
     np.testing.assert_allclose(table.normal_force, 4 * np.pi, rtol=1e-5)
 
@@ -137,7 +137,7 @@ def test_a_run_that_stopped_is_refused(tmp_path):
 
 
 def test_the_report_of_abaqus(tmp_path):
-    """Forces are those of the whole circumference; numbers may have exponents of three."""
+    """Abaqus reports forces of the whole circumference, with numbers such as -1047.2E-03."""
     rows = "\n".join(f"{n:16}  {-1e3 * f:.6g}E-03" for n, f in enumerate(FORCES, 1))
     path = write(tmp_path, ".rpt", "".join(RPT.format(step=n, rows=rows) for n in (1, 2)))
     table = read_rpt(path)

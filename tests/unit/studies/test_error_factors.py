@@ -1,4 +1,4 @@
-"""Error factors stand in one table, which code, documentation and tests share."""
+"""All factors of error estimates are in one table that code, documentation and tests share."""
 
 import re
 from pathlib import Path

@@ -25,13 +25,14 @@ PANELS = {panel.name: panel for panel in read_panels(0.3)}
 
 
 def cells(quick):
-    """Every cell by family, method, x and y."""
+    """Return functions that solve each cell, by family, method, x and y."""
     listed = [
         ((family.name, *cell), partial(family.solve, cell))
         for family in of_map.families(0.3, quick)
         for cell in family.sizes
     ]
-    assert len(dict(listed)) == len(listed)  # none comes twice
+    # no cell occurs twice
+    assert len(dict(listed)) == len(listed)
     return dict(listed)
 
 
@@ -56,7 +57,7 @@ def test_verdicts(error, estimate, verdict):
 @pytest.mark.parametrize(
     ("error", "estimate", "verdict"),
     [
-        # below the accuracy asked for, whatever is stated
+        # the error is below rtol, whatever the estimate
         (5e-4, 1e-6, "within"),
         (5e-4, 1.0, "within"),
         (2e-3, 1e-3, "degraded"),
@@ -69,10 +70,10 @@ def test_verdicts_on_a_promise(error, estimate, verdict):
     assert verdict_on_promise("indentation", error, estimate, 1e-3)["verdict"] == verdict
 
 
-def test_the_worst_of_a_run_is_told():
+def test_the_worst_quantity_of_a_run_is_reported():
     judged = [verdict_on("a", 1e-5, 1e-4, 1e-3), verdict_on("b", 0.1, 1e-4, 1e-3)]
     assert worst_of(lambda: judged)["quantity"] == "b"
-    # nothing that was judged is no verdict, and shows
+    # a run without any judged quantity counts as crashed
     assert worst_of(lambda: [])["verdict"] == "crashed"
 
 
@@ -115,7 +116,7 @@ def test_every_panel_has_its_runs():
 
 
 def test_starts_in_closed_form():
-    """Hertz: F = 4/3 E* sqrt(R) d^(3/2); a cone: F = 2 E* d^2 / (pi s); d over F / (a E*)."""
+    """Hertz: F = 4/3 E* sqrt(R) d^(3/2); cone: F = 2 E* d^2 / (pi s); d in units of F / (a E*)."""
     sphere = PANELS["sphere"].scene(3.0, "mdr")
     found, force = start_in_closed_form(sphere), 0.01
     depth = found["indentation"] * force
@@ -124,12 +125,12 @@ def test_starts_in_closed_form():
     cone = start_in_closed_form(PANELS["cone"].scene(0.1, "mdr"))
     depth = cone["indentation"] * force
     assert 2 * depth**2 / (np.pi * 0.1) == pytest.approx(force, rel=1e-12)
-    # the sphere touches all of the face, or the force varies: no disc of first contact
+    # no closed form if the whole face of the sphere is in contact, or if the force varies
     assert not start_in_closed_form(PANELS["sphere"].scene(1e6, "mdr"))
     assert not start_in_closed_form(PANELS["force that rises"].scene(10.0, "mdr"))
 
 
-def test_a_scene_that_cannot_be_is_a_refusal_with_its_text():
+def test_an_impossible_scene_is_a_refusal_with_its_message():
     row = PANELS["degree"].family(quick=False).solve((17, "fem"))
     assert row["verdict"] == "refused"
     assert "accuracy.fem.degree" in row["message"]

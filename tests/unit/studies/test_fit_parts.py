@@ -34,7 +34,7 @@ SCENE = Scene(
 
 
 class Formula:
-    """A model whose values are a formula of the coordinates."""
+    """Model whose predictions are a formula of the coordinates x."""
 
     rtol = 0.0
 
@@ -56,7 +56,7 @@ def likelihood_of(model, count):
     return Likelihood(model, free, tuple(range(count)))
 
 
-def test_a_key_of_a_list_stands_for_all_of_its_values():
+def test_the_key_of_a_list_means_all_of_its_values():
     scene, found = find_parameters(SCENE, ["punch.wear_coefficients", "load.normal_force"])
     names = [each.name for each in found]
     assert names == [
@@ -79,7 +79,7 @@ def test_a_key_of_a_list_stands_for_all_of_its_values():
         ("start_time,start_time", "given twice"),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(name, told):
+def test_parameters_that_cannot_be_fitted_are_refused(name, told):
     with pytest.raises(SceneError, match=told.replace("?", r"\?")):
         find_parameters(SCENE, name.split(","))
 
@@ -103,7 +103,7 @@ def test_lost_mass_is_volume_times_density():
         ({"lost_mass": "0 %"}, "8", "above 0"),
     ],
 )
-def test_what_measurements_lack_is_told(noise, density, told):
+def test_incomplete_measurements_are_refused_with_a_reason(noise, density, told):
     table = pd.DataFrame({"time": np.arange(9.0), "lost_mass": 1e-9, "indentation": np.arange(9.0)})
     with pytest.raises(SceneError, match=told):
         read_measurements(SCENE, table, noise, density)
@@ -137,8 +137,8 @@ def test_a_straight_model_has_the_intervals_of_linear_regression():
         assert (high - low) / 2 == pytest.approx(half, rel=0.02)
 
 
-def test_an_interval_holds_every_valley():
-    """Of x^2 = 1 +- 0.1 / sqrt(4), which both signs of x explain."""
+def test_an_interval_includes_every_minimum():
+    """The data x^2 = 1 +- 0.1 / sqrt(4) are explained by both signs of x."""
     model = Formula(
         lambda x: x[0] ** 2 * np.ones(4), lambda x: 2 * x[0] * np.ones((4, 1)), [1.0] * 4
     )
@@ -150,19 +150,19 @@ def test_an_interval_holds_every_valley():
     assert (low, high) == pytest.approx((-np.sqrt(1.098), np.sqrt(1.098)), rel=5e-3)
 
 
-def test_what_has_no_bound_is_open():
-    """Of exp(-x) = 0 +- 0.1, which any great x explains."""
+def test_an_unbounded_parameter_has_an_infinite_interval():
+    """The datum exp(-x) = 0 +- 0.1 is explained by any large x."""
     model = Formula(lambda x: np.exp(-x), lambda x: -np.exp(-x)[:, None], [0.0])
     likelihood = likelihood_of(model, 1)
     best = likelihood.best_from(np.array([3.0]))
     profiles = Profiles(likelihood, best, likelihood.covariance(best.x), 1.96**2)
     low, high = profiles.intervals([0])[0]
     assert np.isinf(high)
-    # ends of wide intervals are sought to a tenth of the root of the rise
+    # ends of wide intervals are located with a tolerance of 0.1 in the square root of the rise
     assert low == pytest.approx(-np.log(0.196), abs=0.1)
 
 
-def test_combinations_without_effect_are_named_and_one_of_each_is_held():
+def test_combinations_without_effect_are_named_and_one_of_each_is_fixed():
     design = np.column_stack([np.arange(5.0), np.ones(5), 2 * np.ones(5), np.zeros(5)])
     model = Formula(lambda x: design @ x, lambda _: design, np.arange(5.0))
     likelihood, combinations = fix_ineffective_parameters(likelihood_of(model, 4))
@@ -171,11 +171,11 @@ def test_combinations_without_effect_are_named_and_one_of_each_is_held():
 
 
 @pytest.mark.parametrize("test", [few_runs, small_differences])
-def test_tests_of_residuals_see_what_is_alike_and_nothing_else(test):
+def test_residual_tests_detect_waves_but_not_noise(test):
     random = np.random.default_rng(5)
     noise = random.normal(size=(400, 40))
     alarms = np.mean([test(series) < 0.05 for series in noise])
-    # of 400, 2.5 standard deviations
+    # 2.5 standard deviations of the rate of false alarms in 400 series
     assert 0.01 < alarms < 0.05 + 2.5 * np.sqrt(0.05 * 0.95 / 400)
     waves = noise + 3 * np.sin(np.linspace(0, 4 * np.pi, 40))
     assert np.mean([test(series) < 0.05 for series in waves]) > 0.9

@@ -1,4 +1,4 @@
-"""Tables of studies in Markdown and LaTeX: what other programs read in them is what was there."""
+"""Tables of studies in Markdown and LaTeX keep all cells, and special characters are escaped."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TABLE = pd.DataFrame(
 )
 
 
-def test_a_table_in_markdown_has_the_same_cells_again():
+def test_a_markdown_table_has_the_same_cells():
     head, rule, *rows = to_markdown(TABLE).splitlines()
     assert head == "| method | error ν=0.3 | n | label |"
     assert rule == "|---|---|---|---|"
@@ -31,7 +31,7 @@ def test_a_table_in_markdown_has_the_same_cells_again():
     assert cells[1][3] == "a b"
 
 
-def test_a_table_in_latex_has_as_many_cells_in_each_row():
+def test_all_rows_of_a_latex_table_have_the_same_number_of_cells():
     lines = to_latex(TABLE).splitlines()
     rows = [line for line in lines if line.endswith(r"\\")]
     assert len(rows) == 4
@@ -40,7 +40,7 @@ def test_a_table_in_latex_has_as_many_cells_in_each_row():
     assert lines[0] == r"\begin{tabular}{lrrl}"
 
 
-def test_characters_that_latex_reads_as_commands_are_escaped_but_not_formulas():
+def test_special_characters_of_latex_are_escaped_except_in_formulas():
     assert escape_latex("50 % of $d_0$ & a_b") == r"50 \% of $d_0$ \& a\_b"
     assert escape_latex("\\z") == r"\textbackslash{}z"
 

@@ -1,4 +1,4 @@
-"""Layers in scenes: their keys, their units, what is refused, and the mesh that has them."""
+"""Layers in scenes: their keys, units and refusals, and meshes with interfaces."""
 
 import numpy as np
 import pytest
@@ -81,7 +81,7 @@ def test_one_key_of_a_layer_can_be_changed():
     ],
     ids=lambda given: "" if isinstance(given, str) else next(iter(given)),
 )
-def test_what_cannot_be_is_refused_by_its_key(changes, told):
+def test_impossible_layers_are_refused_by_key(changes, told):
     with pytest.raises(SceneError, match=told) as refused:
         pad(**changes)
     assert "\n" not in str(refused.value)
@@ -92,13 +92,13 @@ def test_too_thin_a_layer_is_refused():
         _ = pad(half_space__layers__0__thickness=1e-5).problem
 
 
-def test_methods_that_do_not_know_layers_refuse_them():
+def test_only_mdr_grid_refuses_layers():
     assert "half_space.layers" in method("mdr-grid").refusal(pad().problem)
     for name in ("mdr", "bem", "direct", "fem"):
         assert method(name).refusal(pad().problem) == "", name
 
 
-def test_finite_elements_tell_what_they_cannot_mesh():
+def test_finite_elements_refuse_layers_that_they_cannot_mesh():
     fem = method("fem")
     for changes, told in (
         ({"accuracy__fem": {"mesher": "bisection"}}, "quadrilaterals"),
@@ -140,7 +140,7 @@ def test_interfaces_are_lines_of_the_mesh():
     depths = mesh.p[1, mesh.t]
     for interface in (0.2, 0.6):
         assert not ((depths < interface - 1e-9).any(0) & (depths > interface + 1e-9).any(0)).any()
-    # the quarter disc ends at the base
+    # the quarter disc is cut off at the base
     assert depths.max() == pytest.approx(0.6)
     outer = 2.5
     enclosed = (0.6 * np.sqrt(outer**2 - 0.6**2) + outer**2 * np.arcsin(0.6 / outer)) / 2

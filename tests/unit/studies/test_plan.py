@@ -1,4 +1,4 @@
-"""The probe of a plan, and the memory that it foresees."""
+"""The coarse probe of a plan, and the predicted memory."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def test_a_probe_is_small():
     assert problem.times[-1] <= 101 * problem.step
 
 
-def test_memory_is_told_by_what_needs_it():
+def test_the_predicted_memory_grows_with_rings_and_times():
     scene, times = Scene.load("five_rings"), np.linspace(0, 1, 100_000).tolist()
     assert predict_memory(scene) < 1
     assert predict_memory(scene.changed(punch__rings=300)) > 1

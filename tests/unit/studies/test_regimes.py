@@ -1,4 +1,4 @@
-"""Regimes of contact, load and wear: each problem has one of each, and tables have all of them."""
+"""Regimes of contact, load and wear of a problem, and tables that must contain every regime."""
 
 import pytest
 
@@ -93,7 +93,7 @@ def test_names_of_quantities_and_numbers_are_known():
     ],
     ids=["force", "rising", "indentation", "falling"],
 )
-def test_forces_are_quantities_where_they_are_not_one_number(load, missing):
+def test_each_load_has_its_missing_quantities(load, missing):
     problem = pressed_by(**load)
     assert problem.quantities_missing - {"contact", "contact_edge"} == missing
     with pytest.raises(SceneError, match="has none of them"):

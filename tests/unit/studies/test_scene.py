@@ -1,7 +1,4 @@
-"""The door.
-
-Bad scenes are refused with one line that names the key, and good ones come through unchanged.
-"""
+"""Scenes: bad ones are refused with one line that names the key, and good ones are unchanged."""
 
 import numpy as np
 import pytest
@@ -35,7 +32,7 @@ radii = [0.5, 1.5]
 """
 GOOD = Scene.from_toml(TOML)
 INF, NAN = float("inf"), float("nan")
-# values that are refused by their key and its own remedy
+# bad values by key; the message must have the key and its remedy
 BAD_VALUES = {
     "title": [3],
     "methods": ["direct", []],
@@ -61,7 +58,7 @@ BAD_VALUES = {
     "punch__profile": [{"kind": "spere"}, {"slope": 1.0}],
 }
 RINGS = {"radius": 2.0, "wear_coefficients": [1.0, 10.0]}
-# changes that are refused, and what the message must name
+# bad changes, and words that the message must have
 BAD_CHANGES = [
     ({"punch__raduis": 2.0}, "punch.raduis did you mean radius"),
     ({"halfspace": {}}, "halfspace write half_space"),
@@ -114,7 +111,7 @@ BAD_CHANGES = [
 
 
 def assert_refused(words, make, *arguments, **named):
-    """In one line, with these words."""
+    """Assert that a call raises a SceneError with these words in one line."""
     with pytest.raises(SceneError) as caught:
         make(*arguments, **named)
     message = str(caught.value)
@@ -126,7 +123,7 @@ def assert_refused(words, make, *arguments, **named):
     ("name", "value"), [(name, value) for name in BAD_VALUES for value in BAD_VALUES[name]], ids=str
 )
 def test_bad_values(name, value):
-    """The message has the key and the remedy that is declared with it, if its type says not all."""
+    """The message has the key, and the remedy if one is declared with the key."""
     path = name.split("__")
     words = ".".join(path), declaration(path, Scene)[1].description or "should be"
     assert_refused(words, GOOD.changed, **{name: value})
@@ -170,7 +167,7 @@ def test_bundled_scenes_round_trip(name):
     ],
     ids=str,
 )
-def test_a_key_takes_the_place_of_those_that_say_the_same(changes, left_out):
+def test_a_key_replaces_its_alternatives(changes, left_out):
     table, key = left_out.split(".")
     changed = GOOD.changed(changes).table()
     assert key in GOOD.table()[table]
@@ -187,7 +184,7 @@ def test_numbers_of_numpy_are_numbers():
     assert changed == GOOD.changed({"wear.times": [0.0, 0.5, 1.0], "punch.radius": 2.0})
 
 
-def test_a_scene_is_a_value():
+def test_a_scene_is_immutable():
     with pytest.raises(AttributeError, match=r"write scene\.changed"):
         GOOD.punch.radius = 3.0
     changed = GOOD.changed(
@@ -198,11 +195,11 @@ def test_a_scene_is_a_value():
     assert Scene.from_toml(TOML) == GOOD
 
 
-def test_whole_numbers_will_do():
+def test_integers_are_accepted():
     assert Scene.from_toml(TOML.replace("2.0", "2").replace("[1.0, 10.0]", "[1, 10]")) == GOOD
 
 
-def test_two_ways_to_say_one_thing():
+def test_alternative_keys_give_the_same_problem():
     edges = GOOD.changed(punch__rings=None, punch__ring_edges=[2 / 3, 4 / 3, 2.0])
     each = GOOD.changed(punch__wear_coefficients=[1.0, 10.0, 1.0])
     ratio = GOOD.changed(
@@ -223,7 +220,7 @@ def test_two_ways_to_say_one_thing():
         0.5,
         1,
     ]
-    # one value is a number
+    # a load with equal values is constant
     same = {"times": [3.0, 5.0], "values": [2.0, 2.0]}
     assert not GOOD.changed(load__normal_force=same).problem.loading.varies
 
@@ -236,7 +233,7 @@ def test_two_ways_to_say_one_thing():
         ({"methods": ["mdr-grid"]}, "mdr-grid load.normal_force numbers"),
     ],
 )
-def test_what_a_load_that_varies_cannot_have(changes, words):
+def test_varying_loads_refuse_unsupported_options(changes, words):
     load = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
     changes = {"methods": ["mdr"], "load__normal_force": load} | changes
 
@@ -266,7 +263,7 @@ def test_output_radii_show_every_ring_and_touch_no_edge():
     assert np.histogram(radii, edges)[0].min() >= 8
 
 
-def test_defaults_taken_are_said():
+def test_defaults_are_reported():
     table = Scene.load("five_rings").table()
     del table["half_space"]["poisson_ratio"], table["load"]["sliding_speed"]
     ratio, speed = defaults_taken(Scene.from_table(table))
@@ -277,13 +274,13 @@ def test_defaults_taken_are_said():
 def test_times_in_units_of_the_running_in():
     table = Scene.load("five_rings").table() | {"wear": {"times": {"tau": [0.0, 0.5, 2.0]}}}
     scene = Scene.from_table(table)
-    # 0.3440589 of the reference, to three digits
+    # 0.3440589, the slowest relaxation time of the reference, to three digits
     assert scene.wear.times == [0.0, 0.172, 0.688]
     np.testing.assert_allclose(scene.problem.times, [0.0, 1.72, 6.88])
     near = Scene.from_table(table | {"wear": {"times": {"tau": [1.0, 1.00001]}}})
     assert near.wear.times[0] < near.wear.times[1]
     assert Scene.from_toml(scene.to_toml()).wear.times == scene.wear.times
-    # of another punch they are other times
+    # another speed changes the relaxation time, and with it the times
     assert scene.changed(load__sliding_speed=2.0).wear.times == [0.0, 0.086, 0.344]
     named = Scene.from_table(table | {"wear": {"times": "running-in"}})
     assert (named.wear.times[0], named.wear.times[-1]) == (0.0, 1.72)
@@ -295,7 +292,7 @@ def test_times_in_units_of_the_running_in():
     ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}],
     ids=str,
 )
-def test_times_that_cannot_be_are_refused(times):
+def test_invalid_times_are_refused(times):
     with pytest.raises(SceneError, match="times"):
         Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
 
@@ -309,12 +306,12 @@ def test_times_that_cannot_be_are_refused(times):
         (lambda _: Scene("five_rings"), r"Scene\.load"),
     ],
 )
-def test_guesses_are_answered_by_what_to_write(guess, told):
+def test_wrong_guesses_are_answered_with_a_remedy(guess, told):
     with pytest.raises(SceneError, match=told):
         guess(Scene.load("five_rings"))
 
 
-def test_keys_are_changed_by_names_with_dots_too():
+def test_keys_can_be_changed_by_dotted_names():
     scene = Scene.load("five_rings")
     assert (
         scene.changed({"accuracy.rtol": 1e-6}).table() == scene.changed(accuracy__rtol=1e-6).table()

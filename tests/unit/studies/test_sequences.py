@@ -1,4 +1,4 @@
-"""Orders by sequences of levels, against exact sequences, and the meshes that they need."""
+"""Orders of convergence of exact sequences, levels that fail, and subdivided meshes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_levels_below_the_floor_are_left_out_of_orders():
         (SIZES**2.2, "no"),
         (SIZES**2 * (1 - SIZES), "no"),
         (np.array([1.0, 0.0, 0.0, 0.0]), "too few levels above the floor"),
-        # fitted well by chance, while the last levels are off
+        # the fitted order is right by chance, but that of the last levels is not
         (np.array([0.5**2, 0.3**2, 0.2**2, 0.9 * 0.1**2]), "no"),
     ],
 )
@@ -55,7 +55,7 @@ def test_verdicts_on_orders(errors, verdict):
 
 
 class Fields:
-    """Levels ``exact + c h^order`` of a field of two numbers, whose norm is the greater part."""
+    """Levels ``exact + c h^order`` of a field of two numbers, in the maximum norm."""
 
     def __init__(self, order):
         self.wrong = np.outer(SIZES**order, [0.3, -0.2])
@@ -69,7 +69,7 @@ class Fields:
 
 
 @pytest.mark.parametrize("order", [0.5, 2.0])
-def test_the_limit_of_fields_is_a_field(order):
+def test_richardsons_limit_of_fields_is_exact(order):
     fields = Fields(order)
     errors = np.abs(fields.wrong).max(axis=1)
     limit, index = Sequence("h", "p", Theory(order), SIZES, errors, fields).richardson
@@ -102,9 +102,9 @@ def test_subdivision(count):
     base = bisection.mesh(SizeField((0.0, 1.0), 1e-5, 1e-4, 0.8, 20.0))
     fine = subdivided(base, count)
     assert fine.nelements == count**2 * base.nelements
-    # points put on the arc cost the triangles beside it some of their shape
+    # triangles at the arc lose some quality, because their points are moved onto it
     assert quality(fine).min() > 0.5 * quality(base).min()
-    # every vertex of the base is kept, and the arc is an arc
+    # every vertex of the base is kept, and the points of the arc have its radius
     assert np.isin(contact_radii(base), contact_radii(fine)).all()
     far = fine.p[:, np.unique(fine.facets[:, fine.boundaries["far"]])]
     assert np.hypot(*far) == pytest.approx(20.0, rel=1e-12)

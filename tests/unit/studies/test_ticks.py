@@ -1,4 +1,4 @@
-"""Ticks and their labels: round, few, and of up to three digits."""
+"""Ticks and labels of figures: round numbers, few, with up to three digits."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_dig
 def test_powers_of_ten_are_few_and_at_least_two():
     np.testing.assert_allclose(decades(1e-9, 1e2, 5), [1e-9, 1e-6, 1e-3, 1.0])
     np.testing.assert_allclose(decades(0.5e-3, 2.0, 5), [1e-3, 1e-2, 1e-1, 1.0])
-    # one power of ten alone would not tell the scale
+    # a single power of ten would not show the scale
     np.testing.assert_allclose(decades(0.15, 6.0, 5), [0.2, 0.5, 1.0, 2.0, 5.0])
 
 
@@ -85,7 +85,7 @@ def test_a_method_has_one_look_whatever_else_is_drawn():
     alone = looks_of(["mdr", "mine"])
     beside = looks_of(["fem", "mine", "direct", "ansys", "abaqus"], ["ansys", "abaqus"])
     assert alone["mine"] == beside["mine"]
-    # drawing has not changed what comes next
+    # looks do not depend on earlier calls
     assert looks_of(["yours"])["yours"] == alone["mine"]
     assert looks_of(["mine", "yours"])["mine"] == alone["mine"]
     for name, look in LOOKS.items():
@@ -94,7 +94,7 @@ def test_a_method_has_one_look_whatever_else_is_drawn():
     assert len({beside[name]["color"] for name in names}) == len(names)
 
 
-def test_rings_that_wear_alike_are_not_told_apart():
+def test_rings_of_similar_wear_are_not_distinguished():
     assert not rings_differ(np.array([2.127e-5, 2.107e-5]))
     assert not rings_differ(np.array([1.0]))
     assert rings_differ(np.array([1.0, 1.5]))

@@ -56,7 +56,7 @@ def test_the_interval_is_that_of_students_distribution():
         ([1.0, 1.0, 2.0], [1e-1, 1e-1, 1e-2], "fewer than 3 levels"),
         ([1.0, 2.0, 3.0, 4.0], [1e-1, 0.0, np.nan, 1e-2], "fewer than 3 levels"),
         (SCATTER, ERRORS, "contains 1"),
-        # a standstill: seconds double, and nothing is gained
+        # seconds double, and errors hardly fall
         ([1.0, 2.0, 4.0, 8.0], [0.104, 0.103, 0.102, 0.101], "within 0.013 digits"),
         ([1.0, 2.0, 4.0, 8.0], [1e-4, 1e-3, 1e-2, 1e-1], "errors do not fall"),
     ],
@@ -115,7 +115,7 @@ def test_an_effectivity_is_the_estimate_over_the_error():
 
 
 def test_the_table_has_tolerance_estimate_error_and_effectivity():
-    # references are quick to compute for the steady state alone
+    # only the steady state, whose reference is computed quickly
     problem = Scene.load("five_rings").problem.with_quantities(GROUPS["steady"])
     ways = Ways.with_references(problem, ("mdr", "direct"), quick=True)
     families = [each for each in ways.families() if each.name.startswith("steady state")]
@@ -123,7 +123,7 @@ def test_the_table_has_tolerance_estimate_error_and_effectivity():
     assert {"seconds", "tolerance", "estimate", "error", "effectivity"} < {*table.columns}
     asked = table[table.method == "mdr"]
     assert asked.tolerance.tolist() == [1e-1, 1e-2, 1e-3]
-    # true errors are within the tolerance, and within what is stated
+    # true errors are within the tolerance and within the estimate
     assert (asked.error <= asked.tolerance).all()
     assert (asked.effectivity >= 1).all()
     np.testing.assert_allclose(asked.effectivity, asked.estimate / asked.error)

@@ -1,4 +1,4 @@
-"""Units of scenes: refused where not consistent, and quantities with units of their own."""
+"""Units of scenes: refusals of inconsistent ones, and quantities with their own units."""
 
 from typing import Annotated
 
@@ -57,8 +57,8 @@ def numbers(table):
     ("units", "sizes"),
     [("SI", (1.0, 1.0, 1.0, 1.0)), ("mm, N, MPa, s", (1e-3, 1.0, 1e6, 1.0))],
 )
-def test_quantities_are_the_same_numbers(units, sizes):
-    """Within 1e-14; in units of another system by its sizes."""
+def test_quantities_with_units_equal_plain_numbers(units, sizes):
+    """Quantities equal the plain numbers in SI within 1e-14, and are converted to other units."""
     table = Scene.from_table(WRITTEN | {"units": units}).table()
     expected = Scene.from_table(SI).table()
     assert table.pop("units") == units
@@ -126,7 +126,7 @@ def test_units_that_are_not_consistent_are_refused(units):
         ("1", 12.0, "pressure", "12"),
     ],
 )
-def test_numbers_are_told_in_units_that_people_read(stated, value, kind, told):
+def test_numbers_are_written_in_the_stated_units(stated, value, kind, told):
     assert UnitNames.of(stated).write(value, kind) == told
 
 
@@ -160,12 +160,12 @@ def test_a_scene_without_units_takes_no_quantities():
         (1e-20, "length", "1e-20 m"),
     ],
 )
-def test_numbers_are_written_for_people_with_a_unit_that_suits_them(value, kind, told):
+def test_numbers_in_si_are_written_in_convenient_units(value, kind, told):
     assert UnitNames.of("SI").write(value, kind) == told
 
 
 class Stroke(Section):
-    """A table with keys of several kinds."""
+    """Section with keys of several kinds."""
 
     length: Annotated[Positive, Unit("length")] | None = None
     speeds: Annotated[list[Positive], Unit("wear_rate")] | None = None
@@ -174,20 +174,20 @@ class Stroke(Section):
 
 
 class PunchWithStroke(PunchSection):
-    """A punch with a new key and a new table, declared as CONTRIBUTING.md says."""
+    """Punch with a new key and a new table, declared as in CONTRIBUTING.md."""
 
     travel: Annotated[Positive, Unit("length")]
     stroke: Stroke = Stroke()
 
 
 class SceneWithStroke(Scene):
-    """A scene of such a punch."""
+    """Scene of such a punch."""
 
     punch: PunchWithStroke
 
 
 @pytest.mark.parametrize(("units", "metre"), [("SI", 1.0), ("mm, N, MPa, s", 1e3)])
-def test_a_new_key_converts_by_the_unit_that_it_is_declared_with(units, metre):
+def test_a_new_key_converts_by_its_declared_unit(units, metre):
     pull = {"times": ["0 s", "2 min"], "values": ["1 N", "2 kN"]}
     stroke = {"length": "3 cm", "speeds": ["60 mm/min", "1 m/s"], "pull": pull, "count": 7.0}
     punch = WRITTEN["punch"] | {"travel": "5 mm", "stroke": stroke}
@@ -199,19 +199,19 @@ def test_a_new_key_converts_by_the_unit_that_it_is_declared_with(units, metre):
     assert read.radius == pytest.approx(0.02 * metre, rel=1e-14)
 
 
-def test_a_new_key_refuses_units_of_another_kind_and_without_a_unit_takes_numbers_alone():
+def test_a_new_key_refuses_wrong_units_and_a_plain_key_refuses_all_units():
     punch = WRITTEN["punch"] | {"travel": "5 N"}
     with pytest.raises(SceneError, match=r"punch\.travel = '5 N'.*unit of length"):
         SceneWithStroke(**WRITTEN | {"punch": punch})
     punch = WRITTEN["punch"] | {"travel": 1.0, "stroke": {"count": "7 mm"}}
     with pytest.raises(SceneError, match=r"punch\.stroke\.count = '7 mm'"):
         SceneWithStroke(**WRITTEN | {"punch": punch})
-    # the scene itself has no such key
+    # the original Scene has no such key
     assert kind_of("punch.travel", SceneWithStroke) == "length"
     assert kind_of("punch.travel", Scene) == "number"
 
 
-def test_units_that_contradict_each_other_or_are_of_no_kind_are_errors_of_the_declaration():
+def test_contradictory_or_unknown_units_are_errors_of_the_declaration():
     class Twice(Section):
         reach: Annotated[Positive, Unit("length")] | Annotated[OverTime, Unit("time")]
 
