@@ -53,8 +53,8 @@ def draw_stress(result: Outcome) -> Figure:
     # widths in inches of a colour bar with its labels, and of the labels of an axis
     distance_of_panels = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
     bars = 0.62 * (count if own_colours else 1)
-    # the note below needs 5.4 inches
-    width = min(PAGE, max(5.4, 1.4 + 2.7 * count))
+    # the note below needs 5.7 inches
+    width = min(PAGE, max(5.7, 1.4 + 2.7 * count))
     panel = (
         width - 0.7 - bars - distance_of_panels * (count - 1) + 0.62 * own_colours * (count - 1)
     ) / count

@@ -224,13 +224,19 @@ class Scale:
         return f"steady state at F = {self.names.write(last, 'force', 3)}"
 
 
-def least_wear(problem: Problem, profiles: Array) -> Any:
-    """Return the least worn height (...,) over the radii of the output, in the scene's units.
+def subtracted_height(problem: Problem, profiles: Array) -> Array:
+    """Return the height (...,) that is subtracted from faces to draw them, in the scene's units.
 
-    `profiles` are the heights (..., R) of the face at these radii, also in the scene's units.
+    It is the least worn height or, if all of a face is worn below the deepest recess of the unworn
+    face, its least height. Otherwise this recess would take most of the panel.
+
+    Parameters
+    ----------
+    profiles : (..., R) heights of the faces at the radii of the output, in the scene's units
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
-    return np.nanmin(profiles - unworn, axis=-1)
+    least_heights, least_worn = np.nanmin(profiles, axis=-1), np.nanmin(profiles - unworn, axis=-1)
+    return np.where(least_heights > unworn.max(), least_heights, least_worn)
 
 
 def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> Array:

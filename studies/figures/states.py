@@ -1,7 +1,7 @@
 """Draw profiles and pressures over the radius, at several times and in the steady state.
 
-The former is the paper's Fig. 4. The least worn height, or the least height of a face that has worn
-beyond all recesses, is subtracted from the profiles, because it may be most of the wear; the figure
+The former is the paper's Fig. 4. The least worn height, or the least height of a face that is worn
+below all recesses, is subtracted from the profiles, because it may be most of the wear; the figure
 prints it.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..outcome.outcome import Outcome
-from .scale import Scale, face_depths, high_pressure, least_wear, panel_tops, shown_times
+from .scale import Scale, face_depths, high_pressure, panel_tops, shown_times, subtracted_height
 from .style import FAINT, PAGE, RED, complete, new_panels, rings_differ, set_linear
 
 
@@ -25,8 +25,7 @@ class State:
     Parameters
     ----------
     time : the time
-    subtracted : height that is subtracted from profiles: the least worn height, or, if the face has
-        worn beyond all recesses, its own least height
+    subtracted : height that is subtracted from profiles (`subtracted_height`)
     unworn : (R,) heights of the unworn face minus `subtracted`
     profiles, pressures : (R,) heights minus `subtracted`, and pressures, by method
     touching : (R,) whether a radius is in contact by any method
@@ -49,12 +48,10 @@ class State:
         problem, radii = result.scene.problem, result.coordinates["radius"]
         profiles, pressures = (result.by_method(name, index) for name in ("profile", "pressure"))
         unworn = problem.profile(problem.radii) * problem.units.displacement
-        subtracted = float(min(least_wear(problem, heights) for heights in profiles.values()))
-        least_height = float(min(np.nanmin(heights) for heights in profiles.values()))
-        if least_height > unworn.max():
-            # otherwise a deep recess that has worn off would take most of the panel
-            subtracted = least_height
-        elif subtracted < 1e-6 * problem.units.displacement:
+        subtracted = min(
+            float(subtracted_height(problem, heights)) for heights in profiles.values()
+        )
+        if subtracted < 1e-6 * problem.units.displacement:
             subtracted = 0.0
         unworn = unworn - subtracted
         profiles = {method: heights - subtracted for method, heights in profiles.items()}

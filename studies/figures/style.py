@@ -183,11 +183,11 @@ def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
         for panel in axes
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
-    # 21 letters of a note need an inch
+    # 20 letters of a note need an inch
     note_lines = [
         part
         for line in note.splitlines()
-        for part in textwrap.wrap(line, int(21 * figure.get_figwidth()))
+        for part in textwrap.wrap(line, int(20 * figure.get_figwidth()))
     ]
     # a label, with the sample of its curve, needs an inch for about 16 letters
     longest = max(map(len, handles), default=0)
