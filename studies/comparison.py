@@ -128,7 +128,7 @@ class Comparison:
     @cached_property
     def figures(self) -> "Mapping[str, Figure]":
         """Figures by name: `comparison`, and `difference` if both results have the same fields."""
-        from .figures.comparison import COMPARED_LOOKS, draw_comparison, titles
+        from .figures.comparison import COMPARED_LOOKS, draw_comparison, title
         from .figures.difference import draw_difference
         from .figures.scale import Scale
         from .figures.style import in_style
@@ -136,9 +136,8 @@ class Comparison:
         with in_style():
             figures = {"comparison": draw_comparison(self.a, self.b)}
             if self.fields is not None:
-                title = ": ".join(titles(self.a, self.b))
                 figures["difference"] = draw_difference(
-                    Scale(self.a.scene, COMPARED_LOOKS), title, (self.fields,)
+                    Scale(self.a.scene, COMPARED_LOOKS), title(self.a, self.b), (self.fields,)
                 )
         return figures
 

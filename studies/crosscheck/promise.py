@@ -13,6 +13,7 @@ import numpy as np
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
+from ..problem.unit_names import UnitNames
 from ..sizes.degrees import field_accuracy
 from ..sizes.ring_edges import ELEMENTS_PER_THIN_LAYER, edge_sizes
 
@@ -153,20 +154,22 @@ def left_out_of_promise(
     return rows
 
 
-def in_words(rows: Sequence[LeftOut], times: Sequence[float]) -> str:
+def in_words(rows: Sequence[LeftOut], times: Sequence[float], names: UnitNames) -> str:
     """Say in words which quantities are left out, grouped by the times at which they are.
 
     Parameters
     ----------
     rows : quantities that are left out
     times : all times of the scene
+    names : units of the scene
     """
     names_by_times = dict[tuple[float, ...], list[str]]()
     for row in rows:
         name = row.quantity.replace("_", " ").replace("rms", "RMS")
         names_by_times.setdefault(row.times, []).append(name)
     return "; ".join(
-        f"{_listed(names)}{_when(selected, times)}" for selected, names in names_by_times.items()
+        f"{_listed(quantities)}{_when(selected, times, names)}"
+        for selected, quantities in names_by_times.items()
     )
 
 
@@ -176,11 +179,12 @@ def _listed(names: list[str]) -> str:
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def _when(selected: tuple[float, ...], times: Sequence[float]) -> str:
+def _when(selected: tuple[float, ...], times: Sequence[float], names: UnitNames) -> str:
     """Return some of the times of a scene in words."""
     if not selected:
         return ""
     times_until_last = [time for time in times if time <= selected[-1]]
     if len(selected) < len(times_until_last):
         return f" at {len(selected)} of {len(times)} times"
-    return f" {'up to' if len(selected) > 1 else 'at'} t = {selected[-1]:.3g}"
+    last = names.write(selected[-1], "time", 3)
+    return f" {'up to' if len(selected) > 1 else 'at'} t = {last}"

@@ -19,7 +19,8 @@ IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
 PICTURES = (
     Picture(
         "profiles_and_pressures.png",
-        "Worn profiles minus the least worn height, and contact pressures, at some of the times.",
+        "Worn profiles, minus a height printed above each, and contact pressures, at some of the "
+        "times.",
         draw_states,
         lambda result: result.gives("profile", "pressure"),
     ),

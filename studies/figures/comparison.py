@@ -42,10 +42,10 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
     if not figure.axes:
         raise SceneError("neither has a history or a steady state: nothing can be compared")
     panels[0, 0].invert_yaxis()
-    return complete(figure, titles(a, b), figure.axes, down=0.5)
+    return complete(figure, [title(a, b)], figure.axes, down=0.5)
 
 
-def titles(a: Outcome, b: Outcome) -> tuple[str, str]:
-    """Return the titles of both scenes as parts of the title of a figure."""
+def title(a: Outcome, b: Outcome) -> str:
+    """Return the titles of both scenes as one title."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
-    return "A", f"{first}; B: {second}"
+    return f"A is {first}; B is {second}"

@@ -27,7 +27,9 @@ def draw_contact(result: Outcome) -> Figure:
         look = curve(number) | {"marker": "", "label": f"ring {ring + 1}"}
         for axes, name in ((forces, "ring_force"), (volumes, "ring_worn_volume")):
             scale.plot(axes, name, "time", history["time"], history[name][:, ring], **look)
-    look = curve(0) | {"marker": "", "color": "0.75", "linewidth": 2.0, "label": "all rings"}
+    look = curve(0) | {"marker": "", "color": "0.75", "linewidth": 2.5, "label": "all rings"}
+    # behind the rings: the force on a single ring is that on all rings
+    look["zorder"] = 1.5
     scale.plot(forces, "normal_force", "time", history["time"], history["normal_force"], **look)
     for axes in panels.flat:
         axes.set_ylim(0, 1.04 * axes.dataLim.y1)

@@ -259,8 +259,8 @@ def _norm_in_words(field: FieldDifference) -> str:
     row = int(np.nanargmax(field.norms))
     estimates = [error[row] for error in (field.first_error, field.second_error)]
     known = [error for error in estimates if np.isfinite(error)]
-    estimate = f", estimate {sum(known):.0e}" if known else ", no error estimate"
-    norm = f"{field.norms[row]:.0e}" if field.norms[row] else "0"
+    estimate = f", estimate {_short(sum(known))}" if known else ", no error estimate"
+    norm = _short(float(field.norms[row]))
     return f"norm {norm}{estimate}"
 
 
@@ -269,9 +269,15 @@ def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
     row, index = field.largest
     if not field.relative[row, index]:
         return "no difference"
-    radius = scale.names.write(float(field.radii[index]), "length", 4)
+    unit = scale.axes["length"][1]
+    radius = f"{scale.shown('radius', field.radii[index]):.4g} {unit}".rstrip()
     time = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
-    return f"largest {field.relative[row, index]:.0e} at r = {radius}{time}"
+    return f"largest {_short(float(field.relative[row, index]))} at r = {radius}{time}"
+
+
+def _short(value: float) -> str:
+    """Return a number with one digit, as at the axes: 0.02, 2·10⁻⁴."""
+    return short_number(float(f"{value:.1g}"))
 
 
 def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str:
@@ -292,7 +298,8 @@ def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str
         )
     for other in others:
         largest = ", ".join(
-            f"{np.nanmax(field.norms):.0e} in {WORDS[field.quantity][1]}" for field in other.fields
+            f"{_short(float(np.nanmax(field.norms)))} in {WORDS[field.quantity][1]}"
+            for field in other.fields
         )
         names = f"{label_of(other.other)} minus {label_of(other.reference)}"
         lines.append(f"Not drawn: {names}, norms up to {largest}.")

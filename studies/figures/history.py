@@ -14,7 +14,6 @@ from .style import (
     FAINT,
     PAGE,
     complete,
-    curve,
     label_of,
     new_panels,
     set_logarithmic,
@@ -71,40 +70,59 @@ def draw_history(result: Outcome) -> Figure:
 def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
     """Mark the times at which 90 % and 99 % of the running-in are complete.
 
-    The labels are to the left and to the right of the two lines; one is above the other if there is
-    no space at the end of the panel. They are at the top or bottom, whichever is farther from the
-    curve.
+    Labels are preferably at the bottom, to the left and to the right of the two lines. They are
+    elsewhere if they would cover curves, the other label, or the end of the panel.
     """
-    place = axes.transData + axes.transAxes.inverted()
-    for percentage, side in ((90, "right"), (99, "left")):
-        time = scale.shown("time", float(result.first(f"time_to_{percentage}")))
-        start, end = axes.get_xlim()
-        if not start < time < end:
-            continue
+    times = {
+        percentage: scale.shown("time", float(result.first(f"time_to_{percentage}")))
+        for percentage in (90, 99)
+    }
+    start, end = axes.get_xlim()
+    shown = {percentage: time for percentage, time in times.items() if start < time < end}
+    for time in shown.values():
         axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
-        curves = [
-            (np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in axes.lines
+    place = axes.transAxes.inverted()
+    # points of all lines, over width and height of the panel
+    taken = np.concatenate(
+        [
+            place.transform(
+                line.get_path().interpolated(50).transformed(line.get_transform()).vertices
+            )
+            for line in axes.lines
         ]
-        heights = [
-            float(place.transform((time, values[np.abs(times - time).argmin()]))[1])
-            for times, values in curves
-            if len(times) > 2
-        ]
-        at_bottom = np.mean(heights) > 0.5 if heights else True
-        position = float(place.transform((time, axes.get_ylim()[0]))[0])
-        # move a label to the other side of its line, and higher, if it would leave the panel
-        raised = 0.0
-        if side == "right" and position < LABEL_WIDTH:
-            side, raised = "left", LABEL_HEIGHT
-        elif side == "left" and position > 1 - LABEL_WIDTH:
-            side, raised = "right", LABEL_HEIGHT
-        height = 0.01 + raised if at_bottom else 0.99 - raised
+    )
+    for percentage, time in shown.items():
+        position = float(place.transform(axes.transData.transform((time, axes.get_ylim()[0])))[0])
+        sides = ("right", "left") if percentage == 90 else ("left", "right")
+        bottoms = (0.01, 0.01 + LABEL_HEIGHT, 0.99 - LABEL_HEIGHT, 0.99 - 2 * LABEL_HEIGHT)
+        boxes = {
+            (side, bottom): _label_box(position, side, bottom)
+            for bottom in bottoms
+            for side in sides
+        }
+        (side, bottom), box = min(boxes.items(), key=lambda item: _covered(taken, item[1]))
         axes.text(
-            *(time, height, f"{percentage} %"),
+            *(time, bottom, f"{percentage} %"),
             transform=axes.get_xaxis_transform(),
             ha=side,
-            va="bottom" if at_bottom else "top",
+            va="bottom",
         )
+        taken = np.vstack([taken, np.linspace(*box, 50)])
+
+
+def _label_box(position: float, side: str, bottom: float) -> Array:
+    """Return lower left and upper right corner of a label beside a line, over the panel's sizes."""
+    left = position - LABEL_WIDTH if side == "right" else position
+    return np.array([[left, bottom], [left + LABEL_WIDTH, bottom + LABEL_HEIGHT]])
+
+
+def _covered(points: Array, box: Array) -> float:
+    """Return how many points a label would cover; infinity if it would leave the panel."""
+    if box[0, 0] < 0 or box[1, 0] > 1:
+        return np.inf
+    # the line at the edge of the label is not covered
+    inside = (points > box[0] + [0.005, 0.0]) & (points < box[1] - [0.005, 0.0])
+    return float(inside.all(axis=1).sum())
 
 
 def _draw_differences(axes: Axes, times: Array, methods: dict[str, Array], scale: Scale) -> None:
@@ -112,12 +130,13 @@ def _draw_differences(axes: Axes, times: Array, methods: dict[str, Array], scale
     (first, reference), *others = methods.items()
     # lower bound: without contact, displacements are only roundoff
     reference_size = np.maximum(reference, 1e-9 * np.nanmax(reference))
-    for number, (method, heights) in enumerate(others):
+    for method, heights in others:
         differences = np.abs(heights - reference) / reference_size
-        look = curve(number) | {"markersize": 2.5, "linewidth": 0.8}
-        label = f"{label_of(method)} from {label_of(first)}"
+        # the colour and the mark of the method, as in the panel above
+        look = {"marker": "."} | scale.look(method) | {"linewidth": 0.8}
+        look["label"] = f"{label_of(method)} minus {label_of(first)}"
         shown = np.where(differences > 0, differences, np.nan)
-        axes.plot(scale.shown("time", times), shown, **look, label=label)
+        axes.plot(scale.shown("time", times), shown, **look)
     set_logarithmic(axes, "y", most=3)
     axes.set(xlabel=scale.label("time"), ylabel="rel. difference")
     # limit the axis to whole decades

@@ -53,7 +53,8 @@ def draw_stress(result: Outcome) -> Figure:
     # widths in inches of a colour bar with its labels, and of the labels of an axis
     distance_of_panels = 0.25 + 0.62 * own_colours + 0.2 * own_lengths
     bars = 0.62 * (count if own_colours else 1)
-    width = min(PAGE, 1.4 + 2.7 * count)
+    # the note below needs 5.7 inches
+    width = min(PAGE, max(5.7, 1.4 + 2.7 * count))
     panel = (
         width - 0.7 - bars - distance_of_panels * (count - 1) + 0.62 * own_colours * (count - 1)
     ) / count
@@ -164,14 +165,20 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
     # the view of the rim has another unit of length
     unit, name = scale.unit(rim * scene.problem.units.length, "length")
     enlarged = scene.problem.units.length / unit
-    of_rim = f"radius r − a{f' ({name})' if name else ''}"
+    unit_at_rim = f" ({name})" if name else ""
+    labels, rim_labels = (
+        (scale.label("radius"), scale.label("depth")),
+        (f"radius r − a{unit_at_rim}", f"depth z{unit_at_rim}"),
+    )
     views = (
-        ("whole mesh", 0.0, radius, 0.0, truncation(mesh), scale.label("radius")),
-        ("under the punch", 0.0, radius, 0.0, 1.15, scale.label("radius")),
-        ("at the rim", 1.0, enlarged, -rim, rim, of_rim),
+        ("whole mesh", 0.0, radius, 0.0, truncation(mesh), labels),
+        ("under the punch", 0.0, radius, 0.0, 1.15, labels),
+        ("at the rim", 1.0, enlarged, -rim, rim, rim_labels),
     )
     figure, panels = new_panels(PAGE, 2.75, columns=len(views))
-    for axes, (name, centre, length, low, high, label) in zip(panels[0], views, strict=True):
+    for axes, (name, centre, length, low, high, (across, down)) in zip(
+        panels[0], views, strict=True
+    ):
         elements = (mesh.p[:, mesh.t].transpose(2, 1, 0) - [centre, 0.0]) * length
         axes.add_collection(
             PolyCollection(elements, facecolors="none", edgecolors="black", linewidths=0.3)
@@ -180,10 +187,9 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
         _draw_punch(axes, depth, edges[None, [0, -1]], edges)
         _draw_layers(axes, scene.problem.ground, length, high * length)
         axes.set(xlim=(low * length, high * length), ylim=(depth, -0.06 * depth))
-        axes.set(aspect="equal", xlabel=label, title=name)
+        axes.set(aspect="equal", xlabel=across, ylabel=down, title=name)
         set_linear(axes, "x", most=4)
         set_linear(axes, "y")
-    panels[0, 0].set_ylabel(scale.label("depth"))
     title = (
         f"half-space mesh by {mesher}, {mesh.nelements} elements; the punch is red, ring edges are "
         "marked"

@@ -4,6 +4,7 @@ from matplotlib.figure import Figure
 
 from ..outcome.outcome import Outcome
 from .style import PAGE, complete, curve, new_panels, set_logarithmic
+from .ticks import short_number
 
 
 def draw_operators(result: Outcome) -> Figure:
@@ -16,13 +17,15 @@ def draw_operators(result: Outcome) -> Figure:
     radius = result.scene.punch.radius
     for number, pair in enumerate(result.operators):
         look = curve(number) | {"linestyle": "", "markersize": 2.5, "markeredgewidth": 0.6}
-        names = f"{pair.methods[0].upper()} from {pair.methods[1].upper()}"
-        label = f"{names}, each mark a mode"
+        names = f"{pair.methods[0].upper()} minus {pair.methods[1].upper()}"
+        label = f"{names}, one mark per mode"
         axes.plot(pair.wavelengths / radius, pair.differences, **look, label=label)
-        label = f"{names}, all steady states: {pair.rings:.0e}"
+        label = f"{names}, all steady states: {short_number(float(f'{pair.rings:.1g}'))}"
         axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
     shortest = 2 * float(result.scene.problem.rings.widths.min())
-    axes.axvline(shortest, color="0.4", linestyle=":", label="two of the narrowest rings")
+    axes.axvline(
+        shortest, color="0.4", linestyle=":", label="twice the width of the narrowest ring"
+    )
     set_logarithmic(axes, "x", "y", most=8)
     finest = min(pair.shortest_resolved for pair in result.operators) / radius
     left, unresolved = axes.get_xlim()[0], "waves finer than the elements"

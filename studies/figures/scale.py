@@ -107,6 +107,7 @@ class Scale:
             "volume": 100 * slid * units.volume,
         }
         self.axes = {kind: self.unit(size, kind) for kind, size in sizes.items()}
+        self.axes["time"] = self._time_unit([time for time in times if time > 0])
         self.logarithmic = times[-1] > 30 * times[0] and self.problem.load_regime.logarithmic_times
         self.many_rings = len(self.problem.wear_coefficients) > 24
 
@@ -137,6 +138,25 @@ class Scale:
             return unit, name
         power = float(10.0 ** np.floor(np.log10(size / unit)))
         return power * unit, f"{power_of_ten(power)} {name}".rstrip()
+
+    def _time_unit(self, times: Sequence[float]) -> tuple[float, str]:
+        """Return the unit of the axis of time, and its name: that of the last of the times.
+
+        If the last time has more than three digits in this unit, it is the unit of another time in
+        which all of them have up to three digits: 2 h, 24 h and 200 h, not 0.0833, 1 and 8.33 days.
+        """
+        default = self.axes["time"]
+
+        def short(unit: float, shown: Sequence[float]) -> bool:
+            return all(
+                time <= 1000 * unit and np.isclose(time / unit, float(f"{time / unit:.3g}"), 1e-9)
+                for time in shown
+            )
+
+        if short(default[0], times[-1:]):
+            return default
+        units = sorted((self.names.readable(time, "time") for time in times), reverse=True)
+        return next((unit for unit in units if short(unit[0], times)), default)
 
     def shown(self, name: str, values: Any) -> Any:
         """Convert values of a quantity from the units of the scene to those of its axis."""
@@ -179,7 +199,14 @@ class Scale:
         return float(self.shown("radius", axis_start(hole, last)))
 
     def when(self, time: float) -> str:
-        """Return a time as text."""
+        """Return a time as text, in the unit of the axis if it is at least one there.
+
+        3 days are 72 h if other times are in hours; 6 min remain.
+        """
+        unit, name = self.axes["time"]
+        number = float(f"{time / unit:.3g}")
+        if number.is_integer() and 2 <= number <= 1000:
+            return f"t = {number:g} {name}".rstrip()
         return f"t = {self.names.write(time, 'time', 3)}"
 
     def height(self, value: float) -> str:
@@ -197,13 +224,19 @@ class Scale:
         return f"steady state at F = {self.names.write(last, 'force', 3)}"
 
 
-def least_wear(problem: Problem, profiles: Array) -> Any:
-    """Return the least worn height (...,) over the radii of the output, in the scene's units.
+def subtracted_height(problem: Problem, profiles: Array) -> Array:
+    """Return the height (...,) that is subtracted from faces to draw them, in the scene's units.
 
-    `profiles` are the heights (..., R) of the face at these radii, also in the scene's units.
+    It is the least worn height or, if all of a face is worn below the deepest recess of the unworn
+    face, its least height. Otherwise this recess would take most of the panel.
+
+    Parameters
+    ----------
+    profiles : (..., R) heights of the faces at the radii of the output, in the scene's units
     """
     unworn = problem.profile(problem.radii) * problem.units.displacement
-    return np.nanmin(profiles - unworn, axis=-1)
+    least_heights, least_worn = np.nanmin(profiles, axis=-1), np.nanmin(profiles - unworn, axis=-1)
+    return np.where(least_heights > unworn.max(), least_heights, least_worn)
 
 
 def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> Array:

@@ -1,7 +1,8 @@
 """Draw profiles and pressures over the radius, at several times and in the steady state.
 
-The former is the paper's Fig. 4. The least worn height is subtracted from the profiles, because it
-may be most of the wear; the figure prints it.
+The former is the paper's Fig. 4. The least worn height, or the least height of a face that is worn
+below all recesses, is subtracted from the profiles, because it may be most of the wear; the figure
+prints it.
 """
 
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..outcome.outcome import Outcome
-from .scale import Scale, face_depths, high_pressure, least_wear, panel_tops, shown_times
+from .scale import Scale, face_depths, high_pressure, panel_tops, shown_times, subtracted_height
 from .style import FAINT, PAGE, RED, complete, new_panels, rings_differ, set_linear
 
 
@@ -24,16 +25,16 @@ class State:
     Parameters
     ----------
     time : the time
-    least_worn : least worn height over the face
-    unworn : (R,) heights of the unworn face minus `least_worn`
-    profiles, pressures : (R,) heights minus `least_worn`, and pressures, by method
+    subtracted : height that is subtracted from profiles (`subtracted_height`)
+    unworn : (R,) heights of the unworn face minus `subtracted`
+    profiles, pressures : (R,) heights minus `subtracted`, and pressures, by method
     touching : (R,) whether a radius is in contact by any method
     reach : radius up to which the face is drawn
     high : pressure to which panels are scaled
     """
 
     time: float
-    least_worn: float
+    subtracted: float
     unworn: Array
     profiles: dict[str, Array]
     pressures: dict[str, Array]
@@ -46,17 +47,20 @@ class State:
         """Return the state of a result at the time with an index."""
         problem, radii = result.scene.problem, result.coordinates["radius"]
         profiles, pressures = (result.by_method(name, index) for name in ("profile", "pressure"))
-        least_worn = float(min(least_wear(problem, heights) for heights in profiles.values()))
-        if least_worn < 1e-6 * problem.units.displacement:
-            least_worn = 0.0
-        unworn = problem.profile(problem.radii) * problem.units.displacement - least_worn
-        profiles = {method: heights - least_worn for method, heights in profiles.items()}
+        unworn = problem.profile(problem.radii) * problem.units.displacement
+        subtracted = min(
+            float(subtracted_height(problem, heights)) for heights in profiles.values()
+        )
+        if subtracted < 1e-6 * problem.units.displacement:
+            subtracted = 0.0
+        unworn = unworn - subtracted
+        profiles = {method: heights - subtracted for method, heights in profiles.items()}
         touching = np.logical_or.reduce([values > 0 for values in pressures.values()])
         length = problem.units.length
         reach = min(1.25 * radii[touching].max(initial=0.0), length) or length
         return cls(
             float(result.coordinates["time"][index]),
-            least_worn,
+            subtracted,
             unworn,
             profiles,
             pressures,
@@ -70,7 +74,7 @@ def draw_states(result: Outcome) -> Figure:
     """Draw profiles and pressures at several times, all methods in the same panels.
 
     If the punch is not flat, panels show the neighbourhood of the contact. The unworn face is above
-    a panel if the least worn height is larger than the height of the panel.
+    a panel if the height subtracted from the profile is larger than the height of the panel.
     """
     scale, problem = Scale.of(result), result.scene.problem
     selected = shown_times(problem.times, 2 if scale.many_rings else 5)
@@ -96,7 +100,7 @@ def draw_states(result: Outcome) -> Figure:
         scale.plot_radial(lower, "pressure", result.coordinates["radius"], state.pressures)
         for axes in (upper, lower):
             axes.set_xlim(scale.first_radius(state.reach), scale.shown("radius", state.reach))
-        less = f" − {scale.height(state.least_worn)}" if state.least_worn else ""
+        less = f" − {scale.height(state.subtracted)}" if state.subtracted else ""
         upper.set_title(f"{scale.when(state.time)}\nΔf = f{less}")
         upper.xaxis.set_visible(False)
     for row, name, heights in zip(panels, ("profile", "pressure"), (depths, highs), strict=True):
@@ -138,7 +142,7 @@ def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) ->
     lines = []
     if any(state.unworn.max() < -0.06 * depth for state, depth in zip(states, depths, strict=True)):
         lines.append(
-            "If the least worn height is more than a panel shows, the unworn punch is above it."
+            "If more has worn off everywhere than a panel shows, the unworn punch is above it."
         )
     if (cut := deepest > 1.1 * depths).any():
         furthest = scale.height(float(deepest[cut].max()))

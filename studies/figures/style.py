@@ -28,7 +28,14 @@ Look: TypeAlias = dict[str, Any]
 LOOKS: dict[str, Look] = {
     "mdr": {"color": "#1f4e79", "linewidth": 2.2, "alpha": 0.55},
     "mdr-grid": {"color": "#8e6c00", "linestyle": (0, (5, 1, 1, 1)), "marker": "v"},
-    "bem": {"color": "#2e7d32", "linestyle": "-.", "marker": "s"},
+    # large and hollow, so that marks of other methods are visible inside
+    "bem": {
+        "color": "#2e7d32",
+        "linestyle": "-.",
+        "marker": "s",
+        "markerfacecolor": "none",
+        "markersize": 4.5,
+    },
     "direct": {"color": "black", "linestyle": ":", "linewidth": 1.4, "marker": "x"},
     "fem": {"color": "#c0392b", "linestyle": "--", "marker": "o", "markerfacecolor": "none"},
 }
@@ -143,13 +150,15 @@ def complete(
     right : distance of the panels from the right end, in inches
     """
     width, height = figure.get_size_inches()
-    title = textwrap.shorten(": ".join(filter(None, titles)), int(16 * width), placeholder=" ...")
-    figure.suptitle(title, y=1 - 0.05 / height, parse_math=False)
+    title = textwrap.wrap(
+        ": ".join(filter(None, titles)), int(16 * width), max_lines=2, placeholder=" ..."
+    )
+    figure.suptitle("\n".join(title), y=1 - 0.05 / height, parse_math=False)
     grid: Any = figure.axes[0].get_gridspec()
     rows, columns = grid.get_geometry()
     # sizes in inches: a line of text is 1/8 high; ticks and labels need 1/2 to the left of panels,
     # and 1/3 below them
-    top = 0.31 + 0.125 * len(figure.axes[0].get_title().splitlines())
+    top = 0.31 + 0.125 * len(figure.axes[0].get_title().splitlines()) + 0.15 * (len(title) - 1)
     left, bottom = 0.56, 0.36 + legend_of(figure, axes, note)
     panel_width = (width - left - right - (columns - 1) * across) / columns
     panel_height = (height - top - bottom - (rows - 1) * down) / rows
@@ -174,6 +183,12 @@ def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
         for panel in axes
         for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
+    # 20 letters of a note need an inch
+    note_lines = [
+        part
+        for line in note.splitlines()
+        for part in textwrap.wrap(line, int(20 * figure.get_figwidth()))
+    ]
     # a label, with the sample of its curve, needs an inch for about 16 letters
     longest = max(map(len, handles), default=0)
     columns = max(1, min(len(handles), int(18 * figure.get_figwidth() / (8 + longest))))
@@ -183,10 +198,10 @@ def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
         loc="outside lower center",
         ncols=columns,
         frameon=False,
-        title=note,
+        title="\n".join(note_lines),
     )
     legend.get_title().set(parse_math=False, multialignment="center")
-    return 0.13 + 0.15 * -(-len(handles) // columns) + 0.125 * len(note.splitlines())
+    return 0.13 + 0.15 * -(-len(handles) // columns) + 0.125 * len(note_lines)
 
 
 def legend_below(axes: Axes) -> None:

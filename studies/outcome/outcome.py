@@ -26,6 +26,7 @@ from ..problem.quantities import (
     error_name,
 )
 from ..problem.regimes import OPERATORS
+from ..problem.unit_names import UnitNames
 from ..progress import Stages
 from ..sampling.field_differences import (
     IN_STEADY_STATE,
@@ -126,7 +127,8 @@ class Outcome:
         counts += [
             f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
         ]
-        left_out = in_words(self.left_out_of_promise, self.scene.wear.times)
+        scene = self.scene
+        left_out = in_words(self.left_out_of_promise, scene.wear.times, UnitNames.of(scene.units))
         sentences = {
             AGREE: f"The methods agree{f' in all but {left_out}' if left_out else ''}",
             UNDECIDED: "Not all is decided",

@@ -67,8 +67,8 @@
     };
   };
   const deep = data.labels.map(() => 1.08 * data.deepest);
-  // the least worn height is subtracted from all heights
-  const unworn = (state) => data.unworn.map((height) => height - data.least_worn[state]);
+  // the same height is subtracted from the unworn face as from the profile
+  const unworn = (state) => data.unworn.map((height) => height - data.subtracted[state]);
   const drawProfile = plot("profile", data.profile, unworn, deep, true, data.axes.profile);
   const drawPressure = plot("pressure", data.pressure, () => data.pressure[last], data.highest, false, data.axes.pressure);
 

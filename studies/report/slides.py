@@ -9,11 +9,12 @@ from ..figures.scale import (
     Scale,
     face_depths,
     high_pressure,
-    least_wear,
     panel_tops,
     shown_times,
+    subtracted_height,
 )
 from ..figures.style import rings_differ
+from ..figures.ticks import short_number
 from ..outcome.outcome import Outcome
 
 
@@ -39,20 +40,22 @@ def slides(result: Outcome) -> dict[str, Any] | None:
         steady_count = 1
     if not labels or len(radii) <= 10:
         return None
-    least_worn = least_wear(problem, profiles)
-    heights = profiles - least_worn[:, None]
+    subtracted = subtracted_height(problem, profiles)
+    # the least height of the limiting profile is already zero
+    subtracted[len(subtracted) - steady_count :] = 0.0
+    heights = profiles - subtracted[:, None]
     unworn = problem.profile(problem.radii) * problem.units.displacement
     tops = panel_tops([high_pressure(pressure) for pressure in pressures])
     # use a part of the radii if there are many, so that the page stays small
     stride = slice(None, None, 1 + len(radii) // 1100)
     # parts of the face that are much further back than the worn parts are cut off
-    depths = face_depths(heights, unworn - least_worn[:, None], pressures > 0)
+    depths = face_depths(heights, unworn - subtracted[:, None], pressures > 0)
     deepest = float(depths.max()) or 1.0
     # height in the 3-D view that the greatest difference of heights has, over the radius
     drawn_height, edges = 0.3, problem.ring_edges * result.scene.punch.radius
     log_wear = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
     # in the steady state the wear is unlimited: move the unworn face out of the frame
-    least_worn[len(least_worn) - steady_count :] = 10 * deepest
+    subtracted[len(subtracted) - steady_count :] = 10 * deepest
     scale.suit("profile", deepest)
     scale.suit("pressure", tops)
     return {
@@ -64,11 +67,11 @@ def slides(result: Outcome) -> dict[str, Any] | None:
         "profile": _round(scale.shown("profile", heights[:, stride])),
         "pressure": _round(scale.shown("pressure", pressures[:, stride])),
         "unworn": _round(scale.shown("profile", unworn[stride])),
-        "least_worn": _round(scale.shown("profile", least_worn)),
+        "subtracted": _round(scale.shown("profile", subtracted)),
         "highest": _round(1.15 * scale.shown("pressure", tops)),
         "deepest": scale.shown("profile", deepest),
         "drawn": drawn_height,
-        "magnified": f"{drawn_height * result.scene.punch.radius / deepest:.3g}",
+        "magnified": short_number(drawn_height * result.scene.punch.radius / deepest),
         "axes": {name: scale.label(name) for name in ("radius", "profile", "pressure")},
     }
 

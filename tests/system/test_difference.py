@@ -150,7 +150,7 @@ def test_the_figure_marks_and_names_the_largest_difference(quantity):
     )
     number = ["pressure", "profile", "displacement"].index(quantity)
     named = [text for text in texts(figure) if text.startswith("largest")]
-    assert named == ["largest 3e-02 at r = 3.5 mm, t = 5.56 h"]
+    assert named == ["largest 0.03 at r = 3.5 mm, t = 5.56 h"]
     curves, chart = figure.axes[2 * number : 2 * number + 2]
     for axes, height in ((curves, 0.03), (chart, np.log10(2e4 / 86400))):
         (mark,) = [line for line in axes.lines if line.get_label() == "largest difference"]

@@ -14,7 +14,9 @@ from matplotlib.figure import Figure
 
 from ringwear import Scene, check, run
 from ringwear.studies.figures.catalogue import PICTURES
+from ringwear.studies.figures.history import draw_history
 from ringwear.studies.figures.mesh import draw_stress
+from ringwear.studies.figures.scale import Scale
 from ringwear.studies.figures.states import draw_states
 from ringwear.studies.figures.style import LOOKS
 from ringwear.studies.report.words import Account
@@ -126,6 +128,55 @@ def test_deep_grooves_do_not_hide_wear(grooved):
         assert heights[lands].max() < shown < 11 * heights[lands].max() < 1e-3
     note = figure.legends[0].get_title().get_text()
     assert "cut off below: the greatest height of the face is Δf = 1 mm" in note
+
+
+def test_a_recess_that_has_worn_off_does_not_hide_the_profile():
+    # after 72 h all of the face is worn below the grooves of 20 µm
+    scene = WORN | {
+        "methods": ["mdr", "bem"],
+        "punch": PUNCH | {"recess": ["0 um", "20 um", "0 um"]},
+        "load": LOAD | {"sliding_speed": "1 m/s"},
+        "wear": {"times": ["0 h", "2 h", "20 h", "72 h", "200 h"]},
+    }
+    result = run(Scene(**scene))
+    figure = draw_states(result)
+    last = [line.axes for line in named(figure, "unworn punch")][-1]
+    heights = result.by_method("profile")["mdr"][-1]
+    span = np.ptp(heights)
+    shown = [line.get_ydata() for line in last.lines if line.get_label() == "MDR"]
+    power = 10.0 ** np.floor(np.log10(span / np.ptp(shown[0])) + 0.5)
+    # panels have the same scale if their heights differ by up to a factor of ten
+    assert last.get_ylim()[0] * power < 11 * span
+    assert np.min(shown[0]) == pytest.approx(0, abs=1e-6)
+    # times of a scene in hours stay in hours
+    assert "t = 72 h" in figure.axes[3].get_title()
+    assert Scale.of(result).label("time") == "time t (h)"
+
+
+def test_labels_at_the_rim_name_its_unit_of_length(worn):
+    (picture,) = (picture for picture in PICTURES if picture.file == "mesh.png")
+    *_, rim = picture.figure(worn).axes
+    unit = rim.get_xlabel().removeprefix("radius r − a")
+    assert "mm" in unit
+    assert rim.get_ylabel() == f"depth z{unit}"
+
+
+def test_all_words_of_a_single_stress_panel_are_in_the_figure():
+    # without contact at the end and without steady state, only the start is drawn
+    falling = LOAD | {"normal_force": {"times": ["0 h", "1 h"], "values": ["100 N", "0 N"]}}
+    title = "A polishing tool of three rings under a load that falls"
+    wear = {"times": ["0 h", "0.5 h", "1 h"], "steady": False}
+    result = run(Scene(**WORN | {"title": title, "load": falling, "wear": wear}))
+    (picture,) = (picture for picture in PICTURES if picture.draw is draw_stress)
+    figure = picture.figure(result)
+    assert faults(figure) == []
+    assert "stress under the rings" in figure.get_suptitle()
+
+
+def test_differences_over_time_look_like_their_method(worn):
+    figure = draw_history(worn)
+    (difference,) = {line.get_color() for line in named(figure, "FEM minus MDR")}
+    assert difference == LOOKS["fem"]["color"]
 
 
 def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(grooved):
