@@ -146,7 +146,9 @@ def draw_result_mesh(result: Outcome) -> Figure:
     fem = result.solutions["fem"]
     assert fem.half_space is not None
     mesh = fem.half_space.solid.mesh
-    return draw_mesh(result.scene, mesh, fem.settings.get("mesher", "bisection"))
+    # triangles on cells of the contact
+    mesher_on_cells = "gmsh" if result.scene.half_space.layers else "bisection"
+    return draw_mesh(result.scene, mesh, fem.settings.get("mesher", mesher_on_cells))
 
 
 def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
