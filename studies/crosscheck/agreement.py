@@ -36,10 +36,12 @@ from ..problem.quantities import (
     QUANTITIES,
     STEADY,
 )
+from ..problem.unit_names import UnitNames
 from ..sampling.norms import answer_differences, common, differences
 from .promise import allowed_error, unresolved
 
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
+NO_UNITS = UnitNames()
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,9 +139,15 @@ def due(problem: Problem) -> set[str]:
 
 
 def agreements(
-    problem: Problem, names: tuple[str, str], solutions: tuple[Solution, Solution]
+    problem: Problem,
+    names: tuple[str, str],
+    solutions: tuple[Solution, Solution],
+    units: UnitNames = NO_UNITS,
 ) -> list[Agreement]:
-    """Compare two methods in all quantities that both compute, at the compared times."""
+    """Compare two methods in all quantities that both compute, at the compared times.
+
+    `units` are those of the scene; times are written in them.
+    """
     compared, expected = compare(problem, solutions), due(problem)
     if any(solution.wear is None and solution.march is None for solution in solutions):
         # one of the methods computes no history
@@ -149,12 +157,16 @@ def agreements(
         for quantity in sorted(expected - compared.keys())
     ]
     by_name = dict(zip(names, solutions, strict=True))
-    rows = [_judge(problem, by_name, *item) for item in compared.items()]
+    rows = [_judge(problem, units, by_name, *item) for item in compared.items()]
     return missing + rows
 
 
 def _judge(
-    problem: Problem, solutions: Mapping[str, Solution], quantity: str, difference: Difference
+    problem: Problem,
+    units: UnitNames,
+    solutions: Mapping[str, Solution],
+    quantity: str,
+    difference: Difference,
 ) -> Agreement:
     """Return the verdict on one quantity of two methods."""
     first_name, second_name = names = tuple(solutions)
@@ -176,7 +188,7 @@ def _judge(
         remark = next(filter(None, reasons), "")
         if promised:
             remark = remedy(problem, blamed, solutions[blamed], float(uncertainty[worst]))
-        times_in_words = when_in_words(problem, quantity, doubtful)
+        times_in_words = when_in_words(problem, units, quantity, doubtful)
     numbers = float(sizes[worst]), float(uncertainty[worst])
     pair = first_name, second_name
     return Agreement(quantity, pair, *numbers, verdict, remark, promised, times_in_words)
@@ -197,7 +209,9 @@ def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collec
     return float(greatest)
 
 
-def when_in_words(problem: Problem, quantity: str, selected: NDArray[np.bool_]) -> str:
+def when_in_words(
+    problem: Problem, units: UnitNames, quantity: str, selected: NDArray[np.bool_]
+) -> str:
     """Return some of the compared times in words.
 
     The text is empty if the times are all compared times, or if the quantity has no times.
@@ -208,7 +222,7 @@ def when_in_words(problem: Problem, quantity: str, selected: NDArray[np.bool_]) 
     last = int(np.flatnonzero(selected)[-1])
     if not selected[: last + 1].all():
         return f"at {selected.sum()} of {len(times)} times"
-    return f"{'up to' if last else 'at'} t = {times[last]:.3g}"
+    return f"{'up to' if last else 'at'} t = {units.write(float(times[last]), 'time', 3)}"
 
 
 def remedy(problem: Problem, blamed: str, solution: Solution, error: float) -> str:

@@ -23,7 +23,7 @@ from .style import (
     set_linear,
     set_logarithmic,
 )
-from .ticks import Decades, power_of_ten, short_number
+from .ticks import Decades, one_digit, power_of_ten, short_number
 
 # name and symbol of each field, and the symbol of the norm that its differences are divided by
 WORDS = {
@@ -259,8 +259,8 @@ def _norm_in_words(field: FieldDifference) -> str:
     row = int(np.nanargmax(field.norms))
     estimates = [error[row] for error in (field.first_error, field.second_error)]
     known = [error for error in estimates if np.isfinite(error)]
-    estimate = f", estimate {_short(sum(known))}" if known else ", no error estimate"
-    norm = _short(float(field.norms[row]))
+    estimate = f", estimate {one_digit(sum(known))}" if known else ", no error estimate"
+    norm = one_digit(float(field.norms[row]))
     return f"norm {norm}{estimate}"
 
 
@@ -272,12 +272,7 @@ def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
     unit = scale.axes["length"][1]
     radius = f"{scale.shown('radius', field.radii[index]):.4g} {unit}".rstrip()
     time = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
-    return f"largest {_short(float(field.relative[row, index]))} at r = {radius}{time}"
-
-
-def _short(value: float) -> str:
-    """Return a number with one digit, as at the axes: 0.02, 2·10⁻⁴."""
-    return short_number(float(f"{value:.1g}"))
+    return f"largest {one_digit(float(field.relative[row, index]))} at r = {radius}{time}"
 
 
 def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str:
@@ -298,7 +293,7 @@ def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str
         )
     for other in others:
         largest = ", ".join(
-            f"{_short(float(np.nanmax(field.norms)))} in {WORDS[field.quantity][1]}"
+            f"{one_digit(float(np.nanmax(field.norms)))} in {WORDS[field.quantity][1]}"
             for field in other.fields
         )
         names = f"{label_of(other.other)} minus {label_of(other.reference)}"

@@ -13,6 +13,7 @@ from .scale import Scale
 from .style import (
     FAINT,
     PAGE,
+    Look,
     complete,
     label_of,
     new_panels,
@@ -79,6 +80,8 @@ def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
     }
     start, end = axes.get_xlim()
     shown = {percentage: time for percentage, time in times.items() if start < time < end}
+    if not shown:
+        return
     for time in shown.values():
         axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
     place = axes.transAxes.inverted()
@@ -107,7 +110,7 @@ def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
             ha=side,
             va="bottom",
         )
-        taken = np.vstack([taken, np.linspace(*box, 50)])
+        taken = np.vstack([taken, np.linspace(box[0], box[1], 50)])
 
 
 def _label_box(position: float, side: str, bottom: float) -> Array:
@@ -133,7 +136,7 @@ def _draw_differences(axes: Axes, times: Array, methods: dict[str, Array], scale
     for method, heights in others:
         differences = np.abs(heights - reference) / reference_size
         # the colour and the mark of the method, as in the panel above
-        look = {"marker": "."} | scale.look(method) | {"linewidth": 0.8}
+        look: Look = {"marker": "."} | scale.look(method) | {"linewidth": 0.8, "clip_on": False}
         look["label"] = f"{label_of(method)} minus {label_of(first)}"
         shown = np.where(differences > 0, differences, np.nan)
         axes.plot(scale.shown("time", times), shown, **look)

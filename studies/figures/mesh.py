@@ -17,7 +17,7 @@ from ..outcome.outcome import Outcome
 from ..scene.scene import Scene
 from .scale import FAR_APART, Scale, panel_tops
 from .style import BLUE, PAGE, RED, complete, new_panels, save, set_linear
-from .ticks import short_number
+from .ticks import one_digit
 
 
 def draw_stress(result: Outcome) -> Figure:
@@ -83,7 +83,7 @@ def draw_stress(result: Outcome) -> Figure:
         state_in_words = scale.steady_state
         if label != "steady":
             state_in_words = scale.when(float(label.removeprefix("t=")))
-        error = short_number(float(f"{100 * fields.errors['von_mises'][state]:.1g}"))
+        error = one_digit(100 * fields.errors["von_mises"][state])
         axes.set_title(f"{state_in_words}\nerrors up to {error} % of pₘ")
         if own_lengths:
             axes.set_ylabel(scale.label("depth") if axes is panels[0, 0] else "")
@@ -126,7 +126,7 @@ def _draw_bar(axes: Axes, image: Any, label: str) -> None:
     inch = 1 / figure.get_figwidth()
     bar_axes = figure.add_axes((place.x1 + 0.07 * inch, place.y0, 0.09 * inch, place.height))
     bar = figure.colorbar(image, cax=bar_axes, ticks=ticks)
-    bar.ax.set_yticks(ticks, [short_number(float(f"{tick:.1g}")) for tick in ticks])
+    bar.ax.set_yticks(ticks, [one_digit(tick) for tick in ticks])
     bar.minorticks_off()
     bar.set_label(label)
 

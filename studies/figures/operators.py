@@ -4,7 +4,7 @@ from matplotlib.figure import Figure
 
 from ..outcome.outcome import Outcome
 from .style import PAGE, complete, curve, new_panels, set_logarithmic
-from .ticks import short_number
+from .ticks import one_digit
 
 
 def draw_operators(result: Outcome) -> Figure:
@@ -20,7 +20,7 @@ def draw_operators(result: Outcome) -> Figure:
         names = f"{pair.methods[0].upper()} minus {pair.methods[1].upper()}"
         label = f"{names}, one mark per mode"
         axes.plot(pair.wavelengths / radius, pair.differences, **look, label=label)
-        label = f"{names}, all steady states: {short_number(float(f'{pair.rings:.1g}'))}"
+        label = f"{names}, all steady states: {one_digit(pair.rings)}"
         axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
     shortest = 2 * float(result.scene.problem.rings.widths.min())
     axes.axvline(

@@ -199,13 +199,13 @@ class Scale:
         return float(self.shown("radius", axis_start(hole, last)))
 
     def when(self, time: float) -> str:
-        """Return a time as text, in the unit of the axis if it is at least one there.
+        """Return a time as text, preferably in the unit of the axis.
 
-        3 days are 72 h if other times are in hours; 6 min remain.
+        If the axis is in hours, 3 days are 72 h, and 710 min are 11.8 h, but 6 min remain.
         """
         unit, name = self.axes["time"]
         number = float(f"{time / unit:.3g}")
-        if number.is_integer() and 2 <= number <= 1000:
+        if (number.is_integer() and 2 <= number <= 1000) or 10 <= number <= 1000:
             return f"t = {number:g} {name}".rstrip()
         return f"t = {self.names.write(time, 'time', 3)}"
 

@@ -98,6 +98,11 @@ def short_number(value: float) -> str:
     return f"{float(mantissa):g}·{_ten_to(int(exponent))}".replace("-", "−")
 
 
+def one_digit(value: float) -> str:
+    """Return a number with one digit as text: 0.02, 2·10⁻⁵, 10⁻⁵."""
+    return short_number(float(f"{value:.1g}")).removeprefix("1·")
+
+
 def power_of_ten(value: float) -> str:
     """Return 0.01 as 10⁻², and 0.02 as 2·10⁻²."""
     exponent = int(np.floor(np.log10(value) + 1e-9))

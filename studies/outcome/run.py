@@ -15,6 +15,7 @@ from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.regimes import OPERATORS
+from ..problem.unit_names import UnitNames
 from ..progress import Stages
 from ..scene.scene import Scene
 from .outcome import Outcome
@@ -57,10 +58,11 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
             for name, entry in by_name.items()
         }
         operators = tuple(compare_operators(problem, by_name, solutions))
+    units = UnitNames.of(scene.units)
     agreement = tuple(
         row
         for a, b in combinations(solutions, 2)
-        for row in agreements(problem, (a, b), (solutions[a], solutions[b]))
+        for row in agreements(problem, (a, b), (solutions[a], solutions[b]), units)
     )
     return kind(scene, by_name, solutions, stages, agreement, operators)
 

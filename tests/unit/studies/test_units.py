@@ -7,6 +7,8 @@ import pytest
 
 from ringwear import Scene
 from ringwear.meshes.errors import SceneError
+from ringwear.studies.crosscheck.agreement import when_in_words
+from ringwear.studies.crosscheck.promise import LeftOut, in_words
 from ringwear.studies.problem.fields import OverTime, Positive, Section, Unit
 from ringwear.studies.problem.punch import PunchSection
 from ringwear.studies.problem.unit_names import UnitNames, kind_of, without_quantities
@@ -221,3 +223,13 @@ def test_contradictory_or_unknown_units_are_errors_of_the_declaration():
     for table, message in ((Twice, "two kinds"), (Unknown, "no unit is of the kind 'lenght'")):
         with pytest.raises(TypeError, match=message):
             without_quantities({"reach": "1 m"}, table)
+
+
+def test_verdicts_write_times_with_their_unit():
+    scene = Scene.load("washer")
+    units = UnitNames.of(scene.units)
+    selected = np.array(scene.wear.times) <= 3600
+    words = when_in_words(scene.problem, units, "indentation", selected)
+    assert words == "up to t = 1 h"
+    left_out = LeftOut("pressure", tuple(np.array(scene.wear.times)[selected]), "a reason")
+    assert in_words([left_out], scene.wear.times, units) == f"pressure {words}"
