@@ -331,7 +331,13 @@ def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[s
         if given:  # the columns of one table
             from pandas import DataFrame
 
-            return {"theirs": DataFrame(given)}
+            try:
+                return {"theirs": DataFrame(given)}
+            except ValueError:
+                raise SceneError(
+                    f"{shown(given)} is no table: give a file, a DataFrame, a Dataset, or these by "
+                    "the names of their programs"
+                ) from None
     if isinstance(given, kinds):
         return {Path(given).name: given}
     if hasattr(given, "columns") or hasattr(given, "data_vars"):

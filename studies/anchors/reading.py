@@ -89,7 +89,7 @@ class Reading:
         toml = tomllib.loads(scene.to_toml())
         punch, load, half_space = toml["punch"], toml["load"], toml["half_space"]
         radius = punch["radius"]
-        modulus = _plane_strain_modulus(half_space.get("layers", [half_space])[0])
+        modulus = _plane_strain_modulus((half_space.get("layers") or [half_space])[0])
         ground = _ground(half_space, modulus, radius)
         if "punch_youngs_modulus" in half_space:
             # the compliances of two half-spaces add up
@@ -203,7 +203,7 @@ def _plane_strain_modulus(material: TomlTable) -> float:
 
 def _ground(half_space: TomlTable, unit: float, radius: float) -> Ground | None:
     """Return the layers over the punch radius, with moduli over a unit; None without layers."""
-    if "layers" not in half_space:
+    if not half_space.get("layers"):
         return None
     materials = [*half_space["layers"], *([] if half_space.get("rigid") else [half_space])]
     ratios = [material.get("poisson_ratio", 0.3) for material in materials]

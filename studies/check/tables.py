@@ -67,13 +67,19 @@ def read(
         if {"time"} <= {*quantity.dims} <= {"time", "radius"} and key != "contact"
     }
     kinds |= more or {}
+    if not (isinstance(source, str | Path | pd.DataFrame) or hasattr(source, "to_dataframe")):
+        raise SceneError(
+            f"{name} is of type {type(source).__name__}: give a file, a pandas DataFrame or an "
+            "xarray Dataset"
+        )
     if isinstance(source, str | Path):
         name, place = str(source), "line"
         if Path(source).suffix == ".vtu":
             source, columns = _read_surface(Path(source), columns), {}
         else:
             source = _open(Path(source))
-    if hasattr(source, "to_dataframe"):
+    is_dataset = hasattr(source, "to_dataframe")
+    if is_dataset:
         if "solver" in source.dims:
             source = source.isel(solver=0)
             LOG.info("%s: the results of %s are read", name, source["solver"].item())
@@ -84,6 +90,7 @@ def read(
     source, heading_units = _rename_headings(source, columns, kinds)
     frame = _select_columns(source, name, columns, list(kinds))
     table = _validate(frame, f"{name}, {place}")
+    _report_missing(frame, table, name, is_dataset)
     scene_units = UnitNames.of(scene.units)
     if units and scene_units.base is None:
         raise SceneError(f"--units {units}: the scene's numbers have none: give the scene's units")
@@ -277,3 +284,29 @@ def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
             f"{place.rpartition(',')[0]} has no numbers other than times and radii: give some"
         )
     return table.dropna(axis="columns", how="all")
+
+
+def _report_missing(frame: pd.DataFrame, table: pd.DataFrame, name: str, is_dataset: bool) -> None:
+    """Refuse columns without any number, and report those that lack some.
+
+    In a dataset, a quantity without numbers is one that the method does not compute.
+
+    Parameters
+    ----------
+    frame, table : before and after validation, which leaves out columns without numbers
+
+    Raises
+    ------
+    SceneError
+        if a column of a table has no numbers: the program may have failed
+    """
+    if empty := [key for key in frame if key not in table]:
+        if not is_dataset:
+            raise SceneError(
+                f"{name}: column {empty[0]!r} has no numbers: give some, or leave the column out"
+            )
+        LOG.warning("%s has no numbers in: %s", name, ", ".join(empty))
+    fields = table[[key for key in table if key in FIELDS]]
+    for key, missing in fields[fields.notna().any(axis=1)].isna().sum().items():
+        if missing:
+            LOG.warning("%s: %d rows of fields have no %s", name, missing, key)

@@ -183,6 +183,10 @@ def read_dat(path: Path) -> pd.DataFrame:
                 f"{path} does not have the forces on all contact nodes: keep *NODE PRINT and RF of "
                 "the deck as they are"
             )
+        if not np.isfinite(forces).all():
+            raise SceneError(
+                f"{path}: a force of step {step + 1} is not a number: run the program again"
+            )
         pressing_forces = -WEDGE * forces
         results = {
             "pressure": deck.pressures(float(time), pressing_forces),

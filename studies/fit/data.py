@@ -93,7 +93,8 @@ def _sources_by_name(
 ) -> "dict[str, OthersResults]":
     if isinstance(data, Mapping):
         return dict(data)
-    if isinstance(data, str | Path) or hasattr(data, "to_dataframe") or hasattr(data, "columns"):
+    is_table = hasattr(data, "to_dataframe") or hasattr(data, "columns")
+    if is_table or isinstance(data, str | Path) or not isinstance(data, Sequence):
         data = [data]
     numbered = {f"data {number}": each for number, each in enumerate(data, 1)}
     return {
@@ -215,7 +216,8 @@ def _with_noise(
     Raises
     ------
     SceneError
-        if there are too few values to estimate the noise, or if a relative noise is 0
+        if there are too few values to estimate the noise, if they are equal, or if a relative noise
+        is 0
     """
     values = measurement.values
     if noises is None:
@@ -226,6 +228,11 @@ def _with_noise(
             )
         # the initial noise of volumes is relative to each value, otherwise to the range
         spread = values if measurement.quantity == "worn_volume" else np.ptp(values)
+        if not np.all(spread):
+            raise SceneError(
+                f"the noise of {measurement.column} cannot be estimated, because its values are "
+                f"equal or 0: give --noise {measurement.column}=..."
+            )
         return replace(measurement, noise=INITIAL_NOISE * np.abs(spread) * np.ones(len(values)))
     absolute, relative = noises
     noise = np.where(absolute > 0, absolute / divisor, relative * np.abs(values))

@@ -40,7 +40,13 @@ class Estimate:
 
     @property
     def identifiable(self) -> bool:
-        """Whether the interval is bounded: to a factor of two on each side if it is positive."""
+        """Whether the interval is bounded: to a factor of two on each side if it is positive.
+
+        An interval that does not contain the estimate says nothing: the search has ended beyond the
+        range of values that are tried.
+        """
+        if not self.low <= self.best <= self.high:
+            return False
         widest = max(self.best - self.low, self.high - self.best)
         return bool(widest < (np.log(MAX_FACTOR) if self.parameter.logarithmic else np.inf))
 

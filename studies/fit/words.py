@@ -19,6 +19,8 @@ INSEPARABLE_DEVIATION = 0.5 * np.log(2.0)
 # least cosine between the best known combination of coefficients and their harmonic mean at which
 # it is reported as the harmonic mean
 MIN_COSINE = 0.98
+# greatest standard deviation of the harmonic mean, relative, with which it is reported
+MAX_DEVIATION_OF_MEAN = 0.25
 
 
 def conclude(fit: Outcome) -> tuple[str, ...]:
@@ -26,7 +28,7 @@ def conclude(fit: Outcome) -> tuple[str, ...]:
     names = UnitNames.of(fit.scene.units)
     groups = (
         _estimates(fit, names),
-        _combinations(fit),
+        _combinations(fit, names),
         _correlation(fit, names),
         _quality(fit, names),
     )
@@ -55,6 +57,11 @@ def _relative(each: Estimate) -> str:
 
 
 def _bounds(each: Estimate, low: str, high: str) -> str:
+    if not each.low <= each.best <= each.high:
+        return (
+            f"the best value is beyond a factor of {REACH:g} of the scene's: check the units of "
+            "the data, or give other values in the scene to start from"
+        )
     if np.isfinite([each.low, each.high]).all():
         return f"it lies between {low} and {high} (95 %), wider than a factor of two"
     if np.isfinite(each.low):
@@ -64,7 +71,7 @@ def _bounds(each: Estimate, low: str, high: str) -> str:
     return f"the data allow every value within a factor of {REACH:g} of the scene's"
 
 
-def _combinations(fit: Outcome) -> Iterator[str]:
+def _combinations(fit: Outcome, unit_names: UnitNames) -> Iterator[str]:
     for combination in fit.combinations:
         names = [fit.found[number].parameter.name for number in combination]
         if len(names) == 1:
@@ -74,9 +81,11 @@ def _combinations(fit: Outcome) -> Iterator[str]:
         advice = ""
         if {"sensor_offset", "machine_compliance"} <= set(names):
             advice = "; data under a force that varies would separate them"
+        held = fit.found[combination[-1]]
+        value = held.parameter.written(held.value, unit_names)
         yield (
             f"{listed} cannot be separated by these data: only a combination of them is known. "
-            f"{names[-1]} is held at its value in the scene{advice}"
+            f"{names[-1]} is held at {value}{advice}"
         )
 
 
@@ -128,7 +137,8 @@ def _harmonic(fit: Outcome) -> str:
         if likelihood.parameters[number].name.startswith("punch.wear_coefficients[")
     ]
     punch = fit.scene.punch
-    if len(wear) < 2 or punch.table:
+    if len(wear) < 2 or punch.table or fit.combinations:
+        # if other parameters have no effect alone, the scale of wear coefficients is not known
         return ""
     covariance = fit.covariance[np.ix_(wear, wear)]
     best_known = np.linalg.eigh(covariance)[1][:, 0]
@@ -136,6 +146,8 @@ def _harmonic(fit: Outcome) -> str:
     if abs(best_known @ weights) < MIN_COSINE * np.linalg.norm(weights):
         return ""
     deviation = float(np.sqrt(weights @ covariance @ weights) / weights.sum())
+    if deviation > MAX_DEVIATION_OF_MEAN:
+        return ""
     return (
         "; their harmonic mean, which sets the steady wear rate, is known to "
         f"{196 * deviation:.2g} %"

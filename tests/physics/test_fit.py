@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene, fit, run
+from ringwear.meshes.errors import SceneError
 from ringwear.meshes.radial import ring_areas
 from ringwear.studies.fit.experiments import WEAR, Experiments, cases
 from ringwear.studies.fit.models.rig import differences
@@ -168,3 +169,28 @@ def test_a_brake_that_is_applied_and_released_is_fitted():
     assert found.chi_square < 1.0
     row = found.estimates.iloc[0]
     assert row.low < 1.3e-15 < row.high
+
+
+def test_the_scale_of_wear_is_not_known_if_force_and_modulus_are_free(reference):
+    """Only k F and E / F follow from depths: no interval may be given for a mean of k."""
+    data = pd.DataFrame(reference["states"])[["time", "indentation"]]
+    scene = Scene.load("five_rings").changed(load__normal_force=4.0)
+    names = [WEAR, "half_space.plane_strain_modulus", "load.normal_force"]
+    found = fit(scene, data, names, noise=1e-3)
+    assert not found.estimates.identifiable.any()
+    assert not any("harmonic mean" in line for line in found.conclusions)
+    held = f"load.normal_force is held at {found.estimates.value['load.normal_force']:.4g}"
+    assert any(held in line for line in found.conclusions)
+
+
+def test_data_in_other_units_have_no_interval(reference):
+    data = pd.DataFrame(reference["states"])[["time", "indentation"]]
+    data["indentation"] *= 1e6
+    found = fit("five_rings", data, [WEAR])
+    assert not found.estimates.identifiable.any()
+
+
+def test_equal_values_have_no_noise():
+    data = pd.DataFrame({"time": np.linspace(0.1, 1.0, 10), "indentation": 1.0})
+    with pytest.raises(SceneError, match="give --noise indentation"):
+        fit("five_rings", data, [WEAR])

@@ -138,3 +138,33 @@ def test_a_misspelt_quantity_gets_the_right_name_as_a_suggestion():
     checked = check(SCENE, pd.DataFrame({"time": [0.0], "indentation": [DEPTH]}))
     with pytest.raises(SceneError, match="did you mean 'pressure'"):
         checked.error("presure")
+
+
+def test_a_column_without_numbers_is_no_result(tmp_path):
+    """A program that has failed may write a table of NaN; a single gap is reported only."""
+    rows = pd.DataFrame({"time": 0.1, "radius": [0.1, 0.3, 0.5], "profile": 0.05})
+    path = tmp_path / "failed.csv"
+    rows.assign(pressure=np.nan).to_csv(path, index=False, na_rep="NaN")
+    with pytest.raises(SceneError, match="column 'pressure' has no numbers"):
+        check("five_rings", path)
+    with pytest.raises(SceneError, match="column 'pressure' has no numbers"):
+        check("five_rings", rows.assign(pressure=np.nan))
+
+
+def test_gaps_in_a_column_are_reported(caplog):
+    rows = pd.DataFrame({"time": 0.1, "radius": [0.1, 0.3, 0.5], "profile": 0.05})
+    with caplog.at_level("WARNING", logger="ringwear"):
+        check("five_rings", rows.assign(pressure=[0.4, np.nan, np.nan]))
+    assert "2 rows of fields have no pressure" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        ({"mine": 1.0}, "is no table: give a file"),
+        ({"mine": [0.1, 0.2]}, "no column 'time'"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_one_line(source, message):
+    with pytest.raises(SceneError, match=message):
+        check("five_rings", source)

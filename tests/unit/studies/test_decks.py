@@ -131,6 +131,9 @@ def test_a_run_that_stopped_is_refused(tmp_path):
     path = write(tmp_path, ".dat", DAT.format(end=1) + " 1  0.0E+00 -1.0E+00  0.0E+00\n" * 3)
     with pytest.raises(SceneError, match="step 2 of 2 is missing"):
         read_dat(path)
+    lines = DAT.format(end=1) + " 1  0.0E+00  NaN  0.0E+00\n" * 3
+    with pytest.raises(SceneError, match="a force of step 1 is not a number"):
+        read_dat(write(tmp_path, ".dat", lines + lines.replace("1.0", "2.0")))
     (tmp_path / "job.inp").unlink()
     with pytest.raises(SceneError, match=r"put the deck job\.inp"):
         read_dat(path)
