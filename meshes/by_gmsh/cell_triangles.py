@@ -53,8 +53,8 @@ def mesh(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
         facets = [geometry.addLine(*ends) for ends in itertools.pairwise(points)]
         for facet in facets:
             geometry.mesh.setTransfiniteCurve(facet, 2)
-        beside = geometry.addLine(points[-1], corners.surface_end)
-        add_surfaces(geometry, outline, corners, [*facets, beside])
+        free_surface = geometry.addLine(points[-1], corners.surface_end)
+        add_surfaces(geometry, outline, corners, [*facets, free_surface])
         geometry.synchronize()
         set_sizes(gmsh, np.array(points), 2.0**octaves, growth, largest, bands)
         gmsh.model.mesh.generate(2)
