@@ -6,14 +6,17 @@ with the distance from it.
 """
 
 import itertools
+from contextlib import suppress
 
 import numpy as np
 from skfem import MeshTri
 
 from ..contact_cells import ContactCells
+from ..errors import MeshError
 from ..half_space import as_half_space
 from .outline import Outline, add_corners, add_surfaces
 from .session import TRIANGLE, Band, elements, session, set_sizes
+from .triangles import GROWTH_FACTORS
 
 # distinct sizes of cells in an octave: gmsh makes a size field of each
 SIZES_PER_OCTAVE = 4
@@ -26,6 +29,8 @@ SIZE_OF_LAYER = 3.0
 def mesh(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
     """Mesh a quarter disc of layers whose facets on the contact are the given cells.
 
+    If gmsh leaves a degenerate triangle, the mesh is made again with a slightly smaller growth.
+
     Parameters
     ----------
     cells : of the contact
@@ -37,6 +42,14 @@ def mesh(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
     MeshError
         if gmsh cannot be loaded or fails
     """
+    for factor in GROWTH_FACTORS[:-1]:
+        with suppress(MeshError):
+            return _generate(cells, factor * growth, outline)
+    return _generate(cells, GROWTH_FACTORS[-1] * growth, outline)
+
+
+def _generate(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
+    """Mesh the quarter disc once."""
     radii = cells.breakpoints()
     widths = np.diff(radii)
     narrower = np.minimum(np.append(widths, np.inf), np.append(np.inf, widths))
