@@ -314,6 +314,9 @@ class Parser(ArgumentParser):
             suggestion = flags_without_dashes.get(
                 nearest(re.sub(r"\W", "", unknown[1]), flags_without_dashes), ""
             )
+            if suggestion == unknown[1]:
+                # an option of another command
+                super().error(f"{message}; this command does not have it: --help lists its options")
         super().error(f"{message}; did you mean {suggestion}?" if suggestion else message)
 
 

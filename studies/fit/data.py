@@ -149,14 +149,15 @@ def _without_noise(
 
 def _density(scene: Scene, density: float | str | None, table: "pd.DataFrame", name: str) -> float:
     """Return the density in the units of the scene; 1 if the table has no lost mass."""
+    value = None if density is None else _positive_number(scene, density, "density", "--density")
     if not any(_without_ring(column) == "lost_mass" for column in table):
         return 1.0
-    if density is None:
+    if value is None:
         raise SceneError(
             f"{name} has lost_mass, whose volume needs a density: give --density, such as "
             "'7.8 g/cm^3'"
         )
-    return _positive_number(scene, density, "density", "--density")
+    return value
 
 
 def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> float:

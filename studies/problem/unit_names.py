@@ -310,6 +310,8 @@ def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
         the key
     """
     number, unit = _split(quantity)
+    if not number:
+        raise SceneError(f"{key} = {quantity!r} is no number: give one, such as 0.5 or '20 mm'")
     if names.base is None and unit:
         raise SceneError(
             f"{key} = {quantity!r} has a unit, but the scene states that its numbers have none: "
