@@ -1,4 +1,8 @@
-"""MDR and finite elements agree on random scenes with layers."""
+"""MDR and finite elements give no false verdict on random scenes with layers.
+
+They agree in full contact. Where a stiff layer bends away from a flat punch, contact moves, and
+numbers whose stated errors are above `rtol` may be undecided.
+"""
 
 import pytest
 from random_layers import random_layers
@@ -12,7 +16,8 @@ pytestmark = [pytest.mark.gmsh, pytest.mark.slow]
 def test_methods_agree_for_flat_punches(seed):
     result = run(random_layers(seed))
     assert all(anchor.holds for anchor in result.anchors)
-    assert result.verdict == "agree"
+    assert result.verdict == "agree" or not result.scene.problem.full_contact
+    assert result.verdict != "disagree"
 
 
 @pytest.mark.parametrize("seed", range(3))
