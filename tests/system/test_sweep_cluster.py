@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
+from functools import partial
 
 import pytest
 import xarray
@@ -89,20 +90,32 @@ class Cluster:
         self.address = str(json.loads(file.read_text())["address"])
 
     def worker(self, preload="", nanny=False):
-        """Start a worker that runs some code first; return once the scheduler has it."""
+        """Start a worker, which runs some code first; return once it has registered.
+
+        A process that hangs while it starts, which happens now and then, is started again.
+        """
         (self.directory / "preload.py").write_text(preload)
-        before = self.workers()
         arguments = ["--nthreads", "1", "--preload", "preload.py"]
         arguments.append("--nanny" if nanny else "--no-nanny")
-        worker = self._start("worker", self.address, *arguments)
-        wait_until(lambda: self.workers() != before, "the worker is known")
-        return worker
+        for seconds in (40, 40, 120):
+            awaited = self.registrations() + 1
+            worker = self._start("worker", self.address, *arguments)
+            try:
+                wait_until(partial(self.has_registered, awaited), "a worker registers", seconds)
+            except AssertionError:
+                worker.kill()
+                continue
+            return worker
+        raise AssertionError((self.directory / "worker.log").read_text("utf-8"))
 
-    def workers(self):
-        from distributed import Client
+    def has_registered(self, count):
+        """Whether workers have registered so often; the scheduler may have dropped them again."""
+        return self.registrations() >= count
 
-        with Client(self.address, set_as_default=False) as client:
-            return set(client.scheduler_info(n_workers=-1)["workers"])
+    def registrations(self):
+        """Return how often workers have registered with the scheduler, from their log."""
+        log = self.directory / "worker.log"
+        return log.read_text("utf-8").count("Registered to:") if log.exists() else 0
 
     def sweep(self, *arguments):
         """Start the command on this cluster."""
