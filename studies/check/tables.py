@@ -78,8 +78,7 @@ def read(
             source, columns = _read_surface(Path(source), columns), {}
         else:
             source = _open(Path(source))
-    is_dataset = hasattr(source, "to_dataframe")
-    if is_dataset:
+    if hasattr(source, "to_dataframe"):
         if "solver" in source.dims:
             source = source.isel(solver=0)
             LOG.info("%s: the results of %s are read", name, source["solver"].item())
@@ -90,7 +89,7 @@ def read(
     source, heading_units = _rename_headings(source, columns, kinds)
     frame = _select_columns(source, name, columns, list(kinds))
     table = _validate(frame, f"{name}, {place}")
-    _report_missing(frame, table, name, is_dataset)
+    _report_missing(frame, table, name)
     scene_units = UnitNames.of(scene.units)
     if units and scene_units.base is None:
         raise SceneError(f"--units {units}: the scene's numbers have none: give the scene's units")
@@ -286,10 +285,10 @@ def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
     return table.dropna(axis="columns", how="all")
 
 
-def _report_missing(frame: pd.DataFrame, table: pd.DataFrame, name: str, is_dataset: bool) -> None:
-    """Refuse columns without any number, and report those that lack some.
+def _report_missing(frame: pd.DataFrame, table: pd.DataFrame, name: str) -> None:
+    """Refuse columns in which a file has only NaN, and report those that lack numbers.
 
-    In a dataset, a quantity without numbers is one that the method does not compute.
+    A column that is empty was not filled in, as in a template; NaN is what a failed program writes.
 
     Parameters
     ----------
@@ -298,13 +297,14 @@ def _report_missing(frame: pd.DataFrame, table: pd.DataFrame, name: str, is_data
     Raises
     ------
     SceneError
-        if a column of a table has no numbers: the program may have failed
+        if a column has no numbers, but NaN in a file
     """
     if empty := [key for key in frame if key not in table]:
-        if not is_dataset:
-            raise SceneError(
-                f"{name}: column {empty[0]!r} has no numbers: give some, or leave the column out"
-            )
+        for key in empty:
+            if frame[key].isin(["nan", "NaN"]).any():
+                raise SceneError(
+                    f"{name}: column {key!r} has no numbers but NaN: give some, or leave it out"
+                )
         LOG.warning("%s has no numbers in: %s", name, ", ".join(empty))
     fields = table[[key for key in table if key in FIELDS]]
     for key, missing in fields[fields.notna().any(axis=1)].isna().sum().items():

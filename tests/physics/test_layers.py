@@ -288,3 +288,11 @@ def test_incompressible_layers():
     assert found == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-5)
     nearly = replace(scene.problem.ground, poisson_ratios=(0.49999, 0.3))
     assert relative_stiffness(nearly) != pytest.approx(found, rel=1e-4)
+
+
+def test_an_empty_list_of_layers_is_a_homogeneous_half_space():
+    scene = Scene.load("flat_punch").changed(half_space__layers=[], methods=["mdr"])
+    result = run(scene)
+    assert scene.problem.ground is None
+    assert result.anchors
+    assert all(anchor.holds for anchor in result.anchors)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
+from ringwear import Scene
 from ringwear.meshes.by_gmsh.outline import truncation_with_interfaces
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import areas
@@ -85,14 +85,6 @@ def test_impossible_layers_are_refused_by_key(changes, told):
     with pytest.raises(SceneError, match=told) as refused:
         pad(**changes)
     assert "\n" not in str(refused.value)
-
-
-def test_an_empty_list_of_layers_is_a_homogeneous_half_space():
-    scene = Scene.load("flat_punch").changed(half_space__layers=[], methods=["mdr"])
-    result = run(scene)
-    assert scene.problem.ground is None
-    assert result.anchors
-    assert all(anchor.holds for anchor in result.anchors)
 
 
 def test_too_thin_a_layer_is_refused():
