@@ -27,8 +27,6 @@ COARSER_GROWTH = 0.9
 # of layers, and that of triangles on a homogeneous half-space
 NEAR_TRUNCATION = 2.5
 FAR_TRUNCATION = 5.0
-# greatest size of triangles over the truncation radius
-FAR_SIZE = 0.125
 # share of the energy that the truncation may lose
 NEGLIGIBLE_ENERGY = 1e-10
 
@@ -139,7 +137,7 @@ def _triangles_by_bisection(cells: ContactCells, growth: float) -> Mesh:
             growth=growth,
             truncation=FAR_TRUNCATION,
             centre_size=cells.largest,
-            far_size=FAR_SIZE,
+            far_size=cell_triangles.FAR_SIZE,
             cells=cells,
         )
     )

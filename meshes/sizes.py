@@ -206,7 +206,15 @@ def adjacent_sizes(widths: Array) -> Array:
     fourth root of 2. The rounding leaves few distinct values; the mesher builds a separate size
     field for each.
     """
-    octaves = np.log2(ADJACENT_SIZE_RATIO * widths.mean(axis=1))
+    return rounded_to_octaves(ADJACENT_SIZE_RATIO * widths.mean(axis=1))
+
+
+def rounded_to_octaves(sizes: Array) -> Array:
+    """Return sizes (N,) rounded to `SIZES_PER_OCTAVE` values in each octave.
+
+    A mesher makes a size field of each distinct size.
+    """
+    octaves = np.log2(sizes)
     return np.asarray(2.0 ** (np.round(SIZES_PER_OCTAVE * octaves) / SIZES_PER_OCTAVE))
 
 

@@ -14,12 +14,11 @@ from skfem import MeshTri
 from ..contact_cells import ContactCells
 from ..errors import MeshError
 from ..half_space import as_half_space
+from ..sizes import rounded_to_octaves
 from .outline import Outline, add_corners, add_surfaces
 from .session import TRIANGLE, Band, elements, session, set_sizes
 from .triangles import GROWTH_FACTORS
 
-# distinct sizes of cells in an octave: gmsh makes a size field of each
-SIZES_PER_OCTAVE = 4
 # greatest size of triangles over the truncation radius
 FAR_SIZE = 0.125
 # greatest size of triangles in a layer over its thickness: longer ones across a thin layer are flat
@@ -53,7 +52,6 @@ def _generate(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
     radii = cells.breakpoints()
     widths = np.diff(radii)
     narrower = np.minimum(np.append(widths, np.inf), np.append(np.inf, widths))
-    octaves = np.round(SIZES_PER_OCTAVE * np.log2(narrower)) / SIZES_PER_OCTAVE
     largest = FAR_SIZE * outline.outer
     bands = [
         Band(top, bottom, min(largest, SIZE_OF_LAYER * (bottom - top)))
@@ -69,7 +67,7 @@ def _generate(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
         free_surface = geometry.addLine(points[-1], corners.surface_end)
         add_surfaces(geometry, outline, corners, [*facets, free_surface])
         geometry.synchronize()
-        set_sizes(gmsh, np.array(points), 2.0**octaves, growth, largest, bands)
+        set_sizes(gmsh, np.array(points), rounded_to_octaves(narrower), growth, largest, bands)
         gmsh.model.mesh.generate(2)
         triangles = MeshTri(*elements(gmsh, TRIANGLE))
     return as_half_space(triangles, np.array(cells.ring_edges), outline.base)
