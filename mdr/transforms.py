@@ -8,6 +8,7 @@ of a flat punch.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, exact_sum, gauss, unit_gauss
@@ -28,18 +29,60 @@ def line_density(space: PressureSpace, positions: Array, low_parts: Array | None
     low_parts = np.zeros(len(positions)) if low_parts is None else low_parts
     # positions are processed in blocks, because the arrays over pairs of positions and elements
     # would be far larger than the result
-    for start in range(0, len(positions), 512):
-        rows = slice(start, start + 512)
+    for start in range(0, len(positions), 256):
+        rows = slice(start, start + 256)
         out[rows] = _rows(space, positions[rows], low_parts[rows])
     return out
 
 
 def _rows(space: PressureSpace, positions: Array, low_parts: Array) -> Array:
     """Return the line densities (P, size) at a block of positions."""
-    ends = np.arange(1, len(space.breakpoints))
-    point, element = np.nonzero(
-        space.distance_from(positions[:, None], low_parts[:, None], ends[None]) > 0
-    )
+    numbers = np.arange(len(space.breakpoints))
+    distances = space.distance_from(positions[:, None], low_parts[:, None], numbers[None])
+    out = np.zeros((len(positions), space.size + 1))
+    # neighbouring positions are in the same block, so that most elements are far from all of them
+    nearest = distances[:, :-1].min(axis=0)
+    is_far = nearest >= space.widths / 2
+    far = np.flatnonzero(is_far)
+    _add_from_afar(out, space, positions, distances, far, _point_counts(space, nearest[far], far))
+    _add_from_near(out, space, positions, low_parts, (distances[:, 1:] > 0) & ~is_far)
+    return out[:, :-1]
+
+
+def _add_from_afar(
+    out: Array,
+    space: PressureSpace,
+    positions: Array,
+    distances: Array,
+    elements: Indices,
+    point_counts: Indices,
+) -> None:
+    """Add the integrals over elements that are far from all positions of a block.
+
+    Parameters
+    ----------
+    out : (P, size + 1) array to add to
+    space, positions : the pressure space, and the positions (P,)
+    distances : (P, n+1) distances from the positions to the breakpoints
+    elements, point_counts : the elements, and the number of Gauss points on each
+    """
+    x = positions[:, None, None]
+    for points in np.unique(point_counts):
+        group = elements[point_counts == points]
+        kernel, functions = _far_kernel(
+            space, x, distances[:, group, None], group[:, None], int(points)
+        )
+        values = kernel @ functions
+        # within a pass, each function occurs at most once
+        for j in range(space.top + 1):
+            out[:, space.dofs[group, j]] += values[..., j]
+
+
+def _add_from_near(
+    out: Array, space: PressureSpace, positions: Array, low_parts: Array, pairs: NDArray[np.bool_]
+) -> None:
+    """Add the integrals over the selected pairs (P, n) of positions and elements."""
+    point, element = np.nonzero(pairs)
     x, low = positions[point], low_parts[point]
     # distances from the position to both ends of the element; the first may be negative
     to_left, to_right = (space.distance_from(x, low, element + end) for end in (0, 1))
@@ -49,36 +92,51 @@ def _rows(space: PressureSpace, positions: Array, low_parts: Array) -> Array:
     values[~is_far] = _from_near(
         space, x[~is_far], to_left[~is_far], to_right[~is_far], element[~is_far]
     )
-    out = np.zeros((len(positions), space.size + 1))
     # In each pass, a row and column occurs at most once. Neighbours share hats, so that the hats
     # are added one after the other.
     for j in range(space.top + 1):
         out[point, space.dofs[element, j]] += values[:, j]
-    return out[:, :-1]
+
+
+def _point_counts(space: PressureSpace, to_left: Array, element: Indices) -> Indices:
+    """Return the number of Gauss points in the radius that integrate far elements to roundoff.
+
+    The larger the distance of the element, the larger is the ellipse around it in which the root is
+    analytic, and the fewer points are needed.
+    """
+    distance_ratio = 1 + 2 * to_left / space.widths[element]
+    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(distance_ratio)) / 2
+    return np.ceil(count).astype(np.int64)
 
 
 def _from_afar(space: PressureSpace, x: Array, to_left: Array, element: Indices) -> Array:
-    """Return integrals over elements at least half their width away, where the root is smooth.
-
-    Gauss quadrature in the radius is used. The larger the distance of the element, the larger is
-    the ellipse around it in which the root is analytic, and the fewer points are needed to reach
-    roundoff.
-    """
-    left, half = space.breakpoints[element], space.widths[element] / 2
-    distance_ratio = 1 + to_left / half
-    count = (space.degrees[element] + 1 - np.log(1e-17) / np.arccosh(distance_ratio)) / 2
-    point_counts = np.ceil(count).astype(np.int64)
+    """Return integrals over elements at least half their width away, where the root is smooth."""
+    point_counts = _point_counts(space, to_left, element)
     values = np.empty((len(x), space.top + 1))
     for points in np.unique(point_counts):
         group = np.flatnonzero(point_counts == points)
-        node, weight = gauss(int(points))
-        # the gap r - x is computed as a sum, not as a difference, because elements may be as small
-        # as roundoff allows
-        offset = half[group, None] * (1 + node)
-        r, gap = left[group, None] + offset, to_left[group, None] + offset
-        kernel = 2 * half[group, None] * r / np.sqrt(gap * (r + x[group, None]))
-        values[group] = kernel @ (weight[:, None] * shapes(node, space.top))
+        kernel, functions = _far_kernel(
+            space, x[group, None], to_left[group, None], element[group, None], int(points)
+        )
+        values[group] = kernel @ functions
     return values
+
+
+def _far_kernel(
+    space: PressureSpace, x: Array, to_left: Array, element: Indices, points: int
+) -> tuple[Array, Array]:
+    """Return weighted kernel values (..., points) and shape functions at them (points, top+1).
+
+    The last axis of the arguments is that of the Gauss points.
+    """
+    node, weight = gauss(points)
+    half = space.widths[element] / 2
+    # the gap r - x is computed as a sum, not as a difference, because elements may be as small as
+    # roundoff allows
+    offset = half * (1 + node)
+    r, gap = space.breakpoints[element] + offset, to_left + offset
+    kernel = 2 * half * r / np.sqrt(gap * (r + x))
+    return kernel, weight[:, None] * shapes(node, space.top)
 
 
 def _from_near(

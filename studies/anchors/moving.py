@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ...mdr.transforms import profile_transform
 from ...meshes.radial import Array, unit_gauss
 from ..sampling.norms import radial_weight
-from ..sizes.defaults import tolerance_range
+from ..sizes.cells import tolerance_range
 from ..wear.unilateral import Mask
 from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, Reported

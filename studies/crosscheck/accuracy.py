@@ -8,9 +8,10 @@ from dataclasses import replace
 
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
+from ..methods.spaces import pressure_spaces
 from ..problem.problem import Problem
 from ..progress import LOG, Stages
-from ..sizes.defaults import tolerance_range
+from ..sizes.cells import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
 
 # refinement stops if the last one left more than this part of the error estimate
@@ -39,22 +40,22 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
 
     Sizes that the user gives are never refined. Errors that finer sizes do not reduce (roundoff, a
     given time step, layers thinner than the roundoff of coordinates) do not lead to a refinement;
-    the verdict reports them. Each refinement reduces the tolerance that sizes follow by a factor of
-    at most ten. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
+    the verdict reports them. Each refinement reduces the tolerance that sizes follow, by
+    `finer_rtol`. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
     """
     error = error_of_sizes(problem, solution)
     # if edges of the contact move, a method may use half of the uncertainty of two methods
     allowed = allowed_error(problem)
-    smallest_rtol, largest_rtol = tolerance_range(
-        problem, solution.march.space.size if solution.march else 0
-    )
+    # the pressures on the cells, which are the same for every method
+    pressures = pressure_spaces(problem)[0].size if solution.march else 0
+    smallest_rtol, largest_rtol = tolerance_range(problem, pressures)
     rtol = min(problem.rtol, largest_rtol)
     if method.sizes_given(problem):
         return solution
     for _ in range(4):
         if rtol <= smallest_rtol or error <= allowed:
             break
-        rtol = finer_rtol(rtol, error, allowed, smallest_rtol)
+        rtol = finer_rtol(problem, rtol, error, smallest_rtol)
         numbers = method.name, error, allowed
         LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -75,17 +76,22 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     return solution
 
 
-def finer_rtol(rtol: float, error: float, allowed: float, least: float) -> float:
-    """Return the tolerance for the next refinement.
+def finer_rtol(problem: Problem, rtol: float, error: float, least: float) -> float:
+    """Return the tolerance for the next refinement: at least a tenth of the last one.
+
+    It is a tenth if edges of the contact move, because methods with the same tolerance share the
+    search for the cells where contact begins.
 
     Parameters
     ----------
+    problem : the problem with the requested tolerance
     rtol : tolerance that the sizes of the last solution follow
-    error, allowed : the greatest error estimate, and its allowed value
+    error : the greatest error estimate
     least : smallest tolerance that sizes respond to
     """
     # the factor 0.25: layers and degrees are whole numbers, which a smaller change may leave as is
-    return max(least, rtol * max(0.25 * allowed / error, 0.1))
+    wanted = 0.25 * allowed_error(problem) / error if problem.full_contact else 0.0
+    return max(least, rtol * max(wanted, 0.1))
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

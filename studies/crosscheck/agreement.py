@@ -37,7 +37,7 @@ from ..problem.quantities import (
     STEADY,
 )
 from ..problem.unit_names import UnitNames
-from ..sampling.norms import answer_differences, common, differences
+from ..sampling.norms import Results, answer_differences, common, differences
 from .promise import allowed_error, unresolved
 
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
@@ -106,10 +106,8 @@ class Difference(NamedTuple):
 def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Difference]:
     """Return the differences of two solutions in all quantities with an error estimate of both."""
     first, second = solutions
-    all_differences = differences(first.checked, second.checked, problem.face)
-    all_differences |= answer_differences(first.answers, second.answers)
     compared = {}
-    for name, difference in all_differences.items():
+    for name, difference in _differences_over_larger(problem, first, second).items():
         if name not in first.errors or name not in second.errors or not problem.wants(name):
             continue
         arrays = [difference, *(solution.checked_error(problem, name) for solution in solutions)]
@@ -124,6 +122,30 @@ def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Differ
         if size.size:
             compared[name] = Difference(size, *estimates)
     return compared
+
+
+def _differences_over_larger(problem: Problem, first: Solution, second: Solution) -> Results:
+    """Return the differences of two solutions, relative to the larger one of their values.
+
+    Each error estimate is relative to the value of its own method. Two values v1 and v2 with the
+    estimates e1 and e2 can both be right if |v1 - v2| <= e1 v1 + e2 v2. Relative to the larger
+    value, this difference is then at most e1 + e2; relative to the smaller one, it may be larger.
+    """
+    one_way, other_way = (
+        differences(values.checked, reference.checked, problem.face)
+        | answer_differences(values.answers, reference.answers)
+        for values, reference in ((first, second), (second, first))
+    )
+    return {
+        # a difference relative to zero is reported as zero; the one relative to the other value is
+        # then 1
+        name: np.where(
+            (one_way[name] == 0) | (other_way[name] == 0),
+            np.maximum(one_way[name], other_way[name]),
+            np.minimum(one_way[name], other_way[name]),
+        )
+        for name in one_way
+    }
 
 
 def due(problem: Problem) -> set[str]:

@@ -21,7 +21,8 @@ from ...meshes.sizes import degree_reduction
 from ..contact.edges import find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
-from ..sizes.defaults import cells_of, mdr_sizes, pressure_degree, with_affordable_field_tolerance
+from ..sizes.cells import cells_of, graded_to_worn_layers
+from ..sizes.defaults import mdr_sizes, pressure_degree, with_affordable_field_tolerance
 from ..sizes.layers import narrowed_for_layers
 from ..wear.unilateral import Interval, Load
 
@@ -108,6 +109,8 @@ def first_contact(
         raise SceneError(
             "load.indentation makes a contact that is too small for cells: give a larger one"
         )
+    if all(not (part.inner_free or part.outer_free) for part in intervals):
+        cells = graded_to_worn_layers(problem, cells, finer)
     if finer == 1:
         tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
         intervals, cells = refine_at_free_edges(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from ..methods.base import method
 from ..methods.spaces import radial_space
 from ..scene.scene import Scene
-from ..sizes.defaults import cells_of, mdr_sizes
+from ..sizes.cells import cells_of, graded_to_worn_layers
+from ..sizes.defaults import mdr_sizes
 
 if TYPE_CHECKING:
     import xarray
@@ -25,7 +26,11 @@ def predict_memory(scene: Scene) -> float:
     """
     problem = scene.problem
     on_cells = not problem.full_contact and len(problem.times) > 0
-    space = cells_of(problem).space() if on_cells else radial_space(problem, **mdr_sizes(problem))
+    if on_cells:
+        # where contact begins is not known before the run; without free edges, cells are the most
+        space = graded_to_worn_layers(problem, cells_of(problem), 1.0).space()
+    else:
+        space = radial_space(problem, **mdr_sizes(problem))
     numbers = sum(method(name).numbers_in_memory(problem, space.size) for name in scene.methods)
     numbers += 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
     return LIBRARIES + float(8 * numbers / GIB)

@@ -19,12 +19,13 @@ from threadpoolctl import threadpool_limits
 from ..crosscheck.accuracy import error_of_sizes, finer_rtol
 from ..crosscheck.promise import allowed_error
 from ..methods.base import Method, Solution, SystemSize
+from ..methods.spaces import pressure_spaces
 from ..outcome.scope import methods_of, refusals
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..progress import Stages
 from ..scene.scene import Scene, Source
-from ..sizes.defaults import tolerance_range
+from ..sizes.cells import tolerance_range
 from ..sizes.marching import steps_between
 from .memory import predict_memory
 
@@ -167,12 +168,12 @@ def _solve(method: Method, problem: Problem) -> tuple[float, Solution]:
 def _with_refinement(method: Method, problem: Problem, solution: Solution, first: float) -> Cost:
     """Return the predicted cost of a method that has solved a problem once in `first` seconds."""
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
-    size = solution.march.space.size if solution.march else 0
-    finest, coarsest = tolerance_range(problem, size)
+    pressures = pressure_spaces(problem)[0].size if solution.march else 0
+    finest, coarsest = tolerance_range(problem, pressures)
     rtol = min(problem.rtol, coarsest)
     if error <= allowed or rtol <= finest or method.sizes_given(problem):
         return Cost(first, notes=solution.notes)
-    finer = replace(problem, rtol=finer_rtol(rtol, error, allowed, finest))
+    finer = replace(problem, rtol=finer_rtol(problem, rtol, error, finest))
     sizes = method.system_size(finer), method.system_size(problem)
     if problem.full_contact:
         works = [

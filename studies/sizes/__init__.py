@@ -8,7 +8,7 @@ Where each one is chosen:
 - quadrilaterals and triangles of the finite elements: `defaults.quad_sizes`,
   `defaults.triangle_sizes`; elements of a low degree: `low_degrees.low_degree_quad_sizes`
 - mesher, and the coarser mesh of the error estimate: `half_space_mesh`
-- cells under a contact whose edges move: `defaults.cells_of`
+- cells under a contact whose edges move: `cells.cells_of`
 - far field: `defaults.pole_orders`; layered ground: `layers`
 - number of time steps: `marching`, `defaults.grid_step`
 - one discretisation for several problems: `shared.covering`

@@ -16,11 +16,9 @@ from typing import Any, TypedDict
 import numpy as np
 
 from ...meshes.by_gmsh.outline import truncation_with_interfaces
-from ...meshes.contact_cells import ContactCells
 from ...meshes.radial import Array
 from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
-from ..problem.quantities import FINEST_RTOL
 from ..problem.sections import DEGREES, LAYERED
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
 from .layers import depths_of_interfaces
@@ -107,22 +105,6 @@ MAX_TRUNCATION_LOSS = 1e-9
 TRUNCATION_MARGIN = 10
 # Time step of the march on the uniform grid over the largest stable one (`ringwear study march`).
 STABLE_STEP_FRACTION = 0.5
-# Number of cells of the face at REFERENCE_RTOL if edges of the contact move. An edge is located to
-# within a cell (physics/test_contact_march.py::test_random_punches_respect_their_error_estimates).
-REFERENCE_CELLS = 150
-# Smallest number of cells. With fewer, half as many cells would give no valid error estimate.
-FEWEST_CELLS = 80
-# Largest number of cells. The number that a tenth of REFERENCE_RTOL would need takes minutes.
-MOST_CELLS = 300
-# Largest number of pressures of a refined shaped punch. A march with more takes half a minute.
-MAX_REFINED_PRESSURES = 800
-# Lower limit of (number of pressures / MAX_REFINED_PRESSURES) under varying loads: the march begins
-# anew with small steps at every change of the load, which costs about as much.
-MIN_PRESSURE_RATIO_UNDER_VARYING_LOADS = 0.5
-# Upper limit of the size of cells at ring edges, in a.
-MAX_CELL_SIZE_AT_EDGES = 1e-3
-# Growth of the size of cells per distance from ring edges.
-CELL_GROWTH = 0.4
 
 
 class QuadSizes(TypedDict):
@@ -341,57 +323,3 @@ def grid_step(problem: Problem, stability_limit: float) -> float:
     if problem.step and problem.march == "explicit":
         return problem.step
     return STABLE_STEP_FRACTION * stability_limit
-
-
-def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
-    """Return the smallest and the largest tolerance that sizes respond to.
-
-    Parameters
-    ----------
-    problem : the problem; for a shaped punch, sizes are those of `cells_of`
-    pressures : number of pressures of its first solution
-
-    Notes
-    -----
-    For a shaped punch with n cells the tolerance is ``REFERENCE_RTOL (REFERENCE_CELLS / n)^2``,
-    with the largest and the smallest n. The number of pressures grows as ``rtol^-1/2``; the
-    smallest tolerance is raised so that a refinement has at most MAX_REFINED_PRESSURES of them.
-    """
-    if problem.full_contact:
-        return FINEST_RTOL, 1.0
-    least, greatest = (
-        REFERENCE_RTOL * (REFERENCE_CELLS / count) ** 2 for count in (MOST_CELLS, FEWEST_CELLS)
-    )
-    ratio = max(
-        pressures / MAX_REFINED_PRESSURES,
-        MIN_PRESSURE_RATIO_UNDER_VARYING_LOADS * problem.loading.varies,
-    )
-    return max(least, min(problem.rtol, greatest) * ratio**2), greatest
-
-
-def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
-    """Return the cells that the tolerance requires, before the places of first contact are known.
-
-    Parameters
-    ----------
-    problem : the problem, with its tolerance and its rings
-    finer : factor on the number of cells
-
-    Notes
-    -----
-    There are ``REFERENCE_CELLS sqrt(REFERENCE_RTOL / rtol)`` cells, within FEWEST_CELLS and
-    MOST_CELLS: edges of the contact are located to within a cell, and d is more accurate than
-    fields are. At ring edges, where pressures are singular, cells are no larger than rtol. Shown by
-    physics/test_contact_march.py::test_random_punches_respect_their_error_estimates.
-    """
-    wanted = REFERENCE_CELLS * (REFERENCE_RTOL / problem.rtol) ** 0.5
-    count = finer * float(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))
-    edge = min(problem.rtol, MAX_CELL_SIZE_AT_EDGES) / finer**2
-    return ContactCells(
-        tuple(problem.merged.ring_edges.tolist()),
-        1 / count,
-        edge,
-        growth=CELL_GROWTH / finer**0.5,
-        spread=1 / count,
-        hollow=problem.merged.hollow,
-    )

@@ -113,6 +113,28 @@ def test_a_result_wrong_by_two_per_cent_is_a_disagreement(flat, factor):
     assert flat.verdict == "agree"
 
 
+def test_values_within_both_estimates_are_no_disagreement(flat):
+    """Of 3 and 1 with the estimates 60 % and 60 %, both can be right about 1.5."""
+    estimates = np.full(3, 0.6)
+    mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
+    for factor in (3.0, 1 / 3):
+        fem_values = fem.checked | {"indentation": factor * fem.checked["indentation"]}
+        both = (
+            replace(mdr, errors=mdr.errors | {"indentation": estimates}),
+            replace(fem, errors=fem.errors | {"indentation": estimates}, checked=fem_values),
+        )
+        rows = agreements(flat.scene.problem, ("mdr", "fem"), both)
+        (row,) = (row for row in rows if row.quantity == "indentation")
+        assert row.difference == pytest.approx(2 / 3, rel=1e-3)
+        assert row.verdict == "undecided"
+
+
+@pytest.mark.parametrize("factor", [100.0, 0.0, np.inf, np.nan])
+def test_values_beyond_both_estimates_are_a_disagreement(flat, factor):
+    row = compare(flat, {"indentation": factor}, {"indentation": np.full(3, 0.6)})["indentation"]
+    assert row.verdict == "disagree"
+
+
 def test_an_error_at_one_time_is_a_disagreement(flat):
     row = compare(flat, {"indentation": np.array([1.0, 1.01, 1.0])})["indentation"]
     assert row.verdict == "disagree"

@@ -14,7 +14,7 @@ from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
 from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.spaces import first_contact, load_of
-from ringwear.studies.sizes.defaults import cells_of
+from ringwear.studies.sizes.cells import cells_of
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
 WEAR = np.array([1.0, 10.0, 1.0])

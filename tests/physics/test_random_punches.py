@@ -25,7 +25,8 @@ def decide(seed):
     return verdict, time.process_time() - began
 
 
-@pytest.mark.parametrize("seed", [0, 22])
+# in 121, both methods state that they do not resolve the slopes of layers at the rim
+@pytest.mark.parametrize("seed", [0, 22, 121])
 def test_random_punches_are_decided(seed):
     assert decide(seed)[0] == "agree"
 

@@ -11,7 +11,7 @@ from ringwear.meshes.contact_cells import ContactCells
 from ringwear.studies.contact.edges import worn_edges
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.report.words import Account
-from ringwear.studies.sizes.defaults import cells_of
+from ringwear.studies.sizes.cells import cells_of
 
 FIVE = Scene.load("five_rings")
 
