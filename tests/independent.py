@@ -24,6 +24,8 @@ Array = np.ndarray
 FACTOR = 0.2
 # lower limit of the highest polynomial degree
 LEAST_DEGREE = 14
+# smallest element at a step of k, in s = 1 - r^2
+ROUNDOFF = 1e-14
 
 
 class Pieces:
@@ -295,7 +297,7 @@ class Punch:
 
 
 def solved(
-    problem, pieces: Pieces, load: Load, error: float, average: str
+    problem, pieces: Pieces, load: Load, error: float, average: str, roundoff: float = ROUNDOFF
 ) -> tuple[dict[str, Array], dict[str, Array], Punch]:
     """Return results over the face, the answer, and the punch.
 
@@ -304,13 +306,15 @@ def solved(
     problem : non-dimensional problem of a scene; used are its times, radii and ring edges
     error : approximate relative error of the solution
     average : "line" or "area", average of the RMS slope
+    roundoff : smallest size of elements at steps of k. Smaller layers are not resolved, which only
+        a solution with another value shows
     """
     times = problem.times[problem.checked]
     held = problem.indentation is not None
     later = times[times > 0]
     distances = load.at(later)[1]
     earliest = min(distances, default=np.inf)
-    smallest = _sizes(pieces, earliest, error)
+    smallest = _sizes(pieces, earliest, error, roundoff)
     # all eight relaxation times may belong to one piece, which needs at least this degree
     degree = max(int(np.ceil(np.log(1 / error) / np.log(3))) + 1, LEAST_DEGREE)
     punch = Punch(pieces, smallest, degree, held)
@@ -326,7 +330,7 @@ def solved(
     return results, _answer(problem, punch, results, load), punch
 
 
-def _sizes(pieces: Pieces, earliest: float, error: float) -> Array:
+def _sizes(pieces: Pieces, earliest: float, error: float, roundoff: float) -> Array:
     """Return the size in s of the smallest element at each edge.
 
     It is proportional to the length over which wear has smoothed the pressure at the earliest time.
@@ -343,7 +347,7 @@ def _sizes(pieces: Pieces, earliest: float, error: float) -> Array:
     bend = none(np.nan, pieces.slope) != none(pieces.slope, np.nan)
     # at steps of k, at kinks of k, and at ring edges where k is smooth
     kink = 0.1 * np.sqrt(error) * beside
-    sizes = np.where(before == after, np.where(bend, kink, np.inf), np.maximum(sizes, 1e-14))
+    sizes = np.where(before == after, np.where(bend, kink, np.inf), np.maximum(sizes, roundoff))
     # k is a cone at the axis, r = sqrt(1 - s): a square root for polynomials in s
     sizes[0] = np.inf
     if pieces.slope[0]:

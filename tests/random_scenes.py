@@ -27,7 +27,7 @@ from ringwear.studies.sampling.norms import differences
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from independent import Load, Pieces, solved
+from independent import ROUNDOFF, Load, Pieces, solved
 
 Array = np.ndarray
 KINDS = ("flat", "graded", "load", "held")
@@ -196,7 +196,10 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
     solutions = []
     for part in (FINE, COARSE):
         error, average = min(part * held.rtol, 1e-3), table["output"]["gradient_average"]
-        solutions.append(solved(problem, pieces_of(table), load_of(table), error, average))
+        roundoff = ROUNDOFF * part / FINE
+        solutions.append(
+            solved(problem, pieces_of(table), load_of(table), error, average, roundoff)
+        )
     (fine, answer, punch), (coarse, less, _) = solutions
     held.lost_contact = _loses_contact(table, punch)
     held.reference_seconds = time.perf_counter() - started

@@ -5,6 +5,7 @@ A problem is solved again with finer sizes if the method's error estimates excee
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
@@ -59,7 +60,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
         numbers = method.name, error, allowed
         LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
         try:
-            finer = method.solve_again(replace(problem, rtol=rtol), solution, allowed, stages)
+            finer = method.solve_again(with_rtol(problem, rtol), solution, allowed, stages)
         except RingwearError as failure:
             # keep the coarser solution, whose error estimate is still valid
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
@@ -92,6 +93,15 @@ def finer_rtol(problem: Problem, rtol: float, error: float, least: float) -> flo
     # the factor 0.25: layers and degrees are whole numbers, which a smaller change may leave as is
     wanted = 0.25 * allowed_error(problem) / error if problem.full_contact else 0.0
     return max(least, rtol * max(wanted, 0.1))
+
+
+@lru_cache(maxsize=16)
+def with_rtol(problem: Problem, rtol: float) -> Problem:
+    """Return a problem with another tolerance; the same object for every method.
+
+    Problems are compared by identity, and what they share is stored for each object.
+    """
+    return replace(problem, rtol=rtol)
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
