@@ -17,6 +17,10 @@ from .promise import BY_CELLS, allowed_error, unresolved
 
 # refinement stops if the last one left more than this part of the error estimate
 LITTLE_GAIN = 0.5
+# The tolerance that sizes follow after a refinement, over that before. Layers and degrees are whole
+# numbers, which a larger factor may leave as they are. It does not depend on the error, so that the
+# methods are refined to the same tolerance and share the search for the first contact.
+FINER = 0.1
 
 
 def solved_to_accuracy(
@@ -41,8 +45,8 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
 
     Sizes that the user gives are never refined. Errors that finer sizes do not reduce (roundoff, a
     given time step, layers thinner than the roundoff of coordinates) do not lead to a refinement;
-    the verdict reports them. Each refinement reduces the tolerance that sizes follow, by
-    `finer_rtol`. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
+    the verdict reports them. Each refinement multiplies the tolerance that sizes follow by
+    `FINER`. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
     """
     error = error_of_sizes(problem, solution)
     # if edges of the contact move, a method may use half of the uncertainty of two methods
@@ -56,7 +60,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     for _ in range(4):
         if rtol <= smallest_rtol or error <= allowed:
             break
-        rtol = finer_rtol(problem, rtol, error, smallest_rtol)
+        rtol = max(smallest_rtol, FINER * rtol)
         numbers = method.name, error, allowed
         LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -75,24 +79,6 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
         if new_error > LITTLE_GAIN * last_error:
             break
     return solution
-
-
-def finer_rtol(problem: Problem, rtol: float, error: float, least: float) -> float:
-    """Return the tolerance for the next refinement: at least a tenth of the last one.
-
-    It is a tenth if edges of the contact move, because methods with the same tolerance share the
-    search for the cells where contact begins.
-
-    Parameters
-    ----------
-    problem : the problem with the requested tolerance
-    rtol : tolerance that the sizes of the last solution follow
-    error : the greatest error estimate
-    least : smallest tolerance that sizes respond to
-    """
-    # the factor 0.25: layers and degrees are whole numbers, which a smaller change may leave as is
-    wanted = 0.25 * allowed_error(problem) / error if problem.full_contact else 0.0
-    return max(least, rtol * max(wanted, 0.1))
 
 
 @lru_cache(maxsize=16)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from threadpoolctl import threadpool_limits
 
-from ..crosscheck.accuracy import error_of_sizes, finer_rtol
+from ..crosscheck.accuracy import FINER, error_of_sizes
 from ..crosscheck.promise import allowed_error
 from ..methods.base import Method, Solution, SystemSize
 from ..methods.spaces import pressure_spaces
@@ -173,7 +173,7 @@ def _with_refinement(method: Method, problem: Problem, solution: Solution, first
     rtol = min(problem.rtol, coarsest)
     if error <= allowed or rtol <= finest or method.sizes_given(problem):
         return Cost(first, notes=solution.notes)
-    finer = replace(problem, rtol=finer_rtol(problem, rtol, error, finest))
+    finer = replace(problem, rtol=max(finest, FINER * rtol))
     sizes = method.system_size(finer), method.system_size(problem)
     if problem.full_contact:
         works = [
