@@ -73,6 +73,14 @@ def first_intervals(
     return tuple(intervals)
 
 
+def covers_face(intervals: tuple[Interval, ...]) -> bool:
+    """Return whether no edge of the contact is free: it ends at the rim and at steps of the face.
+
+    Thin layers that wear makes at ring edges then limit the accuracy, not edges of the contact.
+    """
+    return not any(part.inner_free or part.outer_free for part in intervals)
+
+
 def _unworn_edge(radius: Array, step: Array, node: int, direction: int) -> tuple[float, bool]:
     """Return the radius of the contact edge next to the last node of a run, and if it is free.
 

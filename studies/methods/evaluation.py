@@ -15,6 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...meshes.compliance import Compliance
+from ...meshes.errors import SolverError
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
@@ -28,6 +29,8 @@ from .error_factors import error_factor
 
 # Indices of the first and of the last of the times.
 ENDS = np.array([0, -1])
+# Tension, over (rtol * largest pressure), that may be a mere discretisation error on layers.
+MOST_TENSION = 10.0
 
 
 class Evaluation(ABC):
@@ -350,3 +353,29 @@ class FullContact(Evaluation):
             return floor
         pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0
         return np.where(pressed, max(at_start[name], floor), floor)
+
+
+def refuse_tension(evaluation: FullContact) -> None:
+    """Raise if full contact on layers takes tension during wear, which is not modelled.
+
+    On a homogeneous half-space, pressures that are positive at the start stay positive. A layer
+    that bends or bulges may lose contact with the punch later.
+
+    Raises
+    ------
+    SolverError
+        with the time and the remedy
+    """
+    problem = evaluation.problem
+    if problem.ground is None or not problem.earliest:
+        return
+    later = problem.checked[problem.distances[problem.checked] > 0]
+    history = evaluation.history[later]
+    pressure = (evaluation.compliance.space.matrix(problem.face.radii) @ history.pressure.T).T
+    allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
+    if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:
+        time = float(problem.times[later][lost_contact[0]]) * problem.units.time
+        raise SolverError(
+            f"half_space.layers lose contact with the punch by t = {time:.3g}, though not at the "
+            "start, and this is not modelled: end wear.times before that, or leave them out"
+        )

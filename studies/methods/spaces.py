@@ -18,7 +18,7 @@ from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import degree_reduction
-from ..contact.edges import find_first_contact, refine_at_free_edges
+from ..contact.edges import covers_face, find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.cells import cells_of, graded_to_worn_layers
@@ -109,7 +109,7 @@ def first_contact(
         raise SceneError(
             "load.indentation makes a contact that is too small for cells: give a larger one"
         )
-    if all(not (part.inner_free or part.outer_free) for part in intervals):
+    if covers_face(intervals):
         cells = graded_to_worn_layers(problem, cells, finer)
     if finer == 1:
         tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)

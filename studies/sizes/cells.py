@@ -31,16 +31,16 @@ MAX_CELL_SIZE_AT_EDGES = 1e-3
 CELL_GROWTH = 0.4
 # For contact that has no free edge at the start, as under a flat face. There, the thin layers that
 # wear makes at ring edges by the first time limit the accuracy of fields, not edges of the contact
-# (physics/test_contact_march.py::test_early_layers_under_a_full_face_are_resolved).
+# (physics/test_random_scenes.py::test_early_layers_under_a_full_face_are_resolved).
 #
 # Size of the cells at ring edges and at the rim over the worn length at the first time after the
 # start: this number times rtol, but at most the second. Errors of the slope are proportional to it.
-CELL_PER_WORN_LENGTH, MAX_CELL_PER_WORN_LENGTH = 1.0, 0.02
+CELL_PER_WORN_LENGTH, MAX_CELL_PER_WORN_LENGTH = 0.05, 0.02
 # Smallest such size, in a.
 SMALLEST_CELL_IN_LAYERS = 1e-11
 # Growth of the size of these cells per distance over sqrt(rtol): pressures are linear on cells,
 # so that their error is proportional to the square of the growth.
-GROWTH_IN_LAYERS = 2.5
+GROWTH_IN_LAYERS = 2.0
 # Number of cells in the layers of all ring edges above which the growth is larger than that.
 MOST_CELLS_IN_LAYERS = 400
 

@@ -75,3 +75,13 @@ def test_every_number_beyond_rtol_is_reported(kind):
     # a method may overestimate its errors and be undecided
     assert {row.verdict for row in rows} <= {"agree", "undecided"}
     assert sum(row.verdict == "agree" for row in rows) >= 3
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("number", [5, 13])
+def test_early_layers_under_a_full_face_are_resolved(number):
+    """Under loads that vary, fields at early times were up to 400 rtol off, and not promised."""
+    (*_, table) = draw("load", 7, number + 1)
+    row = hold(table, ("mdr", "fem"))
+    assert row.verdict == "agree"
+    assert not (row.excluded or row.beyond)
