@@ -90,6 +90,11 @@ class Marched:
         ahead = (1 - areas[last]) / growth if growth > 0 else np.inf
         return float(min(times[last] + ahead, times[last + 1]))
 
+    @property
+    def always_full(self) -> bool:
+        """Whether all of the face is in contact at every step."""
+        return bool((self.path[:, 3] >= FULL_AREA).all())
+
     def remainder(self) -> tuple[Array, Array]:
         """Return the times of the steps (S,), and the remaining change to the limit then (S,)."""
         times, depth, force, _ = self.path.T

@@ -73,11 +73,7 @@ def unresolved(
     at : index of the compared time, if the quantity has times
     """
     if not problem.full_contact:
-        edges = "pressures may be infinite at edges"
-        if problem.earliest:
-            edges = "pressures jump at edges of worn faces that move"
-        words = f"{edges}, where fields are only known to a cell; choose a smaller rtol"
-        return words if quantity in (*AT_EDGES, *BY_CELLS) else ""
+        return _limit_of_cells(problem, solutions) if quantity in (*AT_EDGES, *BY_CELLS) else ""
     # earlier times, which need smaller elements, have no influence
     first = int(problem.checked[at]) if DESCRIBED[quantity].dims[:1] == ("time",) else 0
     if quantity in LAYER_QUANTITIES:
@@ -99,6 +95,20 @@ def unresolved(
             "rtol, or fewer rings"
         )
     return ""
+
+
+def _limit_of_cells(problem: Problem, solutions: Mapping[str, Solution]) -> str:
+    """Return why cells of the face limit the accuracy of fields, with a remedy."""
+    marches = [solution.march for solution in solutions.values() if solution.march]
+    if marches and all(march.always_full for march in marches):
+        return (
+            "the layers that wear has made by then are thin at ring edges and at the rim, and "
+            "cells resolve them to the stated errors only; choose later times or a smaller rtol"
+        )
+    edges = "pressures may be infinite at edges"
+    if problem.earliest:
+        edges = "pressures jump at edges of worn faces that move"
+    return f"{edges}, where fields are only known to a cell; choose a smaller rtol"
 
 
 # cached, because all quantities are checked at the same times
