@@ -6,7 +6,7 @@ same sizes as a radial mesh. Lengths are in punch radii.
 """
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -118,6 +118,24 @@ class ContactCells:
             cell_edges = np.interp(np.arange(1, count) * integral[-1] / count, integral, grid_radii)
             pieces.append(np.append(cell_edges, outer))
         return np.concatenate(pieces)
+
+    def multiplied(self, factor: float) -> "ContactCells":
+        """Return about `factor` times as many cells, which are small at the same places.
+
+        Sizes at ring edges, where pressures are singular, are divided by the square of the factor,
+        and their growth by its root.
+        """
+        return replace(
+            self,
+            largest=self.largest / factor,
+            edge_size=self.edge_size / factor**2,
+            growth=self.growth / factor**0.5,
+            spread=self.spread / factor,
+            refinements=tuple(
+                (inner, outer, size / factor) for inner, outer, size in self.refinements
+            ),
+            free_edges=tuple(edge.scaled(1 / factor) for edge in self.free_edges),
+        )
 
     def space(self) -> PressureSpace:
         """Return the space of piecewise linear pressures that are continuous inside each ring."""

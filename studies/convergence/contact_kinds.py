@@ -162,7 +162,8 @@ class ShapedPunch(ContactKind):
 
     def reference(self, problem: Problem, cell_factor: float, stages: Stages) -> Evaluation:
         """Return the march on cells half as large as on the finest level, from a fitted start."""
-        compliance = ring_kernel.compliance(first_contact(problem, 2 * cell_factor)[1].space())
+        cells = first_contact(problem)[1].multiplied(2 * cell_factor)
+        compliance = ring_kernel.compliance(cells.space())
         start = fitted_start(problem, stages)
         return MovingContact(problem, compliance, start, STEP_TOLERANCE_FACTOR)
 

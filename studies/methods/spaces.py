@@ -89,44 +89,32 @@ def load_at_start(problem: Problem) -> Load:
 
 
 @lru_cache(maxsize=16)
-def first_contact(
-    problem: Problem, finer: float = 1.0
-) -> tuple[tuple[Interval, ...], ContactCells]:
+def first_contact(problem: Problem) -> tuple[tuple[Interval, ...], ContactCells]:
     """Return the intervals of first contact, and cells for them, the same for every method.
 
     They only determine the cells. For this, the compliance of any method is sufficient, and that of
     dimensionality reduction is fast to compute.
-
-    Parameters
-    ----------
-    problem : the problem, with its tolerance
-    finer : factor on the number of cells
     """
-    cells = cells_of(problem, finer)
     load, compliance_on = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
-    intervals, cells = find_first_contact(compliance_on, problem.profile, load, cells)
+    intervals, cells = find_first_contact(compliance_on, problem.profile, load, cells_of(problem))
     if not intervals:
         raise SceneError(
             "load.indentation makes a contact that is too small for cells: give a larger one"
         )
     if covers_face(intervals):
-        cells = graded_to_worn_layers(problem, cells, finer)
-    if finer == 1:
-        tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
-        intervals, cells = refine_at_free_edges(
-            compliance_on, problem.profile, load, cells, tolerance
-        )
-    else:
-        # the same edges as with finer = 1, so that the difference shows only the effect of the size
-        # of cells
-        edges = first_contact(problem)[1].free_edges
-        cells = replace(cells, free_edges=tuple(edge.scaled(1 / finer) for edge in edges))
-    return intervals, cells
+        cells = graded_to_worn_layers(problem, cells)
+    tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
+    return refine_at_free_edges(compliance_on, problem.profile, load, cells, tolerance)
 
 
 def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
-    """Return cells of the face, small where contact begins, and half as many cells."""
-    return first_contact(problem)[1], first_contact(problem, 0.5)[1]
+    """Return cells of the face, small where contact begins, and half as many cells.
+
+    Both are small at the same places, so that the difference of solutions on them shows only the
+    effect of the size of cells.
+    """
+    cells = first_contact(problem)[1]
+    return cells, cells.multiplied(0.5)
 
 
 def radial_space(

@@ -28,7 +28,7 @@ def predict_memory(scene: Scene) -> float:
     on_cells = not problem.full_contact and len(problem.times) > 0
     if on_cells:
         # where contact begins is not known before the run; without free edges, cells are the most
-        space = graded_to_worn_layers(problem, cells_of(problem), 1.0).space()
+        space = graded_to_worn_layers(problem, cells_of(problem)).space()
     else:
         space = radial_space(problem, **mdr_sizes(problem))
     numbers = sum(method(name).numbers_in_memory(problem, space.size) for name in scene.methods)

@@ -71,13 +71,12 @@ def tolerance_range(problem: Problem, pressures: int) -> tuple[float, float]:
     return max(least, min(problem.rtol, greatest) * ratio**2), greatest
 
 
-def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
+def cells_of(problem: Problem) -> ContactCells:
     """Return the cells that the tolerance requires, before the places of first contact are known.
 
     Parameters
     ----------
     problem : the problem, with its tolerance and its rings
-    finer : factor on the number of cells
 
     Notes
     -----
@@ -87,39 +86,32 @@ def cells_of(problem: Problem, finer: float = 1.0) -> ContactCells:
     physics/test_contact_march.py::test_random_punches_respect_their_error_estimates.
     """
     wanted = REFERENCE_CELLS * (REFERENCE_RTOL / problem.rtol) ** 0.5
-    count = finer * float(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))
-    edge = min(problem.rtol, MAX_CELL_SIZE_AT_EDGES) / finer**2
+    size = 1 / float(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))
     return ContactCells(
         tuple(problem.merged.ring_edges.tolist()),
-        1 / count,
-        edge,
-        growth=CELL_GROWTH / finer**0.5,
-        spread=1 / count,
+        size,
+        min(problem.rtol, MAX_CELL_SIZE_AT_EDGES),
+        growth=CELL_GROWTH,
+        spread=size,
         hollow=problem.merged.hollow,
     )
 
 
-def graded_to_worn_layers(problem: Problem, cells: ContactCells, finer: float) -> ContactCells:
+def graded_to_worn_layers(problem: Problem, cells: ContactCells) -> ContactCells:
     """Return cells that also resolve the layers that wear makes at ring edges by the first time.
 
     Parameters
     ----------
     problem : the problem, with its tolerance, rings and times
     cells : cells for it
-    finer : factor on the number of cells
     """
     worn_length = float(problem.edge_amplitude.worn_length_slow.min())
     size_per_length = min(CELL_PER_WORN_LENGTH * problem.rtol, MAX_CELL_PER_WORN_LENGTH)
-    size = max(size_per_length * worn_length, SMALLEST_CELL_IN_LAYERS)
-    size = min(size, finer**2 * cells.edge_size)
+    size = min(max(size_per_length * worn_length, SMALLEST_CELL_IN_LAYERS), cells.edge_size)
     # cells of the layers on one side of an edge, times their growth: from `size` to `largest`
     cells_times_growth = np.log(cells.largest / size)
     sides = 2 * len(problem.merged.ring_edges) - 3
     growth = max(
         GROWTH_IN_LAYERS * problem.rtol**0.5, sides * cells_times_growth / MOST_CELLS_IN_LAYERS
     )
-    return replace(
-        cells,
-        edge_size=size / finer**2,
-        growth=min(cells.growth, growth / finer**0.5),
-    )
+    return replace(cells, edge_size=size, growth=min(cells.growth, growth))

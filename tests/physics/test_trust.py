@@ -101,9 +101,8 @@ def worn_sphere(rtol, times, **changes):
 
 
 def set_cells(monkeypatch, count):
-    def cells(problem, finer=1.0):
-        size = 1 / (finer * count)
-        return replace(cells_of(problem, finer), largest=size, spread=size)
+    def cells(problem):
+        return replace(cells_of(problem), largest=1 / count, spread=1 / count)
 
     monkeypatch.setattr("ringwear.studies.methods.spaces.cells_of", cells)
 
