@@ -131,11 +131,13 @@ def _differences_over_larger(problem: Problem, first: Solution, second: Solution
     estimates e1 and e2 can both be right if |v1 - v2| <= e1 v1 + e2 v2. Relative to the larger
     value, this difference is then at most e1 + e2; relative to the smaller one, it may be larger.
     """
-    one_way, other_way = (
-        differences(values.checked, reference.checked, problem.face)
-        | answer_differences(values.answers, reference.answers)
-        for values, reference in ((first, second), (second, first))
-    )
+    # relative to an infinite value, an infinite difference is NaN, which never agrees
+    with np.errstate(invalid="ignore"):
+        one_way, other_way = (
+            differences(values.checked, reference.checked, problem.face)
+            | answer_differences(values.answers, reference.answers)
+            for values, reference in ((first, second), (second, first))
+        )
     return {
         # a difference relative to zero is reported as zero; the one relative to the other value is
         # then 1
