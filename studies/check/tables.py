@@ -6,7 +6,7 @@ radius, or be in rows whose radius is empty. If a table is wrong, the error mess
 the line, the column and the remedy.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -20,6 +20,7 @@ from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames, size_of_unit
 from ..progress import LOG
+from ..scene.explain import nearest
 from ..scene.scene import Scene
 from .csv_files import name_and_unit, read_csv_text, read_numbers
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 OthersResults: TypeAlias = "str | Path | pd.DataFrame | xarray.Dataset"
 
 
+COMPARED = ("pressure", "displacement", "profile", "indentation", "normal_force")
+"""Columns that messages name as those that `check` compares."""
 LARGE = 200_000
 """Number of characters above which a CSV file is read by `read_numbers`, if that is possible."""
 
@@ -41,6 +44,7 @@ def read(
     columns: Mapping[str, str],
     units: str,
     more: Mapping[str, str] | None = None,
+    wanted: Sequence[str] = COMPARED,
 ) -> pd.DataFrame:
     """Return the validated results of another program, in the units of a scene.
 
@@ -52,6 +56,7 @@ def read(
     columns : our column names by theirs
     units : of the results, in the notation of a scene; if empty, those of the scene
     more : further columns that depend on time alone, each with the kind of its unit
+    wanted : columns of which the table needs at least one, for messages
 
     Raises
     ------
@@ -87,7 +92,7 @@ def read(
     if source.index.names != [None]:
         source = source.reset_index()
     source, heading_units = _rename_headings(source, columns, kinds)
-    frame = _select_columns(source, name, columns, list(kinds))
+    frame = _select_columns(source, name, columns, list(kinds), wanted)
     table = _validate(frame, f"{name}, {place}")
     _report_missing(frame, table, name)
     scene_units = UnitNames.of(scene.units)
@@ -213,7 +218,11 @@ def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
 
 
 def _select_columns(
-    frame: pd.DataFrame, name: str, columns: Mapping[str, str], our_names: list[str]
+    frame: pd.DataFrame,
+    name: str,
+    columns: Mapping[str, str],
+    our_names: list[str],
+    wanted: Sequence[str],
 ) -> pd.DataFrame:
     """Return the columns that we know, under our names.
 
@@ -230,13 +239,15 @@ def _select_columns(
     needed = ["time", "radius"] if FIELDS.intersection(frame) else ["time"]
     missing += [key for key in needed if key not in frame]
     if not frame.columns.difference(["time", "radius"]).size:
-        missing.append("pressure")
+        missing.append(wanted[0])
     if missing or not frame.columns.is_unique:
         fault = f"no column {missing[0]!r}" if missing else "a column twice"
+        pairs = [(theirs, nearest(theirs, ["time", "radius", *wanted])) for theirs in unknown]
+        renamed = ",".join(f"{theirs}={ours}" for theirs, ours in pairs if ours)
         raise SceneError(
             f"{name} has {fault}; its columns are {headings}: give time, radius if there are "
-            "fields, and some of pressure, displacement, profile, indentation, normal_force, each "
-            "once, by --columns theirs=ours if necessary"
+            f"fields, and some of {', '.join(wanted)}, each once, by --columns "
+            f"{renamed or 'theirs=ours'} if necessary"
         )
     if unknown:
         LOG.warning("%s: columns that are not read: %s", name, ", ".join(unknown))

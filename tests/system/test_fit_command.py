@@ -101,6 +101,22 @@ def test_wrong_data_and_options_are_refused_in_one_line(
     assert not (tmp_path / "out").exists()
 
 
+def test_a_file_given_twice_is_refused(measured, capsys):
+    data = str(measured / "data.csv")
+    command = ["fit", str(measured / "pin.toml"), data, data, "--for", "punch.wear_coefficient"]
+    assert main(command) == 2
+    assert f"{data} and {data} are one file: give each table once" in capsys.readouterr().err
+
+
+def test_a_parameter_without_effect_is_named_in_plain_words(measured):
+    """Worn volumes do not depend on the zero of the displacement sensor."""
+    weighed = pd.DataFrame({"time": [1e3, 5e3, 9e3], "worn_volume": [1e-12, 5e-12, 9e-12]})
+    parameters = ["punch.wear_coefficient", "sensor_offset"]
+    conclusions = ringwear.fit(measured / "pin.toml", weighed, parameters, "2 %").conclusions
+    (line,) = [line for line in conclusions if line.startswith("sensor_offset")]
+    assert "it has no effect on any of the measured quantities" in line
+
+
 def test_layers_are_refused(tmp_path, capsys):
     """The model of the fit has no layers, so it would give wrong values without notice."""
     (tmp_path / "data.csv").write_text("time,indentation\n0,1e-6\n10,2e-6\n")

@@ -75,13 +75,67 @@ def test_the_key_of_a_list_means_all_of_its_values():
     [
         ("punch.wear_coeficient", "did you mean punch.wear_coefficient?"),
         ("punch.wear_coefficients[2]", "has 2 values, counted from 0"),
-        ("punch.radius", "cannot be fitted"),
+        ("punch.radius", "only wear coefficients, moduli, loads and unknowns of the rig"),
+        ("punch.rings", "punch.rings cannot be fitted, only wear coefficients"),
+        ("load.mean_pressure", "the scene does not have it"),
+        ("half_space.youngs_modulus[0]", "is one number in the scene: leave out the index"),
+        ("punch.wear_coefficients,punch.wear_ratio", "describe the same"),
         ("start_time,start_time", "given twice"),
     ],
 )
 def test_parameters_that_cannot_be_fitted_are_refused(name, told):
     with pytest.raises(SceneError, match=told.replace("?", r"\?")):
         find_parameters(SCENE, name.split(","))
+
+
+def test_every_parameter_that_is_listed_can_be_fitted():
+    """The list contains a sliding speed that the scene leaves at 1, and the ratio of two values."""
+    pair = SCENE.changed({"punch.wear_coefficients": [1e-15, 5e-15]})
+    for scene in (SCENE, pair):
+        with pytest.raises(SceneError) as refusal:
+            find_parameters(scene, ["punch.rings"])
+        names = str(refusal.value).rpartition("fit some of ")[2].split(", ")
+        assert {"load.sliding_speed", "punch.wear_ratio", "start_time"} <= set(names)
+        for name in names:
+            _, parameters = find_parameters(scene, [name])
+            assert parameters[0].name.startswith(name)
+    _, (speed,) = find_parameters(SCENE, ["load.sliding_speed"])
+    assert speed.value == 1.0
+    changed, (ratio,) = find_parameters(pair, ["punch.wear_ratio"])
+    assert ratio.value == pytest.approx(5.0)
+    assert changed.punch.coefficients == pytest.approx([1e-15, 5e-15])
+    assert scene_at(changed, [ratio], np.array([np.log(2.0)])).punch.wear_ratio == pytest.approx(10)
+
+
+def test_a_ratio_needs_two_materials():
+    single = SCENE.changed({"punch.wear_coefficients": [1e-15, 5e-15, 2e-15]})
+    with pytest.raises(SceneError, match=r"fit punch\.wear_coefficients$"):
+        find_parameters(single, ["punch.wear_ratio"])
+
+
+SERIES = {"time": np.arange(9.0), "indentation": np.arange(9.0)}
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"a": SERIES, "b": SERIES},
+        {"a": SERIES, "b": {"time": np.arange(9.0)[::-1], "indentation": np.arange(9.0)[::-1]}},
+        {"a": SERIES, "b": SERIES | {"normal_force": np.arange(9.0)}},
+        {"a": SERIES, "b": {"time": np.arange(9.0), "indentation [mm]": 1e3 * np.arange(9.0)}},
+        {"a": {"time": [5.0], "worn_volume": [2.0]}, "b": {"time": [5.0], "worn_volume": [2.0]}},
+    ],
+)
+def test_a_table_that_is_given_twice_is_refused(tables):
+    frames = {name: pd.DataFrame(columns) for name, columns in tables.items()}
+    with pytest.raises(SceneError, match=r"a and b have the same .* would count twice"):
+        read_measurements(SCENE, frames, {"indentation": 1e-3, "worn_volume": 1e-3})
+
+
+def test_different_measurements_of_one_quantity_are_accepted():
+    again = SERIES | {"indentation": np.arange(9.0) + 0.1}
+    frames = {"a": pd.DataFrame(SERIES), "b": pd.DataFrame(again)}
+    assert len(read_measurements(SCENE, frames)) == 2
 
 
 def test_lost_mass_is_volume_times_density():
@@ -107,6 +161,20 @@ def test_incomplete_measurements_are_refused_with_a_reason(noise, density, told)
     table = pd.DataFrame({"time": np.arange(9.0), "lost_mass": 1e-9, "indentation": np.arange(9.0)})
     with pytest.raises(SceneError, match=told):
         read_measurements(SCENE, table, noise, density)
+
+
+@pytest.mark.parametrize(
+    ("columns", "told"),
+    [
+        ({"time": [1.0], "mass": [1.0]}, "worn_volume, lost_mass, each once, by --columns mass=lo"),
+        ({"time": [1.0], "worn_volume_4": [1.0]}, "give worn_volume_1 to worn_volume_3"),
+        ({"time": [1.0], "lost_mass_0": [1.0]}, "numbered from 1 at the centre to 3"),
+        ({"time": [0.0], "worn_volume": [0.0]}, "given only at the start: give later times"),
+    ],
+)
+def test_columns_that_cannot_be_fitted_are_refused_with_the_remedy(columns, told):
+    with pytest.raises(SceneError, match=told):
+        read_measurements(SCENE, pd.DataFrame(columns))
 
 
 def test_divided_differences_are_integrals():
