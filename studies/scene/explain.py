@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..problem.fields import KINDS, ProfileSection, Section
+from ..problem.sections import LayerSection
 
 # least similarity (difflib ratio) of an unknown key to the suggested one, in its own table and in
 # other tables
@@ -86,6 +87,9 @@ OTHER_KEYS = {
     "tol": "rtol",
     "tolerance": "rtol",
 }
+# keys of a layer, and advice, by other names and symbols that users may write
+KEYS_OF_LAYERS = {"height": "thickness", "depth": "thickness", "h": "thickness", "t": "thickness"}
+OF_LAYERS = {"plane_strain_modulus": "give youngs_modulus = E* (1 - nu^2) with poisson_ratio = nu"}
 # advice by other names of kinds of profiles
 OTHER_KINDS = {
     "sphere": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than that "
@@ -219,8 +223,12 @@ def shown(value: object) -> str:
 
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     """Return what to write instead of an unknown key, in its own table or in another one."""
-    if (instead := not_modelled(unknown)) is not None:
-        return instead
+    advice = OF_LAYERS.get(unknown) if section is LayerSection else None
+    if advice is None:
+        advice = not_modelled(unknown)
+    # advice on layers is of no use within a layer
+    if advice is not None and not (section is LayerSection and "[[half_space.layers]]" in advice):
+        return advice
     names = keys_of(section)
     known_keys = f"the keys here are {', '.join(names)}"
     match = place_of(unknown, section, scene)
@@ -234,6 +242,8 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     is empty if no key is similar.
     """
     names, word = keys_of(section), OTHER_KEYS.get(unknown, unknown)
+    if section is LayerSection:
+        word = KEYS_OF_LAYERS.get(unknown, word)
     if word in names:
         return word
     tables = {
@@ -250,6 +260,19 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
         if match := nearest(word, keys, LEAST_SIMILARITY_ELSEWHERE):
             return f"{table}.{match}"
     return ""
+
+
+def key_meant(key: str, scene: type[Section]) -> str:
+    """Return the key of a scene that an unknown key with dots probably means; empty if none is."""
+    place = ""
+    for part in key.split("."):
+        section, _ = declaration(place.split("."), scene) if place else (scene, None)
+        meant = part if part.isdigit() else place_of(part, section, scene)
+        # a key of another table is no part of this one
+        if not meant or (place and "." in meant):
+            return ""
+        place = f"{place}.{meant}" if place else meant
+    return place
 
 
 def keys_of(section: type[Section]) -> list[str]:

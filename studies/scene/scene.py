@@ -28,8 +28,8 @@ from ..problem.sections import (
 )
 from ..problem.unit_names import without_quantities
 from ..registry import METHODS
-from .explain import did_you_mean, explain, keys_of, place_of, shown
-from .keys import dotted, listed, set_key, without_alternatives
+from .explain import did_you_mean, explain, key_meant, keys_of, place_of, shown
+from .keys import dotted, listed, with_key, without_alternatives
 from .sources import line_of, text_of
 
 # the right call, by names of attributes and methods that users may guess
@@ -264,7 +264,7 @@ class Scene(Section, metaclass=SceneType):
         values = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
         for key, value in values.items():
             if key.partition(".")[0] not in keys_of(Scene) and (
-                suggestion := place_of(key, Scene, Scene)
+                suggestion := key_meant(key, Scene)
             ):
                 raise SceneError(
                     f"a scene has no key {key!r}: write changed({{{suggestion!r}: "
@@ -272,7 +272,7 @@ class Scene(Section, metaclass=SceneType):
                 )
         table = without_alternatives(self.table(), set(values))
         for key, value in values.items():
-            set_key(table, key.split("."), value)
+            table = with_key(table, key, value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
     def with_heights(self, *heights: Height, kinks: Sequence[float] | None = None) -> "Scene":

@@ -33,7 +33,7 @@ from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
 from ..scene.explain import did_you_mean, nearest
-from ..scene.keys import without_alternatives
+from ..scene.keys import with_key, without_alternatives
 from ..scene.scene import Scene
 from ..scene.sources import bundled
 from .columns import Column, has_units, read_columns
@@ -198,10 +198,10 @@ class Sweep:
         """
         table = self.table["base"]
         for key, value in changes.items():
-            table = _changed(table, key.split("."), value)
+            table = with_key(table, key, value)
         if (file := _profile_file(table)) in self.profiles:
             profile = {"kind": "table"} | self.profiles[file]
-            table = _changed(table, ["punch", "profile"], profile)
+            table = with_key(table, "punch.profile", profile)
         scene = Scene.from_table(table, _name_of(changes)).with_heights(*self.heights)
         self.check_labels(scene, changes)
         return scene
@@ -244,18 +244,6 @@ def _labels(scene: Scene) -> dict[str, Column]:
     }
 
 
-def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
-    """Return a copy of nested dictionaries with another value at a path."""
-    key, *rest = path
-    if rest:
-        inner = table.get(key)
-        if isinstance(inner, list):
-            value = _with_entry(inner, rest, value)
-        else:
-            value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
-    return table | {key: value}
-
-
 def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
     """Return a message that explains why a sweep file cannot be read, and what to give instead."""
     bundled_files = (files("ringwear.studies") / "sweep" / "files").iterdir()
@@ -269,19 +257,6 @@ def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
         f"{source} cannot be read as a sweep: {reason}; {hint}give a sweep file, TOML in UTF-8, "
         f"or one of {', '.join(names)}"
     )
-
-
-def _with_entry(tables: list[TomlTable], path: list[str], value: object) -> list[TomlTable]:
-    """Return a copy of a list of tables with another value at a path that begins with an index."""
-    number, *rest = path
-    if not number.isdigit() or int(number) >= len(tables) or not rest:
-        raise SceneError(
-            f"there is no {'.'.join(path)} in a list of {len(tables)} tables: they are numbered "
-            "from 0"
-        )
-    changed = [*tables]
-    changed[int(number)] = _changed(changed[int(number)], rest, value)
-    return changed
 
 
 def _profile_file(table: TomlTable) -> str:
@@ -301,7 +276,7 @@ def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) ->
     tables = [base]
     for key, column in columns.items():
         if key in ("punch", "punch.profile", "punch.profile.file"):
-            tables += [_changed(base, key.split("."), value) for value in column.values]
+            tables += [with_key(base, key, value) for value in column.values]
     profiles: TomlTable = {}
     for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
         in_folder = folder / file
