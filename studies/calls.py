@@ -5,7 +5,8 @@ from functools import wraps
 from inspect import signature
 from typing import Any, TypeVar, cast
 
-from .scene.explain import nearest, place_of, shown
+from .problem.written import shown
+from .scene.explain import nearest, place_of
 from .scene.scene import Scene
 
 Call = TypeVar("Call", bound=Callable[..., Any])

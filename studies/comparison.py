@@ -14,6 +14,7 @@ from .outcome.outcome import Outcome
 from .outcome.run import run
 from .output.folder import output_folder
 from .output.stored import StoredOutcome, load
+from .problem.written import shown
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
 from .sampling.field_differences import FieldComparison
 from .scene.explain import nearest
@@ -152,7 +153,9 @@ class Comparison:
         if kind not in self.figures:
             suggestion = nearest(str(kind), self.figures)
             hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
-            raise SceneError(f"no figure {kind!r}: {hint}give one of {', '.join(self.figures)}")
+            raise SceneError(
+                f"no figure {shown(kind)}: {hint}give one of {', '.join(self.figures)}"
+            )
         return self.figures[kind]
 
     def write(self, folder: Path) -> None:

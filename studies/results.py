@@ -15,9 +15,10 @@ from .output import stored
 from .output.files import run_files, write_numbers
 from .output.folder import output_folder
 from .problem.quantities import DESCRIBED
+from .problem.written import shown
 from .registry import METHODS
 from .report.words import Account
-from .scene.explain import nearest, shown
+from .scene.explain import nearest
 from .scene.keys import listed
 from .scene.scene import Scene, Source
 
@@ -155,10 +156,11 @@ def run(
     >>> result.verdict
     'agree'
     """
-    entries = listed(methods or ())
+    entries = listed(() if methods is None else methods)
     if invalid := [entry for entry in entries if not isinstance(entry, str | Method)]:
         raise SceneError(
-            f"methods has {invalid[0]!r}: give names, {', '.join(METHODS)}, or objects of a Method"
+            f"methods has {shown(invalid[0])}: give names, {', '.join(METHODS)}, or objects of a "
+            "Method"
         )
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
@@ -205,7 +207,7 @@ class Result(Outcome):
             suggestion = _quantity_like(str(quantity), names)
             hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
             raise SceneError(
-                f"no {quantity!r} in these results: {hint}give one of {', '.join(names)}"
+                f"no {shown(quantity)} in these results: {hint}give one of {', '.join(names)}"
             )
         return self.dataset[quantity]
 
@@ -237,7 +239,9 @@ class Result(Outcome):
             available = ", ".join(pictures) or "none: all selected quantities are numbers"
             suggestion = nearest(str(kind), pictures)
             hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
-            raise SceneError(f"no figure {kind!r} of these results: {hint}give one of {available}")
+            raise SceneError(
+                f"no figure {shown(kind)} of these results: {hint}give one of {available}"
+            )
         return pictures[kind].figure(self)
 
     def save(self, folder: str | Path) -> list[str]:
@@ -315,7 +319,7 @@ def check(
     from .check.check import check_as
 
     if "within" in how and not (isinstance(how["within"], float | int) and how["within"] > 0):
-        raise SceneError(f"within = {how['within']!r}: give a positive number, such as 0.01")
+        raise SceneError(f"within = {shown(how['within'])}: give a positive number, such as 0.01")
     return check_as(Checked, scene, _by_program(given), **how)
 
 

@@ -19,6 +19,7 @@ from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames, size_of_unit
+from ..problem.written import shown
 from ..progress import LOG
 from ..scene.explain import nearest
 from ..scene.scene import Scene
@@ -288,7 +289,7 @@ def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
     for key, wrong, remedy in checks:
         if wrong.any():
             line = wrong.idxmax()
-            raise SceneError(f"{place} {line}, column {key!r}: {frame[key][line]!r}; {remedy}")
+            raise SceneError(f"{place} {line}, column {key!r}: {shown(frame[key][line])}; {remedy}")
     if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
         raise SceneError(
             f"{place.rpartition(',')[0]} has no numbers other than times and radii: give some"

@@ -14,6 +14,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..outcome.run import run
 from ..output.folder import output_folder
+from ..problem.written import shown
 from ..scene.scene import Scene, Source
 from . import abaqus, calculix
 from .keywords import Model
@@ -117,8 +118,8 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
     """
     if choice.program not in PROGRAMS or choice.elements not in ELEMENTS:
         raise SceneError(
-            f"a deck of {choice.elements} elements for {choice.program!r} cannot be written: give "
-            f"one of {', '.join(PROGRAMS)}, and linear or quadratic elements"
+            f"a deck of {choice.elements} elements for {shown(choice.program)} cannot be written: "
+            f"give one of {', '.join(PROGRAMS)}, and linear or quadratic elements"
         )
     if reason := refusal(scene, choice.program):
         raise SceneError(reason)

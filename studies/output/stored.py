@@ -17,6 +17,7 @@ from ..outcome.outcome import Outcome
 from ..outcome.scope import methods_of
 from ..outcome.table import Table
 from ..predictions.memory import refuse_large
+from ..problem.written import shown
 from ..registry import METHODS
 from ..scene.scene import Scene
 
@@ -108,7 +109,7 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
     import xarray
 
     if not isinstance(folder, str | Path):
-        raise SceneError(f"{folder!r} is no folder: give one that `ringwear run` has written")
+        raise SceneError(f"{shown(folder)} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
     try:
         summary = json.loads((path / "summary.json").read_text("utf-8"))

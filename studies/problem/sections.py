@@ -50,6 +50,9 @@ MOST_CONTRAST = 1e4
 class LayerSection(Section):
     """A table of `half_space.layers`: a layer, bonded to its neighbours."""
 
+    # of the first layer, as an example
+    prefix = "half_space.layers.0."
+
     thickness: Annotated[Positive, Unit("length")] = Field(description="a positive length")
     youngs_modulus: Annotated[Positive, Unit("pressure")] = Field(
         description="Young's modulus E of the layer, a positive pressure"

@@ -13,13 +13,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..problem.fields import KINDS, ProfileSection, Section
-from ..problem.sections import LayerSection
+from ..problem.written import shown
 
 # least similarity (difflib ratio) of an unknown key to the suggested one, in its own table and in
 # other tables
 LEAST_SIMILARITY, LEAST_SIMILARITY_ELSEWHERE = 0.6, 0.75
-# greatest number of characters of a value in messages
-MOST_CHARACTERS = 60
 
 KINDS_OF_PROFILES = [name for name, section in KINDS.items() if issubclass(section, ProfileSection)]
 
@@ -87,7 +85,8 @@ OTHER_KEYS = {
     "tol": "rtol",
     "tolerance": "rtol",
 }
-# keys of a layer, and advice, by other names and symbols that users may write
+# prefix of the keys of layers; these keys, and advice, by other names that users may write
+LAYER = "half_space.layers.0."
 KEYS_OF_LAYERS = {"height": "thickness", "depth": "thickness", "h": "thickness", "t": "thickness"}
 OF_LAYERS = {"plane_strain_modulus": "give youngs_modulus = E* (1 - nu^2) with poisson_ratio = nu"}
 # advice by other names of kinds of profiles
@@ -118,7 +117,7 @@ def kind_instead(profile: object) -> str:
         return "is missing"
     if (advice := OTHER_KINDS.get(str(kind).lower())) is not None:
         return advice
-    return f"there is no kind {kind!r}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
+    return f"there is no kind {shown(kind)}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
 
 
 def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARITY) -> str:
@@ -215,19 +214,13 @@ def _in_plain_words(fault: ErrorDetails) -> str:
     return message.replace("Input should", "should").replace("List should", "should")
 
 
-def shown(value: object) -> str:
-    """Return a value as text, shortened to `MOST_CHARACTERS`."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 4]} ..."
-
-
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     """Return what to write instead of an unknown key, in its own table or in another one."""
-    advice = OF_LAYERS.get(unknown) if section is LayerSection else None
+    advice = OF_LAYERS.get(unknown) if section.prefix == LAYER else None
     if advice is None:
         advice = not_modelled(unknown)
     # advice on layers is of no use within a layer
-    if advice is not None and not (section is LayerSection and "[[half_space.layers]]" in advice):
+    if advice is not None and not (section.prefix == LAYER and "[[half_space.layers]]" in advice):
         return advice
     names = keys_of(section)
     known_keys = f"the keys here are {', '.join(names)}"
@@ -242,7 +235,7 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     is empty if no key is similar.
     """
     names, word = keys_of(section), OTHER_KEYS.get(unknown, unknown)
-    if section is LayerSection:
+    if section.prefix == LAYER:
         word = KEYS_OF_LAYERS.get(unknown, word)
     if word in names:
         return word
@@ -267,7 +260,7 @@ def key_meant(key: str, scene: type[Section]) -> str:
     place = ""
     for part in key.split("."):
         section, _ = declaration(place.split("."), scene) if place else (scene, None)
-        meant = part if part.isdigit() else place_of(part, section, scene)
+        meant = part if place and part.isdigit() else place_of(part, section, scene)
         # a key of another table is no part of this one
         if not meant or (place and "." in meant):
             return ""

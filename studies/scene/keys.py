@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from ...meshes.errors import SceneError
 from ..problem.fields import TomlTable
-from .explain import shown
+from ..problem.written import shown
 
 Entry = TypeVar("Entry")
 # groups of keys of a section that are alternatives to each other

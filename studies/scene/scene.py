@@ -27,8 +27,9 @@ from ..problem.sections import (
     WearSection,
 )
 from ..problem.unit_names import without_quantities
+from ..problem.written import shown
 from ..registry import METHODS
-from .explain import did_you_mean, explain, key_meant, keys_of, place_of, shown
+from .explain import did_you_mean, explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
 from .sources import line_of, text_of
 

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from ...meshes.errors import SceneError
 from ..problem.fields import refuse_device
-from .explain import nearest, shown
+from ..problem.written import shown
+from .explain import nearest
 
 
 def text_of(source: str | Path) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ...meshes.errors import SceneError
 from ..calls import naming_arguments
 from ..figures.style import in_style
+from ..problem.written import shown
 from ..scene.explain import nearest
 from ..scene.scene import Scene, Source
 from .levels import Record
@@ -78,7 +79,7 @@ def study(
     if name not in STUDIES:
         similar = nearest(str(name), STUDIES)
         hint = f"did you mean {similar}? Otherwise " if similar else ""
-        raise SceneError(f"there is no study {name!r}: {hint}give one of {', '.join(STUDIES)}")
+        raise SceneError(f"there is no study {shown(name)}: {hint}give one of {', '.join(STUDIES)}")
     if quantities is not None and not isinstance(quantities, Mapping):
         quantities = {function.__name__: function for function in quantities}
     options = Options(
@@ -140,9 +141,14 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
         if option not in listed.option_names:
             accepted = ", ".join(listed.option_names) or "none but quick"
             raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
+    if options.degree is not None and not options.meshes:
+        raise SceneError(
+            "degree is that of the finite elements on meshes of your own: give --mesh FILE, in "
+            "Python meshes=[...], or leave it out"
+        )
     if options.against not in ABSCISSAS:
         raise SceneError(
-            f"against = {options.against!r} is not an abscissa of the figures: give one of "
+            f"against = {shown(options.against)} is not an abscissa of the figures: give one of "
             f"{', '.join(ABSCISSAS)}"
         )
 

@@ -13,6 +13,7 @@ from ...meshes.errors import RingwearError, SceneError
 from ..figures.style import html_of, in_style
 from ..output.folder import output_folder
 from ..output.one_file import make
+from ..problem.written import shown
 from ..scene.scene import Scene
 from ..tables import write_csv
 from .formats import to_latex, to_markdown
@@ -129,7 +130,9 @@ class Study:
             return self.table
         tables = self._tables()
         if table not in tables:
-            raise SceneError(f"this study has no table {table!r}: give one of {', '.join(tables)}")
+            raise SceneError(
+                f"this study has no table {shown(table)}: give one of {', '.join(tables)}"
+            )
         return tables[table]
 
     def _tables(self) -> dict[str, pd.DataFrame]:

@@ -32,6 +32,7 @@ from ...meshes.errors import SceneError
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
+from ..problem.written import shown
 from ..scene.explain import did_you_mean, nearest
 from ..scene.keys import with_key, without_alternatives
 from ..scene.scene import Scene
@@ -115,8 +116,8 @@ class Sweep:
         for key, value in table.items():
             if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
-                    f"{key} = {value!r} is invalid: give base, keep (a list of quantities), and "
-                    "tables [axes], [zip] and [random] of scene keys"
+                    f"{key} = {shown(value)} is invalid: give base, keep (a list of quantities), "
+                    "and tables [axes], [zip] and [random] of scene keys"
                 )
         base = table.get("base")
         columns_by_key = {
@@ -328,7 +329,7 @@ def _quantities_to_keep(
     if not keep or not set(map(str, keep)) <= computable:
         unknown = next((str(name) for name in keep if str(name) not in computable), "")
         raise SceneError(
-            f"keep = {keep!r} names something that is not a quantity of these scenes"
+            f"keep = {shown(keep)} names something that is not a quantity of these scenes"
             f"{did_you_mean(unknown, computable) if unknown else ':'} give a list of "
             f"{', '.join(sorted(computable))}; histories need wear.times, and steady quantities "
             "wear.steady = true"

@@ -14,7 +14,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.unit_names import without_quantities
-from ..scene.explain import shown
+from ..problem.written import shown
 from ..scene.scene import Scene
 
 # values of one key, of the type that the scene declares for it

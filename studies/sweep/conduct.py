@@ -16,8 +16,8 @@ from ..figures.style import new_figure, set_logarithmic
 from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
 from ..output.one_file import make
 from ..problem.fields import TomlTable
+from ..problem.written import shown
 from ..progress import LOG
-from ..scene.explain import shown
 from ..scene.keys import dotted, listed
 from ..scene.scene import Scene
 from .axes import Sweep

@@ -14,6 +14,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
+from ..problem.written import shown
 from ..scene.scene import Scene
 from ..study.levels import Record
 from ..study.options import Options
@@ -105,7 +106,9 @@ def choose_methods(options: Options) -> tuple[str, ...]:
             which = (
                 "study tradeoff with your quantities" if options.quantities else "study tradeoff"
             )
-            raise SceneError(f"methods: {which} has no {name!r}: give some of {', '.join(known)}")
+            raise SceneError(
+                f"methods: {which} has no {shown(name)}: give some of {', '.join(known)}"
+            )
     return options.methods or tuple(known)
 
 

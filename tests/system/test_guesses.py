@@ -131,6 +131,42 @@ def test_wrong_guesses_get_a_line_with_the_right_call(guess, told, result):
     assert "\n" not in line
 
 
+NUMBER = np.float64(-2.0)
+# guesses with numbers, texts and arrays of numpy, which messages show as plain ones
+OF_NUMPY = [
+    (lambda _: check("five_rings", TABLE.assign(indentation=np.inf)), "'indentation': inf;"),
+    (lambda _: check("five_rings", TABLE.assign(time=-0.1)), "'time': -0.1;"),
+    (lambda _: check("five_rings", TABLE, within=NUMBER), "within = -2.0:"),
+    (lambda _: SCENE.changed(rings=np.int64(3)), "write changed({'punch.rings': 3})"),
+    (lambda _: SCENE.changed(times=np.array([0.0, 1.0])), "changed({'wear.times': [0.0, 1.0]})"),
+    (lambda _: SCENE.changed({NUMBER: 1.0}), "unknown key -2"),
+    (lambda _: setattr(SCENE.punch, "radius", -NUMBER), "changed({'punch.radius': 2.0})"),
+    (lambda _: run("five_rings", tol=np.float32(0.5)), "write rtol=0.5"),
+    (
+        lambda _: run("five_rings", rings=np.int64(3)),
+        "write run(scene.changed({'punch.rings': 3}))",
+    ),
+    (lambda _: run("five_rings", methods=np.array(["mdr", "fen"])), "did you mean 'fem'?"),
+    (lambda of: of.dataset.sel(solver=np.str_("fem")), "no solver 'fem'"),
+    (lambda of: of.error(NUMBER), "no error estimate of -2.0"),
+    (lambda of: of[NUMBER], "no -2.0 in these results"),
+    (lambda of: of.plot(NUMBER), "no figure -2.0"),
+    (lambda _: load(NUMBER), "-2.0 is no folder"),
+    (lambda _: Scene(NUMBER), "Scene.load(-2.0)"),
+    (lambda _: study(NUMBER), "no study -2.0"),
+    (lambda _: study("refinement", degree=np.int64(3)), "give --mesh FILE"),
+]
+
+
+@pytest.mark.parametrize(("guess", "told"), OF_NUMPY)
+def test_messages_show_numbers_of_numpy_as_plain_ones(guess, told, result):
+    with pytest.raises((RingwearError, AttributeError, TypeError)) as refused:
+        guess(result)
+    line = str(refused.value)
+    assert told in line
+    assert not [word for word in ("np.", "array(", "dtype", "\n") if word in line]
+
+
 def test_an_error_within_a_property_is_reported(result, monkeypatch):
     """The message about unknown names does not hide an error of ringwear itself."""
     monkeypatch.setattr(type(result), "notes", property(lambda _: [].nothing))
