@@ -168,13 +168,14 @@ def _fit(options: argparse.Namespace) -> Status:
 
 def _plan(options: argparse.Namespace) -> Status:
     from .outcome.run import run
-    from .outcome.scope import left_out, methods_of, modelled, time_scale
+    from .outcome.scope import left_out, methods_of, modelled, refuse, time_scale
     from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
     methods = methods_of(scene.methods)
+    refuse(scene, methods)
+    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
     print_scope(modelled(scene, methods), left_out(scene, methods))
     print("\nBy method", flush=True)
     print_lines(f"  {line}" for line in plan(scene))

@@ -29,6 +29,7 @@ from types import UnionType
 from typing import Self
 
 from ...meshes.errors import SceneError
+from ..methods.base import method
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
@@ -162,6 +163,7 @@ class Sweep:
         sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
         for scene, changes in zip(scenes, tried_changes, strict=True):
             sweep.check_labels(scene, changes)
+        sweep.refuse_all(tried_changes)
         return sweep
 
     @property
@@ -217,6 +219,20 @@ class Sweep:
                     f"depends on them: give the base {key} as numbers, or keep only quantities "
                     "that do not depend on them"
                 )
+
+    def refuse_all(self, tried_changes: Iterable[TomlTable]) -> None:
+        """Raise an error if methods refuse all scenes that are tried, as a run of each would.
+
+        If they refuse only some, these scenes fail when they are computed.
+        """
+        reason = ""
+        for changes in tried_changes:
+            problem = self.problem(changes)
+            reasons = [method(name).refusal(problem) for name in self.first.methods]
+            if not any(reasons):
+                return
+            reason = reason or "; ".join(filter(None, reasons))
+        raise SceneError(reason)
 
     def problem(self, changes: TomlTable) -> Problem:
         """Return the problem of a changed scene, with only the quantities to keep."""
