@@ -94,14 +94,14 @@ def refused(call, capsys):
     return line
 
 
-@pytest.mark.parametrize(("part", "instead", "told"), SCENES)
-def test_a_bad_scene_is_refused(part, instead, told, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(("part", "instead", "words"), SCENES)
+def test_a_bad_scene_is_refused(part, instead, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert part in SCENE
     (tmp_path / "mine.toml").write_text(SCENE.replace(part, instead), "utf-8")
     line = refused("run mine.toml", capsys)
     assert line.startswith("ringwear: mine.toml")
-    assert told in line
+    assert words in line
     assert len(line) < 700
     assert [file.name for file in tmp_path.iterdir()] == ["mine.toml"]
 
@@ -126,13 +126,13 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize(("call", "told"), COMMANDS)
-def test_a_bad_command_is_refused(call, told, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(("call", "words"), COMMANDS)
+def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
     line = refused(call, capsys)
-    assert told in line
+    assert words in line
     # the line has no path of the installation
     assert "studies/" not in line
     assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
@@ -147,11 +147,11 @@ def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
     whole = capsys.readouterr().out
     monkeypatch.setenv("COLUMNS", str(width))
     assert main(call) == 0
-    told = capsys.readouterr().out
-    assert told.split() == whole.split()
-    assert "..." not in told
+    output = capsys.readouterr().out
+    assert output.split() == whole.split()
+    assert "..." not in output
     # only a word without blanks, such as a path, may be longer
-    assert not [line for line in told.splitlines() if len(line) > width and " " in line.strip()]
+    assert not [line for line in output.splitlines() if len(line) > width and " " in line.strip()]
     for command in ([], ["scenes"]):
         with pytest.raises(SystemExit, match="0"):
             main([*command, "--help"])

@@ -122,12 +122,12 @@ TOLD = [
 ]
 
 
-@pytest.mark.parametrize(("guess", "told"), TOLD)
-def test_wrong_guesses_get_a_line_with_the_right_call(guess, told, result):
+@pytest.mark.parametrize(("guess", "words"), TOLD)
+def test_wrong_guesses_get_a_line_with_the_right_call(guess, words, result):
     with pytest.raises((RingwearError, AttributeError, TypeError)) as refused:
         guess(result)
     line = str(refused.value)
-    assert told in line
+    assert words in line
     assert "\n" not in line
 
 
@@ -158,12 +158,12 @@ OF_NUMPY = [
 ]
 
 
-@pytest.mark.parametrize(("guess", "told"), OF_NUMPY)
-def test_messages_show_numbers_of_numpy_as_plain_ones(guess, told, result):
+@pytest.mark.parametrize(("guess", "words"), OF_NUMPY)
+def test_messages_show_numbers_of_numpy_as_plain_ones(guess, words, result):
     with pytest.raises((RingwearError, AttributeError, TypeError)) as refused:
         guess(result)
     line = str(refused.value)
-    assert told in line
+    assert words in line
     assert not [word for word in ("np.", "array(", "dtype", "\n") if word in line]
 
 
@@ -182,12 +182,12 @@ def test_columns_of_a_table_are_results_of_another_program():
 def test_a_comparison_has_a_table_a_verdict_and_figures(result, tmp_path):
     """At the start everything is linear in the force."""
     twice = result.scene.changed({"load.normal_force": 4.0})
-    found = compare(result, twice)
-    assert found.verdict == "differ"
-    change = found.table.set_index("quantity")["B against A"]
+    comparison = compare(result, twice)
+    assert comparison.verdict == "differ"
+    change = comparison.table.set_index("quantity")["B against A"]
     assert change["indentation_start"] == "+100 %"
-    assert found.scenes.values.tolist() == [["load.normal_force", "2.0", "4.0"]]
-    assert "by more than their error estimates" in repr(found)
-    assert {"scenes.csv", "answers.csv", "comparison.png"} <= {*found.save(tmp_path / "out")}
+    assert comparison.scenes.values.tolist() == [["load.normal_force", "2.0", "4.0"]]
+    assert "by more than their error estimates" in repr(comparison)
+    assert {"scenes.csv", "answers.csv", "comparison.png"} <= {*comparison.save(tmp_path / "out")}
     with pytest.raises(RingwearError, match="did you mean 'comparison'"):
-        found.plot("comparision")
+        comparison.plot("comparision")

@@ -57,8 +57,8 @@ def test_a_page_is_one_small_file_that_loads_nothing(page):
 
 def test_a_page_has_the_input_of_the_run(page, result):
     text = page.read_text("utf-8")
-    for told in ("nm/h", "mean height", "µm", "The methods agree", "anchors", "left out"):
-        assert told in text, told
+    for words in ("nm/h", "mean height", "µm", "The methods agree", "anchors", "left out"):
+        assert words in text, words
     assert f"{result.answers['mdr']['time_to_99'] / 86400:.4g} days" in text
     # the scene as it was run
     assert re.search(r"<pre>.*poisson_ratio = 0.4999.*</pre>", text, re.DOTALL)
@@ -133,8 +133,8 @@ def test_the_page_of_a_study(tmp_path, monkeypatch):
     text = (tmp_path / "report.html").read_text("utf-8")
     assert "| a |" not in text
     picture = base64.b64encode((tmp_path / "curve.png").read_bytes()).decode()
-    for told in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of"):
-        assert told in text, told
+    for words in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of"):
+        assert words in text, words
 
 
 def test_flags_leave_out_figures_or_the_page(tmp_path):

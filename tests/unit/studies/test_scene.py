@@ -298,7 +298,7 @@ def test_invalid_times_are_refused(times):
 
 
 @pytest.mark.parametrize(
-    ("guess", "told"),
+    ("guess", "words"),
     [
         (lambda scene: scene.changed(punch__radius=-1.0), "must be positive"),
         (lambda scene: scene.changed(punch__radius=float("nan")), "must be positive"),
@@ -306,8 +306,8 @@ def test_invalid_times_are_refused(times):
         (lambda _: Scene("five_rings"), r"Scene\.load"),
     ],
 )
-def test_wrong_guesses_are_answered_with_a_remedy(guess, told):
-    with pytest.raises(SceneError, match=told):
+def test_wrong_guesses_are_answered_with_a_remedy(guess, words):
+    with pytest.raises(SceneError, match=words):
         guess(Scene.load("five_rings"))
 
 
@@ -315,7 +315,7 @@ LAYER = {"thickness": 0.1, "youngs_modulus": 5.0}
 
 
 @pytest.mark.parametrize(
-    ("layers", "changes", "told"),
+    ("layers", "changes", "words"),
     [
         ([], {"half_space__layers__0__thickness": 0.2}, "give all of them, half_space.layers = [{"),
         ([], {"half_space.layers[0].thickness": 0.2}, "the scene has no half_space.layers"),
@@ -334,11 +334,11 @@ LAYER = {"thickness": 0.1, "youngs_modulus": 5.0}
         ([], {"load.normal_force.values": [2.0]}, "give load.normal_force as a whole"),
     ],
 )
-def test_keys_of_lists_and_of_layers_are_answered_with_a_remedy(layers, changes, told):
+def test_keys_of_lists_and_of_layers_are_answered_with_a_remedy(layers, changes, words):
     scene = Scene.load("five_rings").changed(half_space__layers=layers)
     with pytest.raises(SceneError) as refusal:
         scene.changed(changes)
-    assert told in str(refusal.value)
+    assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)
 
 
