@@ -116,6 +116,23 @@ def test_every_part_of_a_scene_has_a_page(changes, states, tmp_path):
     assert ('id="solid"' in (tmp_path / "report.html").read_text("utf-8")) == bool(states)
 
 
+@pytest.mark.parametrize(("time", "pressed"), [(1.0, True), (14.5, False)])
+def test_the_page_states_why_there_are_no_stresses(time, pressed, tmp_path):
+    """The brake is applied at 1 s, and its force is 0 at 14.5 s."""
+    brake = Scene.load("duty_cycle").changed(methods=["fem"], accuracy__rtol=0.1)
+    result = run(brake.changed(wear__times=[0.0, 1.0, 14.5], output__field_times=[time]))
+    write_report(result, Account(result), (), tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert ("stress.png is not drawn: nothing presses" in page) != pressed
+
+
+def test_heights_beside_the_slider_have_the_scale_of_each_state():
+    """A worn sphere is flat to 1 % of its first height, which a common scale would not show."""
+    shown = slides(run(Scene.load("sphere").changed(methods=["mdr"], accuracy__rtol=1e-2)))
+    for profile, frame in zip(shown["profile"], shown["deepest"], strict=True):
+        assert 0.3 * frame < max(profile)
+
+
 def test_the_page_of_a_study(tmp_path, monkeypatch):
     rows = pd.DataFrame(
         {"method": ["mdr", "<fem>"], "error": [0.000123456, np.nan], "count": [25378, 1]}
