@@ -19,7 +19,7 @@ from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames, size_of_unit
-from ..problem.written import shown
+from ..problem.written import one_line, shown
 from ..progress import LOG
 from ..scene.explain import nearest
 from ..scene.scene import Scene
@@ -173,9 +173,14 @@ def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
         refuse_device(path)
         text = path.read_text("utf-8-sig")
     except (OSError, ValueError) as error:
+        reason = one_line(error)
+        if isinstance(error, UnicodeDecodeError):
+            reason = "it is not text in UTF-8"
+        elif path.suffix == ".nc" and not isinstance(error, OSError):
+            reason = "it is not netCDF"
         raise SceneError(
-            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}; give CSV in "
-            "UTF-8, or netCDF in a file that ends in .nc"
+            f"{path} cannot be read: {reason}; give CSV in UTF-8, or netCDF in a file that ends "
+            "in .nc"
         ) from None
     table = read_numbers(path, text) if len(text) > LARGE else None
     return read_csv_text(path, text) if table is None else table

@@ -81,10 +81,10 @@ def read_measurements(
             for key in table
             if key not in ("time", "radius") and _without_ring(key) not in KINDS
         ]
-        if unused:
-            LOG.warning("%s: columns that are not fitted: %s", name, ", ".join(unused))
         if not in_table:
             raise SceneError(f"{name} has nothing to fit: {_what_to_give(table)}")
+        if unused:
+            LOG.warning("%s: columns that are not fitted: %s", name, ", ".join(unused))
         _refuse_repeated(by_source, name, in_table)
         by_source[name] = in_table
         measurements += in_table

@@ -12,7 +12,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.unit_names import UnitNames, kind_of
-from ..scene.explain import declaration, keys_of
+from ..scene.explain import declaration, keys_of, place_of
 from ..scene.scene import Scene
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
@@ -246,7 +246,10 @@ def _expanded(table: TomlTable, name: str) -> list[str]:
 
 def _why_not_fitted(name: str, table: TomlTable) -> str:
     """Return why a name cannot be fitted, and which names can."""
-    near = difflib.get_close_matches(name, [*_keys_in(table), *NUISANCES], 1)
+    names = [*_keys_in(table), *NUISANCES]
+    near = difflib.get_close_matches(name, names, 1)
+    if not near and (meant := place_of(name, Scene, Scene)):
+        near = difflib.get_close_matches(meant, names, 1, 0.9)
     *sections, key = _key_and_index(name)[0].split(".")
     section, _ = declaration(sections, Scene)
     if key not in keys_of(section):

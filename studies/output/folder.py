@@ -145,7 +145,8 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
         ringwear have names that the command needs
     """
     if os.path.lexists(out) and not out.is_dir():
-        raise SceneError(f"--out {out} is not a directory: give a directory")
+        option = "--template" if command == "template" else "--out"
+        raise SceneError(f"{option} {out} is not a directory: give a directory")
     out = out.resolve()
     new_folders = [folder for folder in (out, *out.parents) if not folder.exists()]
     with lock_folder(out):

@@ -17,7 +17,7 @@ from ..outcome.outcome import Outcome
 from ..outcome.scope import methods_of
 from ..outcome.table import Table
 from ..predictions.memory import refuse_large
-from ..problem.written import shown
+from ..problem.written import one_line, shown
 from ..registry import METHODS
 from ..scene.scene import Scene
 
@@ -119,8 +119,11 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
         scene = Scene.from_toml(data.attrs["scene"], str(path))
         rows = _rebuilt(Agreement, summary["agreement"])
     except (OSError, KeyError, ValueError) as error:
+        reason = one_line(error)
+        if isinstance(error, FileNotFoundError):
+            reason = f"it has no {Path(str(error.filename)).name}"
         raise SceneError(
-            f"{path} cannot be read as results of ringwear: {error}; give a folder that `ringwear "
+            f"{path} cannot be read as results of ringwear: {reason}; give a folder that `ringwear "
             "run` has written"
         ) from None
     variables, coordinates = (

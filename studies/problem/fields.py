@@ -98,6 +98,8 @@ class OverTime(Section):
             raise ValueError(
                 f"{len(self.values)} values for {len(self.times)} times: give one for each"
             )
+        if not any(self.values):
+            raise ValueError("all values are 0: give a value above 0 for one of the times")
         check_range(self.greatest)
         return self
 

@@ -280,6 +280,8 @@ class WearSection(Section):
         if times == "running-in":
             times = {"tau": RUNNING_IN}
         if isinstance(times, dict) and set(times) == {"tau"}:
+            if not times["tau"]:
+                raise ValueError("times.tau is empty: give counts, or times = [] for no history")
             return table | {"times": times["tau"], "tau": times["tau"]}
         return table
 

@@ -12,6 +12,12 @@ def shown(value: object) -> str:
     return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 4]} ..."
 
 
+def one_line(error: Exception) -> str:
+    """Return the first sentence of the message of another package, in one line, without a path."""
+    text = str(getattr(error, "strerror", None) or error)
+    return next(iter(text.splitlines()), "").split(". ")[0].rstrip(".:")
+
+
 def plain(value: object) -> object:
     """Return numbers, texts and arrays of numpy as those of Python, in containers, too."""
     if isinstance(value, Mapping):

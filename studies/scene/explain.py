@@ -168,6 +168,10 @@ def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]
         missing = [key_of(item) for item in errors if item["type"] == "missing"]
         single = len(missing) == 1 and description
         keys = f" {key}; give {description}" if single else f"s {', '.join(missing)}"
+        if all(name.count(".") > 1 for name in missing):
+            # keys of a profile, a layer, or a load over time
+            remedy = "" if single else f"; give {description}"
+            return f"missing key{keys}{remedy}"
         return (
             f"missing key{keys}; a scene needs, for example, punch = {{ radius = 1.0, rings = 5, "
             "wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, load "
@@ -209,6 +213,7 @@ def _in_plain_words(fault: ErrorDetails) -> str:
     if fault["type"] == "list_type":
         return f"should be a list{did_you_mean(str(fault['input']), ['running-in'])}"
     message = fault["msg"].removeprefix("Value error, ").replace("0.000000001", "1e-9")
+    message = message.replace(" after validation", "")
     if fault["type"] == "value_error":
         return message
     return message.replace("Input should", "should").replace("List should", "should")
@@ -244,10 +249,14 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
         for name, info in scene.model_fields.items()
         if isinstance(info.annotation, type) and issubclass(info.annotation, Section)
     }
+    match = nearest(word, names)
+    if match and section not in (scene, *(info.annotation for info in scene.model_fields.values())):
+        # in a table within a table, such as a profile, its own keys come first
+        return match
     for table, keys in tables.items():
         if word in keys:
             return f"{table}.{word}"
-    if match := nearest(word, names):
+    if match:
         return match
     for table, keys in tables.items():
         if match := nearest(word, keys, LEAST_SIMILARITY_ELSEWHERE):

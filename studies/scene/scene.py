@@ -3,6 +3,7 @@
 It provides the non-dimensional problem that the methods solve.
 """
 
+import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -195,7 +196,9 @@ class Scene(Section, metaclass=SceneType):
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{name} is not TOML: {error}{line_of(error, text)}") from error
+            # a key as in TOML, not as a tuple of Python
+            reason = re.sub(r"\('(\w+)',\)", r"[\1]", str(error))
+            raise SceneError(f"{name} is not TOML: {reason}{line_of(error, text)}") from error
         # no file is read without a folder, or if the profile has none
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]

@@ -115,6 +115,12 @@ class Sweep:
         kinds: dict[str, type | UnionType] = {"base": str | dict, "keep": list}
         kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
         for key, value in table.items():
+            if key in ("punch", "half_space", "load"):
+                raise SceneError(
+                    f"{key} is a key of a scene, not of a sweep: compute a scene by `ringwear "
+                    'run`, or give its file as base, with [axes] of keys in quotes, "punch.rings" '
+                    "= [2, 4]"
+                )
             if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
                     f"{key} = {shown(value)} is invalid: give base, keep (a list of quantities), "
@@ -213,6 +219,11 @@ class Sweep:
         """Raise an error if a changed scene has other labels than all scenes share (`shared`)."""
         labels = _labels(scene)
         for key, column in self.shared.items():
+            if labels[key] != column and key == "methods":
+                raise SceneError(
+                    f"{_name_of(changes)}: not all scenes have the same methods: give the base all "
+                    "of them, and no axis of methods"
+                )
             if not column.values or labels[key] != column:
                 raise SceneError(
                     f"{_name_of(changes)}: not all scenes have the same {key}, but a kept quantity "
@@ -346,7 +357,7 @@ def _quantities_to_keep(
         unknown = next((str(name) for name in keep if str(name) not in computable), "")
         raise SceneError(
             f"keep = {shown(keep)} names something that is not a quantity of these scenes"
-            f"{did_you_mean(unknown, computable) if unknown else ':'} give a list of "
+            f"{did_you_mean(unknown, computable) or ':'} give a list of "
             f"{', '.join(sorted(computable))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )

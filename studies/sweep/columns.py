@@ -133,7 +133,8 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
             f"{key} = {shown(source)}: give a list of values, or linspace or geomspace = [first, "
-            "last, count] in braces; leave out count for random draws"
+            "last, count] in braces, for geomspace with ends other than 0; leave out count for "
+            "random draws"
         ) from None
 
 
