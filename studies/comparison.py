@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from ..meshes.errors import SceneError
-from .calls import naming_arguments
+from .guesses import AnswersGuesses
 from .outcome.outcome import Outcome
 from .outcome.run import run
 from .output.folder import output_folder
@@ -17,6 +17,7 @@ from .output.stored import StoredOutcome, load
 from .problem.written import shown
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
 from .sampling.field_differences import FieldComparison
+from .scene.calls import naming_arguments
 from .scene.explain import nearest
 from .scene.scene import Scene, Source
 from .tables import write_csv
@@ -75,13 +76,21 @@ def _source(source: Source | Outcome) -> Scene | Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(AnswersGuesses):
     """A comparison of two results: `table`, `scenes`, `verdict`, `figures` and `save(folder)`.
 
     Parameters
     ----------
     a, b : the two results
     """
+
+    noun = "comparison"
+    instead = dict.fromkeys(("df", "data", "differences", "rows", "dataset"), "table") | {
+        "to_csv": "save(folder)",
+        "figure": "figures",
+        "show": "plot()",
+        "agree": "verdict",
+    }
 
     a: Outcome
     b: Outcome
@@ -176,7 +185,7 @@ class Comparison:
         SceneError
             if the folder cannot be written to, or contains other files with these names
         """
-        with output_folder(Path(folder), "compare", FILES) as out:
+        with output_folder(folder, "compare", FILES) as out:
             self.write(out.hidden)
         return out.written
 

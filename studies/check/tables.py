@@ -65,6 +65,10 @@ def read(
         if the table cannot be read or is wrong; it names the file, the line, the column and the
         remedy
     """
+    if not isinstance(columns, Mapping):
+        raise SceneError(
+            f"columns = {shown(columns)}: give our names by theirs, such as {{'p': 'pressure'}}"
+        )
     place = "row"
     kinds = {"time": "time", "radius": "length"}
     kinds |= {
@@ -88,7 +92,12 @@ def read(
         if "solver" in source.dims:
             source = source.isel(solver=0)
             LOG.info("%s: the results of %s are read", name, source["solver"].item())
-        present = [key for key in source if columns.get(key, key) in kinds]
+        # numbers of each ring or mode are no columns
+        present = [
+            key
+            for key, values in source.items()
+            if columns.get(key, key) in kinds and not {"ring", "mode"} & {*values.dims}
+        ]
         source = source[present].reset_coords(drop=True).to_dataframe()
     if source.index.names != [None]:
         source = source.reset_index()

@@ -4,20 +4,18 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..check.tables import OthersResults, read
 from ..problem.unit_names import UnitNames, number_of
+from ..problem.written import shown
 from ..progress import LOG
 from ..scene.scene import Scene
 from .measurement import Measurement
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 NoiseInput = float | str | Mapping[str, float | str] | None
 """Standard deviations of the data: one, or several by column. Each is a number in the units of the
@@ -99,9 +97,21 @@ def read_measurements(
 def _sources_by_name(
     data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
 ) -> "dict[str, OthersResults]":
-    if isinstance(data, Mapping):
-        return dict(data)
     is_table = hasattr(data, "to_dataframe") or hasattr(data, "columns")
+    # a Dataset is a mapping, too
+    if isinstance(data, Mapping) and not is_table:
+        tables = (str, Path, Mapping)
+        named = [isinstance(each, tables) or hasattr(each, "columns") for each in data.values()]
+        # else the columns of one table
+        if any(named) or not data:
+            return {str(name): source for name, source in data.items()}
+        try:
+            return {"data": pd.DataFrame(data)}
+        except ValueError:
+            raise SceneError(
+                f"{shown(data)} is no table: give files, DataFrames or Datasets, one, several, or "
+                "by name"
+            ) from None
     if is_table or isinstance(data, str | Path) or not isinstance(data, Sequence):
         data = [data]
     by_name = dict[str, OthersResults]()
@@ -232,6 +242,10 @@ def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> fl
     """
     try:
         value = float(text)
+    except TypeError:
+        raise SceneError(
+            f"{key} = {shown(text)}: give a number, or a text such as '2 um'"
+        ) from None
     except ValueError:
         value = number_of(str(text), key, kind, UnitNames.of(scene.units))
     if not (value > 0 and np.isfinite(value)):

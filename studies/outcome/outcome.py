@@ -38,7 +38,7 @@ from ..sampling.field_differences import (
 from ..sampling.sampler import Sampler
 from ..scene.scene import Scene
 from ..versions import versions
-from .answer import ALSO, answer, answer_errors
+from .answer import ALSO, Answers, answer, answer_errors
 from .scope import left_out, modelled
 from .table import Table, in_units, tabulate
 
@@ -168,7 +168,7 @@ class Outcome:
         Each number has a relative error estimate `<name>_error`, by the same method and in the norm
         of the number (`studies/problem/quantities.py`).
         """
-        problem, answers = self.scene.problem, {}
+        problem, answers = self.scene.problem, Answers()
         for name, solution in self.solutions.items():
             values = answer(problem, solution)
             errors_by_name = answer_errors(problem, solution)

@@ -13,6 +13,7 @@ from ...meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..crosscheck.agreement import Agreement
 from ..crosscheck.promise import LeftOut
+from ..outcome.answer import Answers
 from ..outcome.outcome import Outcome
 from ..outcome.scope import methods_of
 from ..outcome.table import Table
@@ -76,10 +77,12 @@ class StoredOutcome(Outcome):
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:
         """The numbers of the answer, by method, and their relative error estimates."""
-        return {
-            name: {key: np.array(value, dtype=float) for key, value in values.items()}
-            for name, values in self.stored_summary["answer"].items()
-        }
+        return Answers(
+            {
+                name: {key: np.array(value, dtype=float) for key, value in values.items()}
+                for name, values in self.stored_summary["answer"].items()
+            }
+        )
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:

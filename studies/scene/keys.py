@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from ...meshes.errors import SceneError
 from ..problem.fields import TomlTable
-from ..problem.written import shown
+from ..problem.written import plain, shown
 
 Entry = TypeVar("Entry")
 # groups of keys of a section that are alternatives to each other
@@ -37,6 +37,24 @@ def listed(names: Sequence[Entry] | str) -> list[Entry | str]:
             f"{shown(names)} is not a list of names: write ['mdr', 'fem'], for example"
         )
     return [*(names.replace(",", " ").split() if isinstance(names, str) else names)]
+
+
+def numbers(name: str, values: object) -> list[float]:
+    """Return the values of an argument as numbers; a single number is a list of one.
+
+    Raises
+    ------
+    SceneError
+        if there is anything else; it names the argument
+    """
+    plain_values = plain(values)
+    entries: list[Any] = [plain_values]
+    if isinstance(plain_values, list | tuple):
+        entries = list(plain_values)
+    try:
+        return [float(entry) for entry in entries]
+    except (TypeError, ValueError):
+        raise SceneError(f"{name} = {shown(values)}: give numbers, such as [0.1, 0.05]") from None
 
 
 def dotted(name: object) -> str:

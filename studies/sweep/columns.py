@@ -118,7 +118,7 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
             return [values[index] for index in drawn_indices] if draws else values
         ((kind, numbers),) = source.items()
         space = SPACED[kind]
-        (first, last), count = _in_units(key, numbers[:2], base), numbers[2:]
+        (first, last), count = _in_units(key, numbers[:2], base), [*map(_whole, numbers[2:])]
         _refuse_too_many(key, draws or count[0])
         if draws:
             fractions = generator.uniform(size=draws)
@@ -136,6 +136,13 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
             "last, count] in braces, for geomspace with ends other than 0; leave out count for "
             "random draws"
         ) from None
+
+
+def _whole(count: float) -> int:
+    """Return a whole number that may be given as a float, such as 3.0; raise ValueError else."""
+    if int(count) != count:
+        raise ValueError(count)
+    return int(count)
 
 
 def has_units(columns: Iterable[tuple[str, object]]) -> bool:

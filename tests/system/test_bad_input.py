@@ -78,6 +78,22 @@ SCENES = [
     (SCENE, "", "missing keys punch, half_space, load"),
     (SCENE, '{"punch": {"radius": 1.0}}', "give lines such as radius = 1.0"),
     ("radius = 1.0", "radius = -1.0\nring = 3", "also wrong: punch.radius"),
+    ("times = [0.0, 1.0]", "times = { tau = [] }", "give counts, or times = []"),
+    ("times = [0.0, 1.0]", "times = [0.0]\n[wear]", "Cannot declare [wear] twice"),
+    (
+        "normal_force = 2.0",
+        "normal_force = { times = [0.0, 1.0], values = [0.0, 0.0] }",
+        "give a value above 0 for one of the times",
+    ),
+    (
+        "wear_coefficients = [1.0, 10.0]",
+        "wear_coefficient = { radius = [0.0], values = [1.0] }",
+        "did you mean radii?",
+    ),
+    ("rings = 2", 'profile = { kind = "ball", radius = 5.0 }', "did you mean ball_radius?"),
+    ("rings = 2", 'profile = { kind = "ball" }', "missing key punch.profile.ball_radius; give the"),
+    ("modulus = 1.0", "modulus = 1.0\nlayers = [{ height = 0.1 }]", "did you mean thickness?"),
+    ("[punch]", "methods = []\n[punch]", "should have at least 1 item, not 0; give a list of mdr"),
 ]
 
 
@@ -123,6 +139,19 @@ COMMANDS = [
     ("sweep five_rings", "`ringwear run five_rings`"),
     ("sweep running_in --workers many", "give a whole number"),
     ("scenes five_ring", "did you mean five_rings?"),
+    ("scenes five_rings rubber", "leave it out: --help lists what the command takes"),
+    ("run five_rings -o out", "did you mean --out?"),
+    ("run five_rings --tolerance 1e-3", "did you mean --rtol?"),
+    ("list", "did you mean ringwear scenes?"),
+    ("template", "did you mean ringwear check SCENE --template DIR?"),
+    ("help", "did you mean ringwear --help?"),
+    ("deck five_rings --for calculix --size small", "give a number, such as 0.5"),
+    ("study march --steps 0", "--steps 0: give steps above 0, up to 0.05"),
+    ("study march --steps -1", "--steps -1: give steps above 0"),
+    ("study refinement --degree 3", "give --mesh FILE"),
+    ("compare five_rings there", "it has no summary.json; give a folder"),
+    ("check five_rings --template bytes", "--template bytes is not a directory"),
+    ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
 ]
 
 

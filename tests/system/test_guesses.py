@@ -1,15 +1,19 @@
 """First guesses of users of numpy and xarray: they work, or a line states what to write."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
+import xarray
 
 import ringwear
-from ringwear import Scene, check, compare, load, plan, run, study, sweep
+from ringwear import Scene, Study, check, compare, deck, fit, load, plan, run, study, sweep
 from ringwear.meshes.errors import RingwearError
 
 SCENE = Scene.load("five_rings")
 TABLE = pd.DataFrame({"time": [0.1], "indentation": [1.0]})
+STUDY = Study("march", SCENE, TABLE)
 PARTS = {"half_space": {"youngs_modulus": 1.0}, "load": {"normal_force": 1.0}}
 
 
@@ -58,6 +62,35 @@ WORKING = [
         lambda got: got.verdict == "same" and len(got.table) and not len(got.scenes),
     ),
     (lambda _: dir(ringwear), lambda got: {"SceneError", "Result", "compare"} <= {*got}),
+    (
+        lambda of: fit(SCENE, of.dataset.sel(solver="mdr"), "load.sliding_speed", noise=1e-3),
+        lambda got: got.estimates.low.iloc[0] < 1.0 < got.estimates.high.iloc[0],
+    ),
+    (
+        lambda _: fit(SCENE, {"time": [0.1], "indentation": [1.1]}, "load.sliding_speed", 1e-3),
+        lambda got: len(got.measurements) == 1,
+    ),
+    (
+        lambda _: sweep(
+            "five_rings",
+            {"punch.wear_ratio": {"linspace": np.array([1.0, 10.0, 2.0])}},
+            keep="steady_wear_rate",
+        ),
+        lambda got: got.wear_ratio.values.tolist() == [1.0, 10.0],
+    ),
+    (
+        lambda _: sweep(
+            "five_rings",
+            {"punch.wear_ratio": xarray.DataArray([1.0, 2.0])},
+            keep="steady_wear_rate",
+        ),
+        lambda got: got.wear_ratio.values.tolist() == [1.0, 2.0],
+    ),
+    (
+        # a constant height leaves the whole face in contact
+        lambda _: run(SCENE.with_heights(lambda _: 0.1), methods="mdr", rtol=0.1),
+        lambda got: abs(float(got.answers["mdr"]["contact_radius_start"]) - 1.0) < 1e-6,
+    ),
 ]
 
 
@@ -119,14 +152,69 @@ TOLD = [
     (lambda _: compare("five_rings"), "missing 1 required positional argument: 'b'"),
     (lambda _: ringwear.solve("five_rings"), "write ringwear.run"),
     (lambda _: ringwear.Rusult, "did you mean Result?"),
+    (lambda _: ringwear.run_scene, "write ringwear.run"),
+    (lambda _: ringwear.list_scenes, "`ringwear scenes`"),
+    (lambda of: of["mdr"], "write result.dataset.sel(solver='mdr')"),
+    (lambda of: of.mdr, "write result.dataset.sel(solver='mdr')"),
+    (lambda of: of.df, "write result.dataset"),
+    (lambda of: of.to_csv("x"), "write result.save(folder)"),
+    (lambda of: of.figures, "write result.plot('history')"),
+    (lambda of: of.answers["time_to_90"], "write answers['mdr']['time_to_90']"),
+    (lambda of: of.save(3), "3 is no folder: give its name"),
+    (lambda _: SCENE["punch"], "write scene.punch"),
+    (lambda _: SCENE["rings"], "write scene.punch.rings"),
+    (lambda _: SCENE.check(), "write ringwear.plan(scene)"),
+    (lambda _: SCENE.changed("punch.rings", 3), "write changed({'punch.rings': 3})"),
+    (lambda _: Scene.list(), "`ringwear scenes`"),
+    (lambda _: Scene.from_toml("five_rings.toml"), "write Scene.load(file)"),
+    (lambda _: Scene.from_toml(Path("five_rings.toml")), "write Scene.load(file)"),
+    (lambda _: Scene.from_table("five_rings"), "write Scene.load(file)"),
+    (
+        lambda _: run(SCENE.with_heights(lambda _: [1.0, 2.0]), methods="mdr"),
+        "return one height for each radius",
+    ),
+    (lambda _: run("five_rings", punch__rings=3), "write run(scene.changed({'punch.rings': 3}))"),
+    (lambda _: run("five_rings", verbose=True), "logging.getLogger('ringwear')"),
+    (lambda _: plan("five_rings", rtol=0.1), "plan(scene.changed({'accuracy.rtol': 0.1}))"),
+    (lambda _: check("five_rings", TABLE, sizes=0.1), "give two or more results"),
+    (lambda _: check("five_rings", TABLE, columns=["p"]), "such as {'p': 'pressure'}"),
+    (lambda _: check("five_rings", TABLE, tol=0.1), "has no argument 'tol'"),
+    (lambda _: study(["march"]), "give one of paper, convergence"),
+    (lambda _: study("march", steps=0), "give steps above 0, up to 0.05"),
+    (lambda _: study("march", steps=["a"]), "give numbers, such as [0.1, 0.05]"),
+    (lambda _: study("convergence", quantities="depth"), "give functions of the result of a run"),
+    (lambda _: study("convergence", quantities=[3]), "give functions of the result of a run"),
+    (lambda _: study("refinement", meshes="none.msh"), "--mesh none.msh: no such file"),
+    (lambda _: study("refinement", meshes=[3]), "meshes has 3: give mesh files"),
+    (lambda _: study("elements", elements="Tri2"), "--element Tri2: is not an element"),
+    (lambda _: sweep(SCENE, punch__rings=[2]), "write sweep(base, {'punch.rings': [2]})"),
+    (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, workers=0), "give a whole number, 1 or more"),
+    (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, out=3), "3 is no folder"),
+    (lambda _: deck(SCENE, "Calculix", "x"), "did you mean 'calculix'?"),
+    (lambda _: deck(SCENE, "calculix", "x", size="a"), "size = ['a']: give numbers"),
+    (lambda _: deck(SCENE, "calculix", "x", times=["a"]), "times = ['a']: give numbers"),
+    (lambda _: deck(SCENE, "calculix", 3), "3 is no folder"),
+    (lambda _: fit(SCENE, TABLE, "load.sliding_speed", sigma=1.0), "write noise=1.0"),
+    (lambda _: fit(SCENE, TABLE, "load.sliding_speed", noise=[1]), "or a text such as '2 um'"),
+    (lambda _: fit(SCENE, TABLE, 3, noise=1.0), "3 is not a list of names"),
+    (lambda _: fit(SCENE, TABLE, [3], noise=1.0), "give names, such as 'punch.wear_coefficients'"),
+    (lambda _: fit(SCENE, {"a": np.zeros((2, 2))}, "k"), "is no table: give files"),
+    (lambda _: STUDY.df, "write study.table"),
+    (lambda _: STUDY.plot(), "write study.figures"),
+    (lambda _: STUDY.to_csv("x"), "write study.save(folder)"),
+    (lambda _: STUDY.conclusion, "did you mean study.conclusions?"),
+    (lambda _: STUDY["march"], "write study.table"),
+    (lambda of: compare(of, of).to_csv("x"), "write comparison.save(folder)"),
+    (lambda _: fit(SCENE, TABLE, "load.sliding_speed", 1e-3).params, "write fit.estimates"),
+    (lambda _: fit(SCENE, TABLE, "load.sliding_speed", 1e-3).plot(), "write fit.figures"),
 ]
 
 
 @pytest.mark.parametrize(("guess", "words"), TOLD)
 def test_wrong_guesses_get_a_line_with_the_right_call(guess, words, result):
-    with pytest.raises((RingwearError, AttributeError, TypeError)) as refused:
+    with pytest.raises((RingwearError, AttributeError, TypeError, KeyError)) as refused:
         guess(result)
-    line = str(refused.value)
+    line = str(refused.value.args[0])
     assert words in line
     assert "\n" not in line
 
