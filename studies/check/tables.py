@@ -185,7 +185,8 @@ def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
         reason = one_line(error)
         if isinstance(error, UnicodeDecodeError):
             reason = "it is not text in UTF-8"
-        elif path.suffix == ".nc" and not isinstance(error, OSError):
+        elif path.suffix == ".nc" and "engine" in str(error):
+            # xarray lists the packages that it has tried
             reason = "it is not netCDF"
         raise SceneError(
             f"{path} cannot be read: {reason}; give CSV in UTF-8, or netCDF in a file that ends "

@@ -99,7 +99,9 @@ class OverTime(Section):
                 f"{len(self.values)} values for {len(self.times)} times: give one for each"
             )
         if not any(self.values):
-            raise ValueError("all values are 0: give a value above 0 for one of the times")
+            raise ValueError(
+                "values are 0.0 at all times and must be positive at some: give a value above 0"
+            )
         check_range(self.greatest)
         return self
 

@@ -83,7 +83,7 @@ SCENES = [
     (
         "normal_force = 2.0",
         "normal_force = { times = [0.0, 1.0], values = [0.0, 0.0] }",
-        "give a value above 0 for one of the times",
+        "must be positive at some: give a value above 0",
     ),
     (
         "wear_coefficients = [1.0, 10.0]",
