@@ -160,6 +160,8 @@ class Sweep:
         scenes = [sweep.scene(changes) for changes in tried_changes]
         problems = [scene.problem for scene in scenes]
         names = {column.name for column in columns.values()}
+        if "keep" not in table:
+            _refuse_all(problems, scenes[0].methods)
         keep = _quantities_to_keep(table.get("keep"), problems, names)
         dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
         if "worn_volume" in keep and "wear.times" not in columns:
@@ -169,7 +171,7 @@ class Sweep:
         sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
         for scene, changes in zip(scenes, tried_changes, strict=True):
             sweep.check_labels(scene, changes)
-        sweep.refuse_all(tried_changes)
+        _refuse_all(map(sweep.problem, tried_changes), scenes[0].methods)
         return sweep
 
     @property
@@ -231,20 +233,6 @@ class Sweep:
                     "that do not depend on them"
                 )
 
-    def refuse_all(self, tried_changes: Iterable[TomlTable]) -> None:
-        """Raise an error if methods refuse all scenes that are tried, as a run of each would.
-
-        If they refuse only some, these scenes fail when they are computed.
-        """
-        reason = ""
-        for changes in tried_changes:
-            problem = self.problem(changes)
-            reasons = [method(name).refusal(problem) for name in self.first.methods]
-            if not any(reasons):
-                return
-            reason = reason or "; ".join(filter(None, reasons))
-        raise SceneError(reason)
-
     def problem(self, changes: TomlTable) -> Problem:
         """Return the problem of a changed scene, with only the quantities to keep."""
         quantities = (quantity for name in self.keep for quantity in ANSWERS.get(name, (name,)))
@@ -261,6 +249,20 @@ class Sweep:
 
 def _name_of(changes: TomlTable) -> str:
     return ", ".join(f"{key} = {value}" for key, value in changes.items())
+
+
+def _refuse_all(problems: Iterable[Problem], methods: Iterable[str]) -> None:
+    """Raise an error if methods refuse all problems that are tried, as a run of each would.
+
+    If they refuse only some, these scenes fail when they are computed.
+    """
+    solvers, reason = [method(name) for name in methods], ""
+    for problem in problems:
+        reasons = [solver.refusal(problem) for solver in solvers]
+        if not any(reasons):
+            return
+        reason = reason or "; ".join(filter(None, reasons))
+    raise SceneError(reason)
 
 
 def _labels(scene: Scene) -> dict[str, Column]:

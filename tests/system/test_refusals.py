@@ -73,6 +73,19 @@ def test_all_commands_refuse_a_scene_in_the_same_words(
     assert len(list(tmp_path.iterdir())) == 3
 
 
+def test_a_sweep_without_anything_to_compute_is_refused_like_its_scene(tmp_path, capsys):
+    scene = SCENE.changed({"load": {"indentation": 0.5}, "wear": {"times": []}})
+    sweep = {"base": scene.table(), "axes": {"accuracy.rtol": [1e-3, 1e-2]}}
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(sweep), "utf-8")
+    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
+    messages = set()
+    for command in (["sweep", "sweep.toml", "--dry-run"], ["run", "scene.toml"]):
+        assert main([command[0], str(tmp_path / command[1]), *command[2:]]) == 2
+        messages.add(capsys.readouterr().err)
+    (message,) = messages
+    assert "with load.indentation the pressure vanishes in the steady state" in message
+
+
 @pytest.mark.parametrize("feature", FEATURES)
 def test_other_methods_accept_every_feature(feature):
     scene = SCENE.changed(FEATURES[feature])
