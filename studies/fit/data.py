@@ -202,6 +202,11 @@ def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
         if base in ("worn_volume", "lost_mass"):
             after_start, quantity = times > 0, "worn_volume"
             times, values = times[after_start], values[after_start]
+            if len(values) and (values < 0).all():
+                raise SceneError(
+                    f"all values of {column} are negative: give what has been lost since the "
+                    "start, as positive numbers"
+                )
             values = values / density if base == "lost_mass" else values
         if len(times):
             measurements.append(_without_noise(base, quantity, times, values, None, ring))

@@ -216,7 +216,7 @@ def _in_plain_words(fault: ErrorDetails) -> str:
     message = message.replace(" after validation", "")
     if fault["type"] == "value_error":
         return message
-    return message.replace("Input should", "should").replace("List should", "should")
+    return re.sub(r"\b(?:Input|List|Value) should", "should", message)
 
 
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:

@@ -29,6 +29,9 @@ SCENES = [
     ("radius = 1.0", f"radius = 1{400 * '0'}", "give the punch radius, a positive length"),
     ("radius = 1.0", 'radius = "10 mmm"', "did you mean 'mm'?"),
     ("radius = 1.0", 'radius = "10 N"', "is no length"),
+    ("radius = 1.0", 'radius = "10 mm 5"', "has two numbers: give one number and its unit"),
+    ("radius = 1.0", 'radius = "10 5 mm"', "has two numbers: give one number and its unit"),
+    ("[wear]", "[output]\nradii = []\n[wear]", "output.radii = []: should have at least 1 item"),
     ("radius = 1.0", 'radius = "1,5 mm"', "give '1.5 mm'"),
     ("radius = 1.0", "radius = 1,0", "'radius = 1,0'; give lines such as radius = 1.0"),
     ("radius = 1.0", "radius = None", "'radius = None'; give lines such as"),
@@ -152,6 +155,7 @@ COMMANDS = [
     ("compare five_rings there", "it has no summary.json; give a folder"),
     ("check five_rings --template bytes", "--template bytes is not a directory"),
     ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
+    ("check five_rings a.csv a.csv", "a.csv is given twice: give each file once"),
 ]
 
 

@@ -170,6 +170,7 @@ def test_incomplete_measurements_are_refused_with_a_reason(noise, density, words
         ({"time": [1.0], "worn_volume_4": [1.0]}, "give worn_volume_1 to worn_volume_3"),
         ({"time": [1.0], "lost_mass_0": [1.0]}, "numbered from 1 at the centre to 3"),
         ({"time": [0.0], "worn_volume": [0.0]}, "given only at the start: give later times"),
+        ({"time": [1.0, 2.0], "worn_volume": [-1.0, -2.0]}, "as positive numbers"),
     ],
 )
 def test_columns_that_cannot_be_fitted_are_refused_with_the_remedy(columns, words):
