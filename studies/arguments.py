@@ -43,6 +43,13 @@ def _relative(text: str) -> float:
         raise ArgumentTypeError(f"{text!r}: give a number, such as 1e-4") from None
 
 
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ArgumentTypeError(f"{text!r}: give a number, such as 0.5") from None
+
+
 def _whole(text: str) -> int:
     try:
         return int(text)
@@ -149,20 +156,20 @@ ARGUMENTS: dict[str, Settings] = {
     },
     "--density": {"help": "density of the punch for data on lost mass, such as '7.8 g/cm^3'"},
     "--size": {
-        "type": float,
+        "type": _number,
         "metavar": "H",
         "default": 0.1,
         "help": "size of the elements below the punch, in punch radii; they are smaller at ring "
         "edges and at the rim (default: 0.1)",
     },
     "--reach": {
-        "type": float,
+        "type": _number,
         "metavar": "R",
         "default": 200.0,
         "help": "radius of the half-space that is modelled, in punch radii (default: 200)",
     },
     "--time": {
-        "type": float,
+        "type": _number,
         "action": "append",
         "dest": "times",
         "metavar": "T",
@@ -296,6 +303,28 @@ OF_STUDIES: dict[str, tuple[str, Settings]] = {
 """Options of studies by their names: the flag and its settings for `argparse`."""
 
 
+OTHER_COMMANDS = {
+    **dict.fromkeys(("solve", "simulate", "compute", "calculate", "start"), "ringwear run"),
+    **dict.fromkeys(("list", "ls", "examples", "show"), "ringwear scenes"),
+    **dict.fromkeys(("init", "new", "create"), "ringwear scenes five_rings > mine.toml"),
+    **dict.fromkeys(("validate", "verify", "estimate"), "ringwear plan"),
+    **dict.fromkeys(("template", "export"), "ringwear check SCENE --template DIR"),
+    **dict.fromkeys(("plot", "report"), "ringwear run, which draws figures and writes a page"),
+    "diff": "ringwear compare",
+    "help": "ringwear --help",
+    "version": "ringwear --version",
+}
+"""Commands by other names that users may write."""
+OTHER_FLAGS = {
+    **dict.fromkeys(("-o", "--output", "--folder", "--directory", "--dir"), "--out"),
+    **dict.fromkeys(("--tol", "--tolerance", "--accuracy"), "--rtol"),
+    **dict.fromkeys(("--method", "--solver", "-m"), "--methods"),
+    **dict.fromkeys(("-v", "--version"), "--verbose"),
+    **dict.fromkeys(("-j", "--jobs", "--threads", "--processes"), "--workers"),
+}
+"""Options by other names that users may write."""
+
+
 class Parser(ArgumentParser):
     """A parser that suggests the nearest name for an unknown command or option."""
 
@@ -305,18 +334,21 @@ class Parser(ArgumentParser):
         flags += [flag for flag, _ in OF_STUDIES.values()]
         suggestion = ""
         if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            suggestion = nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
+            suggestion = OTHER_COMMANDS.get(choice[1], "") if "COMMAND" in message else ""
+            suggestion = suggestion or nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
             if choice[1] in bundled() or choice[1].endswith(".toml"):
                 suggestion = f"ringwear run {choice[1]}"
-        elif unknown := re.search(r"unrecognized arguments: (--[\w-]+)", message):
+        elif unknown := re.search(r"unrecognized arguments: (-[\w-]+)", message):
             # compare without dashes, which are common to all flags
             flags_without_dashes = {re.sub(r"\W", "", flag): flag for flag in flags}
-            suggestion = flags_without_dashes.get(
+            suggestion = OTHER_FLAGS.get(unknown[1], "") or flags_without_dashes.get(
                 nearest(re.sub(r"\W", "", unknown[1]), flags_without_dashes), ""
             )
             if suggestion == unknown[1]:
                 # an option of another command
                 super().error(f"{message}; this command does not have it: --help lists its options")
+        if message.startswith("unrecognized arguments") and not suggestion:
+            super().error(f"{message}; leave it out: --help lists what the command takes")
         super().error(f"{message}; did you mean {suggestion}?" if suggestion else message)
 
 

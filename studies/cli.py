@@ -129,6 +129,8 @@ def _check(options: argparse.Namespace) -> Status:
             "check compares results of other programs with ours: give their files, or --template "
             "DIR to write a table for them to fill in"
         )
+    if repeated := [file for file in options.files if options.files.count(file) > 1]:
+        raise SceneError(f"{repeated[0]} is given twice: give each file once")
     others = {Path(file).name: file for file in options.files}
     if len(others) < len(options.files):
         others = {file: file for file in options.files}
@@ -168,13 +170,14 @@ def _fit(options: argparse.Namespace) -> Status:
 
 def _plan(options: argparse.Namespace) -> Status:
     from .outcome.run import run
-    from .outcome.scope import left_out, methods_of, modelled, time_scale
+    from .outcome.scope import left_out, methods_of, modelled, refuse, time_scale
     from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
     methods = methods_of(scene.methods)
+    refuse(scene, methods)
+    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
     print_scope(modelled(scene, methods), left_out(scene, methods))
     print("\nBy method", flush=True)
     print_lines(f"  {line}" for line in plan(scene))
@@ -236,9 +239,9 @@ def _study(options: argparse.Namespace) -> Status:
     name, scene = options.study, Scene.load(options.scene)
     study_options = _options_of_study(options)
     refuse_what_does_not_fit(name, scene, study_options)
-    if options.quick:
-        print(f"about {STUDIES[name].seconds} s on a machine with two cores", flush=True)
     with output_folder(_out(options, name), f"study {name}", ["report.html"]) as folder:
+        if options.quick:
+            print(f"about {STUDIES[name].seconds} s on a machine with two cores", flush=True)
         results, failures, record = None, list[str](), Record(folder.hidden)
         with keeping_rows(record.conclusions):
             results = conduct(name, scene, study_options, record)

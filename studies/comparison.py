@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from ..meshes.errors import SceneError
-from .calls import naming_arguments
+from .guesses import AnswersGuesses
 from .outcome.outcome import Outcome
 from .outcome.run import run
 from .output.folder import output_folder
 from .output.stored import StoredOutcome, load
+from .problem.written import shown
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
 from .sampling.field_differences import FieldComparison
+from .scene.calls import naming_arguments
 from .scene.explain import nearest
 from .scene.scene import Scene, Source
 from .tables import write_csv
@@ -74,13 +76,21 @@ def _source(source: Source | Outcome) -> Scene | Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(AnswersGuesses):
     """A comparison of two results: `table`, `scenes`, `verdict`, `figures` and `save(folder)`.
 
     Parameters
     ----------
     a, b : the two results
     """
+
+    noun = "comparison"
+    instead = dict.fromkeys(("df", "data", "differences", "rows", "dataset"), "table") | {
+        "to_csv": "save(folder)",
+        "figure": "figures",
+        "show": "plot()",
+        "agree": "verdict",
+    }
 
     a: Outcome
     b: Outcome
@@ -152,7 +162,9 @@ class Comparison:
         if kind not in self.figures:
             suggestion = nearest(str(kind), self.figures)
             hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
-            raise SceneError(f"no figure {kind!r}: {hint}give one of {', '.join(self.figures)}")
+            raise SceneError(
+                f"no figure {shown(kind)}: {hint}give one of {', '.join(self.figures)}"
+            )
         return self.figures[kind]
 
     def write(self, folder: Path) -> None:
@@ -173,7 +185,7 @@ class Comparison:
         SceneError
             if the folder cannot be written to, or contains other files with these names
         """
-        with output_folder(Path(folder), "compare", FILES) as out:
+        with output_folder(folder, "compare", FILES) as out:
             self.write(out.hidden)
         return out.written
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..meshes.errors import RingwearError, SceneError
-from .calls import naming_arguments
 from .check import checked
+from .guesses import OF_RESULTS
 from .methods.base import Method
 from .outcome.outcome import Outcome
 from .outcome.run import run_as
@@ -15,10 +15,12 @@ from .output import stored
 from .output.files import run_files, write_numbers
 from .output.folder import output_folder
 from .problem.quantities import DESCRIBED
+from .problem.written import shown
 from .registry import METHODS
 from .report.words import Account
-from .scene.explain import nearest, shown
-from .scene.keys import listed
+from .scene.calls import naming_arguments
+from .scene.explain import nearest
+from .scene.keys import listed, numbers
 from .scene.scene import Scene, Source
 
 if TYPE_CHECKING:
@@ -155,10 +157,11 @@ def run(
     >>> result.verdict
     'agree'
     """
-    entries = listed(methods or ())
+    entries = listed(() if methods is None else methods)
     if invalid := [entry for entry in entries if not isinstance(entry, str | Method)]:
         raise SceneError(
-            f"methods has {invalid[0]!r}: give names, {', '.join(METHODS)}, or objects of a Method"
+            f"methods has {shown(invalid[0])}: give names, {', '.join(METHODS)}, or objects of a "
+            "Method"
         )
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
@@ -204,8 +207,10 @@ class Result(Outcome):
             names = [str(name) for name in self.dataset.variables]
             suggestion = _quantity_like(str(quantity), names)
             hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
+            if quantity in METHODS:
+                hint = f"write result.dataset.sel(solver={quantity!r}), or "
             raise SceneError(
-                f"no {quantity!r} in these results: {hint}give one of {', '.join(names)}"
+                f"no {shown(quantity)} in these results: {hint}give one of {', '.join(names)}"
             )
         return self.dataset[quantity]
 
@@ -237,7 +242,9 @@ class Result(Outcome):
             available = ", ".join(pictures) or "none: all selected quantities are numbers"
             suggestion = nearest(str(kind), pictures)
             hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
-            raise SceneError(f"no figure {kind!r} of these results: {hint}give one of {available}")
+            raise SceneError(
+                f"no figure {shown(kind)} of these results: {hint}give one of {available}"
+            )
         return pictures[kind].figure(self)
 
     def save(self, folder: str | Path) -> list[str]:
@@ -253,7 +260,7 @@ class Result(Outcome):
         from .figures.catalogue import PICTURES
         from .report.page import show
 
-        with output_folder(Path(folder), "run", run_files(PICTURES)) as out:
+        with output_folder(folder, "run", run_files(PICTURES)) as out:
             write_numbers(self, out.hidden)
             if failures := show(self, Account(self), PICTURES, out.hidden, page=True):
                 raise RingwearError("; ".join(failures))
@@ -284,7 +291,13 @@ class Checked(Result, checked.CheckedOutcome):
 
 @naming_arguments
 def check(
-    scene: Source, given: "Mapping[str, OthersResults] | OthersResults", **how: Any
+    scene: Source,
+    given: "Mapping[str, OthersResults] | OthersResults",
+    methods: Sequence[str] | str | None = None,
+    within: float = 0.01,
+    columns: Mapping[str, str] | None = None,
+    units: str = "",
+    sizes: Sequence[float] = (),
 ) -> Checked:
     """Compare results of other programs with ours, at their times and radii.
 
@@ -293,11 +306,11 @@ def check(
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
     given : results of other programs: CSV or netCDF files, DataFrames or xarray Datasets, by the
         names of the programs; or a single one, which is named after its file, or "theirs"
-    how : `methods`, methods of ringwear instead of the scene's; `within`, the allowed relative
-        error of their results, by default 0.01; `columns`, our names by theirs,
-        ``{"p": "pressure"}``; `units`, the units of their results, such as ``"mm, N, MPa, s"``, if
-        they differ from the scene's; `sizes`, decreasing element sizes, if the results are those of
-        one program from coarse to fine
+    methods : methods of ringwear, instead of the scene's
+    within : allowed relative error of their results
+    columns : our names by theirs, ``{"p": "pressure"}``
+    units : of their results, such as ``"mm, N, MPa, s"``, if they differ from the scene's
+    sizes : decreasing element sizes, if the results are those of one program from coarse to fine
 
     Raises
     ------
@@ -314,9 +327,10 @@ def check(
     """
     from .check.check import check_as
 
-    if "within" in how and not (isinstance(how["within"], float | int) and how["within"] > 0):
-        raise SceneError(f"within = {how['within']!r}: give a positive number, such as 0.01")
-    return check_as(Checked, scene, _by_program(given), **how)
+    if not (isinstance(within, float | int) and within > 0):
+        raise SceneError(f"within = {shown(within)}: give a positive number, such as 0.01")
+    programs, sizes = _by_program(given), numbers("sizes", sizes)
+    return check_as(Checked, scene, programs, methods, within, columns, units, sizes)
 
 
 def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":
@@ -357,7 +371,7 @@ def _quantity_like(name: str, names: Iterable[str]) -> str:
 
 def _instead_of(name: str) -> str:
     """Return what to write instead of an attribute that a result does not have."""
-    if replacement := OTHER_CALLS.get(name):
+    if replacement := OF_RESULTS.get(name):
         return f": write result.{replacement}"
     public = [attribute for attribute in dir(Result) if not attribute.startswith("_")]
     if suggestion := nearest(name, public, 0.8):
@@ -365,15 +379,3 @@ def _instead_of(name: str) -> str:
     if suggestion := _quantity_like(name, [*DESCRIBED, "time", "radius", "solver"]):
         return f": write result.dataset.{suggestion}"
     return f"; it has {', '.join(public)}"
-
-
-# what to write instead of names that other packages use
-OTHER_CALLS = {
-    "times": "dataset.time",
-    "radii": "dataset.radius",
-    "errors": "error('indentation')",
-    "show": "plot()",
-    "data": "dataset",
-    "ds": "dataset",
-    **{name: f"dataset.{name}" for name in ("sel", "isel", "interp", "to_dataframe", "to_netcdf")},
-}

@@ -66,12 +66,12 @@ def elements(pieces: Pieces, smallest: Array, degree: int) -> list[tuple]:
             ends = np.append(0.0, half * FACTOR ** np.arange(layers, -1.0, -1))
             rise = (degree - 4) / max(0.7 * layers, 1)
             nearest = 0 if layers else degree
-            made = []
+            elements_made = []
             for layer, (low, high) in enumerate(pairwise(ends)):
                 order = int(min(degree, 4 + np.ceil(rise * layer) + nearest))
                 ends_of = (low, high) if edge == left else (-high, -low)
-                made.append((edge, *ends_of, count - 1 - number, order))
-            rows += made if edge == left else made[::-1]
+                elements_made.append((edge, *ends_of, count - 1 - number, order))
+            rows += elements_made if edge == left else elements_made[::-1]
     return rows
 
 
@@ -83,11 +83,13 @@ class Punch:
     pieces : wear coefficient along the radius, relative to the greatest one
     smallest : size of the smallest element in s at each edge
     degree : highest degree of the polynomials
-    held : whether the indentation is fixed at 1/2; otherwise the force is given
+    fixed_indentation : whether the indentation is fixed at 1/2; otherwise the force is given
     """
 
-    def __init__(self, pieces: Pieces, smallest: Array, degree: int, held: bool = False) -> None:
-        self.pieces, self.held = pieces, held
+    def __init__(
+        self, pieces: Pieces, smallest: Array, degree: int, fixed_indentation: bool = False
+    ) -> None:
+        self.pieces, self.fixed_indentation = pieces, fixed_indentation
         rows = elements(pieces, smallest, degree)
         edge, low, high, piece, order = map(np.array, zip(*rows, strict=True))
         self.edge, self.low, self.width = edge, low, high - low
@@ -174,7 +176,7 @@ class Punch:
         self.wear_rate = 1 / (flat @ flat)
         self.steady = flat * self.wear_rate
         self.moments = self.triangle.T @ (self.triangle @ self.steady)
-        if self.held:
+        if self.fixed_indentation:
             _, singular, shapes = svd(self.triangle)
             self.times, self.shapes = singular**2, shapes.T
             self.excited = (shapes @ flat) * 0.5 / self.times
@@ -189,7 +191,7 @@ class Punch:
     def pressures(self, load: Load, times: Array) -> Array:
         """Return coefficients (T, n) of the pressure at times > 0."""
         force, distance, _ = load.at(times)
-        if self.held:
+        if self.fixed_indentation:
             left = np.exp(-distance[:, None] / self.times) * self.excited
             return left @ self.shapes.T
         left = load.decayed(times, self.times) * self.excited
@@ -197,7 +199,7 @@ class Punch:
 
     def depths(self, load: Load, times: Array, pressures: Array) -> Array:
         """Return the indentation (T,)."""
-        if self.held:
+        if self.fixed_indentation:
             return np.full(len(times), 0.5)
         return pressures @ self.moments + self.wear_rate * load.at(times)[2]
 
@@ -277,7 +279,7 @@ class Punch:
 
         At a fixed indentation, return the force instead.
         """
-        if self.held:
+        if self.fixed_indentation:
             return float(
                 np.exp(-distance / self.times) @ (self.excited * (self.weights @ self.shapes))
             )
@@ -310,14 +312,14 @@ def solved(
         a solution with another value shows
     """
     times = problem.times[problem.checked]
-    held = problem.indentation is not None
+    fixed_indentation = problem.indentation is not None
     later = times[times > 0]
     distances = load.at(later)[1]
     earliest = min(distances, default=np.inf)
     smallest = _sizes(pieces, earliest, error, roundoff)
     # all eight relaxation times may belong to one piece, which needs at least this degree
     degree = max(int(np.ceil(np.log(1 / error) / np.log(3))) + 1, LEAST_DEGREE)
-    punch = Punch(pieces, smallest, degree, held)
+    punch = Punch(pieces, smallest, degree, fixed_indentation)
     results = {"relaxation_time": punch.times[:8]}
     if len(times):
         results |= _history(problem, punch, load, times, average)
@@ -374,13 +376,13 @@ def _history(problem, punch: Punch, load: Load, times: Array, average: str) -> d
         "rms_slope": punch.rms_slopes(worn, average),
         "ring_force": punch.by_ring(pressures * punch.weights, edges),
         "ring_worn_volume": punch.by_ring(worn * punch.volumes, edges),
-        "normal_force": pressures @ punch.weights if punch.held else load.at(later)[0],
+        "normal_force": pressures @ punch.weights if punch.fixed_indentation else load.at(later)[0],
         "contact_radius": np.ones(len(later)),
         "time": load.at(later)[1],
         "pressed": np.zeros(len(later), bool),
     }
     if times[0] == 0:
-        force = 1.0 if punch.held else load.forces[0]
+        force = 1.0 if punch.fixed_indentation else load.forces[0]
         radii = face.radii
         start = {
             "pressure": force / (2 * np.pi * np.sqrt((1 - radii) * (1 + radii))),
@@ -450,7 +452,7 @@ def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array
         }
     if len(problem.times):
         answer["worn_volume"] = results["ring_worn_volume"][-1]
-    if punch.held:
+    if punch.fixed_indentation:
         answer["force_end"] = results["normal_force"][-1]
         answer["force_start"] = 1.0
         answer["time_to_half_force"] = punch.time_left(0.5) / load.speeds[0]

@@ -97,7 +97,7 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
     wear, profile, time = given.wear_at(radii) * given.speed, 0 * radii, 0.0
     # explicit steps are stable up to about this length
     stable = 0.4 / np.max(np.abs(np.linalg.eigvals(stiffness / areas[:, None] * wear)))
-    rigid, found = stiffness.sum(axis=1), []
+    rigid, states = stiffness.sum(axis=1), []
     for end in given.times:
         count = int(np.ceil((end - time) / min(stable, max(given.times) / steps_to_longest)))
         for _ in range(count):
@@ -106,8 +106,8 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
                 profile + wear * (stiffness @ (depth - profile)) / areas * (end - time) / count
             )
         time, depth = end, (force + rigid @ profile) / rigid.sum()
-        found.append((stiffness @ (depth - profile) / areas, profile, depth))
-    return zip(*found, strict=True)
+        states.append((stiffness @ (depth - profile) / areas, profile, depth))
+    return zip(*states, strict=True)
 
 
 def finite_elements(given, cells=40):

@@ -119,8 +119,8 @@ def pieces_of(table: dict) -> Pieces:
         wear = np.resize(np.array(punch["wear_coefficients"]), len(edges) - 1)
         wear = wear / wear.max()
         different = np.append(np.diff(wear) != 0, True)
-        kept = np.append(0.0, edges[1:][different])
-        return Pieces(kept, wear[different], wear[different])
+        distinct_edges = np.append(0.0, edges[1:][different])
+        return Pieces(distinct_edges, wear[different], wear[different])
     given = punch["wear_coefficient"]
     radii = np.array(given["radii"]) / radius
     values = np.array(given["values"]) / max(given["values"])
@@ -191,33 +191,33 @@ class Held:
 def hold(table: dict, methods: tuple[str, ...]) -> Held:
     """Run a scene, and compare all of its numbers with the independent solution."""
     scene = Scene.from_table(table | {"methods": list(methods)})
-    held, problem = Held(table, scene.accuracy.rtol), scene.problem
+    outcome, problem = Held(table, scene.accuracy.rtol), scene.problem
     started = time.perf_counter()
     solutions = []
     for part in (FINE, COARSE):
-        error, average = min(part * held.rtol, 1e-3), table["output"]["gradient_average"]
+        error, average = min(part * outcome.rtol, 1e-3), table["output"]["gradient_average"]
         roundoff = ROUNDOFF * part / FINE
         solutions.append(
             solved(problem, pieces_of(table), load_of(table), error, average, roundoff)
         )
     (fine, answer, punch), (coarse, less, _) = solutions
-    held.lost_contact = _loses_contact(table, punch)
-    held.reference_seconds = time.perf_counter() - started
+    outcome.lost_contact = _loses_contact(table, punch)
+    outcome.reference_seconds = time.perf_counter() - started
     started = time.perf_counter()
     try:
         result = run(scene)
-        held.verdict = result.verdict
+        outcome.verdict = result.verdict
     except (RingwearError, ArithmeticError, ValueError) as error:
-        held.error = f"{type(error).__name__}: {error}"
-        return held
-    held.seconds = time.perf_counter() - started
-    held.words = Account(result).verdict_line
-    held.excluded = excluded(result)
-    if not held.lost_contact:
+        outcome.error = f"{type(error).__name__}: {error}"
+        return outcome
+    outcome.seconds = time.perf_counter() - started
+    outcome.words = Account(result).verdict_line
+    outcome.excluded = excluded(result)
+    if not outcome.lost_contact:
         doubt = differences(coarse, fine, problem.face)
-        _hold_results(held, result, fine, doubt)
-        _hold_answers(held, result, answer, less)
-    return held
+        _hold_results(outcome, result, fine, doubt)
+        _hold_answers(outcome, result, answer, less)
+    return outcome
 
 
 def _loses_contact(table: dict, punch) -> bool:
@@ -246,7 +246,7 @@ def excluded(result) -> dict[str, list[float]]:
     return names
 
 
-def _hold_results(held: Held, result, fine: dict, doubt: dict) -> None:
+def _hold_results(outcome: Held, result, fine: dict, doubt: dict) -> None:
     problem = result.scene.problem
     for method, solution in result.solutions.items():
         for name, error in differences(solution.checked, fine, problem.face).items():
@@ -261,19 +261,19 @@ def _hold_results(held: Held, result, fine: dict, doubt: dict) -> None:
                 error, unsure, stated = (part[:SHOWN_MODES] for part in (error, unsure, stated))
             count = min(map(len, (error, unsure, stated)))
             error, unsure, stated = (part[:count] for part in (error, unsure, stated))
-            named = _named(held, result, method, name, len(error))
-            _judge(held, f"{method} {name}", error, stated, 2 * unsure, named)
+            named = _named(outcome, result, method, name, len(error))
+            _judge(outcome, f"{method} {name}", error, stated, 2 * unsure, named)
 
 
-def _named(held: Held, result, method: str, name: str, count: int) -> Array:
+def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
     """Return which values (count,) of a quantity the run reports as beyond rtol or left out."""
     problem, beyond = result.scene.problem, result.summary["methods"][method]["beyond_rtol"]
     # the list of quantities beyond rtol considers three relaxation times
     named = np.full(count, name in beyond)
     if name in beyond and name == "relaxation_time":
         named[3:] = False
-    if name in held.excluded:
-        left_out = held.excluded[name]
+    if name in outcome.excluded:
+        left_out = outcome.excluded[name]
         if not left_out or count != len(problem.checked):
             return np.full(count, True)
         times = problem.times[problem.checked] * problem.units.time
@@ -281,7 +281,7 @@ def _named(held: Held, result, method: str, name: str, count: int) -> Array:
     return named
 
 
-def _hold_answers(held: Held, result, answer: dict, less: dict) -> None:
+def _hold_answers(outcome: Held, result, answer: dict, less: dict) -> None:
     units = result.scene.problem.units
     shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
     for method, given in result.answers.items():
@@ -309,40 +309,42 @@ def _hold_answers(held: Held, result, answer: dict, less: dict) -> None:
             stated = given.get(f"{name}_error", np.nan)
             stated = result.reported(method).get(f"{name}_error", stated)
             stated = float(np.nanmax(np.atleast_1d(stated), initial=0.0))
-            before = set(held.beyond)
+            before = set(outcome.beyond)
             label = f"{method} answer {name}"
             numbers = (np.array([number]) for number in (error, stated, 2 * unsure))
-            _judge(held, label, *numbers, _named(held, result, method, name, 1))
-            if name in shown and set(held.beyond) - before:
-                held.first.append(label)
+            _judge(outcome, label, *numbers, _named(outcome, result, method, name, 1))
+            if name in shown and set(outcome.beyond) - before:
+                outcome.first.append(label)
 
 
-def _judge(held: Held, label: str, error: Array, stated: Array, doubt: Array, named: Array) -> None:
-    rtol = held.rtol
+def _judge(
+    outcome: Held, label: str, error: Array, stated: Array, doubt: Array, named: Array
+) -> None:
+    rtol = outcome.rtol
     if (doubt > 0.5 * rtol).any():
-        held.unsure.append(label)
+        outcome.unsure.append(label)
     over = error - doubt > rtol
     if over.any():
         worst = int(np.argmax(np.where(over, error, 0.0)))
-        held.beyond[label] = float(error[worst] / rtol), float(stated[worst] / rtol)
+        outcome.beyond[label] = float(error[worst] / rtol), float(stated[worst] / rtol)
         if not named[over].all():
-            held.silent.append(label)
+            outcome.silent.append(label)
 
 
-def told(held: Held, number: int) -> str:
+def line_of(outcome: Held, number: int) -> str:
     """Return the line that is printed for a scene."""
-    words = f"{number:4} {held.rtol:.0e} {held.verdict or 'ERROR':9} {held.seconds:6.2f} s"
-    words += f" (reference {held.reference_seconds:5.1f} s)"
-    if held.lost_contact:
+    words = f"{number:4} {outcome.rtol:.0e} {outcome.verdict or 'ERROR':9} {outcome.seconds:6.2f} s"
+    words += f" (reference {outcome.reference_seconds:5.1f} s)"
+    if outcome.lost_contact:
         words += " loses contact: not held"
     for what in ("silent", "first", "excluded", "unsure"):
-        if names := getattr(held, what):
+        if names := getattr(outcome, what):
             words += f" | {what}: " + ", ".join(names)
-    if held.beyond:
+    if outcome.beyond:
         words += " | beyond: " + ", ".join(
-            f"{name} {true:.3g} ({stated:.2g})" for name, (true, stated) in held.beyond.items()
+            f"{name} {true:.3g} ({stated:.2g})" for name, (true, stated) in outcome.beyond.items()
         )
-    return words + (f" | {held.error}" if held.error else "")
+    return words + (f" | {outcome.error}" if outcome.error else "")
 
 
 def main() -> None:
@@ -359,16 +361,16 @@ def main() -> None:
     for number, table in enumerate(draw(given.kind, given.seed, given.count)):
         if given.only is not None and number != given.only:
             continue
-        held = hold(table, methods)
-        rows.append(held)
-        print(told(held, number), flush=True)
+        outcome = hold(table, methods)
+        rows.append(outcome)
+        print(line_of(outcome, number), flush=True)
         name = f"{given.kind}_{given.seed}_{number}"
-        if given.failures and held.failed:
+        if given.failures and outcome.failed:
             given.failures.mkdir(parents=True, exist_ok=True)
             scene = Scene.from_table(table | {"methods": list(methods), "title": name})
             (given.failures / f"{name}.toml").write_text(scene.to_toml(), "utf-8")
         if given.out:
-            row = {key: value for key, value in vars(held).items() if key != "table"}
+            row = {key: value for key, value in vars(outcome).items() if key != "table"}
             with given.out.open("a", encoding="utf-8") as lines:
                 lines.write(json.dumps({"scene": name, "methods": methods} | row) + "\n")
     count = len(rows)

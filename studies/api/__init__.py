@@ -118,7 +118,13 @@ _OTHER_NAMES = {
     **dict.fromkeys(("open", "read", "Results"), "ringwear.load"),
     **dict.fromkeys(("Problem", "Punch", "Model", "Simulation"), "ringwear.Scene"),
     **dict.fromkeys(("scenes", "examples", "bundled"), "`ringwear scenes` on the command line"),
+    **dict.fromkeys(("list_scenes", "bundled_scenes"), "`ringwear scenes` on the command line"),
+    **dict.fromkeys(("run_scene", "run_file"), "ringwear.run"),
+    **dict.fromkeys(("validate", "predict"), "ringwear.plan"),
     "mesh": "`ringwear mesh SCENE` on the command line",
+    "challenge": "`ringwear challenge` on the command line",
+    "template": "`ringwear check SCENE --template DIR` on the command line",
+    "cli": "`ringwear` on the command line",
     "plot": "ringwear.run(scene).plot()",
 }
 

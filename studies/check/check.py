@@ -16,6 +16,7 @@ from ..figures.style import in_style
 from ..methods.base import Method, Solution
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
+from ..outcome.scope import methods_of, refuse
 from ..problem.problem import Problem
 from ..problem.unit_names import UnitNames
 from ..registry import METHODS
@@ -103,6 +104,7 @@ def check_as(
         "output__field_times": None,
     }
     scene = scene.changed(**changes)
+    refuse(scene, methods_of(listed(methods) if methods else scene.methods))
     # mdr-grid is the paper's own algorithm, of first order: not accurate enough for a reference
     our_methods = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
     their_methods = [OtherProgram.from_table(name, table, scene) for name, table in tables.items()]

@@ -6,7 +6,7 @@ radius, or be in rows whose radius is empty. If a table is wrong, the error mess
 the line, the column and the remedy.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -19,7 +19,9 @@ from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames, size_of_unit
+from ..problem.written import one_line, shown
 from ..progress import LOG
+from ..scene.explain import nearest
 from ..scene.scene import Scene
 from .csv_files import name_and_unit, read_csv_text, read_numbers
 
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
 OthersResults: TypeAlias = "str | Path | pd.DataFrame | xarray.Dataset"
 
 
+COMPARED = ("pressure", "displacement", "profile", "indentation", "normal_force")
+"""Columns that messages name as those that `check` compares."""
 LARGE = 200_000
 """Number of characters above which a CSV file is read by `read_numbers`, if that is possible."""
 
@@ -41,6 +45,7 @@ def read(
     columns: Mapping[str, str],
     units: str,
     more: Mapping[str, str] | None = None,
+    wanted: Sequence[str] = COMPARED,
 ) -> pd.DataFrame:
     """Return the validated results of another program, in the units of a scene.
 
@@ -52,6 +57,7 @@ def read(
     columns : our column names by theirs
     units : of the results, in the notation of a scene; if empty, those of the scene
     more : further columns that depend on time alone, each with the kind of its unit
+    wanted : columns of which the table needs at least one, for messages
 
     Raises
     ------
@@ -59,6 +65,10 @@ def read(
         if the table cannot be read or is wrong; it names the file, the line, the column and the
         remedy
     """
+    if not isinstance(columns, Mapping):
+        raise SceneError(
+            f"columns = {shown(columns)}: give our names by theirs, such as {{'p': 'pressure'}}"
+        )
     place = "row"
     kinds = {"time": "time", "radius": "length"}
     kinds |= {
@@ -82,12 +92,17 @@ def read(
         if "solver" in source.dims:
             source = source.isel(solver=0)
             LOG.info("%s: the results of %s are read", name, source["solver"].item())
-        present = [key for key in source if columns.get(key, key) in kinds]
+        # numbers of each ring or mode are no columns
+        present = [
+            key
+            for key, values in source.items()
+            if columns.get(key, key) in kinds and not {"ring", "mode"} & {*values.dims}
+        ]
         source = source[present].reset_coords(drop=True).to_dataframe()
     if source.index.names != [None]:
         source = source.reset_index()
     source, heading_units = _rename_headings(source, columns, kinds)
-    frame = _select_columns(source, name, columns, list(kinds))
+    frame = _select_columns(source, name, columns, list(kinds), wanted)
     table = _validate(frame, f"{name}, {place}")
     _report_missing(frame, table, name)
     scene_units = UnitNames.of(scene.units)
@@ -167,9 +182,15 @@ def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
         refuse_device(path)
         text = path.read_text("utf-8-sig")
     except (OSError, ValueError) as error:
+        reason = one_line(error)
+        if isinstance(error, UnicodeDecodeError):
+            reason = "it is not text in UTF-8"
+        elif path.suffix == ".nc" and "engine" in str(error):
+            # xarray lists the packages that it has tried
+            reason = "it is not netCDF"
         raise SceneError(
-            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}; give CSV in "
-            "UTF-8, or netCDF in a file that ends in .nc"
+            f"{path} cannot be read: {reason}; give CSV in UTF-8, or netCDF in a file that ends "
+            "in .nc"
         ) from None
     table = read_numbers(path, text) if len(text) > LARGE else None
     return read_csv_text(path, text) if table is None else table
@@ -213,7 +234,11 @@ def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
 
 
 def _select_columns(
-    frame: pd.DataFrame, name: str, columns: Mapping[str, str], our_names: list[str]
+    frame: pd.DataFrame,
+    name: str,
+    columns: Mapping[str, str],
+    our_names: list[str],
+    wanted: Sequence[str],
 ) -> pd.DataFrame:
     """Return the columns that we know, under our names.
 
@@ -230,13 +255,15 @@ def _select_columns(
     needed = ["time", "radius"] if FIELDS.intersection(frame) else ["time"]
     missing += [key for key in needed if key not in frame]
     if not frame.columns.difference(["time", "radius"]).size:
-        missing.append("pressure")
+        missing.append(wanted[0])
     if missing or not frame.columns.is_unique:
         fault = f"no column {missing[0]!r}" if missing else "a column twice"
+        pairs = [(theirs, nearest(theirs, ["time", "radius", *wanted])) for theirs in unknown]
+        renamed = ",".join(f"{theirs}={ours}" for theirs, ours in pairs if ours)
         raise SceneError(
             f"{name} has {fault}; its columns are {headings}: give time, radius if there are "
-            "fields, and some of pressure, displacement, profile, indentation, normal_force, each "
-            "once, by --columns theirs=ours if necessary"
+            f"fields, and some of {', '.join(wanted)}, each once, by --columns "
+            f"{renamed or 'theirs=ours'} if necessary"
         )
     if unknown:
         LOG.warning("%s: columns that are not read: %s", name, ", ".join(unknown))
@@ -277,7 +304,7 @@ def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
     for key, wrong, remedy in checks:
         if wrong.any():
             line = wrong.idxmax()
-            raise SceneError(f"{place} {line}, column {key!r}: {frame[key][line]!r}; {remedy}")
+            raise SceneError(f"{place} {line}, column {key!r}: {shown(frame[key][line])}; {remedy}")
     if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
         raise SceneError(
             f"{place.rpartition(',')[0]} has no numbers other than times and radii: give some"

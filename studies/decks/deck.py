@@ -14,6 +14,10 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..outcome.run import run
 from ..output.folder import output_folder
+from ..problem.written import shown
+from ..scene.calls import naming_arguments
+from ..scene.explain import did_you_mean
+from ..scene.keys import numbers
 from ..scene.scene import Scene, Source
 from . import abaqus, calculix
 from .keywords import Model
@@ -56,6 +60,7 @@ class Choice:
     times: tuple[float, ...] | None = None
 
 
+@naming_arguments
 def deck(
     scene: Source,
     program: str,
@@ -100,9 +105,10 @@ def deck(
     SceneError
         if the scene has no deck, or if an option is out of range; it names the remedy
     """
-    chosen_times = None if times is None else tuple(map(float, times))
+    chosen_times = None if times is None else tuple(numbers("times", times))
+    (size,), (reach,) = numbers("size", [size]), numbers("reach", [reach])
     choice = Choice(program, elements, size, reach, chosen_times)
-    with output_folder(Path(out), "deck", ["README.md"]) as folder:
+    with output_folder(out, "deck", ["README.md"]) as folder:
         write_decks(Scene.of(scene), choice, folder.hidden)
     return [Path(out) / name for name in folder.written]
 
@@ -117,8 +123,9 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
     """
     if choice.program not in PROGRAMS or choice.elements not in ELEMENTS:
         raise SceneError(
-            f"a deck of {choice.elements} elements for {choice.program!r} cannot be written: give "
-            f"one of {', '.join(PROGRAMS)}, and linear or quadratic elements"
+            f"a deck of {choice.elements} elements for {shown(choice.program)} cannot be written"
+            f"{did_you_mean(str(choice.program), PROGRAMS) or ':'} give one of "
+            f"{', '.join(PROGRAMS)}, and linear or quadratic elements"
         )
     if reason := refusal(scene, choice.program):
         raise SceneError(reason)

@@ -22,7 +22,7 @@ def conduct(options: Namespace, out: Path) -> tuple[Folder, list[str], bool]:
     with output_folder(out, "fit", FILES) as folder:
         result = fit(
             scene,
-            {str(file): file for file in options.data},
+            options.data,
             options.parameters,
             options.noise,
             options.density,

@@ -4,20 +4,18 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..check.tables import OthersResults, read
 from ..problem.unit_names import UnitNames, number_of
+from ..problem.written import shown
 from ..progress import LOG
 from ..scene.scene import Scene
 from .measurement import Measurement
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 NoiseInput = float | str | Mapping[str, float | str] | None
 """Standard deviations of the data: one, or several by column. Each is a number in the units of the
@@ -31,6 +29,9 @@ KINDS = {
     "worn_volume": "volume",
     "lost_mass": "mass",
 }
+VOLUMES = ("worn_volume", "lost_mass")
+# number of rings whose columns are recognised
+MOST_RINGS = 1000
 # initial noise, over the range of a series or over each volume, if it is estimated from residuals
 INITIAL_NOISE = 0.01
 # least number of values in a series whose noise is estimated from the residuals
@@ -62,12 +63,15 @@ def read_measurements(
     SceneError
         if a table cannot be read, has no column to fit, or needs a density or a noise
     """
-    rings = range(1, len(scene.problem.wear_coefficients) + 1)
-    volumes = {name: KINDS[name] for name in ("worn_volume", "lost_mass")}
-    volumes |= {f"{name}_{ring}": kind for name, kind in volumes.items() for ring in rings}
+    rings = len(scene.problem.wear_coefficients)
+    # columns of rings that the punch does not have are read, too, and then refused by their names
+    volumes = {name: KINDS[name] for name in VOLUMES}
+    volumes |= {f"{name}_{ring}": KINDS[name] for name in VOLUMES for ring in range(MOST_RINGS)}
     measurements, divisors = list[Measurement](), list[float]()
+    by_source = dict[str, list[Measurement]]()
     for name, source in _sources_by_name(data).items():
-        table = read(source, name, scene, columns or {}, units, volumes)
+        table = read(source, name, scene, columns or {}, units, volumes, list(KINDS))
+        _refuse_other_rings(table, name, rings)
         divisor = _density(scene, density, table, name)
         in_table = _measurements(table, divisor)
         unused = [
@@ -75,10 +79,12 @@ def read_measurements(
             for key in table
             if key not in ("time", "radius") and _without_ring(key) not in KINDS
         ]
+        if not in_table:
+            raise SceneError(f"{name} has nothing to fit: {_what_to_give(table)}")
         if unused:
             LOG.warning("%s: columns that are not fitted: %s", name, ", ".join(unused))
-        if not in_table:
-            raise SceneError(f"{name} has nothing to fit: give columns of {', '.join(KINDS)}")
+        _refuse_repeated(by_source, name, in_table)
+        by_source[name] = in_table
         measurements += in_table
         divisors += [divisor if each.column == "lost_mass" else 1.0 for each in in_table]
     by_column = _noises(scene, noise, {each.column for each in measurements})
@@ -91,16 +97,82 @@ def read_measurements(
 def _sources_by_name(
     data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
 ) -> "dict[str, OthersResults]":
-    if isinstance(data, Mapping):
-        return dict(data)
     is_table = hasattr(data, "to_dataframe") or hasattr(data, "columns")
+    # a Dataset is a mapping, too
+    if isinstance(data, Mapping) and not is_table:
+        tables = (str, Path, Mapping)
+        named = [isinstance(each, tables) or hasattr(each, "columns") for each in data.values()]
+        # else the columns of one table
+        if any(named) or not data:
+            return {str(name): source for name, source in data.items()}
+        try:
+            return {"data": pd.DataFrame(data)}
+        except ValueError:
+            raise SceneError(
+                f"{shown(data)} is no table: give files, DataFrames or Datasets, one, several, or "
+                "by name"
+            ) from None
     if is_table or isinstance(data, str | Path) or not isinstance(data, Sequence):
         data = [data]
-    numbered = {f"data {number}": each for number, each in enumerate(data, 1)}
-    return {
-        str(source) if isinstance(source, str | Path) else name: source
-        for name, source in numbered.items()
-    }
+    by_name = dict[str, OthersResults]()
+    for number, source in enumerate(data, 1):
+        name = str(source) if isinstance(source, str | Path) else f"data {number}"
+        if name in by_name:
+            raise SceneError(f"{name} and {name} are one file: give each table once")
+        by_name[name] = source
+    return by_name
+
+
+def _refuse_other_rings(table: "pd.DataFrame", name: str, rings: int) -> None:
+    """Refuse columns of rings that the punch does not have.
+
+    Raises
+    ------
+    SceneError
+        with the column, and with the columns of the rings that there are
+    """
+    for column in table:
+        number = re.search(r"_(\d+)$", column)
+        if number and not 1 <= int(number[1]) <= rings:
+            base = _without_ring(column)
+            existing = f"{base}_1" if rings == 1 else f"{base}_1 to {base}_{rings}"
+            raise SceneError(
+                f"{name} has {column}, but the rings of the punch are numbered from 1 at the "
+                f"centre to {rings}: give {existing}, or {base} for the whole punch"
+            )
+
+
+def _what_to_give(table: "pd.DataFrame") -> str:
+    """Return what a table needs that has nothing to fit."""
+    late_columns = [key for key in table if _without_ring(key) in (*VOLUMES, "profile")]
+    if late_columns:
+        return f"{', '.join(late_columns)} is given only at the start: give later times"
+    return f"give columns of {', '.join(KINDS)}"
+
+
+def _refuse_repeated(
+    by_source: Mapping[str, list[Measurement]], name: str, measurements: list[Measurement]
+) -> None:
+    """Refuse a table whose measurements are those of an earlier one: they would count twice.
+
+    A short series may repeat another one by chance, such as that of two equal weighings, so that
+    short ones are refused only if they are everything that the table has.
+
+    Raises
+    ------
+    SceneError
+        with the names of both tables
+    """
+    for other, others in by_source.items():
+        repeated = [each for each in measurements if any(each.repeats(one) for one in others)]
+        if len(repeated) == len(measurements) == len(others) or any(
+            len(each.values) >= MIN_VALUES for each in repeated
+        ):
+            columns = ", ".join(dict.fromkeys(each.column for each in repeated))
+            raise SceneError(
+                f"{other} and {name} have the same {columns}, which would count twice: give each "
+                "measurement once"
+            )
 
 
 def _without_ring(column: str) -> str:
@@ -130,6 +202,11 @@ def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
         if base in ("worn_volume", "lost_mass"):
             after_start, quantity = times > 0, "worn_volume"
             times, values = times[after_start], values[after_start]
+            if len(values) and (values < 0).all():
+                raise SceneError(
+                    f"all values of {column} are negative: give what has been lost since the "
+                    "start, as positive numbers"
+                )
             values = values / density if base == "lost_mass" else values
         if len(times):
             measurements.append(_without_noise(base, quantity, times, values, None, ring))
@@ -170,6 +247,10 @@ def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> fl
     """
     try:
         value = float(text)
+    except TypeError:
+        raise SceneError(
+            f"{key} = {shown(text)}: give a number, or a text such as '2 um'"
+        ) from None
     except ValueError:
         value = number_of(str(text), key, kind, UnitNames.of(scene.units))
     if not (value > 0 and np.isfinite(value)):

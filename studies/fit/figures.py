@@ -7,7 +7,15 @@ from scipy.interpolate import PchipInterpolator
 from scipy.stats import norm
 
 from ...meshes.radial import Array
-from ..figures.style import FAINT, PAGE, curve, new_figure, set_logarithmic
+from ..figures.style import (
+    FAINT,
+    PAGE,
+    curve,
+    new_figure,
+    set_linear,
+    set_logarithmic,
+    show_values,
+)
 from ..problem.unit_names import UnitNames
 from .measurement import Measurement
 from .outcome import Outcome
@@ -97,6 +105,8 @@ def draw_fit(fit: Outcome) -> Figure:
         title = quantity.replace("_", " ")
         upper.set_ylabel(f"{title} ({unit_name})" if unit_name else title)
         lower.set_ylabel("residual / noise")
+        show_values(upper)
+        set_linear(lower, "y", most=4)
         if len(series) > 1:
             upper.legend(frameon=False, fontsize=6)
     figure.suptitle("data, fit, and 95 % band of the fit", fontsize=9)
@@ -149,13 +159,15 @@ def draw_profiles(fit: Outcome) -> Figure:
             LOGARITHMIC_RATIO
         ):
             set_logarithmic(axes, "x")
-        elif estimate.parameter.logarithmic:
-            axes.locator_params(axis="x", nbins=3)
+        else:
+            set_linear(axes, "x", most=3)
         parameter = estimate.parameter
         unit = names.name(parameter.unit) if parameter.unit != "compliance" else "1"
         label = parameter.name.partition(".")[2] or parameter.name
         axes.set_xlabel(label if unit == "1" else f"{label} ({unit})", fontsize=7)
-        axes.set_ylim(0, MAX_RISE)
+        # the mark of the best point at 0 is whole
+        axes.set_ylim(-0.03 * MAX_RISE, MAX_RISE)
+        set_linear(axes, "y")
     for axes in panels[::columns]:
         axes.set_ylabel("rise of chi-square")
     figure.suptitle(
@@ -209,8 +221,11 @@ def _label(each: Measurement, names: UnitNames, several: int) -> str:
 
 
 def _scale_times(panels: tuple[Axes, ...], each: Measurement) -> None:
-    """Set a logarithmic axis for times with a wide range."""
+    """Set a logarithmic axis for times with a wide range, and else a linear one."""
     positive = each.times[each.times > 0]
-    if each.radii is None and len(positive) and positive.max() > LOGARITHMIC_RATIO * positive.min():
-        for axes in panels:
+    wide = len(positive) and positive.max() > LOGARITHMIC_RATIO * positive.min()
+    for axes in panels:
+        if each.radii is None and wide:
             set_logarithmic(axes, "x")
+        else:
+            set_linear(axes, "x")

@@ -11,7 +11,10 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..problem.written import shown
 from ..progress import LOG
+from ..scene.calls import naming_arguments
+from ..scene.keys import listed
 from ..scene.scene import Scene, Source
 from .data import NoiseInput, read_measurements
 from .measurement import Measurement, Predictor
@@ -48,6 +51,7 @@ Model = Callable[[Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, 
 MAX_RESTARTS = 4
 
 
+@naming_arguments
 def fit(
     scene: Source,
     data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
@@ -111,13 +115,17 @@ def fit(
             "half_space.layers: measurements can be fitted only on a homogeneous half-space; leave "
             "out the layers and half_space.rigid"
         )
-    names = parameters.split(",") if isinstance(parameters, str) else parameters
+    names = listed(parameters)
+    if wrong := [name for name in names if not isinstance(name, str)]:
+        raise SceneError(
+            f"parameters has {shown(wrong[0])}: give names, such as 'punch.wear_coefficients'"
+        )
     measurements = read_measurements(scene, data, noise, density, columns, units)
     times = np.unique(np.concatenate([each.times for each in measurements]))
     if not (times > 0).any():
         raise SceneError("the data has no time after the start: give later times")
     scene = scene.changed(wear__times=times.tolist(), wear__march="modal", wear__step=None)
-    scene, fitted = find_parameters(scene, [name.strip() for name in names if name.strip()])
+    scene, fitted = find_parameters(scene, names)
     # the matrices are so small that several threads would only wait for each other
     with threadpool_limits(1):
         result = fit_measurements(scene, _with_scales(fitted, measurements), measurements)

@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Protocol
 
+import numpy as np
+
 from ...meshes.radial import Array
 
 
@@ -42,6 +44,22 @@ class Measurement:
         """The quantity, and the ring if there is one, in words."""
         words = self.quantity.replace("_", " ")
         return words if self.ring is None else f"{words} of ring {self.ring + 1}"
+
+    def repeats(self, other: "Measurement") -> bool:
+        """Return whether another series has the same column, ring, times, radii and values.
+
+        They are equal to roundoff, which a conversion of units may leave.
+        """
+        if (self.column, self.ring, len(self.values)) != (
+            other.column,
+            other.ring,
+            len(other.values),
+        ):
+            return False
+        pairs = [(self.times, other.times), (self.values, other.values)]
+        if self.radii is not None and other.radii is not None:
+            pairs.append((self.radii, other.radii))
+        return all(np.allclose(own, others, rtol=1e-12, atol=0.0) for own, others in pairs)
 
     def with_scaled_noise(self, factor: float) -> "Measurement":
         """Return the measurement with its noise multiplied by a factor."""

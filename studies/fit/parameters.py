@@ -12,6 +12,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.unit_names import UnitNames, kind_of
+from ..scene.explain import declaration, keys_of, place_of
 from ..scene.scene import Scene
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
@@ -91,16 +92,25 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
     """Return the scene with the keys of the parameters, and the parameters of these names.
 
     The key of a list means all of its values. If a wear coefficient of a list is fitted, and the
-    scene has `punch.wear_ratio` instead, the scene is returned with a list.
+    scene has `punch.wear_ratio` instead, the scene is returned with a list; and the other way round
+    if the ratio is fitted.
 
     Raises
     ------
     SceneError
         if there is no such parameter, listing the possible ones; or if one is given twice
     """
-    if any(name.startswith("punch.wear_coefficients") for name in names):
+    of_list = any(name.startswith("punch.wear_coefficients") for name in names)
+    if of_list and "punch.wear_ratio" in names:
+        raise SceneError(
+            "punch.wear_coefficients and punch.wear_ratio describe the same: fit "
+            "punch.wear_coefficients, or punch.wear_coefficient and punch.wear_ratio"
+        )
+    if of_list:
         scene = _with_list(scene)
-    table, parameters = scene.table(), list[Parameter]()
+    if "punch.wear_ratio" in names:
+        scene = _with_ratio(scene)
+    table, parameters = _table(scene), list[Parameter]()
     for name in names:
         if name in NUISANCES:
             parameters.append(Parameter(name, 0.0, 1.0, NUISANCES[name][0]))
@@ -119,7 +129,7 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
 def scene_at(scene: Scene, parameters: Sequence[Parameter], x: Array) -> Scene:
     """Return the scene with the values of the parameters at coordinates (m,)."""
     changes = TomlTable()
-    table = scene.table()
+    table = _table(scene)
     for parameter, coordinate in zip(parameters, x, strict=True):
         if parameter.name in NUISANCES:
             continue
@@ -154,6 +164,34 @@ def _with_list(scene: Scene) -> Scene:
         table["punch"].pop(key, None)
     table["punch"]["wear_coefficients"] = list(np.resize(punch.coefficients, 2).tolist())
     return Scene.from_table(table).with_heights(*punch.heights, kinks=punch.kinks)
+
+
+def _with_ratio(scene: Scene) -> Scene:
+    """Return the scene with `punch.wear_coefficient` and `wear_ratio` in place of two coefficients.
+
+    Raises
+    ------
+    SceneError
+        if the punch does not have two materials that alternate
+    """
+    punch = scene.punch
+    if punch.wear_ratio is not None:
+        return scene
+    if punch.wear_coefficients is None or len(punch.wear_coefficients) != 2:
+        instead = "wear_coefficient" if punch.wear_coefficients is None else "wear_coefficients"
+        raise SceneError(
+            "punch.wear_ratio cannot be fitted: the punch of the scene does not have two materials "
+            f"that alternate from the centre; fit punch.{instead}"
+        )
+    first, second = punch.wear_coefficients
+    return scene.changed({"punch.wear_coefficient": first, "punch.wear_ratio": second / first})
+
+
+def _table(scene: Scene) -> TomlTable:
+    """Return the scene as nested dictionaries, with a sliding speed that it does not mention."""
+    table = scene.table()
+    table["load"].setdefault("sliding_speed", scene.load_.sliding_speed)
+    return table
 
 
 def _key_and_index(name: str) -> tuple[str, int | None]:
@@ -203,12 +241,40 @@ def _expanded(table: TomlTable, name: str) -> list[str]:
         )
     if can_be_fitted and index is None:
         return [path]
-    choices = [key for key in KEYS if _lookup(table, key) != {}] + list(NUISANCES)
-    near = difflib.get_close_matches(name, choices, 1)
-    suggestion = f"did you mean {near[0]}? Else " if near else ""
-    raise SceneError(f"{name} cannot be fitted: {suggestion}give some of {_choices(table)}")
+    raise SceneError(_why_not_fitted(name, table))
+
+
+def _why_not_fitted(name: str, table: TomlTable) -> str:
+    """Return why a name cannot be fitted, and which names can."""
+    names = [*_keys_in(table), *NUISANCES]
+    near = difflib.get_close_matches(name, names, 1)
+    if not near and (meant := place_of(name, Scene, Scene)):
+        near = difflib.get_close_matches(meant, names, 1, 0.9)
+    *sections, key = _key_and_index(name)[0].split(".")
+    section, _ = declaration(sections, Scene)
+    if key not in keys_of(section):
+        suggestion = f"did you mean {near[0]}? Else " if near else ""
+        return f"{name} is no key of a scene: {suggestion}give some of {_choices(table)}"
+    path, index = _key_and_index(name)
+    if path in KEYS and index is not None and _lookup(table, path) != {}:
+        return f"{name}: {path} is one number in the scene: leave out the index"
+    if path in KEYS:
+        return (
+            f"{name} cannot be fitted, because the scene does not have it: give it in the scene, "
+            f"or fit some of {_choices(table)}"
+        )
+    return (
+        f"{name} cannot be fitted, only wear coefficients, moduli, loads and unknowns of the rig: "
+        f"give its value in the scene, and fit some of {_choices(table)}"
+    )
+
+
+def _keys_in(table: TomlTable) -> list[str]:
+    """Return the keys that can be fitted, in the form that the scene has or can have."""
+    keys = [key for key in KEYS if _lookup(table, key) != {}]
+    two_materials = len(_lookup(table, "punch.wear_coefficients")) == 2
+    return keys + ["punch.wear_ratio"] * two_materials
 
 
 def _choices(table: TomlTable) -> str:
-    keys_in_scene = [key for key in KEYS if _lookup(table, key) != {}]
-    return ", ".join([*keys_in_scene, *NUISANCES])
+    return ", ".join([*_keys_in(table), *NUISANCES])

@@ -10,6 +10,7 @@ import pandas as pd
 
 from ...meshes.errors import RingwearError
 from ..figures.style import html_of, in_style
+from ..guesses import AnswersGuesses
 from ..output.folder import output_folder
 from ..output.one_file import make
 from ..report.study_page import write_study
@@ -27,8 +28,20 @@ FILES = (*TABLES, "fit.png", "likelihood.png", "design.png", "report.html")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(Outcome):
+class Fit(AnswersGuesses, Outcome):
     """The result of a fit, which is shown in print and in notebooks, and saved to a folder."""
+
+    noun = "fit"
+    instead = (
+        dict.fromkeys(
+            ("params", "parameters", "values", "result", "results", "table", "df", "x", "popt"),
+            "estimates",
+        )
+        | dict.fromkeys(("plot", "figure", "show"), "figures")
+        | dict.fromkeys(("to_csv", "export"), "save(folder)")
+        | dict.fromkeys(("summary", "report", "message"), "conclusions")
+        | {"pcov": "covariance", "cov": "covariance", "intervals": "estimates"}
+    )
 
     @cached_property
     def conclusions(self) -> tuple[str, ...]:
@@ -67,7 +80,7 @@ class Fit(Outcome):
         RingwearError
             if a figure or the page cannot be made
         """
-        with output_folder(Path(folder), "fit", FILES) as out:
+        with output_folder(folder, "fit", FILES) as out:
             if failures := self.write(out.hidden):
                 raise RingwearError("; ".join(failures))
         return out.written

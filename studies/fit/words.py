@@ -40,7 +40,13 @@ def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
     for number, each in enumerate(fit.found):
         name, parameter = each.parameter.name, each.parameter
         low, high = (parameter.written(end, names) for end in each.ends)
-        if number in undetermined:
+        if (number,) in fit.combinations:
+            yield (
+                f"{name} is not identifiable: it has no effect on any of the measured quantities, "
+                "so that every value of it fits the data equally well; leave it out of the "
+                "parameters, or measure a quantity that depends on it"
+            )
+        elif number in undetermined:
             yield f"{name} is not identifiable: the data do not determine it alone"
         elif each.identifiable:
             value = parameter.written(each.value, names)
@@ -75,7 +81,6 @@ def _combinations(fit: Outcome, unit_names: UnitNames) -> Iterator[str]:
     for combination in fit.combinations:
         names = [fit.found[number].parameter.name for number in combination]
         if len(names) == 1:
-            yield f"no measurement depends on {names[0]}"
             continue
         listed = f"{', '.join(names[:-1])} and {names[-1]}"
         advice = ""
@@ -195,7 +200,11 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
             "coefficients may change in time or with pressure, or the noise is larger than given. "
             "The intervals are not valid"
         )
-    bounded = [each for each in fit.found if np.isfinite([each.low, each.high]).all()]
+    bounded = [
+        each
+        for each in fit.found
+        if each.low <= each.best <= each.high and np.isfinite([each.low, each.high]).all()
+    ]
     shifts = [2 * each.numerical / (each.high - each.low) for each in bounded]
     yield (
         f"the model was solved to rtol = {fit.rtol:g}; its numerical error is at most "

@@ -114,7 +114,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     full_contact, steady = problem.full_contact, problem.steady and problem.indentation is None
     if times is None:
         # a flat start is in closed form, and the last time is near the steady state
-        times = [0.0] if steady and full_contact else [0.0, scene.wear.times[-1]]
+        times = [0.0] if steady and full_contact else first_and_last_in_contact(scene)
     labels = tuple(f"t={time:g}" for time in np.unique(times)) + ("steady",) * steady
     problem_inside = replace(problem, times=np.unique(times) / problem.units.time, steady=steady)
     # the truncation error of the poles is a share of the energy; that of stresses is its root
@@ -164,6 +164,18 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 return add_far_field(result, fine, pressures[0], depth)
             # each degree makes stresses three times as accurate
             degree = min(degree + ceil(log(excess, 3)), highest)
+
+
+def first_and_last_in_contact(scene: Scene) -> list[float]:
+    """Return the start and the last time; or, if nothing presses then, the nearest of the times.
+
+    Without any time at which something presses, the start and the last time are returned.
+    """
+    problem = scene.problem
+    times = np.union1d(0.0, scene.wear.times)
+    pressing = times[problem.loading.at(times / problem.units.time).force > 0]
+    ends = pressing if len(pressing) else times
+    return [float(ends[0]), float(ends[-1])]
 
 
 def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool) -> Array:

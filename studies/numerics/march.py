@@ -40,9 +40,11 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     # the space is so coarse that the explicit march is stable in a few thousand steps
     space = radial_space(problem, degree=2, rim_size=0.02, ring_size=0.02, grading=0.5)
     wear = RunningIn(compliance(space), problem.merged.wear_coefficients)
-    requested_counts = [round(TIME * problem.units.time / step) for step in options.steps]
-    if options.steps and min(requested_counts) < 1:
-        raise SceneError(f"--steps: give steps up to {TIME * problem.units.time:.3g}")
+    longest = TIME * problem.units.time
+    wrong = [step for step in options.steps if not 0 < step <= longest]
+    if wrong:
+        raise SceneError(f"--steps {wrong[0]:g}: give steps above 0, up to {longest:.3g}")
+    requested_counts = [round(longest / step) for step in options.steps]
     factors = 2 ** np.arange(4 if options.quick else 7)
     marches = [
         refine_step(wear, march, requested_counts or (first_count(wear, march) * factors).tolist())

@@ -12,6 +12,19 @@ from ..sampling.answers import empty_answers
 ALSO = ("steady_wear_rate", "steady_rms_slope")
 
 
+class Answers(dict[str, dict[str, Array]]):
+    """The numbers of the answer, by method; an unknown key is answered with a known one."""
+
+    def __missing__(self, key: object) -> dict[str, Array]:
+        """Raise a KeyError that says what to write instead."""
+        first = next(iter(self), "mdr")
+        number = key if key in self.get(first, {}) else "time_to_90"
+        raise KeyError(
+            f"no method {key!r} in these answers: write answers[{first!r}][{number!r}]; the "
+            f"methods are {', '.join(self)}"
+        )
+
+
 def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
     """Return the values of `ANSWER` by one method, non-dimensional.
 

@@ -10,6 +10,7 @@ from typing import Any, Self
 import xarray
 
 from ...meshes.errors import SceneError
+from ..problem.written import shown
 
 
 def refuse_method(solvers: list[str], method: object, labels: Mapping[Any, Any]) -> None:
@@ -22,14 +23,16 @@ def refuse_method(solvers: list[str], method: object, labels: Mapping[Any, Any])
     """
     if isinstance(method, str) and method in solvers:
         raise SceneError(
-            f"sel(method={method!r}) selects nothing, as method is xarray's word for inexact "
-            f"labels: write sel(solver={method!r})"
+            f"sel(method={shown(method)}) selects nothing, as method is xarray's word for inexact "
+            f"labels: write sel(solver={shown(method)})"
         )
     solver = labels.get("solver")
     if solvers and "methods" in labels:
-        raise SceneError(f"no dimension 'methods': write sel(solver={labels['methods']!r})")
+        raise SceneError(f"no dimension 'methods': write sel(solver={shown(labels['methods'])})")
     if isinstance(solver, str) and solvers and solver not in solvers:
-        raise SceneError(f"no solver {solver!r} in these results: give one of {', '.join(solvers)}")
+        raise SceneError(
+            f"no solver {shown(solver)} in these results: give one of {', '.join(solvers)}"
+        )
 
 
 def _solvers(data: xarray.Dataset | xarray.DataArray) -> list[str]:

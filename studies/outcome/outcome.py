@@ -27,6 +27,7 @@ from ..problem.quantities import (
 )
 from ..problem.regimes import OPERATORS
 from ..problem.unit_names import UnitNames
+from ..problem.written import shown
 from ..progress import Stages
 from ..sampling.field_differences import (
     IN_STEADY_STATE,
@@ -37,7 +38,7 @@ from ..sampling.field_differences import (
 from ..sampling.sampler import Sampler
 from ..scene.scene import Scene
 from ..versions import versions
-from .answer import ALSO, answer, answer_errors
+from .answer import ALSO, Answers, answer, answer_errors
 from .scope import left_out, modelled
 from .table import Table, in_units, tabulate
 
@@ -167,7 +168,7 @@ class Outcome:
         Each number has a relative error estimate `<name>_error`, by the same method and in the norm
         of the number (`studies/problem/quantities.py`).
         """
-        problem, answers = self.scene.problem, {}
+        problem, answers = self.scene.problem, Answers()
         for name, solution in self.solutions.items():
             values = answer(problem, solution)
             errors_by_name = answer_errors(problem, solution)
@@ -318,15 +319,15 @@ class Outcome:
         SceneError
             if no method has an error estimate of it
         """
-        estimates = self.table.variables.get(error_name(quantity))
+        estimates = self.table.variables.get(error_name(str(quantity)))
         if estimates is None:
             variables = self.table.variables
             with_estimate = [name for name in variables if error_name(name) in variables]
-            suggestions = difflib.get_close_matches(quantity, with_estimate, 1)
+            suggestions = difflib.get_close_matches(str(quantity), with_estimate, 1)
             hint = f"did you mean {suggestions[0]!r}? Else " if suggestions else ""
             raise SceneError(
-                f"there is no error estimate of {quantity!r}: {hint}give one of those in dataset: "
-                + ", ".join(with_estimate)
+                f"there is no error estimate of {shown(quantity)}: {hint}give one of those in "
+                f"dataset: {', '.join(with_estimate)}"
             )
         return float(np.nanmax(estimates[1]))
 

@@ -7,7 +7,6 @@ from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import SceneError
 from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import agreements
 from ..crosscheck.operators import MOST_PRESSURES, OperatorDifference, check_multipliers, difference
@@ -19,7 +18,7 @@ from ..problem.unit_names import UnitNames
 from ..progress import Stages
 from ..scene.scene import Scene
 from .outcome import Outcome
-from .scope import methods_of, refusals
+from .scope import methods_of, refuse
 
 Kind = TypeVar("Kind", bound=Outcome)
 
@@ -47,8 +46,7 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
         contains a remedy
     """
     by_name, problem = methods_of(methods or scene.methods), scene.problem
-    if refused := refusals(scene, by_name):
-        raise SceneError(refused[0])
+    refuse(scene, by_name)
     stages = {name: Stages(name) for name in by_name}
     # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
     # wait for each other

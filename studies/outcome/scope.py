@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ...meshes.errors import SceneError
 from ..methods.base import Method, method
 from ..problem.problem import Problem
 from ..problem.unit_names import UnitNames
@@ -117,6 +118,18 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
             "with half_space.layers"
         )
     return [reason for reason in refused if reason]
+
+
+def refuse(scene: Scene, methods: Methods) -> None:
+    """Refuse a scene that methods cannot compute, before any work and in the same words.
+
+    Raises
+    ------
+    SceneError
+        with all reasons, each with a remedy
+    """
+    if reasons := refusals(scene, methods):
+        raise SceneError("; ".join(dict.fromkeys(reasons)))
 
 
 def time_scale(scene: Scene) -> list[str]:

@@ -15,6 +15,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from ...meshes.errors import SceneError
+from ..problem.written import shown
 from .signals import signals_wait
 
 MARKER = ".ringwear.json"
@@ -127,8 +128,21 @@ def _files_of_ringwear(folder: Path) -> set[str]:
     return set[str]().union(*_files_by_command(folder).values())
 
 
+def named_folder(out: object) -> Path:
+    """Return a folder by its name.
+
+    Raises
+    ------
+    SceneError
+        if it is not a name
+    """
+    if not isinstance(out, str | Path):
+        raise SceneError(f"{shown(out)} is no folder: give its name, such as 'results/mine'")
+    return Path(out)
+
+
 @contextmanager
-def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterator[Folder]:
+def output_folder(out: str | Path, command: str, names: Iterable[str] = ()) -> Iterator[Folder]:
     """Lock a folder for a command, and move the files of the command there at the end.
 
     A command that fails leaves no files. The next run removes the files of a killed one.
@@ -144,8 +158,10 @@ def output_folder(out: Path, command: str, names: Iterable[str] = ()) -> Iterato
         if the folder cannot be written to, if another run uses it, or if files not written by
         ringwear have names that the command needs
     """
+    out = named_folder(out)
     if os.path.lexists(out) and not out.is_dir():
-        raise SceneError(f"--out {out} is not a directory: give a directory")
+        option = "--template" if command == "template" else "--out"
+        raise SceneError(f"{option} {out} is not a directory: give a directory")
     out = out.resolve()
     new_folders = [folder for folder in (out, *out.parents) if not folder.exists()]
     with lock_folder(out):

@@ -13,10 +13,12 @@ from ...meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..crosscheck.agreement import Agreement
 from ..crosscheck.promise import LeftOut
+from ..outcome.answer import Answers
 from ..outcome.outcome import Outcome
 from ..outcome.scope import methods_of
 from ..outcome.table import Table
 from ..predictions.memory import refuse_large
+from ..problem.written import one_line, shown
 from ..registry import METHODS
 from ..scene.scene import Scene
 
@@ -75,10 +77,12 @@ class StoredOutcome(Outcome):
     @cached_property
     def answers(self) -> dict[str, dict[str, Array]]:
         """The numbers of the answer, by method, and their relative error estimates."""
-        return {
-            name: {key: np.array(value, dtype=float) for key, value in values.items()}
-            for name, values in self.stored_summary["answer"].items()
-        }
+        return Answers(
+            {
+                name: {key: np.array(value, dtype=float) for key, value in values.items()}
+                for name, values in self.stored_summary["answer"].items()
+            }
+        )
 
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
@@ -108,7 +112,7 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
     import xarray
 
     if not isinstance(folder, str | Path):
-        raise SceneError(f"{folder!r} is no folder: give one that `ringwear run` has written")
+        raise SceneError(f"{shown(folder)} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
     try:
         summary = json.loads((path / "summary.json").read_text("utf-8"))
@@ -118,8 +122,11 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
         scene = Scene.from_toml(data.attrs["scene"], str(path))
         rows = _rebuilt(Agreement, summary["agreement"])
     except (OSError, KeyError, ValueError) as error:
+        reason = one_line(error)
+        if isinstance(error, FileNotFoundError):
+            reason = f"it has no {Path(str(error.filename)).name}"
         raise SceneError(
-            f"{path} cannot be read as results of ringwear: {error}; give a folder that `ringwear "
+            f"{path} cannot be read as results of ringwear: {reason}; give a folder that `ringwear "
             "run` has written"
         ) from None
     variables, coordinates = (

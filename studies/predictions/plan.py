@@ -24,6 +24,7 @@ from ..outcome.scope import methods_of, refusals
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..progress import Stages
+from ..scene.calls import naming_arguments
 from ..scene.scene import Scene, Source
 from ..sizes.cells import tolerance_range
 from ..sizes.marching import steps_between
@@ -187,6 +188,7 @@ def _with_refinement(method: Method, problem: Problem, solution: Solution, first
     return Cost(first, first * growth, finer.rtol, notes=solution.notes)
 
 
+@naming_arguments
 def plan(source: Source) -> list[str]:
     """Return text about the system size and the cost of each method.
 

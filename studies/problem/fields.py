@@ -9,13 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    model_validator,
-)
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 # nested tables as read from TOML; values have any type until a scene validates them
 TomlTable = dict[str, Any]
@@ -75,6 +69,8 @@ class Section(BaseModel):
 
     def __setattr__(self, name: str, value: object) -> None:
         """Raise AttributeError, with the call that returns a changed scene."""
+        if callable(as_plain := getattr(value, "tolist", None)):
+            value = as_plain()
         raise AttributeError(
             f"a scene does not change: write scene.changed({{'{self.prefix}{name}': {value!r}}}) "
             "for another one"
@@ -101,6 +97,10 @@ class OverTime(Section):
         if len(self.times) != len(self.values):
             raise ValueError(
                 f"{len(self.values)} values for {len(self.times)} times: give one for each"
+            )
+        if not any(self.values):
+            raise ValueError(
+                "values are 0.0 at all times and must be positive at some: give a value above 0"
             )
         check_range(self.greatest)
         return self

@@ -28,10 +28,29 @@ from .fields import (
     optional,
 )
 from .profile import InitialProfile, find_kinks
+from .written import shown
 
 # smallest radius of a hole over the punch radius, and smallest width of the first ring over its
 # outer radius; elements cannot resolve smaller ones, so these are refused
 NARROWEST_HOLE, NARROWEST_FACE = 1e-9, 1e-9
+
+
+def heights_of(height: Height, radii: Array) -> Array:
+    """Return the heights of a function at radii; a single number is the height everywhere.
+
+    Raises
+    ------
+    SceneError
+        if a function of the user returns anything but one number for each radius
+    """
+    heights = height(radii)
+    try:
+        return np.broadcast_to(np.asarray(heights, dtype=float), radii.shape)
+    except (TypeError, ValueError):
+        raise SceneError(
+            f"a function of with_heights returns {shown(heights)} for {radii.size} radii: return "
+            "one height for each radius of the array"
+        ) from None
 
 
 class PunchSection(Section):
@@ -204,7 +223,7 @@ class PunchSection(Section):
             kinks = tuple(kink / self.radius for kink in self.profile.kinks)
 
         def scaled(height: Height) -> Height:
-            return lambda radii: np.asarray(height(radii * self.radius), dtype=float) / unit
+            return lambda radii: heights_of(height, radii * self.radius) / unit
 
         profile = InitialProfile(ring_edges, recess, tuple(map(scaled, functions)), kinks)
         if self.heights:

@@ -50,6 +50,9 @@ MOST_CONTRAST = 1e4
 class LayerSection(Section):
     """A table of `half_space.layers`: a layer, bonded to its neighbours."""
 
+    # of the first layer, as an example
+    prefix = "half_space.layers.0."
+
     thickness: Annotated[Positive, Unit("length")] = Field(description="a positive length")
     youngs_modulus: Annotated[Positive, Unit("pressure")] = Field(
         description="Young's modulus E of the layer, a positive pressure"
@@ -277,6 +280,8 @@ class WearSection(Section):
         if times == "running-in":
             times = {"tau": RUNNING_IN}
         if isinstance(times, dict) and set(times) == {"tau"}:
+            if not times["tau"]:
+                raise ValueError("times.tau is empty: give counts, or times = [] for no history")
             return table | {"times": times["tau"], "tau": times["tau"]}
         return table
 

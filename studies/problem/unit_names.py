@@ -319,6 +319,8 @@ def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
         )
     if not unit:
         raise SceneError(f"{key} = {quantity!r} has no unit: leave out the quotes, or add a unit")
+    if re.search(r"\d\s+\d+(?!\s*/)\b|[^\W\d]\s+\d", quantity):  # pint would multiply them
+        raise SceneError(f"{key} = {quantity!r} has two numbers: give one number and its unit")
     # pint would read 1,5 as fifteen
     if "," in number:
         point = number.replace(",", ".")

@@ -134,7 +134,7 @@ class Case:
 
     Parameters
     ----------
-    name : name in tables and figures
+    name : name in tables and names of figures
     problem : problem of the scene, but with the times `TIMES`
     """
 
@@ -157,6 +157,17 @@ class Case:
         yield cls("flat punch", replace(with_times, rings=Rings(FLAT, np.ones(1)), graded=None))
         if len(with_times.merged.wear_coefficients) > 1 or with_times.inner_radius:
             yield cls("scene", with_times)
+
+    @property
+    def title(self) -> str:
+        """The punch in a few words, for figures: flat punch, 5 rings, hollow punch, ..."""
+        if self.name != "scene":
+            return self.name
+        if self.problem.merged.linear:
+            return "wear along the radius"
+        count = len(self.problem.wear_coefficients)
+        kind = f"{count} rings" if count > 1 else "punch"
+        return f"hollow, {kind}" if self.problem.inner_radius else kind
 
     @cached_property
     def exact(self) -> Results:

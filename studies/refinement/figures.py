@@ -1,6 +1,7 @@
 """Draw errors of the ways to refine over unknowns and seconds, and the error indicator."""
 
 import textwrap
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 
 from ..figures.style import FAINT, PAGE, Look, complete, new_panels, set_logarithmic
+from ..figures.ticks import short_number
 from ..study.levels import SECONDS
 from .case import ERRORS
 from .observed_orders import FAMILY_NAMES, sequences
@@ -29,8 +31,15 @@ THOUSANDS = "thousands of unknowns"
 """Label of axes with the ticks of `_mark_thousands`."""
 
 
-def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
-    """Draw the errors of every way over a column of the table, one row of panels for each case."""
+def draw_errors(rows: pd.DataFrame, column: str, label: str, titles: Mapping[str, str]) -> Figure:
+    """Draw the errors of every way over a column of the table, one row of panels for each case.
+
+    Parameters
+    ----------
+    rows : table of the study
+    column, label : column of the abscissas, and its label
+    titles : titles of the cases by their names
+    """
     cases = list(rows["case"].unique())
     figure, panels = new_panels(PAGE, 0.9 + 2.0 * len(cases), len(cases), len(ERRORS))
     orders = {(sequence.name, sequence.quantity): sequence.order for sequence in sequences(rows)}
@@ -55,11 +64,11 @@ def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
                 _mark_thousands(axes)
             axes.grid(True, color="0.92", linewidth=0.5)
             axes.axhline(1e-3, **FAINT)
-            axes.set_title(f"{case}\n{title}")
+            axes.set_title(f"{titles[case]}\n{title}")
         axes_of_case[0].set_ylabel("relative error")
     for axes in panels[-1]:
         axes.set_xlabel(label)
-    note = "The dotted line is an error of 1e-3."
+    note = "The dotted line is an error of 0.001."
     if column == SECONDS:
         note += " The seconds of an adaptive mesh include all coarser levels and error estimates."
     elif (rows.family == "file").any():
@@ -74,8 +83,11 @@ def draw_errors(rows: pd.DataFrame, column: str, label: str) -> Figure:
     )
 
 
-def draw_indicator(rows: pd.DataFrame) -> Figure:
-    """Draw the effectivity of the indicator, and the energy errors of all ways."""
+def draw_indicator(rows: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
+    """Draw the effectivity of the indicator, and the energy errors of all ways.
+
+    `titles` are the titles of the cases by their names.
+    """
     cases = list(rows["case"].unique())
     figure, panels = new_panels(PAGE, 0.9 + 1.9 * len(cases), len(cases), 2)
     for (ratios, energies), case in zip(panels, cases, strict=True):
@@ -99,10 +111,10 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
             set_logarithmic(ratios, "y")
         else:
             ratios.set_ylim(0, LARGE_EFFECTIVITY)
-        ratios.set_title(f"{case}\neffectivity, least and greatest over the states")
+        ratios.set_title(f"{titles[case]}\neffectivity, least and greatest over the states")
         set_logarithmic(energies, "x", "y")
         energies.set_ylabel("relative error")
-        energies.set_title(f"{case}\nenergy norm of the error, greatest over the states")
+        energies.set_title(f"{titles[case]}\nenergy norm of the error, greatest over the states")
         for axes in (ratios, energies):
             _mark_thousands(axes)
             axes.grid(True, color="0.92", linewidth=0.5)
@@ -115,7 +127,7 @@ def draw_indicator(rows: pd.DataFrame) -> Figure:
 def _mark_thousands(axes: Axes) -> None:
     """Set ticks at 1, 3, 10, 30, ... thousand on a logarithmic axis of unknowns."""
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
-    axes.xaxis.set_major_formatter(lambda value, _: f"{value / 1000:g}")
+    axes.xaxis.set_major_formatter(lambda value, _: short_number(value / 1000))
 
 
 def _look(family: str, levels: pd.DataFrame) -> Look:

@@ -43,7 +43,7 @@ def draw_meshes(case: Case, levels: Sequence[Level]) -> Figure:
         f"indicator of each triangle, from 1/{10**DECADES} of the greatest (white) to the greatest "
         "(red)."
     )
-    title = f"{case.name}: meshes at three levels of each way"
+    title = f"{case.title}: meshes at three levels of each way"
     return complete(figure, [title], note=note, across=0.35, down=0.25)
 
 
@@ -62,7 +62,7 @@ def draw_pressure_errors(case: Case, levels: Sequence[Level]) -> Figure:
         row[0].set_ylabel("|error of p| / norm of p")
     for axes in panels.ravel()[: len(ways)][-columns:]:
         axes.set_xlabel("r/a")
-    title = f"{case.name}: error of the pressure over the radius, t = {TIMES[1]:g} a/(E* k v₀)"
+    title = f"{case.title}: error of the pressure over the radius, t = {TIMES[1]:g} a/(E* k v₀)"
     several_materials = np.ptp(case.problem.wear_coefficients) > 0
     note = "Grey bands: rings that wear faster." if several_materials else ""
     return complete(figure, [title], panels.ravel(), note, across=0.3, down=0.48)
@@ -88,7 +88,7 @@ def draw_own_meshes(case: Case, levels: Sequence[Level]) -> Figure:
         error_axes.set_xlabel("r/a")
     panels[0, 0].set_ylabel("depth z/a")
     panels[1, 0].set_ylabel("|error of p| / norm of p")
-    title = f"{case.name}: your meshes, and their pressure errors, t = {TIMES[1]:g} a/(E* k v₀)"
+    title = f"{case.title}: your meshes, and their pressure errors, t = {TIMES[1]:g} a/(E* k v₀)"
     note = (
         "Red: the facet with the greatest part of the error.\nColour: squared error indicator of "
         f"each triangle, from 1/{10**DECADES} of the greatest (white) to the greatest (red)."

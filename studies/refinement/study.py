@@ -55,11 +55,11 @@ def draw_figures(
     """Return all figures by their names; figures without data are left out."""
     if rows.empty:
         return {}
-    levels = list(levels)
+    levels, titles = list(levels), {name: case.title for name, case in cases.items()}
     figures = {
-        "error_against_unknowns": draw_errors(rows, "unknowns", THOUSANDS),
-        "error_against_seconds": draw_errors(rows, SECONDS, "seconds"),
-        "indicator": draw_indicator(rows),
+        "error_against_unknowns": draw_errors(rows, "unknowns", THOUSANDS, titles),
+        "error_against_seconds": draw_errors(rows, SECONDS, "seconds", titles),
+        "indicator": draw_indicator(rows, titles),
     }
     for name, case in cases.items():
         case_levels = [level for level in levels if level.case == name]

@@ -36,6 +36,12 @@ def write_report(
     """Write the page of a run, with those of the pictures whose files are in the same folder."""
     from .slides import slides  # imported here: it loads matplotlib, which other runs do not need
 
-    context = {"account": account, "title": account.title}
+    missing = []
+    if result.has_inside and not any(map(len, result.inside.parts)):
+        missing.append(
+            "stress.png is not drawn: nothing presses at the times of the fields inside the "
+            "half-space. Give output.field_times at which the force is not 0."
+        )
+    context = {"account": account, "title": account.title, "missing": missing}
     captions = {picture.file: picture.caption for picture in pictures}
     write_page(path, "run.html.j2", result.scene, captions, slides=slides(result), **context)

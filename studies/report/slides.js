@@ -12,6 +12,12 @@
     parent.appendChild(node);
     return node;
   };
+  // numbers of up to three digits: 0.25, 2·10⁻⁵
+  const written = (value) => {
+    if (value === 0 || (Math.abs(value) >= 1e-3 && Math.abs(value) < 1e5)) return String(value);
+    const [mantissa, exponent] = value.toExponential().split("e");
+    return `${mantissa}·10${[...exponent.replace("+", "")].map((sign) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(sign)]).join("")}`;
+  };
   const ticks = (top, bottom = 0) => {
     const raw = (top - bottom) / 4, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].find((factor) => factor * power >= raw) * power;
@@ -37,7 +43,7 @@
     });
     for (const tick of ticks(radius, hole)) {
       make(svg, "line", { x1: across(tick), x2: across(tick), y1: box.bottom, y2: box.bottom + 4, stroke: "#1b1f24" });
-      make(svg, "text", { x: across(tick), y: box.bottom + 17, "text-anchor": "middle" }, tick);
+      make(svg, "text", { x: across(tick), y: box.bottom + 17, "text-anchor": "middle" }, written(tick));
     }
     const frame = { x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top };
     make(svg, "rect", { ...frame, fill: "none", stroke: "#1b1f24" });
@@ -60,16 +66,15 @@
       scaled.replaceChildren();
       for (const tick of ticks(top)) {
         make(scaled, "line", { x1: box.left - 4, x2: box.left, y1: upright(tick), y2: upright(tick), stroke: "#1b1f24" });
-        make(scaled, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, tick);
+        make(scaled, "text", { x: box.left - 7, y: upright(tick) + 4, "text-anchor": "end" }, written(tick));
       }
       if (last > 0) ghost.setAttribute("d", line(reference(state)));
       curve.setAttribute("d", line(values[state]));
     };
   };
-  const deep = data.labels.map(() => 1.08 * data.deepest);
   // the same height is subtracted from the unworn face as from the profile
   const unworn = (state) => data.unworn.map((height) => height - data.subtracted[state]);
-  const drawProfile = plot("profile", data.profile, unworn, deep, true, data.axes.profile);
+  const drawProfile = plot("profile", data.profile, unworn, data.deepest, true, data.axes.profile);
   const drawPressure = plot("pressure", data.pressure, () => data.pressure[last], data.highest, false, data.axes.pressure);
 
   // draw the worn face as a surface of revolution that is cut open, from the back to the front
@@ -89,7 +94,7 @@
     return `rgb(${mix(96, 224)},${mix(120, 208)},${mix(146, 170)})`;
   };
   const drawSolid = (state) => {
-    const height = (index) => -data.drawn * Math.min(1, data.profile[state][index] / data.deepest);
+    const height = (index) => -data.drawn * Math.min(1, data.profile[state][index] / data.solid);
     const sin = Math.sin(TILT), cos = Math.cos(TILT), size = canvas.width * 0.34;
     const place = (r, angle, z) => {
       const x = r / radius * Math.cos(angle + turn), y = r / radius * Math.sin(angle + turn);

@@ -56,7 +56,9 @@ def slides(result: Outcome) -> dict[str, Any] | None:
     log_wear = np.log(problem.wear_coefficients) * rings_differ(problem.wear_coefficients)
     # in the steady state the wear is unlimited: move the unworn face out of the frame
     subtracted[len(subtracted) - steady_count :] = 10 * deepest
-    scale.suit("profile", deepest)
+    # as for pressures: states whose heights differ by orders of magnitude have their own scales
+    frames = panel_tops(depths)
+    scale.suit("profile", frames)
     scale.suit("pressure", tops)
     return {
         "radii": _round(scale.shown("radius", radii[stride])),
@@ -69,7 +71,8 @@ def slides(result: Outcome) -> dict[str, Any] | None:
         "unworn": _round(scale.shown("profile", unworn[stride])),
         "subtracted": _round(scale.shown("profile", subtracted)),
         "highest": _round(1.15 * scale.shown("pressure", tops)),
-        "deepest": scale.shown("profile", deepest),
+        "deepest": _round(1.08 * scale.shown("profile", frames)),
+        "solid": scale.shown("profile", deepest),
         "drawn": drawn_height,
         "magnified": short_number(drawn_height * result.scene.punch.radius / deepest),
         "axes": {name: scale.label(name) for name in ("radius", "profile", "pressure")},

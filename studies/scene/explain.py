@@ -13,12 +13,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..problem.fields import KINDS, ProfileSection, Section
+from ..problem.written import shown
 
 # least similarity (difflib ratio) of an unknown key to the suggested one, in its own table and in
 # other tables
 LEAST_SIMILARITY, LEAST_SIMILARITY_ELSEWHERE = 0.6, 0.75
-# greatest number of characters of a value in messages
-MOST_CHARACTERS = 60
 
 KINDS_OF_PROFILES = [name for name, section in KINDS.items() if issubclass(section, ProfileSection)]
 
@@ -86,6 +85,10 @@ OTHER_KEYS = {
     "tol": "rtol",
     "tolerance": "rtol",
 }
+# prefix of the keys of layers; these keys, and advice, by other names that users may write
+LAYER = "half_space.layers.0."
+KEYS_OF_LAYERS = {"height": "thickness", "depth": "thickness", "h": "thickness", "t": "thickness"}
+OF_LAYERS = {"plane_strain_modulus": "give youngs_modulus = E* (1 - nu^2) with poisson_ratio = nu"}
 # advice by other names of kinds of profiles
 OTHER_KINDS = {
     "sphere": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than that "
@@ -114,7 +117,7 @@ def kind_instead(profile: object) -> str:
         return "is missing"
     if (advice := OTHER_KINDS.get(str(kind).lower())) is not None:
         return advice
-    return f"there is no kind {kind!r}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
+    return f"there is no kind {shown(kind)}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
 
 
 def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARITY) -> str:
@@ -165,6 +168,10 @@ def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]
         missing = [key_of(item) for item in errors if item["type"] == "missing"]
         single = len(missing) == 1 and description
         keys = f" {key}; give {description}" if single else f"s {', '.join(missing)}"
+        if all(name.count(".") > 1 for name in missing):
+            # keys of a profile, a layer, or a load over time
+            remedy = "" if single else f"; give {description}"
+            return f"missing key{keys}{remedy}"
         return (
             f"missing key{keys}; a scene needs, for example, punch = {{ radius = 1.0, rings = 5, "
             "wear_coefficients = [1.0, 10.0] }, half_space = { plane_strain_modulus = 1.0 }, load "
@@ -206,21 +213,20 @@ def _in_plain_words(fault: ErrorDetails) -> str:
     if fault["type"] == "list_type":
         return f"should be a list{did_you_mean(str(fault['input']), ['running-in'])}"
     message = fault["msg"].removeprefix("Value error, ").replace("0.000000001", "1e-9")
+    message = message.replace(" after validation", "")
     if fault["type"] == "value_error":
         return message
-    return message.replace("Input should", "should").replace("List should", "should")
-
-
-def shown(value: object) -> str:
-    """Return a value as text, shortened to `MOST_CHARACTERS`."""
-    text = " ".join(repr(value).split())
-    return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 4]} ..."
+    return re.sub(r"\b(?:Input|List|Value) should", "should", message)
 
 
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     """Return what to write instead of an unknown key, in its own table or in another one."""
-    if (instead := not_modelled(unknown)) is not None:
-        return instead
+    advice = OF_LAYERS.get(unknown) if section.prefix == LAYER else None
+    if advice is None:
+        advice = not_modelled(unknown)
+    # advice on layers is of no use within a layer
+    if advice is not None and not (section.prefix == LAYER and "[[half_space.layers]]" in advice):
+        return advice
     names = keys_of(section)
     known_keys = f"the keys here are {', '.join(names)}"
     match = place_of(unknown, section, scene)
@@ -234,6 +240,8 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     is empty if no key is similar.
     """
     names, word = keys_of(section), OTHER_KEYS.get(unknown, unknown)
+    if section.prefix == LAYER:
+        word = KEYS_OF_LAYERS.get(unknown, word)
     if word in names:
         return word
     tables = {
@@ -241,15 +249,32 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
         for name, info in scene.model_fields.items()
         if isinstance(info.annotation, type) and issubclass(info.annotation, Section)
     }
+    match = nearest(word, names)
+    if match and section not in (scene, *(info.annotation for info in scene.model_fields.values())):
+        # in a table within a table, such as a profile, its own keys come first
+        return match
     for table, keys in tables.items():
         if word in keys:
             return f"{table}.{word}"
-    if match := nearest(word, names):
+    if match:
         return match
     for table, keys in tables.items():
         if match := nearest(word, keys, LEAST_SIMILARITY_ELSEWHERE):
             return f"{table}.{match}"
     return ""
+
+
+def key_meant(key: str, scene: type[Section]) -> str:
+    """Return the key of a scene that an unknown key with dots probably means; empty if none is."""
+    place = ""
+    for part in key.split("."):
+        section, _ = declaration(place.split("."), scene) if place else (scene, None)
+        meant = part if place and part.isdigit() else place_of(part, section, scene)
+        # a key of another table is no part of this one
+        if not meant or (place and "." in meant):
+            return ""
+        place = f"{place}.{meant}" if place else meant
+    return place
 
 
 def keys_of(section: type[Section]) -> list[str]:

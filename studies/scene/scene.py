@@ -3,6 +3,7 @@
 It provides the non-dimensional problem that the methods solve.
 """
 
+import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -10,7 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Self, overload
+from typing import TYPE_CHECKING, Annotated, NoReturn, Self, overload
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
@@ -27,9 +28,10 @@ from ..problem.sections import (
     WearSection,
 )
 from ..problem.unit_names import without_quantities
+from ..problem.written import shown
 from ..registry import METHODS
-from .explain import did_you_mean, explain, keys_of, place_of, shown
-from .keys import dotted, listed, set_key, without_alternatives
+from .explain import did_you_mean, explain, key_meant, keys_of, place_of
+from .keys import dotted, listed, with_key, without_alternatives
 from .sources import line_of, text_of
 
 # the right call, by names of attributes and methods that users may guess
@@ -41,6 +43,8 @@ OTHER_CALLS = {
     **dict.fromkeys(("run", "solve", "compute"), "ringwear.run(scene)"),
     "plot": "ringwear.run(scene).plot()",
     **dict.fromkeys(("replace", "set", "update", "change"), "scene.changed({'punch.rings': 3})"),
+    **dict.fromkeys(("check", "validate", "is_valid", "plan"), "ringwear.plan(scene)"),
+    **dict.fromkeys(("bundled", "list", "names"), "`ringwear scenes` on the command line"),
 }
 
 
@@ -191,10 +195,16 @@ class Scene(Section, metaclass=SceneType):
 
         `name` appears in messages. The scene's paths of files are relative to `folder`.
         """
+        if not isinstance(text, str) or (text.endswith(".toml") and "\n" not in text):
+            raise SceneError(
+                f"{shown(text)} is not the text of a scene: write Scene.load(file) to read a file"
+            )
         try:
             table = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{name} is not TOML: {error}{line_of(error, text)}") from error
+            # a key as in TOML, not as a tuple of Python
+            reason = re.sub(r"\('(\w+)',\)", r"[\1]", str(error))
+            raise SceneError(f"{name} is not TOML: {reason}{line_of(error, text)}") from error
         # no file is read without a folder, or if the profile has none
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]
@@ -204,6 +214,11 @@ class Scene(Section, metaclass=SceneType):
     @classmethod
     def from_table(cls, table: TomlTable, name: str = "scene") -> "Scene":
         """Read a scene from nested dictionaries."""
+        if not isinstance(table, Mapping):
+            raise SceneError(
+                f"{shown(table)} is not a table: give nested dictionaries, or write "
+                "Scene.load(file) to read a file or a bundled scene"
+            )
         try:
             return cls(**table)
         except SceneError as error:
@@ -241,7 +256,9 @@ class Scene(Section, metaclass=SceneType):
         """Return the scene as TOML."""
         return tomli_w.dumps(self.table())
 
-    def changed(self, keys: Mapping[str, object] | None = None, /, **changes: object) -> "Scene":
+    def changed(
+        self, keys: Mapping[str, object] | None = None, /, *misplaced: object, **changes: object
+    ) -> "Scene":
         """Return the scene with some keys changed.
 
         Alternatives to the changed keys are removed: a scene with a new `load.mean_pressure` has no
@@ -259,12 +276,12 @@ class Scene(Section, metaclass=SceneType):
         SceneError
             if a key or value is wrong; the message has the key and the remedy
         """
-        if not isinstance(keys or {}, Mapping):
+        if misplaced or not isinstance(keys or {}, Mapping):
             raise SceneError(f"changed({shown(keys)}): write changed({{'punch.rings': 3}})")
         values = {dotted(name): value for name, value in [*(keys or {}).items(), *changes.items()]}
         for key, value in values.items():
             if key.partition(".")[0] not in keys_of(Scene) and (
-                suggestion := place_of(key, Scene, Scene)
+                suggestion := key_meant(key, Scene)
             ):
                 raise SceneError(
                     f"a scene has no key {key!r}: write changed({{{suggestion!r}: "
@@ -272,7 +289,7 @@ class Scene(Section, metaclass=SceneType):
                 )
         table = without_alternatives(self.table(), set(values))
         for key, value in values.items():
-            set_key(table, key.split("."), value)
+            table = with_key(table, key, value)
         return Scene.from_table(table).with_heights(*self.punch.heights, kinks=self.punch.kinks)
 
     def with_heights(self, *heights: Height, kinks: Sequence[float] | None = None) -> "Scene":
@@ -301,6 +318,12 @@ class Scene(Section, metaclass=SceneType):
         if kinks is not None:
             table["punch"]["kinks"] = [float(kink) for kink in kinks]
         return Scene(**table)
+
+    def __getitem__(self, key: object) -> NoReturn:
+        """Raise a TypeError that says what to write instead."""
+        key = dotted(key)
+        place = key if key in keys_of(Scene) else key_meant(key, Scene)
+        raise TypeError(f"a scene has no [{key!r}]: write scene.{place or 'punch.rings'}")
 
     if not TYPE_CHECKING:
 

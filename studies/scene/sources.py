@@ -7,7 +7,8 @@ from pathlib import Path
 
 from ...meshes.errors import SceneError
 from ..problem.fields import refuse_device
-from .explain import nearest, shown
+from ..problem.written import shown
+from .explain import nearest
 
 
 def text_of(source: str | Path) -> str:
@@ -18,6 +19,8 @@ def text_of(source: str | Path) -> str:
     SceneError
         if there is no such file or scene, or if the file cannot be read
     """
+    if not str(source).strip():
+        raise SceneError(f"no name of a scene: give a scene file, or one of {', '.join(bundled())}")
     path = Path(source)
     if not path.exists() and str(source) in bundled():
         path = Path(str(files("ringwear.studies"))) / "scenes" / f"{source}.toml"
@@ -32,7 +35,7 @@ def text_of(source: str | Path) -> str:
         match = "" if path.is_dir() else nearest(str(source), bundled())
         suggestion = f"did you mean {match}? Else " if match else ""
         raise SceneError(
-            f"{source or repr(source)}: {str(error.strerror).lower()}; {suggestion}give a scene "
+            f"{source}: {str(error.strerror).lower()}; {suggestion}give a scene "
             f"file, or one of {', '.join(bundled())}"
         ) from None
 

@@ -2,16 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ...meshes.errors import SceneError
-from ..calls import naming_arguments
 from ..figures.style import in_style
+from ..problem.written import shown
+from ..scene.calls import naming_arguments
 from ..scene.explain import nearest
+from ..scene.keys import numbers
 from ..scene.scene import Scene, Source
 from .levels import Record
 from .listing import STUDIES
 from .options import ABSCISSAS, Options, Quantity
+from .own_objects import load_element
 from .study import Study
 
 if TYPE_CHECKING:
@@ -75,23 +79,53 @@ def study(
     >>> [float(order) for order in truncation.orders["expected order"]]
     [1.0, 5.0, 9.0, 13.0]
     """
-    if name not in STUDIES:
+    if not isinstance(name, str) or name not in STUDIES:
         similar = nearest(str(name), STUDIES)
         hint = f"did you mean {similar}? Otherwise " if similar else ""
-        raise SceneError(f"there is no study {name!r}: {hint}give one of {', '.join(STUDIES)}")
+        raise SceneError(f"there is no study {shown(name)}: {hint}give one of {', '.join(STUDIES)}")
     if quantities is not None and not isinstance(quantities, Mapping):
+        if callable(quantities):
+            quantities = [quantities]
+        wrong = [each for each in quantities if not hasattr(each, "__name__")]
+        if isinstance(quantities, str) or wrong:
+            raise SceneError(
+                f"quantities = {shown(quantities)}: give functions of the result of a run, "
+                "{'mean p': lambda result: float(result.dataset.pressure.mean())}"
+            )
         quantities = {function.__name__: function for function in quantities}
     options = Options(
         quick,
         dict(quantities or {}),
         (methods,) if isinstance(methods, str) else tuple(methods or ()),
-        tuple(meshes),
+        tuple(_meshes(meshes)),
         degree,
-        tuple(elements),
-        tuple(steps),
+        tuple(load_element(each) if isinstance(each, str) else each for each in _several(elements)),
+        tuple(numbers("steps", steps)),
         against,
     )
     return conduct(name, Scene.of(STUDIES[name].scene if scene is None else scene), options)
+
+
+def _several(values: object) -> "list[Any]":
+    """Return values as a list; a single one, such as a text, is a list of one."""
+    return list(values) if isinstance(values, list | tuple) else [values]
+
+
+def _meshes(meshes: "Sequence[str | Mesh] | str | Mesh") -> "list[str | Mesh]":
+    """Return the files and meshes of a user as a list.
+
+    Raises
+    ------
+    SceneError
+        if one of them is neither
+    """
+    for mesh in _several(meshes):
+        if not (isinstance(mesh, str | Path) or hasattr(mesh, "p")):
+            raise SceneError(
+                f"meshes has {shown(mesh)}: give mesh files, from coarse to fine, or meshes of "
+                "scikit-fem"
+            )
+    return _several(meshes)
 
 
 def conduct(name: str, scene: Scene, options: Options, record: Record | None = None) -> Study:
@@ -140,9 +174,14 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
         if option not in listed.option_names:
             accepted = ", ".join(listed.option_names) or "none but quick"
             raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
+    if options.degree is not None and not options.meshes:
+        raise SceneError(
+            "degree is that of the finite elements on meshes of your own: give --mesh FILE, in "
+            "Python meshes=[...], or leave it out"
+        )
     if options.against not in ABSCISSAS:
         raise SceneError(
-            f"against = {options.against!r} is not an abscissa of the figures: give one of "
+            f"against = {shown(options.against)} is not an abscissa of the figures: give one of "
             f"{', '.join(ABSCISSAS)}"
         )
 

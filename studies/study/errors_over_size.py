@@ -9,7 +9,7 @@ from matplotlib.ticker import NullLocator
 
 from ...meshes.radial import Array
 from ..figures.style import LOOKS, complete, curve, new_panels
-from ..figures.ticks import power_of_ten
+from ..figures.ticks import power_of_ten, short_number
 from .orders import Sequence
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def set_round_ticks(axes: "Axes") -> None:
         values = ticks(low, high)
         all_powers_of_ten = np.allclose(np.log10(values) % 1, 0)
         tick_labels = [
-            power_of_ten(value) if all_powers_of_ten else f"{value:g}" for value in values
+            power_of_ten(value) if all_powers_of_ten else short_number(value) for value in values
         ]
         axis.set_ticks(values, tick_labels)
         # minor ticks would take longer to draw than the rest of the figure

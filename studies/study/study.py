@@ -11,8 +11,10 @@ import pandas as pd
 
 from ...meshes.errors import RingwearError, SceneError
 from ..figures.style import html_of, in_style
+from ..guesses import AnswersGuesses
 from ..output.folder import output_folder
 from ..output.one_file import make
+from ..problem.written import shown
 from ..scene.scene import Scene
 from ..tables import write_csv
 from .formats import to_latex, to_markdown
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Study:
+class Study(AnswersGuesses):
     """Results of a study.
 
     Parameters
@@ -44,6 +46,14 @@ class Study:
     >>> march.orders["expected order"].dropna().tolist()  # both Euler methods have order 1
     [1.0, 1.0]
     """
+
+    noun = "study"
+    instead = (
+        dict.fromkeys(("df", "data", "results", "rows", "dataset", "levels"), "table")
+        | dict.fromkeys(("figure", "plot", "show"), "figures")
+        | dict.fromkeys(("to_csv", "write_all", "export", "to_file"), "save(folder)")
+        | {"summary": "conclusions", "verdict": "conclusions"}
+    )
 
     name: str
     scene: Scene
@@ -96,7 +106,7 @@ class Study:
         RingwearError
             if a figure cannot be drawn
         """
-        with output_folder(Path(folder), f"study {self.name}", ["report.html"]) as out:
+        with output_folder(folder, f"study {self.name}", ["report.html"]) as out:
             if failures := self.write(out.hidden):
                 raise RingwearError("; ".join(failures))
         return out.written
@@ -129,7 +139,9 @@ class Study:
             return self.table
         tables = self._tables()
         if table not in tables:
-            raise SceneError(f"this study has no table {table!r}: give one of {', '.join(tables)}")
+            raise SceneError(
+                f"this study has no table {shown(table)}: give one of {', '.join(tables)}"
+            )
         return tables[table]
 
     def _tables(self) -> dict[str, pd.DataFrame]:

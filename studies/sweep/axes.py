@@ -29,11 +29,13 @@ from types import UnionType
 from typing import Self
 
 from ...meshes.errors import SceneError
+from ..methods.base import method
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
+from ..problem.written import shown
 from ..scene.explain import did_you_mean, nearest
-from ..scene.keys import without_alternatives
+from ..scene.keys import with_key, without_alternatives
 from ..scene.scene import Scene
 from ..scene.sources import bundled
 from .columns import Column, has_units, read_columns
@@ -113,10 +115,16 @@ class Sweep:
         kinds: dict[str, type | UnionType] = {"base": str | dict, "keep": list}
         kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
         for key, value in table.items():
+            if key in ("punch", "half_space", "load"):
+                raise SceneError(
+                    f"{key} is a key of a scene, not of a sweep: compute a scene by `ringwear "
+                    'run`, or give its file as base, with [axes] of keys in quotes, "punch.rings" '
+                    "= [2, 4]"
+                )
             if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
-                    f"{key} = {value!r} is invalid: give base, keep (a list of quantities), and "
-                    "tables [axes], [zip] and [random] of scene keys"
+                    f"{key} = {shown(value)} is invalid: give base, keep (a list of quantities), "
+                    "and tables [axes], [zip] and [random] of scene keys"
                 )
         base = table.get("base")
         columns_by_key = {
@@ -152,6 +160,8 @@ class Sweep:
         scenes = [sweep.scene(changes) for changes in tried_changes]
         problems = [scene.problem for scene in scenes]
         names = {column.name for column in columns.values()}
+        if "keep" not in table:
+            _refuse_all(problems, scenes[0].methods)
         keep = _quantities_to_keep(table.get("keep"), problems, names)
         dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
         if "worn_volume" in keep and "wear.times" not in columns:
@@ -161,6 +171,7 @@ class Sweep:
         sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
         for scene, changes in zip(scenes, tried_changes, strict=True):
             sweep.check_labels(scene, changes)
+        _refuse_all(map(sweep.problem, tried_changes), scenes[0].methods)
         return sweep
 
     @property
@@ -198,10 +209,10 @@ class Sweep:
         """
         table = self.table["base"]
         for key, value in changes.items():
-            table = _changed(table, key.split("."), value)
+            table = with_key(table, key, value)
         if (file := _profile_file(table)) in self.profiles:
             profile = {"kind": "table"} | self.profiles[file]
-            table = _changed(table, ["punch", "profile"], profile)
+            table = with_key(table, "punch.profile", profile)
         scene = Scene.from_table(table, _name_of(changes)).with_heights(*self.heights)
         self.check_labels(scene, changes)
         return scene
@@ -210,6 +221,11 @@ class Sweep:
         """Raise an error if a changed scene has other labels than all scenes share (`shared`)."""
         labels = _labels(scene)
         for key, column in self.shared.items():
+            if labels[key] != column and key == "methods":
+                raise SceneError(
+                    f"{_name_of(changes)}: not all scenes have the same methods: give the base all "
+                    "of them, and no axis of methods"
+                )
             if not column.values or labels[key] != column:
                 raise SceneError(
                     f"{_name_of(changes)}: not all scenes have the same {key}, but a kept quantity "
@@ -235,6 +251,20 @@ def _name_of(changes: TomlTable) -> str:
     return ", ".join(f"{key} = {value}" for key, value in changes.items())
 
 
+def _refuse_all(problems: Iterable[Problem], methods: Iterable[str]) -> None:
+    """Raise an error if methods refuse all problems that are tried, as a run of each would.
+
+    If they refuse only some, these scenes fail when they are computed.
+    """
+    solvers, reason = [method(name) for name in methods], ""
+    for problem in problems:
+        reasons = [solver.refusal(problem) for solver in solvers]
+        if not any(reasons):
+            return
+        reason = reason or "; ".join(filter(None, reasons))
+    raise SceneError(reason)
+
+
 def _labels(scene: Scene) -> dict[str, Column]:
     """Return the methods, times and radii of a scene, which label its results."""
     return {
@@ -242,18 +272,6 @@ def _labels(scene: Scene) -> dict[str, Column]:
         "wear.times": Column("time", "time", scene.wear.times),
         "output.radii": Column("radius", "radius", scene.output.radii or []),
     }
-
-
-def _changed(table: TomlTable, path: list[str], value: object) -> TomlTable:
-    """Return a copy of nested dictionaries with another value at a path."""
-    key, *rest = path
-    if rest:
-        inner = table.get(key)
-        if isinstance(inner, list):
-            value = _with_entry(inner, rest, value)
-        else:
-            value = _changed(inner if isinstance(inner, dict) else {}, rest, value)
-    return table | {key: value}
 
 
 def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
@@ -269,19 +287,6 @@ def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
         f"{source} cannot be read as a sweep: {reason}; {hint}give a sweep file, TOML in UTF-8, "
         f"or one of {', '.join(names)}"
     )
-
-
-def _with_entry(tables: list[TomlTable], path: list[str], value: object) -> list[TomlTable]:
-    """Return a copy of a list of tables with another value at a path that begins with an index."""
-    number, *rest = path
-    if not number.isdigit() or int(number) >= len(tables) or not rest:
-        raise SceneError(
-            f"there is no {'.'.join(path)} in a list of {len(tables)} tables: they are numbered "
-            "from 0"
-        )
-    changed = [*tables]
-    changed[int(number)] = _changed(changed[int(number)], rest, value)
-    return changed
 
 
 def _profile_file(table: TomlTable) -> str:
@@ -301,7 +306,7 @@ def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) ->
     tables = [base]
     for key, column in columns.items():
         if key in ("punch", "punch.profile", "punch.profile.file"):
-            tables += [_changed(base, key.split("."), value) for value in column.values]
+            tables += [with_key(base, key, value) for value in column.values]
     profiles: TomlTable = {}
     for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
         in_folder = folder / file
@@ -353,8 +358,8 @@ def _quantities_to_keep(
     if not keep or not set(map(str, keep)) <= computable:
         unknown = next((str(name) for name in keep if str(name) not in computable), "")
         raise SceneError(
-            f"keep = {keep!r} names something that is not a quantity of these scenes"
-            f"{did_you_mean(unknown, computable) if unknown else ':'} give a list of "
+            f"keep = {shown(keep)} names something that is not a quantity of these scenes"
+            f"{did_you_mean(unknown, computable) or ':'} give a list of "
             f"{', '.join(sorted(computable))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )

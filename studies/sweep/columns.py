@@ -14,7 +14,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.fields import TomlTable
 from ..problem.unit_names import without_quantities
-from ..scene.explain import shown
+from ..problem.written import shown
 from ..scene.scene import Scene
 
 # values of one key, of the type that the scene declares for it
@@ -118,7 +118,7 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
             return [values[index] for index in drawn_indices] if draws else values
         ((kind, numbers),) = source.items()
         space = SPACED[kind]
-        (first, last), count = _in_units(key, numbers[:2], base), numbers[2:]
+        (first, last), count = _in_units(key, numbers[:2], base), [*map(_whole, numbers[2:])]
         _refuse_too_many(key, draws or count[0])
         if draws:
             fractions = generator.uniform(size=draws)
@@ -133,8 +133,16 @@ def read_values(key: str, source: Any, base: TomlTable, draws: int, seed: int | 
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
         raise SceneError(
             f"{key} = {shown(source)}: give a list of values, or linspace or geomspace = [first, "
-            "last, count] in braces; leave out count for random draws"
+            "last, count] in braces, for geomspace with ends other than 0; leave out count for "
+            "random draws"
         ) from None
+
+
+def _whole(count: float) -> int:
+    """Return a whole number that may be given as a float, such as 3.0; raise ValueError else."""
+    if int(count) != count:
+        raise ValueError(count)
+    return int(count)
 
 
 def has_units(columns: Iterable[tuple[str, object]]) -> bool:

@@ -81,7 +81,10 @@ def _compute_together(
         results = solve(method(name), list(problems.values()))
         for (number, problem), solution in zip(problems.items(), results, strict=True):
             if isinstance(solution, Exception):
+                # a refusal names the method and the remedy
                 reason = f"{name}: {type(solution).__name__}: {solution}"
+                if isinstance(solution, SceneError):
+                    reason = str(solution)
                 # the scene can be computed with more memory
                 status = PENDING if isinstance(solution, MemoryError) else FAILED
                 values["reason"][number], values["status"][number] = reason, status

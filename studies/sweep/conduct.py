@@ -11,13 +11,19 @@ from typing import Any
 import xarray
 
 from ...meshes.errors import SceneError
-from ..calls import naming_arguments
 from ..figures.style import new_figure, set_logarithmic
-from ..output.folder import Folder, lock_folder, output_folder, refuse_foreign_folders
+from ..output.folder import (
+    Folder,
+    lock_folder,
+    named_folder,
+    output_folder,
+    refuse_foreign_folders,
+)
 from ..output.one_file import make
 from ..problem.fields import TomlTable
+from ..problem.written import plain, shown
 from ..progress import LOG
-from ..scene.explain import shown
+from ..scene.calls import naming_arguments
 from ..scene.keys import dotted, listed
 from ..scene.scene import Scene
 from .axes import Sweep
@@ -92,9 +98,11 @@ def sweep(
             "process: leave out `out`, `workers` and `scheduler`, or give the heights by "
             "punch.profile = { kind = 'table', ... }"
         )
+    if not isinstance(workers, int) or workers < 1:
+        raise SceneError(f"workers = {shown(workers)}: give a whole number, 1 or more")
     options = resume, retry_failed, workers, scheduler
     if out is not None:
-        return compute(plan, Path(out), *options)
+        return compute(plan, named_folder(out), *options)
     with TemporaryDirectory() as folder:
         return compute(plan, Path(folder), *options).load()
 
@@ -111,6 +119,10 @@ def _by_key(axes: Mapping[str, object] | None) -> TomlTable | None:
 def _as_list(values: Any) -> object:
     if isinstance(values, range | tuple):
         return list(values)
+    if isinstance(values, Mapping):
+        return {key: plain(entry) for key, entry in values.items()}
+    # arrays of xarray have their numbers in `values`
+    values = getattr(values, "values", values)
     return values.tolist() if hasattr(values, "tolist") else values
 
 

@@ -9,7 +9,7 @@ from ..predictions.memory import machine_memory, predict_memory
 from ..problem.fields import TomlTable
 from .axes import Sweep
 from .compute import compute_block
-from .store import template
+from .store import FAILED, template
 
 # greatest number of values of an axis that are tried in the search for the largest scene
 MOST_TRIED = 40
@@ -33,19 +33,23 @@ def estimate_cost(sweep: Sweep, workers: int, memory: float | None) -> list[str]
     # the second time is measured, when all libraries are loaded
     for _ in range(2):
         start = time.perf_counter()
-        compute_block(probe, blank_scene)
+        values = compute_block(probe, blank_scene)
         seconds = time.perf_counter() - start
     probe_changes = [
         f"{key} = {str(value)[:40]}" for key, value in sweep.changes_at(places).items()
     ]
+    outcome = (
+        f"took {seconds:.2g} s; if every scene took as long, the sweep would take "
+        f"{seconds * sweep.count / workers:.2g} s by {workers} processes; smaller scenes and "
+        "scenes that share a discretisation take less time"
+    )
+    if values["status"].item() == FAILED:
+        outcome = f"fails, so that the time is not known: {values['reason'].item()}"
     limit = (machine_memory() if memory is None else memory) / workers
     remark = "" if needed_memory <= limit else ": too little, give --memory GIB or fewer --workers"
     return [
         f"{sweep.count} scenes; a store of {blank.nbytes / 2**20:.3g} MiB before compression",
-        f"a probe, the largest scene alone ({', '.join(probe_changes)}), took {seconds:.2g} s; if "
-        f"every scene took as long, the sweep would take {seconds * sweep.count / workers:.2g} s "
-        f"by {workers} processes; smaller scenes and scenes that share a discretisation take less "
-        "time",
+        f"a probe, the largest scene alone ({', '.join(probe_changes)}), {outcome}",
         f"memory: about {needed_memory:.2g} GiB for the largest scene, of the {limit:.2g} GiB "
         f"that each process has{remark}; scenes that share a discretisation need more memory "
         "together; if it is too much, they are split into smaller groups",

@@ -182,6 +182,11 @@ def _draw_challenge(figure: Figure, panels_before: int) -> None:
     panels_before : number of panels that already have a letter
     """
     challenge = read_challenge()
+    # a factor of two beyond all points, whose marks are then whole
+    seconds, errors = (
+        (column.min() / 2, 2 * column.max())
+        for column in (challenge["seconds"], challenge["error of p"])
+    )
     grid = figure.add_gridspec(
         1, len(CHALLENGE_PROBLEMS), left=LEFT, right=0.7, top=0.365, bottom=0.135, wspace=0.16
     )
@@ -193,7 +198,7 @@ def _draw_challenge(figure: Figure, panels_before: int) -> None:
             bounds = levels.bound.notna().all()
             look = _look(color, 7 if bounds else marker, line)
             axes.plot(levels.seconds, levels["error of p"], **look)
-        axes.set(xscale="log", xlim=(8e-3, 5), ylim=(1e-9, 1))
+        axes.set(xscale="log", xlim=seconds, ylim=errors)
         axes.xaxis.set_minor_locator(NullLocator())
         _set_error_axis(axes, labelled=not column)
         letter = LETTERS[panels_before + column]

@@ -14,6 +14,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
+from ..methods.base import method
+from ..problem.written import shown
+from ..registry import METHODS
 from ..scene.scene import Scene
 from ..study.levels import Record
 from ..study.options import Options
@@ -63,6 +66,9 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     problem = scene.problem
     if not problem.earliest:
         problem = replace(problem, times=np.array(DEFAULT_TIMES))
+    for name in options.methods:
+        if name in METHODS and (reason := method(name).refusal(problem)):
+            raise SceneError(reason)
     with threadpool_limits(1):
         if options.quantities:
             families = list(families_of_quantities(scene, options, names))
@@ -105,7 +111,9 @@ def choose_methods(options: Options) -> tuple[str, ...]:
             which = (
                 "study tradeoff with your quantities" if options.quantities else "study tradeoff"
             )
-            raise SceneError(f"methods: {which} has no {name!r}: give some of {', '.join(known)}")
+            raise SceneError(
+                f"methods: {which} has no {shown(name)}: give some of {', '.join(known)}"
+            )
     return options.methods or tuple(known)
 
 

@@ -87,8 +87,8 @@ def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
 
 
 def test_the_printed_answer_lists_the_running_in_times(worn):
-    told = [what for what, _, _ in Account(worn).answers]
-    assert {"time to full contact", "time to 90", "time to 99"} <= set(told)
+    labels = [what for what, _, _ in Account(worn).answers]
+    assert {"time to full contact", "time to 90", "time to 99"} <= set(labels)
 
 
 def test_forces_in_the_answer_at_a_fixed_indentation():
@@ -104,8 +104,8 @@ def test_forces_in_the_answer_at_a_fixed_indentation():
     half = float(answers["time_to_half_force"])
     finer = run(scene.changed(wear__times=[half], accuracy__rtol=1e-4), methods=["fem"])
     assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)
-    told = [what for what, _, _ in Account(result).answers]
-    assert told[:3] == ["force start", "force end", "time to half force"]
+    labels = [what for what, _, _ in Account(result).answers]
+    assert labels[:3] == ["force start", "force end", "time to half force"]
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
@@ -142,8 +142,8 @@ def test_tau_counts_relaxation_times_of_the_full_face():
     flat = Scene.load("flat_punch").changed(wear__times=counts).problem.times
     assert shaped[1] == pytest.approx(flat[1] * 2.0 / 7.0 / 0.5 / 3.0, rel=5e-3)
     fixed = {"indentation": 0.1, "sliding_speed": 3.0}
-    held = sphere(counts, load=fixed)
-    assert held.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
+    fixed_sphere = sphere(counts, load=fixed)
+    assert fixed_sphere.wear.times[2] / shaped[2] == pytest.approx(1.7275 / 0.4852837728, rel=1e-2)
 
 
 def test_curves_continue_from_the_march_into_full_contact(worn):

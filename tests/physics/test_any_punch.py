@@ -112,8 +112,8 @@ def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
 
 @pytest.mark.parametrize("scene", [SCENE, RECESSED], ids=["flat", "recessed"])
 def test_the_remedy_suggests_a_smaller_rtol(scene):
-    told = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
-    assert told.endswith("rtol = 1e-04 would decide it")
+    advice = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
+    assert advice.endswith("rtol = 1e-04 would decide it")
 
 
 # scenes in which an earlier search for the first contact returned to the same cells in every second
@@ -300,9 +300,9 @@ def test_a_sweep_takes_flat_and_recessed_punches():
 @pytest.mark.slow
 def test_the_tradeoff_study_of_a_sphere_reaches_its_tolerances():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
-    found = study("tradeoff", scene, quick=True)
-    assert not [line for line in found.conclusions if "failed" in line]
-    rows = found.table.dropna(subset="tolerance").to_dict("records")
+    results = study("tradeoff", scene, quick=True)
+    assert not [line for line in results.conclusions if "failed" in line]
+    rows = results.table.dropna(subset="tolerance").to_dict("records")
     promised = [row for row in rows if row["group"].startswith(("indentation", "steady"))]
     assert {row["method"] for row in promised} == {"mdr", "bem", "fem"}
     assert len(promised) == len(rows) / 2 == 12

@@ -77,9 +77,9 @@ def test_the_naive_choice_is_accurate_in_an_ordinary_scene():
 
 
 def naive_errors_of(problem, outer):
-    found = naive.solve(problem, outer=outer)
+    solution = naive.solve(problem, outer=outer)
     # Eq. 10: the flat start of the force 1
-    return {"indentation": np.abs(found["indentation"] / 0.5 - 1)}
+    return {"indentation": np.abs(solution["indentation"] / 0.5 - 1)}
 
 
 def test_closed_forms_and_balances_detect_wrong_forces_and_indentations():

@@ -27,11 +27,11 @@ def test_wear_coefficients_of_an_independent_history_are_found(reference):
     depths = [state["indentation"] for state in states if state["time"] > 0]
     data = pd.DataFrame({"time": times, "indentation": depths})
     scene = Scene.load("five_rings").changed({WEAR: [1.5, 6.0]})
-    found = fit(scene, data, WEAR, noise=1e-6)
-    assert found.estimates.value.tolist() == pytest.approx([1.0, 10.0], rel=1e-4)
+    result = fit(scene, data, WEAR, noise=1e-6)
+    assert result.estimates.value.tolist() == pytest.approx([1.0, 10.0], rel=1e-4)
     # the numerical error is at most a tenth of the noise
-    assert found.model_error <= 0.1
-    assert found.degrees_of_freedom == len(times) - 2
+    assert result.model_error <= 0.1
+    assert result.degrees_of_freedom == len(times) - 2
 
 
 def test_a_ball_of_one_material_has_the_interval_of_its_closed_form():
@@ -39,12 +39,12 @@ def test_a_ball_of_one_material_has_the_interval_of_its_closed_form():
     noise = 0.02 * np.array([1.0, -0.5, 0.3, 0.8, -1.2])
     volumes = 1.3 * 0.01 * WEIGHINGS * (1 + noise)
     data = pd.DataFrame({"time": WEIGHINGS, "worn_volume": volumes})
-    found = fit(BALL, data, WEAR, noise="2 %").estimates.iloc[0]
+    estimate = fit(BALL, data, WEAR, noise="2 %").estimates.iloc[0]
     weights = (WEIGHINGS * 0.01 / volumes) ** 2
     exact = np.average(volumes / (0.01 * WEIGHINGS), weights=weights)
-    assert found.value == pytest.approx(exact, rel=1e-5)
+    assert estimate.value == pytest.approx(exact, rel=1e-5)
     half = 1.96 * 0.02 / np.sqrt((weights * exact**2).sum())
-    assert np.log(found.high / found.low) / 2 == pytest.approx(half, rel=1e-3)
+    assert np.log(estimate.high / estimate.low) / 2 == pytest.approx(half, rel=1e-3)
 
 
 def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
@@ -75,8 +75,8 @@ def test_late_depths_depend_on_the_harmonic_mean_only():
     assert growth / 2.0 == pytest.approx(rate * shares / shares.sum(), rel=1e-3)
 
 
-@pytest.mark.parametrize("held", [False, True])
-def test_derivatives_are_exact(held):
+@pytest.mark.parametrize("fixed_indentation", [False, True])
+def test_derivatives_are_exact(fixed_indentation):
     """Derivatives of all measured quantities agree with differences, for all kinds of parameters.
 
     Quantities are depths or forces, profiles and volumes; parameters are wear coefficients,
@@ -86,10 +86,10 @@ def test_derivatives_are_exact(held):
     names = [WEAR, "half_space.plane_strain_modulus", "load.sliding_speed", "start_time"]
     columns = list(case.columns)
     scene = case.scene
-    if held:
+    if fixed_indentation:
         scene = scene.changed(load={"indentation": 1.0, "sliding_speed": 1.0})
         columns[0] = ("normal_force", columns[0][1], None, 1e-3, None)
-    names += ["load.indentation"] if held else ["load.normal_force", "sensor_offset"]
+    names += ["load.indentation"] if fixed_indentation else ["load.normal_force", "sensor_offset"]
     columns.append(("worn_volume", np.array([0.2, 2.0]), None, 0.01, 3))
     model = replace(case, scene=scene, names=tuple(names), columns=tuple(columns)).sharp
     x = np.linspace(-0.2, 0.3, len(model.parameters))
@@ -122,12 +122,12 @@ def test_a_table_of_wear_along_the_radius_is_fitted():
             ("profile", np.full(40, 0.3), radii, 0.01, None),
         ),
     )
-    truth, found = case.conduct(3)
-    assert found.fits
-    for each, true in zip(found.found, truth, strict=True):
+    truth, result = case.conduct(3)
+    assert result.fits
+    for each, true in zip(result.found, truth, strict=True):
         assert abs(each.best - true) < 1.5 * max(each.high - each.best, each.best - each.low)
-    moved = scene_at(found.scene, find_parameters(found.scene, case.names)[1], found.best.x)
-    assert moved.punch.table.values == pytest.approx(found.estimates.value.tolist())
+    moved = scene_at(result.scene, find_parameters(result.scene, case.names)[1], result.best.x)
+    assert moved.punch.table.values == pytest.approx(result.estimates.value.tolist())
 
 
 @pytest.mark.slow
@@ -137,12 +137,12 @@ def test_intervals_contain_the_true_values(name, count, least):
 
     For correct intervals, the chance of fewer is 1 %.
     """
-    case, held = cases()[name], 0
+    case, counts = cases()[name], 0
     for seed in range(count):
-        truth, found = case.conduct(seed)
-        pairs = zip(found.found, truth, strict=True)
-        held = held + np.array([each.low <= true <= each.high for each, true in pairs])
-    assert min(held) >= least
+        truth, result = case.conduct(seed)
+        pairs = zip(result.found, truth, strict=True)
+        counts = counts + np.array([each.low <= true <= each.high for each, true in pairs])
+    assert min(counts) >= least
 
 
 @pytest.mark.slow
@@ -150,9 +150,9 @@ def test_intervals_contain_the_true_values(name, count, least):
 def test_a_wrong_wear_law_is_rejected(name):
     case = cases()[name]
     for seed in range(5):
-        _, found = case.conduct(seed)
-        assert not found.fits
-        assert any("THE MODEL DOES NOT FIT" in line for line in found.conclusions)
+        _, result = case.conduct(seed)
+        assert not result.fits
+        assert any("THE MODEL DOES NOT FIT" in line for line in result.conclusions)
 
 
 @pytest.mark.slow
@@ -165,9 +165,9 @@ def test_a_brake_that_is_applied_and_released_is_fitted():
     depths = result.dataset.indentation.sel(time=times).values[0]
     noise = 2e-3 * float(depths.max())
     data = pd.DataFrame({"time": times, "indentation": depths})
-    found = fit(scene, data, f"{WEAR}[0]", noise=noise)
-    assert found.chi_square < 1.0
-    row = found.estimates.iloc[0]
+    fit_result = fit(scene, data, f"{WEAR}[0]", noise=noise)
+    assert fit_result.chi_square < 1.0
+    row = fit_result.estimates.iloc[0]
     assert row.low < 1.3e-15 < row.high
 
 
@@ -176,18 +176,18 @@ def test_the_scale_of_wear_is_not_known_if_force_and_modulus_are_free(reference)
     data = pd.DataFrame(reference["states"])[["time", "indentation"]]
     scene = Scene.load("five_rings").changed(load__normal_force=4.0)
     names = [WEAR, "half_space.plane_strain_modulus", "load.normal_force"]
-    found = fit(scene, data, names, noise=1e-3)
-    assert not found.estimates.identifiable.any()
-    assert not any("harmonic mean" in line for line in found.conclusions)
-    held = f"load.normal_force is held at {found.estimates.value['load.normal_force']:.4g}"
-    assert any(held in line for line in found.conclusions)
+    result = fit(scene, data, names, noise=1e-3)
+    assert not result.estimates.identifiable.any()
+    assert not any("harmonic mean" in line for line in result.conclusions)
+    sentence = f"load.normal_force is held at {result.estimates.value['load.normal_force']:.4g}"
+    assert any(sentence in line for line in result.conclusions)
 
 
 def test_data_in_other_units_have_no_interval(reference):
     data = pd.DataFrame(reference["states"])[["time", "indentation"]]
     data["indentation"] *= 1e6
-    found = fit("five_rings", data, [WEAR])
-    assert not found.estimates.identifiable.any()
+    result = fit("five_rings", data, [WEAR])
+    assert not result.estimates.identifiable.any()
 
 
 def test_equal_values_have_no_noise():

@@ -23,7 +23,7 @@ TAU, LATE = 1.7275, 8.7 * 1.7275
 TIMES = [0.0, 1e-3, 0.1, 1.0, LATE]
 
 
-def held(name="flat_punch", **changes):
+def scene_of(name="flat_punch", **changes):
     # not in natural units: the force is 2 a E* d = 2 at the start
     scene = Scene.load(name).changed(load={"indentation": 1.0}, wear={"times": TIMES})
     return scene.changed(methods=["mdr", "fem"], **changes)
@@ -31,7 +31,7 @@ def held(name="flat_punch", **changes):
 
 @pytest.fixture(scope="module", params=["flat_punch", "five_rings"])
 def result(request):
-    return run(held(request.param))
+    return run(scene_of(request.param))
 
 
 @cache
@@ -52,7 +52,7 @@ def force_at(problem, times):
 
 def test_mdr_grid_refuses_a_fixed_indentation():
     with pytest.raises(SceneError, match="mdr-grid solves only flat punches under a given force"):
-        run(held().changed(methods=["mdr-grid"]))
+        run(scene_of().changed(methods=["mdr-grid"]))
 
 
 @pytest.mark.gmsh
@@ -64,9 +64,9 @@ def test_the_force_decays_as_in_an_independent_solution(result):
     for method in ("mdr", "fem"):
         table = result.dataset.sel(solver=method)
         assert table.relaxation_time[0] == pytest.approx(slowest * problem.units.time, rel=1e-8)
-        found = table.normal_force / problem.units.force
-        assert found[0] == pytest.approx(1.0, rel=1e-7)
-        wrong = np.abs(found[later] / force - 1)
+        forces = table.normal_force / problem.units.force
+        assert forces[0] == pytest.approx(1.0, rel=1e-7)
+        wrong = np.abs(forces[later] / force - 1)
         assert (wrong <= table.normal_force_error[later] + 1e-9).all()
         assert wrong.max() < 1e-6
         assert table.ring_force.sum("ring").values == pytest.approx(table.normal_force.values)
@@ -110,10 +110,10 @@ def test_anchors_detect_a_wrong_quantity(result, quantity):
 
 @pytest.mark.parametrize("march", ["implicit", "explicit"])
 def test_time_steps_at_a_fixed_indentation_are_of_first_order(march):
-    exact = run(held(), methods=["mdr"]).dataset.normal_force.values[0, 3]
+    exact = run(scene_of(), methods=["mdr"]).dataset.normal_force.values[0, 3]
     wrong = []
     for step in (2e-3, 1e-3):
-        scene = held(accuracy__rtol=1e-2, accuracy__mdr={"degree": 1, "rim_size": 0.05})
+        scene = scene_of(accuracy__rtol=1e-2, accuracy__mdr={"degree": 1, "rim_size": 0.05})
         scene = scene.changed(wear={"times": [1.0], "march": march, "step": step})
         coarse = scene.changed(wear={"times": [1.0]})
         forces = [run(each, methods=["mdr"]).dataset.normal_force[0, 0] for each in (scene, coarse)]
@@ -235,6 +235,6 @@ def test_full_slip_wears_off_the_whole_overlap(depth, rtol, overlap, tolerance):
 )
 def test_anchors_hold_at_negligible_wear_and_vanishing_pressure(wear, times):
     punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": wear}
-    scene = held(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
-    found = run(scene.changed(wear={"times": times}))
-    assert [anchor for anchor in found.anchors if not anchor.holds] == []
+    scene = scene_of(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
+    result = run(scene.changed(wear={"times": times}))
+    assert [anchor for anchor in result.anchors if not anchor.holds] == []

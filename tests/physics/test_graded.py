@@ -127,12 +127,12 @@ def test_methods_for_constant_coefficients_accept_tables_of_steps():
 def test_estimates_bound_the_errors_at_an_edge_with_almost_no_kink():
     """An edge without layers of small elements has the same mesh in the coarser solution."""
     rings = {"ring_edges": [0.4, 0.95, 1.0], **along(1.0, 0.9)}
-    found = run(scene(**rings).changed(accuracy__rtol=1e-6, wear={"times": [1e-4, 1e-3]}))
-    assert not found.solutions["mdr"].notes
+    result = run(scene(**rings).changed(accuracy__rtol=1e-6, wear={"times": [1e-4, 1e-3]}))
+    assert not result.solutions["mdr"].notes
     reference = run(
         scene("bem", **rings).changed(accuracy__rtol=1e-8, wear={"times": [1e-4, 1e-3]})
     )
-    problem, solution = found.scene.problem, found.solutions["mdr"]
+    problem, solution = result.scene.problem, result.solutions["mdr"]
     names = ("pressure", "profile", "indentation", "rms_slope")
     finer = replace(reference.scene.problem, compared_on=problem.face)
     exact = method_named("bem").solve(finer, Stages("bem")).checked

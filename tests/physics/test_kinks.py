@@ -41,7 +41,7 @@ def test_starts_of_truncated_punches(name, method):
     assert float(start.contact_radius) == pytest.approx(radius, rel=1e-6)
 
 
-def found(*faces, edges=(0.0, 1.0), recess=(0.0,)):
+def kinks_of(*faces, edges=(0.0, 1.0), recess=(0.0,)):
     return find_kinks(InitialProfile(np.array(edges), np.array(recess), faces))
 
 
@@ -49,16 +49,16 @@ def found(*faces, edges=(0.0, 1.0), recess=(0.0,)):
 @pytest.mark.parametrize("edges", [(0.0, 1.0), (0.0, 0.3, 1.0)])
 def test_kinks_are_found(name, edges):
     _, face = FACES[name]
-    kinks = found(face, edges=edges, recess=np.zeros(len(edges) - 1))
+    kinks = kinks_of(face, edges=edges, recess=np.zeros(len(edges) - 1))
     assert kinks == pytest.approx((FLAT_RADIUS,), abs=1e-9)
 
 
 def test_jumps_of_the_curvature_are_found():
-    assert found(lambda r: np.maximum(r - 0.8, 0) ** 2) == pytest.approx((0.8,), abs=1e-5)
+    assert kinks_of(lambda r: np.maximum(r - 0.8, 0) ** 2) == pytest.approx((0.8,), abs=1e-5)
 
 
 def test_several_kinks_are_found():
-    kinks = found(lambda r: np.abs(r - 0.25) + np.maximum(r - 0.61, 0) ** 2)
+    kinks = kinks_of(lambda r: np.abs(r - 0.25) + np.maximum(r - 0.61, 0) ** 2)
     assert kinks == pytest.approx((0.25, 0.61), abs=1e-5)
 
 
@@ -76,19 +76,19 @@ SMOOTH = {
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_smooth_faces_have_no_kinks(name):
-    assert found(SMOOTH[name]) == ()
+    assert kinks_of(SMOOTH[name]) == ()
 
 
 def test_rough_faces_have_no_kinks():
     heights = np.random.default_rng(1).uniform(0, 1, 300)
-    assert found(lambda r: np.interp(r, np.linspace(0, 1, 300), heights)) == ()
+    assert kinks_of(lambda r: np.interp(r, np.linspace(0, 1, 300), heights)) == ()
 
 
 def test_given_kinks_replace_detected_ones():
     scene = SCENE.changed(punch__radius=2.0, load__normal_force=0.1)
-    told = scene.with_heights(lambda r: 0.1 * r**2, kinks=[0.5, 1.5])
-    assert told.problem.profile.kinks == (0.25, 0.75)
-    changed = told.changed(accuracy__rtol=1e-2)
+    with_kinks = scene.with_heights(lambda r: 0.1 * r**2, kinks=[0.5, 1.5])
+    assert with_kinks.problem.profile.kinks == (0.25, 0.75)
+    changed = with_kinks.changed(accuracy__rtol=1e-2)
     assert changed.problem.profile.kinks == (0.25, 0.75)
     # given kinks replace detected ones
     kinked = scene.with_heights(lambda r: np.abs(r - 1.0), kinks=[])

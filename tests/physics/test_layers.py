@@ -57,8 +57,8 @@ def test_stiffnesses_printed_by_hayes(ratio, printed):
     stiffness = relative_stiffness(scene.problem.ground)
     assert stiffness == pytest.approx(printed, rel=2e-3)
     for name in ("mdr", "bem", "fem"):
-        found = 0.5 / flat_start(compliance(name, scene)).indentation
-        assert found == pytest.approx(stiffness, rel=1e-6), name
+        computed_stiffness = 0.5 / flat_start(compliance(name, scene)).indentation
+        assert computed_stiffness == pytest.approx(stiffness, rel=1e-6), name
 
 
 @pytest.mark.gmsh
@@ -68,8 +68,8 @@ def test_finite_elements_without_a_far_field_agree_with_the_kernel():
     scene = on(layer(2.0), accuracy={"rtol": 1e-3, "fem": sizes})
     half_space = method("fem").discretise(scene.problem, Stages("fem"))
     assert half_space.settings["poles"] == 0
-    found = 0.5 / flat_start(half_space.compliance).indentation
-    assert found == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-6)
+    computed_stiffness = 0.5 / flat_start(half_space.compliance).indentation
+    assert computed_stiffness == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-6)
 
 
 @pytest.mark.gmsh
@@ -284,10 +284,10 @@ def test_stresses_at_an_interface():
 def test_incompressible_layers():
     """The model has nu = 1/2 - 1e-8; with .49999 it would err by 4e-4 to 6e-3 (C = 40, h = 0.1)."""
     scene = on(layer(0.1, 1.0, 0.5), accuracy={"rtol": 1e-4})
-    found = 0.5 / flat_start(compliance("fem", scene)).indentation
-    assert found == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-5)
+    computed_stiffness = 0.5 / flat_start(compliance("fem", scene)).indentation
+    assert computed_stiffness == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-5)
     nearly = replace(scene.problem.ground, poisson_ratios=(0.49999, 0.3))
-    assert relative_stiffness(nearly) != pytest.approx(found, rel=1e-4)
+    assert relative_stiffness(nearly) != pytest.approx(computed_stiffness, rel=1e-4)
 
 
 def test_an_empty_list_of_layers_is_a_homogeneous_half_space():

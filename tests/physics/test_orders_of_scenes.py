@@ -38,40 +38,42 @@ def orders(studied, way):
 
 @pytest.mark.parametrize(("quads", "counts"), [(False, (4, 6)), (True, (1, 2))])
 def test_elements_of_degree_one_have_the_order_two_in_every_energy(five_rings, quads, counts):
-    found = orders(five_rings, graded_way(five_rings.problem, 1, quads, counts))
+    by_quantity = orders(five_rings, graded_way(five_rings.problem, 1, quads, counts))
     for quantity in ("d0", "d(t)", "relaxation time"):
-        order, finest = found[quantity]
+        order, finest = by_quantity[quantity]
         assert order == pytest.approx(2, abs=0.15), quantity
         assert finest < 0.01
 
 
 @pytest.mark.gmsh
 def test_elements_of_degree_two_have_the_order_four_in_every_energy(five_rings):
-    found = orders(five_rings, graded_way(five_rings.problem, 2, False, (2, 3)))
+    by_quantity = orders(five_rings, graded_way(five_rings.problem, 2, False, (2, 3)))
     for quantity in ("d0", "d(t)", "relaxation time"):
-        order, finest = found[quantity]
+        order, finest = by_quantity[quantity]
         assert order == pytest.approx(4, abs=0.25), quantity
         assert finest < 1e-4
 
 
 def test_cells_of_one_size_have_the_orders_of_the_singular_rim(five_rings):
     for method, degree in (("mdr", 1), ("mdr", 2), ("bem", 1)):
-        found = orders(five_rings, radial_uniform_way(five_rings.problem, method, degree, (16, 32)))
-        assert found["d0"][0] == pytest.approx(1, abs=0.02)
-        assert found["pressure at start"][0] == pytest.approx(0.5, abs=0.02)
+        by_quantity = orders(
+            five_rings, radial_uniform_way(five_rings.problem, method, degree, (16, 32))
+        )
+        assert by_quantity["d0"][0] == pytest.approx(1, abs=0.02)
+        assert by_quantity["pressure at start"][0] == pytest.approx(0.5, abs=0.02)
 
 
 def test_quadrilaterals_of_one_size_have_the_order_of_the_rim(five_rings):
-    found = orders(five_rings, uniform_way(five_rings.problem, 1, True, (1, 2)))
-    assert found["d0"][0] == pytest.approx(1, abs=0.15)
-    assert found["pressure at start"][0] == pytest.approx(0.5, abs=0.15)
+    by_quantity = orders(five_rings, uniform_way(five_rings.problem, 1, True, (1, 2)))
+    assert by_quantity["d0"][0] == pytest.approx(1, abs=0.15)
+    assert by_quantity["pressure at start"][0] == pytest.approx(0.5, abs=0.15)
 
 
 def test_pressures_of_mdr_have_the_order_of_their_mean_square(five_rings):
     """With degree 2, pressures have the order 3, and the history the order 6."""
-    found = orders(five_rings, radial_graded_way(five_rings.problem, "mdr", 2, (0.5, 0.6)))
-    assert found["pressure"][0] == pytest.approx(3, abs=0.2)
-    assert found["d(t)"][0] == pytest.approx(6, abs=0.3)
+    by_quantity = orders(five_rings, radial_graded_way(five_rings.problem, "mdr", 2, (0.5, 0.6)))
+    assert by_quantity["pressure"][0] == pytest.approx(3, abs=0.2)
+    assert by_quantity["d(t)"][0] == pytest.approx(6, abs=0.3)
 
 
 def flat_punch_on_axis(poisson_ratio):
@@ -88,14 +90,14 @@ def test_stresses_on_the_axis_are_those_of_the_flat_punch(ratio):
     breakpoints = graded_breakpoints(np.array([0.0, 1.0]), 1e-13, 1e-13, 0.3)
     space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, 5), np.array([0.0, 1.0]))
     pressed = press_flat(energy.compliance(space))
-    found = boussinesq_stresses(space, pressed.pressure[None], ratio)[0]
-    np.testing.assert_allclose(found, flat_punch_on_axis(ratio), atol=1e-6)
+    stresses = boussinesq_stresses(space, pressed.pressure[None], ratio)[0]
+    np.testing.assert_allclose(stresses, flat_punch_on_axis(ratio), atol=1e-6)
 
 
 def test_stresses_of_elements_on_the_axis_converge_to_them():
     studied = StudiedScene.of(Scene.load("flat_punch"), {}, 1.0)
     way = graded_way(studied.problem, 4, False, (1,))
-    made = way.discretise(1, Stages("fem"))
-    pressed = press_flat(made.compliance)
-    found = element_stresses(made.half_space, pressed.pressure[None])[0]
-    np.testing.assert_allclose(found, flat_punch_on_axis(0.3), atol=2e-3 / np.pi)
+    discretisation = way.discretise(1, Stages("fem"))
+    pressed = press_flat(discretisation.compliance)
+    stresses = element_stresses(discretisation.half_space, pressed.pressure[None])[0]
+    np.testing.assert_allclose(stresses, flat_punch_on_axis(0.3), atol=2e-3 / np.pi)

@@ -142,19 +142,19 @@ def test_layers_thinner_than_the_roundoff_of_radii_are_resolved():
 def test_finite_elements_resolve_layers_of_slow_rings():
     """Layers on a ring that wears 3e5 times more slowly are 1e-11 a thin and are resolved."""
     punch = {"ring_edges": [0.42, 1.0], "wear_coefficients": [1.0, 3e-6]}
-    found = run(flat(punch, [5e-5, 1e-3], rtol=1e-5))
-    assert found.summary.get("left_out_of_promise", []) == []
+    result = run(flat(punch, [5e-5, 1e-3], rtol=1e-5))
+    assert result.summary.get("left_out_of_promise", []) == []
     exact = run(flat(punch, [5e-5, 1e-3], rtol=1e-7, methods="mdr")).dataset.rms_slope[0]
-    np.testing.assert_allclose(found.dataset.rms_slope.sel(solver="fem"), exact, rtol=1e-5)
+    np.testing.assert_allclose(result.dataset.rms_slope.sel(solver="fem"), exact, rtol=1e-5)
 
 
 @pytest.mark.gmsh
 def test_roundoff_near_incompressibility_is_no_disagreement():
     """Once, elements of 6e-16 a caused errors of slopes of 7e-5, with estimates of 1e-6."""
     scene = Scene.load("flat_punch").changed(half_space__poisson_ratio=0.5, methods=["mdr", "fem"])
-    found = run(scene.changed(accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]))
-    assert found.verdict == "agree"
-    assert {row["quantity"] for row in found.summary["left_out_of_promise"]} <= {
+    result = run(scene.changed(accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]))
+    assert result.verdict == "agree"
+    assert {row["quantity"] for row in result.summary["left_out_of_promise"]} <= {
         "pressure",
         "rms_slope",
     }

@@ -52,22 +52,22 @@ def faults(figure):
     """Return a list of the faults of a figure, one line each."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
-    renderer, found = canvas.get_renderer(), []
+    renderer, messages = canvas.get_renderer(), []
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             name, labels = axis.label.get_text(), shown_labels(axis)
             if offset := axis.get_offset_text().get_text():
-                found.append(f"{offset!r} beside the axis {name!r}")
+                messages.append(f"{offset!r} beside the axis {name!r}")
             if len(labels) == 1:
-                found.append(f"one tick label at {name!r}")
-            found += [
+                messages.append(f"one tick label at {name!r}")
+            messages += [
                 f"{label.get_text()!r} at {name!r}"
                 for label in labels
                 if digits(label.get_text()) > 3
             ]
         low, high = sorted(axes.get_ylim())
         if axes.get_yscale() == "linear" and high - low < 0.00999 * max(abs(low), abs(high)):
-            found.append(f"{axes.get_ylabel()!r} spans {low} to {high} only")
+            messages.append(f"{axes.get_ylabel()!r} spans {low} to {high} only")
     whole = figure.bbox
     boxes = [
         (what, text.get_text(), text.get_window_extent(renderer)) for what, text in _texts(figure)
@@ -75,13 +75,13 @@ def faults(figure):
     for what, text, box in boxes:
         within = box.x0 > whole.x0 - 1 and box.x1 < whole.x1 + 1
         if not (within and box.y0 > whole.y0 - 1 and box.y1 < whole.y1 + 1):
-            found.append(f"{what} {text!r} leaves the figure")
+            messages.append(f"{what} {text!r} leaves the figure")
         panels = [axes.get_window_extent(renderer) for axes in figure.axes if axes.get_visible()]
         if what in ("tick", "label", "legend") and any(_overlap(box, panel) for panel in panels):
-            found.append(f"{what} {text!r} is over a panel")
-    found += [
+            messages.append(f"{what} {text!r} is over a panel")
+    messages += [
         f"{first[0]} {first[1]!r} is over {second[0]} {second[1]!r}"
         for first, second in combinations(boxes, 2)
         if _overlap(first[2], second[2])
     ]
-    return found
+    return messages

@@ -29,6 +29,9 @@ SCENES = [
     ("radius = 1.0", f"radius = 1{400 * '0'}", "give the punch radius, a positive length"),
     ("radius = 1.0", 'radius = "10 mmm"', "did you mean 'mm'?"),
     ("radius = 1.0", 'radius = "10 N"', "is no length"),
+    ("radius = 1.0", 'radius = "10 mm 5"', "has two numbers: give one number and its unit"),
+    ("radius = 1.0", 'radius = "10 5 mm"', "has two numbers: give one number and its unit"),
+    ("[wear]", "[output]\nradii = []\n[wear]", "output.radii = []: should have at least 1 item"),
     ("radius = 1.0", 'radius = "1,5 mm"', "give '1.5 mm'"),
     ("radius = 1.0", "radius = 1,0", "'radius = 1,0'; give lines such as radius = 1.0"),
     ("radius = 1.0", "radius = None", "'radius = None'; give lines such as"),
@@ -78,6 +81,22 @@ SCENES = [
     (SCENE, "", "missing keys punch, half_space, load"),
     (SCENE, '{"punch": {"radius": 1.0}}', "give lines such as radius = 1.0"),
     ("radius = 1.0", "radius = -1.0\nring = 3", "also wrong: punch.radius"),
+    ("times = [0.0, 1.0]", "times = { tau = [] }", "give counts, or times = []"),
+    ("times = [0.0, 1.0]", "times = [0.0]\n[wear]", "Cannot declare [wear] twice"),
+    (
+        "normal_force = 2.0",
+        "normal_force = { times = [0.0, 1.0], values = [0.0, 0.0] }",
+        "must be positive at some: give a value above 0",
+    ),
+    (
+        "wear_coefficients = [1.0, 10.0]",
+        "wear_coefficient = { radius = [0.0], values = [1.0] }",
+        "did you mean radii?",
+    ),
+    ("rings = 2", 'profile = { kind = "ball", radius = 5.0 }', "did you mean ball_radius?"),
+    ("rings = 2", 'profile = { kind = "ball" }', "missing key punch.profile.ball_radius; give the"),
+    ("modulus = 1.0", "modulus = 1.0\nlayers = [{ height = 0.1 }]", "did you mean thickness?"),
+    ("[punch]", "methods = []\n[punch]", "should have at least 1 item, not 0; give a list of mdr"),
 ]
 
 
@@ -94,14 +113,14 @@ def refused(call, capsys):
     return line
 
 
-@pytest.mark.parametrize(("part", "instead", "told"), SCENES)
-def test_a_bad_scene_is_refused(part, instead, told, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(("part", "instead", "words"), SCENES)
+def test_a_bad_scene_is_refused(part, instead, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert part in SCENE
     (tmp_path / "mine.toml").write_text(SCENE.replace(part, instead), "utf-8")
     line = refused("run mine.toml", capsys)
     assert line.startswith("ringwear: mine.toml")
-    assert told in line
+    assert words in line
     assert len(line) < 700
     assert [file.name for file in tmp_path.iterdir()] == ["mine.toml"]
 
@@ -123,16 +142,30 @@ COMMANDS = [
     ("sweep five_rings", "`ringwear run five_rings`"),
     ("sweep running_in --workers many", "give a whole number"),
     ("scenes five_ring", "did you mean five_rings?"),
+    ("scenes five_rings rubber", "leave it out: --help lists what the command takes"),
+    ("run five_rings -o out", "did you mean --out?"),
+    ("run five_rings --tolerance 1e-3", "did you mean --rtol?"),
+    ("list", "did you mean ringwear scenes?"),
+    ("template", "did you mean ringwear check SCENE --template DIR?"),
+    ("help", "did you mean ringwear --help?"),
+    ("deck five_rings --for calculix --size small", "give a number, such as 0.5"),
+    ("study march --steps 0", "--steps 0: give steps above 0, up to 0.05"),
+    ("study march --steps -1", "--steps -1: give steps above 0"),
+    ("study refinement --degree 3", "give --mesh FILE"),
+    ("compare five_rings there", "it has no summary.json; give a folder"),
+    ("check five_rings --template bytes", "--template bytes is not a directory"),
+    ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
+    ("check five_rings a.csv a.csv", "a.csv is given twice: give each file once"),
 ]
 
 
-@pytest.mark.parametrize(("call", "told"), COMMANDS)
-def test_a_bad_command_is_refused(call, told, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(("call", "words"), COMMANDS)
+def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
     line = refused(call, capsys)
-    assert told in line
+    assert words in line
     # the line has no path of the installation
     assert "studies/" not in line
     assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
@@ -147,11 +180,11 @@ def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
     whole = capsys.readouterr().out
     monkeypatch.setenv("COLUMNS", str(width))
     assert main(call) == 0
-    told = capsys.readouterr().out
-    assert told.split() == whole.split()
-    assert "..." not in told
+    output = capsys.readouterr().out
+    assert output.split() == whole.split()
+    assert "..." not in output
     # only a word without blanks, such as a path, may be longer
-    assert not [line for line in told.splitlines() if len(line) > width and " " in line.strip()]
+    assert not [line for line in output.splitlines() if len(line) > width and " " in line.strip()]
     for command in ([], ["scenes"]):
         with pytest.raises(SystemExit, match="0"):
             main([*command, "--help"])

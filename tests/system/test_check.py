@@ -53,11 +53,11 @@ def test_errors_are_reported_with_sign_time_and_radius(tmp_path, capsys):
     table.to_csv(tmp_path / "abaqus.csv", index=False)
     call = ["check", "five_rings", str(tmp_path / "abaqus.csv"), "--out", str(tmp_path / "out")]
     assert main(call) == 3
-    told = capsys.readouterr().out
-    assert "abaqus.csv: indentation: 3.1 % too low" in told
-    assert "t = 0, r = 0.77: 50 % too high" in told
-    assert "displacement: too high by 5 % of the indentation" in told
-    assert "r = 0.5\n" in told
+    output = capsys.readouterr().out
+    assert "abaqus.csv: indentation: 3.1 % too low" in output
+    assert "t = 0, r = 0.77: 50 % too high" in output
+    assert "displacement: too high by 5 % of the indentation" in output
+    assert "r = 0.5\n" in output
     assert main([*call, "--within", "0.5"]) == 0
 
 
@@ -68,10 +68,10 @@ def test_the_difference_is_the_other_program_minus_ringwear():
     # the indentation is 1, so the relative difference is 0.05
     (comparison,) = check(scene, {"abaqus": table}).field_comparisons
     assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
-    (found,) = [field for field in comparison.fields if field.quantity == "displacement"]
-    assert found.radii[found.largest[1]] == 0.5
-    assert found.relative[found.largest] == pytest.approx(0.05, rel=1e-2)
-    assert np.isnan(found.second_error).all()
+    (displacement,) = [field for field in comparison.fields if field.quantity == "displacement"]
+    assert displacement.radii[displacement.largest[1]] == 0.5
+    assert displacement.relative[displacement.largest] == pytest.approx(0.05, rel=1e-2)
+    assert np.isnan(displacement.second_error).all()
     # a file without fields has no difference to draw
     depths = table[["time", "indentation"]].iloc[:1]
     assert not check(scene, {"depths": depths}).field_comparisons
@@ -245,9 +245,9 @@ def test_a_refinement_that_stalls(tmp_path, capsys):
         table.to_csv(files[-1], index=False)
     call = ["check", "flat_punch", *files, "--out", str(tmp_path / "out"), "--sizes"]
     assert main([*call, "0.2,0.1,0.05,0.025"]) == 0
-    told = capsys.readouterr().out
-    assert "pressure at t = 0: order" in told
-    assert "stalls from size 0.05 on" in told
+    output = capsys.readouterr().out
+    assert "pressure at t = 0: order" in output
+    assert "stalls from size 0.05 on" in output
     assert (tmp_path / "out" / "refinement.png").exists()
     assert main([*call, "0.1,0.2,0.3,0.4"]) == 2
 
@@ -277,8 +277,8 @@ MALFORMED = [
 ]
 
 
-@pytest.mark.parametrize(("content", "told"), MALFORMED)
-def test_a_malformed_file_is_refused(content, told, tmp_path, capsys):
+@pytest.mark.parametrize(("content", "words"), MALFORMED)
+def test_a_malformed_file_is_refused(content, words, tmp_path, capsys):
     """The status is 2, one line names the file and what to do, and nothing is written."""
     file = tmp_path / "theirs.csv"
     if content is not None:
@@ -287,7 +287,7 @@ def test_a_malformed_file_is_refused(content, told, tmp_path, capsys):
     shown = capsys.readouterr()
     (line,) = shown.err.splitlines()
     assert str(file) in line
-    assert told in line
+    assert words in line
     assert "give" in line or "leave" in line
     assert not (tmp_path / "out").exists()
 
@@ -299,10 +299,10 @@ def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
     call, units = ["check", str(tmp_path / "mine.toml")], ["--units", "mm, N, MPa, s"]
     out = tmp_path / "template"
     assert main([*call, "--template", str(out), *units]) == 0
-    told = capsys.readouterr().out
-    assert "k = 2e-10 1/MPa" in told
-    assert "E = 6 MPa" in told
-    assert told.startswith((out / "scene.txt").read_text("utf-8"))
+    output = capsys.readouterr().out
+    assert "k = 2e-10 1/MPa" in output
+    assert "E = 6 MPa" in output
+    assert output.startswith((out / "scene.txt").read_text("utf-8"))
     mesh = meshio.read(out / "mesh.msh")
     assert np.linalg.norm(mesh.points, axis=1).max() == pytest.approx(500.0)
     table = pd.read_csv(out / "template.csv")
@@ -321,7 +321,7 @@ def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("flags", "told"),
+    ("flags", "words"),
     [
         ([], "--template DIR"),
         (["{}", "--columns", "q=pressure"], "no column 'q'"),
@@ -332,7 +332,7 @@ def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
         (["{}", "{}", "--sizes", "0.1,0.2"], "decreasing"),
     ],
 )
-def test_a_malformed_option_is_refused(flags, told, tmp_path, capsys):
+def test_a_malformed_option_is_refused(flags, words, tmp_path, capsys):
     file = tmp_path / "theirs.csv"
     file.write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
     flags = [flag.format(file) for flag in flags]
@@ -341,7 +341,7 @@ def test_a_malformed_option_is_refused(flags, told, tmp_path, capsys):
     except SystemExit as end:
         status = end.code
     assert status == 2
-    assert told in capsys.readouterr().err
+    assert words in capsys.readouterr().err
 
 
 def test_another_program_may_not_have_the_name_of_a_method():

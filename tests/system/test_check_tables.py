@@ -119,10 +119,10 @@ def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinemen
     files = [str(tmp_path / "abaqus.csv"), str(tmp_path / "ansys.csv")]
     out = ["--out", str(tmp_path / "out")]
     assert main(["check", str(tmp_path / "scene.toml"), *files, *out]) == 3
-    told = capsys.readouterr().out
-    assert "abaqus.csv: all 1 quantities are within 0.01 of ours" in told
-    assert "ansys.csv: 1 of 1 quantities differ from ours by more than 0.01: indentation" in told
-    assert "order" not in told
+    output = capsys.readouterr().out
+    assert "abaqus.csv: all 1 quantities are within 0.01 of ours" in output
+    assert "ansys.csv: 1 of 1 quantities differ from ours by more than 0.01: indentation" in output
+    assert "order" not in output
     assert main(["check", str(tmp_path / "scene.toml"), *files[::-1], "--refinement", *out]) == 0
     assert "refinement: indentation" in capsys.readouterr().out
 

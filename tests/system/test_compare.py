@@ -23,12 +23,12 @@ def test_compare_lists_the_differences(folder, tmp_path, capsys):
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)
     other.write_text(scene.to_toml(), "utf-8")
     assert main(["compare", str(folder), str(other), "--out", str(out)]) == 0
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     # every number is proportional to the load or independent of it
     change = pd.read_csv(out / "answers.csv", index_col=0)["B against A"]
     for name in ("steady_wear_rate", "indentation_steady", "steady_rms_slope"):
         assert change[name] == "+100 %"
-        assert name in told
+        assert name in output
     assert abs(float(change["running_in_time"].removesuffix(" %"))) < 1e-3
     keys = pd.read_csv(out / "scenes.csv", index_col=0)
     assert keys.loc["load.mean_pressure"].tolist() == ["300000.0", "600000.0"]
@@ -65,7 +65,7 @@ def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("other", "told"),
+    ("other", "words"),
     [
         ("units.toml", "units"),
         ("absent", "no such file"),
@@ -73,7 +73,7 @@ def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
         ("broken", "cannot be read"),
     ],
 )
-def test_results_that_cannot_be_compared_are_refused(other, told, folder, tmp_path, capsys):
+def test_results_that_cannot_be_compared_are_refused(other, words, folder, tmp_path, capsys):
     scene = Scene.load("flat_punch").changed(methods=["direct"])
     (tmp_path / "units.toml").write_text(scene.to_toml(), "utf-8")
     (tmp_path / "empty").mkdir()
@@ -81,7 +81,7 @@ def test_results_that_cannot_be_compared_are_refused(other, told, folder, tmp_pa
     (tmp_path / "broken" / "results.nc").write_text("not netCDF", "utf-8")
     out = tmp_path / "out"
     assert main(["compare", str(folder), str(tmp_path / other), "--out", str(out)]) == 2
-    assert told in capsys.readouterr().err
+    assert words in capsys.readouterr().err
     assert not out.exists()
 
 

@@ -65,9 +65,9 @@ def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tm
     # estimates, comparison, anchors and files need no further change
     assert (result.dataset.inner_force_error < 1e-3).all()
     assert result.quantities["inner_force"] == "agree"
-    told = [anchor for anchor in result.anchors if anchor.name == "inner force of the flat start"]
-    assert {anchor.method for anchor in told} == {"mdr", "bem"}
-    assert all(anchor.holds for anchor in told)
+    rows = [anchor for anchor in result.anchors if anchor.name == "inner force of the flat start"]
+    assert {anchor.method for anchor in rows} == {"mdr", "bem"}
+    assert all(anchor.holds for anchor in rows)
     result.save(tmp_path)
     with xarray.open_dataset(tmp_path / "results.nc") as written:
         inner = written.inner_force.sel(solver="mdr")
@@ -121,9 +121,9 @@ def trapezoids(monkeypatch, tmp_path):
 
 def test_a_study_needs_a_file_and_a_row(trapezoids, tmp_path, capsys):
     assert "studies/study/listing.py" in files_named_for("a study")
-    found = study("trapezoids", quick=True)
-    assert found.purpose == trapezoids.purpose
-    assert found.orders["least squares"].item() == pytest.approx(2, abs=0.05)
+    results = study("trapezoids", quick=True)
+    assert results.purpose == trapezoids.purpose
+    assert results.orders["least squares"].item() == pytest.approx(2, abs=0.05)
     with pytest.raises(SystemExit, match="0"):
         main(["study", "--help"])
     assert "order of the trapezoidal rule" in capsys.readouterr().out

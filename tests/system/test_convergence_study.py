@@ -50,7 +50,7 @@ def at_half(result):
 
 
 def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
-    found = study(
+    results = study(
         "convergence",
         "five_rings",
         quick=True,
@@ -59,7 +59,7 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
         quantities={"p at .5 a": at_half},
         against="unknowns",
     )
-    levels = found.table
+    levels = results.table
     assert list(levels.family.unique()) == ["FEM TriP2, your meshes", "FEM TriP3, your meshes"]
     assert (levels.groupby("family").size() == 3).all()
     for _, rows in levels.groupby("family"):
@@ -68,9 +68,9 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
         # values and their errors give the same exact value
         exact = rows["value of p at .5 a"] / (1 + rows["p at .5 a"])
         assert np.ptp(exact) <= 1e-12 * exact.iloc[0]
-    reasons = found.orders[found.orders.quantity == "d0"].theory
+    reasons = results.orders[results.orders.quantity == "d0"].theory
     assert reasons.str.contains("how your meshes are graded is not known").all()
-    (axes, *_) = found.figures["convergence_your_meshes"].axes
+    (axes, *_) = results.figures["convergence_your_meshes"].axes
     assert axes.get_xlabel() == "number of unknowns"
 
 
@@ -102,8 +102,8 @@ def test_an_element_from_the_command_line(tmp_path):
 
 def test_time_steps_of_the_user_converge_with_first_order():
     scene = Scene.load("five_rings").changed(wear__times=[0.0, 0.5, 1.0])
-    found = study("convergence", scene, quick=True, steps=[0.1, 0.05, 0.025, 0.0125])
-    judged = found.orders[found.orders["expected order"] == 1]
+    results = study("convergence", scene, quick=True, steps=[0.1, 0.05, 0.025, 0.0125])
+    judged = results.orders[results.orders["expected order"] == 1]
     assert set(judged.quantity) >= {"d(t)", "pressure", "profile", "ring forces"}
     assert (judged["within 0.15"] == "yes").all()
 
@@ -140,9 +140,9 @@ def test_the_error_of_a_user_function_names_it(files, tmp_path, capsys):
 def test_the_force_of_a_fixed_indentation_is_measured():
     load = {"indentation": 1.0}
     scene = Scene.load("five_rings").changed(load=load, wear__times=[0.0, 0.1, 1.0], punch__rings=2)
-    found = study("convergence", scene, quick=True, methods=["mdr"])
-    assert "d(t)" not in found.table
-    graded = found.table[found.table.family == "MDR degree 2, graded, scene"]
+    results = study("convergence", scene, quick=True, methods=["mdr"])
+    assert "d(t)" not in results.table
+    graded = results.table[results.table.family == "MDR degree 2, graded, scene"]
     assert (np.diff(graded["normal force"]) < 0).all()
     assert graded["normal force"].iloc[-1] < 1e-6
 
@@ -150,14 +150,14 @@ def test_the_force_of_a_fixed_indentation_is_measured():
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["sphere", "duty_cycle"])
 def test_punches_whose_contact_moves_have_all_columns(scene):
-    found = study("convergence", scene, quick=True)
-    assert not found.table.remark.notna().any()
+    results = study("convergence", scene, quick=True)
+    assert not results.table.remark.notna().any()
     columns = {"d(t)", "pressure", "profile", "RMS slope", "contact radius", "stresses inside"}
     # a punch of one ring carries the given force on it
     columns |= {"ring forces", "worn volume"} if scene == "duty_cycle" else {"pressure at start"}
-    finest = found.table.groupby("family").last()
+    finest = results.table.groupby("family").last()
     assert {"MDR", "BEM", "FEM P1", "FEM P4", "FEM Q1", "FEM Q2"} <= set(finest.index)
     assert finest[list(columns - {"stresses inside"})].notna().all().all()
     assert (finest["d(t)"] < 0.03).all()
-    assert found.orders["expected order"].isna().all()
-    assert found.orders.theory.str.contains("edges of the contact lie anywhere").all()
+    assert results.orders["expected order"].isna().all()
+    assert results.orders.theory.str.contains("edges of the contact lie anywhere").all()

@@ -51,8 +51,8 @@ def compared(other, reference=None, names=("mdr", "fem"), scene=SCENE):
 
 
 def field(comparison, quantity):
-    (found,) = [each for each in comparison.fields if each.quantity == quantity]
-    return found
+    (difference,) = [each for each in comparison.fields if each.quantity == quantity]
+    return difference
 
 
 def texts(figure):
@@ -60,14 +60,14 @@ def texts(figure):
 
 
 def test_a_known_difference_of_pressure_is_found_at_its_time_and_radius():
-    found = field(compared(differing("pressure", 2, 70, 0.03 * 3e5)), "pressure")
-    assert found.largest == (2, 70)
-    assert found.radii[70] == pytest.approx(0.0035)
-    assert found.relative[2, 70] == pytest.approx(0.03)
+    difference = field(compared(differing("pressure", 2, 70, 0.03 * 3e5)), "pressure")
+    assert difference.largest == (2, 70)
+    assert difference.radii[70] == pytest.approx(0.0035)
+    assert difference.relative[2, 70] == pytest.approx(0.03)
     # root of the fraction of the area within half a spacing of that radius
     share = (0.705**2 - 0.695**2) * 0.03**2
-    np.testing.assert_allclose(found.norms, [0, 0, np.sqrt(share), 0], rtol=1e-12)
-    np.testing.assert_array_equal(found.first_error, 1e-6)
+    np.testing.assert_allclose(difference.norms, [0, 0, np.sqrt(share), 0], rtol=1e-12)
+    np.testing.assert_array_equal(difference.first_error, 1e-6)
 
 
 def test_differences_of_the_unworn_pressure_are_weighted_as_in_its_norm():
@@ -77,12 +77,12 @@ def test_differences_of_the_unworn_pressure_are_weighted_as_in_its_norm():
     pressure[0] = [*start, np.inf]
     other = pressure.copy()
     other[0, 60] *= 1.02
-    found = field(compared(report(pressure=other), report(pressure=pressure)), "pressure")
-    assert found.largest == (0, 60)
-    assert found.relative[0, 60] == pytest.approx(0.02)
+    difference = field(compared(report(pressure=other), report(pressure=pressure)), "pressure")
+    assert difference.largest == (0, 60)
+    assert difference.relative[0, 60] == pytest.approx(0.02)
     # both pressures are infinite at the rim
-    assert np.isnan(found.relative[0, -1])
-    assert np.isfinite(found.relative[1:]).all()
+    assert np.isnan(difference.relative[0, -1])
+    assert np.isfinite(difference.relative[1:]).all()
 
 
 def test_a_full_punch_has_no_hole_inside_the_first_radius():
@@ -93,10 +93,10 @@ def test_a_full_punch_has_no_hole_inside_the_first_radius():
 
 
 def test_heights_are_relative_to_the_greatest_indentation_so_far():
-    found = field(compared(differing("profile", 1, 5, 4e-6)), "profile")
+    difference = field(compared(differing("profile", 1, 5, 4e-6)), "profile")
     # the indentation was 2e-4 before it came back to 1e-4
-    assert found.relative[1, 5] == pytest.approx(0.02)
-    assert found.norms[1] == pytest.approx(0.02)
+    assert difference.relative[1, 5] == pytest.approx(0.02)
+    assert difference.norms[1] == pytest.approx(0.02)
 
 
 def test_times_without_pressure_do_not_divide_by_zero():
@@ -104,9 +104,9 @@ def test_times_without_pressure_do_not_divide_by_zero():
     pressure[[0, 3]] = 0.0
     rest = pressure.copy()
     rest[3] = 1e-14
-    found = field(compared(report(pressure=rest), report(pressure=pressure)), "pressure")
-    assert np.isfinite(found.relative).all()
-    assert found.relative.max() < 1e-9
+    difference = field(compared(report(pressure=rest), report(pressure=pressure)), "pressure")
+    assert np.isfinite(difference.relative).all()
+    assert difference.relative.max() < 1e-9
     zero = np.zeros_like(pressure)
     names = [each.quantity for each in compared(report(), report(pressure=zero)).fields]
     assert names == ["profile", "displacement"]
@@ -119,11 +119,11 @@ def test_missing_values_are_left_out():
     other = report(pressure=sparse)
     del other["pressure_error"], other["profile"]
     comparison = compared(other)
-    found = field(comparison, "pressure")
-    assert found.times.tolist() == TIMES[1:]
-    np.testing.assert_allclose(found.radii, RADII[::2])
-    np.testing.assert_allclose(found.norms, 0.01, rtol=1e-10)
-    assert np.isnan(found.second_error).all()
+    difference = field(comparison, "pressure")
+    assert difference.times.tolist() == TIMES[1:]
+    np.testing.assert_allclose(difference.radii, RADII[::2])
+    np.testing.assert_allclose(difference.norms, 0.01, rtol=1e-10)
+    assert np.isnan(difference.second_error).all()
     assert [each.quantity for each in comparison.fields] == ["pressure", "displacement"]
 
 
@@ -135,11 +135,11 @@ def test_other_radii_are_interpolated_and_other_times_left_out():
     )
     other = {name: other[name] for name in ("time", "radius", "profile")}
     comparison = compared(other, linear)
-    found = field(comparison, "profile")
+    difference = field(comparison, "profile")
     assert comparison.interpolated
-    assert found.times.tolist() == [1e3, 3e5]
-    assert found.radii[-1] == pytest.approx(0.004)
-    assert found.relative.max() < 1e-12
+    assert difference.times.tolist() == [1e3, 3e5]
+    assert difference.radii[-1] == pytest.approx(0.004)
+    assert difference.relative.max() < 1e-12
 
 
 @pytest.mark.parametrize("quantity", ["pressure", "profile", "displacement"])
@@ -193,15 +193,15 @@ def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
     figure.savefig(tmp_path / "difference.png")
     (comparison,) = result.field_comparisons
     assert (comparison.reference, comparison.other) == tuple(scene.methods)
-    for found in comparison.fields:
-        assert np.isfinite(found.norms).all()
+    for field_difference in comparison.fields:
+        assert np.isfinite(field_difference.norms).all()
         # the same differences from the values in the dataset
-        both = result.dataset[found.quantity].values
+        both = result.dataset[field_difference.quantity].values
         gaps = np.abs(both[1] - both[0]).reshape(-1, both.shape[-1])
-        row, at = found.largest
-        if "pressure" not in found.quantity and gaps.max():
-            assert found.radii[at] == result.coordinates["radius"][gaps[row].argmax()]
-        assert (np.nanmax(gaps) == 0) == (found.relative[row, at] == 0)
+        row, at = field_difference.largest
+        if "pressure" not in field_difference.quantity and gaps.max():
+            assert field_difference.radii[at] == result.coordinates["radius"][gaps[row].argmax()]
+        assert (np.nanmax(gaps) == 0) == (field_difference.relative[row, at] == 0)
 
 
 def test_one_method_has_no_difference():

@@ -23,13 +23,13 @@ RINGS = Scene.load("five_rings").problem.merged
 
 
 @pytest.fixture(scope="module")
-def found():
+def results():
     return study("elements", "five_rings", quick=True, elements=[ElementTriP2()])
 
 
-def levels_of(found, pressure, degree, displacement="ElementTriP2"):
+def levels_of(results, pressure, degree, displacement="ElementTriP2"):
     """Return the levels of one pair, from coarse to fine."""
-    table = found.table[~found.table.family.str.startswith("locking")]
+    table = results.table[~results.table.family.str.startswith("locking")]
     of_pair = (table.displacement == displacement) & (table.pressure == pressure)
     rows = table[of_pair & (table["pressure degree"] == degree)]
     assert len(rows) == 3
@@ -47,8 +47,8 @@ STABLE = [
 
 
 @pytest.mark.parametrize(("pressure", "degree"), STABLE)
-def test_eigenvalues_of_stable_pairs_stay_bounded(found, pressure, degree):
-    rows = levels_of(found, pressure, degree)
+def test_eigenvalues_of_stable_pairs_stay_bounded(results, pressure, degree):
+    rows = levels_of(results, pressure, degree)
     eigenvalues = rows["least eigenvalue"]
     assert 0.1 < eigenvalues.min() <= eigenvalues.max() < 1.3 * eigenvalues.min()
     # the flat start F / (2 a E*), in closed form, and its pressure converge
@@ -57,8 +57,8 @@ def test_eigenvalues_of_stable_pairs_stay_bounded(found, pressure, degree):
     assert (np.diff(rows["p at the start"]) < 0).all()
 
 
-def test_checkerboards_lose_the_pressure_but_not_the_indentation(found):
-    rows = levels_of(found, "broken everywhere", 1)
+def test_checkerboards_lose_the_pressure_but_not_the_indentation(results):
+    rows = levels_of(results, "broken everywhere", 1)
     orders = -np.diff(np.log2(rows["least eigenvalue"]))
     np.testing.assert_allclose(orders, 2.0, atol=0.25)
     assert rows["d0"].abs().iloc[-1] <= 1e-3
@@ -70,29 +70,29 @@ def test_checkerboards_lose_the_pressure_but_not_the_indentation(found):
 
 
 @pytest.mark.parametrize("pressure", ["broken at ring edges", "broken everywhere"])
-def test_singular_pairs_have_a_remark_instead_of_errors(found, pressure):
-    rows = levels_of(found, pressure, 2)
+def test_singular_pairs_have_a_remark_instead_of_errors(results, pressure):
+    rows = levels_of(results, pressure, 2)
     assert (rows["least eigenvalue"] < 1e-20).all()
     assert rows["d0"].isna().all()
     assert rows["remark"].str.startswith("singular: refused").all()
 
 
-def test_the_choice_table_classifies_all_pairs(found):
-    choice = found.tables["choice"].set_index(["pressure", "pressure degree"])
+def test_the_choice_table_classifies_all_pairs(results):
+    choice = results.tables["choice"].set_index(["pressure", "pressure degree"])
     assert {key for key, row in choice.iterrows() if row["stable"] == "yes"} == set(STABLE)
     assert choice.loc[("broken everywhere", 1), "stable"] == "no"
     assert choice.loc[("broken everywhere", 2), "suits"] == "nothing: it is refused"
     assert choice.loc[("continuous", 1), "suits"] == "the start, and punches of one material"
     assert choice.loc[("as in ringwear run", 1), "suits"] == "the start and wear"
-    assert any(line.startswith("6 of 9 pairs are stable") for line in found.conclusions)
-    assert set(found.figures) == {"elements"}
+    assert any(line.startswith("6 of 9 pairs are stable") for line in results.conclusions)
+    assert set(results.figures) == {"elements"}
 
 
-def test_quadratic_triangles_lock(found):
-    locking = found.table[found.table.family == "locking, ElementTriP2"]
+def test_quadratic_triangles_lock(results):
+    locking = results.table[results.table.family == "locking, ElementTriP2"]
     errors = locking["d0"].abs().to_numpy()
     assert errors[-1] > 10 * errors[0]
-    assert any("(locking): ElementTriP2" in line for line in found.conclusions)
+    assert any("(locking): ElementTriP2" in line for line in results.conclusions)
 
 
 def test_measures_equal_those_of_an_eigensolver_and_of_a_run():
@@ -140,14 +140,18 @@ def test_hollow_punches_and_punches_of_many_rings_are_refused(scene, message):
 @pytest.mark.gmsh
 def test_names_of_elements_of_one_class_have_their_degree():
     elements = [ElementQuadP(2), ElementQuadP(3), ElementTriP1B()]
-    found = study("elements", "flat_punch", quick=True, elements=elements)
+    results = study("elements", "flat_punch", quick=True, elements=elements)
     names = {"ElementQuadP of degree 2", "ElementQuadP of degree 3", "ElementTriP1B"}
-    assert set(found.table["displacement"]) == names
+    assert set(results.table["displacement"]) == names
     # a flat punch of one ring has no edges at which pressures could break
-    assert set(found.table["pressure"]) == {"continuous", "broken everywhere", "as in ringwear run"}
-    assert set(found.tables["choice"]["stable"]) == {"yes", "no", "singular"}
+    assert set(results.table["pressure"]) == {
+        "continuous",
+        "broken everywhere",
+        "as in ringwear run",
+    }
+    assert set(results.tables["choice"]["stable"]) == {"yes", "no", "singular"}
     # bubbles inside elements do not change displacements on the contact
-    assert (levels_of(found, "continuous", 1, "ElementTriP1B")["least eigenvalue"] > 0.1).all()
+    assert (levels_of(results, "continuous", 1, "ElementTriP1B")["least eigenvalue"] > 0.1).all()
 
 
 OWN = """
@@ -207,8 +211,8 @@ def test_the_command_line_refuses_elements_in_one_line(tmp_path, capsys, element
 @pytest.mark.gmsh
 def test_every_displacement_has_a_stable_pressure():
     """Pressures of runs are stable with each displacement; checkerboards occur as in theory."""
-    found = study("elements", "five_rings", quick=True)
-    choice = found.tables["choice"]
+    results = study("elements", "five_rings", quick=True)
+    choice = results.tables["choice"]
     assert (choice[choice.pressure == "as in ringwear run"]["stable"] == "yes").all()
     by_degree = choice[choice.pressure == "broken everywhere"]
     for row in by_degree.to_dict("records"):

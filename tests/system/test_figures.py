@@ -74,9 +74,9 @@ def test_overlapping_labels_are_detected():
     axes = figure.add_axes((0.2, 0.2, 0.7, 0.7))
     axes.set_xticks([0.5, 0.52], ["0.5001", "99 %"])
     axes.plot([1e6 + 1, 1e6 + 1.5])
-    found = "\n".join(faults(figure))
+    messages = "\n".join(faults(figure))
     for fault in ("'0.5001' at", "is over tick '99 %'", "beside the axis", "spans"):
-        assert fault in found, found
+        assert fault in messages, messages
 
 
 def test_answer_and_figures_are_in_the_units_of_the_scene(worn):
@@ -86,9 +86,9 @@ def test_answer_and_figures_are_in_the_units_of_the_scene(worn):
     assert units["indentation start"] == "mm"
     assert units["steady wear rate"] == "mm/h"
     assert units["time to 90"] in ("s", "min", "h", "days")
-    told = " ".join([*answers.values(), *account.rings[0]])
+    text = " ".join([*answers.values(), *account.rings[0]])
     assert {"radii, mm", "p steady, MPa", "worn, mm³", "mean height, mm"} <= set(account.rings[0])
-    assert not re.search(r"\b(nm|µm|kPa|GPa|cm³|m)\b(?! *m\))", told.replace("mm³/(N m)", ""))
+    assert not re.search(r"\b(nm|µm|kPa|GPa|cm³|m)\b(?! *m\))", text.replace("mm³/(N m)", ""))
     # F / (2 a E*) with E* = 2000 MPa / (1 - 0.3^2)
     depth = 100 * (1 - 0.3**2) / (2 * 10 * 2000)
     assert float(answers["indentation start"].split()[0]) == pytest.approx(depth, rel=1e-3)

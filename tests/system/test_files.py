@@ -220,8 +220,8 @@ def test_an_accuracy_that_is_not_reached_ends_with_status_3(tmp_path, capsys):
     # a clamped boundary takes 1.1 a/R of the indentation; the difference is relative to what is
     # left
     assert 1 / (1 + indentation["difference"]) == pytest.approx(1 - 1.1 / 20, rel=2e-3)
-    told = capsys.readouterr().out.splitlines()
-    assert any("undecided: " in line and "indentation" in line for line in told)
+    lines = capsys.readouterr().out.splitlines()
+    assert any("undecided: " in line and "indentation" in line for line in lines)
 
 
 def test_the_inside_is_written_as_a_series(tmp_path):

@@ -60,16 +60,16 @@ def test_the_command_finds_a_wear_coefficient(measured, tmp_path, capsys):
 
 
 def test_the_result_displays_itself_in_print_and_in_a_notebook(measured, tmp_path):
-    found = ringwear.fit(measured / "pin.toml", measured / "data.csv", "punch.wear_coefficient")
+    result = ringwear.fit(measured / "pin.toml", measured / "data.csv", "punch.wear_coefficient")
     # no noise was given, so it is estimated from the data
-    noise = found.measurements[0].noise[0]
+    noise = result.measurements[0].noise[0]
     assert noise == pytest.approx(NOISE, rel=0.4)
-    assert repr(found).startswith("Fit of a pin\n")
-    assert "estimated from the residuals" in repr(found)
-    page = found._repr_html_()
+    assert repr(result).startswith("Fit of a pin\n")
+    assert "estimated from the residuals" in repr(result)
+    page = result._repr_html_()
     assert "<table" in page
     assert "data:image/png;base64," in page
-    assert "report.html" in found.save(tmp_path / "saved")
+    assert "report.html" in result.save(tmp_path / "saved")
 
 
 def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path, capsys):
@@ -82,7 +82,7 @@ def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path,
 
 
 @pytest.mark.parametrize(
-    ("data", "options", "told"),
+    ("data", "options", "words"),
     [
         ("time,indentation\n1,1e-6\n2,2e-6\n", [], "too few to estimate the noise"),
         ("time,lost_mass\n1,1e-6\n2,2e-6\n", ["--noise", "1 mg"], "give --density"),
@@ -91,14 +91,30 @@ def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path,
     ],
 )
 def test_wrong_data_and_options_are_refused_in_one_line(
-    measured, tmp_path, capsys, data, options, told
+    measured, tmp_path, capsys, data, options, words
 ):
     (tmp_path / "data.csv").write_text(data, "utf-8")
     command = ["fit", str(measured / "pin.toml"), str(tmp_path / "data.csv")]
     command += ["--for", "punch.wear_coefficient", "--out", str(tmp_path / "out"), *options]
     assert main(command) == 2
-    assert told in capsys.readouterr().err
+    assert words in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_file_given_twice_is_refused(measured, capsys):
+    data = str(measured / "data.csv")
+    command = ["fit", str(measured / "pin.toml"), data, data, "--for", "punch.wear_coefficient"]
+    assert main(command) == 2
+    assert f"{data} and {data} are one file: give each table once" in capsys.readouterr().err
+
+
+def test_a_parameter_without_effect_is_named_in_plain_words(measured):
+    """Worn volumes do not depend on the zero of the displacement sensor."""
+    weighed = pd.DataFrame({"time": [1e3, 5e3, 9e3], "worn_volume": [1e-12, 5e-12, 9e-12]})
+    parameters = ["punch.wear_coefficient", "sensor_offset"]
+    conclusions = ringwear.fit(measured / "pin.toml", weighed, parameters, "2 %").conclusions
+    (line,) = [line for line in conclusions if line.startswith("sensor_offset")]
+    assert "it has no effect on any of the measured quantities" in line
 
 
 def test_layers_are_refused(tmp_path, capsys):

@@ -43,7 +43,7 @@ def fail(patch, stage, raised):
 
 
 @pytest.mark.parametrize(
-    ("stage", "raised", "told"),
+    ("stage", "raised", "message"),
     [
         ("ringwear.studies.outcome.run.run", KeyboardInterrupt(), "stopped"),
         ("ringwear.studies.outcome.outcome.summary", KeyboardInterrupt(), "stopped"),
@@ -56,7 +56,7 @@ def fail(patch, stage, raised):
 def test_a_run_that_does_not_end_leaves_the_old_files(
     stage,
     raised,
-    told,
+    message,
     tmp_path,
     monkeypatch,
     capsys,
@@ -71,7 +71,7 @@ def test_a_run_that_does_not_end_leaves_the_old_files(
     capsys.readouterr()
     fail(monkeypatch, stage, raised)
     assert main([*DIRECT, str(out)]) == 1
-    assert told in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert contents(out) == before
 
 
@@ -88,11 +88,11 @@ def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, 
     monkeypatch.setattr(catalogue, "PICTURES", tuple(pictures))
     capsys.readouterr()
     assert main([*QUICK, str(tmp_path / "out")]) == 1
-    told = capsys.readouterr()
-    reasons = [line for line in told.err.splitlines() if "No space left" in line]
+    streams = capsys.readouterr()
+    reasons = [line for line in streams.err.splitlines() if "No space left" in line]
     assert all(any(file in line for line in reasons) for file in lost)
     # the answer is printed nevertheless
-    assert "steady wear rate" in told.out
+    assert "steady wear rate" in streams.out
     drawn = {"profiles_and_pressures", "history", "difference", "operator_difference", "mesh"}
     assert contents(tmp_path / "out").keys() == {
         *("results.nc", "summary.json", "report.html"),
@@ -234,8 +234,8 @@ def test_signals_end_a_run_cleanly(number, seen, tmp_path):
             break
         time.sleep(0.02)
     os.kill(run.pid, number)
-    _, told = run.communicate(timeout=60)
+    _, errors = run.communicate(timeout=60)
     assert run.returncode == 1
-    assert "stopped" in told
-    assert "Traceback" not in told
+    assert "stopped" in errors
+    assert "Traceback" not in errors
     assert list(tmp_path.iterdir()) == []

@@ -26,7 +26,7 @@ MAP = 'base = "five_rings"\nkeep = ["steady_wear_rate"]\n[axes]\n"punch.rings" =
 DIRECT = ["run", "flat_punch", "--rtol", "1e-2", "--methods", "direct", "--no-figures", "--out"]
 
 
-def told(capsys):
+def error_line(capsys):
     """Return the only line on standard error besides those of progress."""
     lines = capsys.readouterr().err.splitlines()
     (line,) = [line for line in lines if line.startswith("ringwear: ")]
@@ -51,7 +51,7 @@ def test_a_foreign_picture_of_a_sweep_stays(tmp_path, capsys, link):
         picture.write_bytes(b"mine")
     call = ["sweep", str(tmp_path / "map.toml"), "--out", str(out), "--workers", "1"]
     assert main(call) == 2
-    assert "sweep.png" in told(capsys)
+    assert "sweep.png" in error_line(capsys)
     assert os.listdir(out) == ["sweep.png"]
     assert picture.read_bytes() == mine.read_bytes() == b"mine"
     picture.unlink()
@@ -82,7 +82,7 @@ def test_foreign_folders_with_names_of_ringwear_stay(tmp_path, capsys, name, kin
         there.symlink_to(tmp_path / "elsewhere")
     before = sorted(tmp_path.rglob("*"))
     assert main([*DIRECT, str(out)]) == 2
-    assert name in told(capsys)
+    assert name in error_line(capsys)
     assert sorted(tmp_path.rglob("*")) == before
     # files of a killed run of ringwear are removed
     os.rename(there, tmp_path / "away")
@@ -99,7 +99,7 @@ def test_a_malformed_marker_is_ignored(tmp_path, capsys, marker):
     (tmp_path / MARKER).write_text(json.dumps(marker))
     (tmp_path / "results.nc").write_text("mine")
     assert main([*DIRECT, str(tmp_path)]) == 2
-    assert "results.nc" in told(capsys)
+    assert "results.nc" in error_line(capsys)
     (tmp_path / "results.nc").unlink()
     assert main([*DIRECT, str(tmp_path)]) == 0
 
@@ -116,7 +116,7 @@ def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
 
     monkeypatch.setattr(folder_module.Folder, "publish", interrupt)
     assert main([*DIRECT, str(tmp_path / "out")]) == 1
-    line = told(capsys)
+    line = error_line(capsys)
     assert "in place" in line
     assert "no incomplete files" not in line
     assert (tmp_path / "out" / "results.nc").exists()
@@ -150,7 +150,7 @@ def test_a_small_file_that_declares_huge_arrays_is_refused(tmp_path, capsys):
         file.createDimension("time", 4_000_000_000)
         file.createVariable("indentation", float, ("time",), chunksizes=(2**20,), zlib=True)
     assert main(["check", "flat_punch", str(tmp_path / "large.nc")]) == 2
-    assert "32 GB" in told(capsys)
+    assert "32 GB" in error_line(capsys)
 
 
 ENDLESS = """

@@ -69,7 +69,7 @@ def test_guesses_that_work(call, result):
 
 
 @pytest.mark.parametrize(
-    ("call", "told"),
+    ("call", "words"),
     [
         (lambda _: run("five_ring"), "did you mean five_rings"),
         (lambda _: run("five_rings", methods=["abaqus"]), "mdr"),
@@ -83,10 +83,10 @@ def test_guesses_that_work(call, result):
         (lambda _: sweep("five_rings", {"punch.ringss": [1, 2]}), "rings"),
     ],
 )
-def test_wrong_guesses_get_a_line_of_help(call, told, result):
+def test_wrong_guesses_get_a_line_of_help(call, words, result):
     with pytest.raises(SceneError) as refused:
         call(result)
-    assert told in str(refused.value)
+    assert words in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -100,9 +100,9 @@ def test_only_public_names_are_listed():
 
 
 def test_results_display_themselves(result):
-    told = repr(result).splitlines()
-    assert len(told) <= 10
-    assert "The methods agree" in told[-1]
+    lines = repr(result).splitlines()
+    assert len(lines) <= 10
+    assert "The methods agree" in lines[-1]
     assert "data:image/png;base64" in result._repr_html_()
 
 

@@ -22,16 +22,18 @@ def five():
 
 
 def test_summary_and_dataset_have_the_answer(five):
-    told = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
-    assert set(told) == {"mdr", "direct"}
-    assert told["direct"]["running_in_time"] is None
-    assert told["mdr"]["pressure_max"][0][-1] is None
+    answer = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
+    assert set(answer) == {"mdr", "direct"}
+    assert answer["direct"]["running_in_time"] is None
+    assert answer["mdr"]["pressure_max"][0][-1] is None
     dataset = five.dataset
     assert dataset.pressure_min.dims == ("solver", "state", "ring")
     assert dataset.state.values.tolist() == ["start", "steady"]
     np.testing.assert_array_equal(dataset.wear_coefficient, K)
     np.testing.assert_array_equal(dataset.ring_outer_radius, EDGES[1:])
-    np.testing.assert_array_equal(dataset.sel(solver="mdr").worn_volume, told["mdr"]["worn_volume"])
+    np.testing.assert_array_equal(
+        dataset.sel(solver="mdr").worn_volume, answer["mdr"]["worn_volume"]
+    )
 
 
 @pytest.mark.parametrize(
@@ -53,12 +55,14 @@ def test_each_variable_has_its_own_unit(five, stated, units):
 def test_the_answer_is_printed_first(five, capsys):
     for verbose in (False, True):
         print_account(Account(five), verbose)
-        told = capsys.readouterr().out
+        output = capsys.readouterr().out
         parts = ("0.4995", "1.273", "0.9947", "The methods agree")
         if verbose:
             parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
-        assert [told.index(part) for part in parts] == sorted(told.index(part) for part in parts)
-        assert verbose or len(told.splitlines()) < 16
+        assert [output.index(part) for part in parts] == sorted(
+            output.index(part) for part in parts
+        )
+        assert verbose or len(output.splitlines()) < 16
 
 
 def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, capsys):
@@ -76,10 +80,10 @@ def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, cap
 
 
 @pytest.mark.parametrize(
-    ("times", "told"),
+    ("times", "words"),
     [([0.0, 1e-5], "before the running-in"), ([50.0], "after the running-in"), ([0.1, 1.0], "")],
 )
-def test_times_that_miss_the_running_in_give_a_note(times, told):
+def test_times_that_miss_the_running_in_give_a_note(times, words):
     scene = Scene.load("five_rings").changed(
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )
@@ -87,5 +91,5 @@ def test_times_that_miss_the_running_in_give_a_note(times, told):
     assert "slowest relaxation time of the full face 0.344" in before[0]
     for lines in (before, Account(run(scene)).remarks):
         missed = [line for line in lines if "the running-in, " in line]
-        assert bool(missed) == bool(told)
-        assert all(told in line for line in missed)
+        assert bool(missed) == bool(words)
+        assert all(words in line for line in missed)

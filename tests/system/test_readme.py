@@ -16,10 +16,10 @@ FLOORS = ("fem", "mdr", "meshes", "studies")
 def test_the_example_of_the_finite_elements(capsys):
     page = (ROOT / "fem" / "README.md").read_text("utf-8")
     exec(dedent(re.search(r"\n(    import numpy.*?)\n\n\[1\]", page, re.DOTALL)[1]), {})
-    told = capsys.readouterr().out
-    assert float(re.search(r"d0 = (\S+),", told)[1]) == pytest.approx(0.5, rel=1e-5)
-    assert "MeshTri" in told
-    assert "ElementTriP4" in told
+    output = capsys.readouterr().out
+    assert float(re.search(r"d0 = (\S+),", output)[1]) == pytest.approx(0.5, rel=1e-5)
+    assert "MeshTri" in output
+    assert "ElementTriP4" in output
 
 
 @pytest.mark.parametrize("floor", FLOORS)
@@ -61,10 +61,10 @@ def test_the_scene_and_the_script_of_the_readme(tmp_path, monkeypatch):
 @pytest.mark.gmsh
 def test_the_output_in_the_readme(tmp_path, capsys):
     assert main(["run", "--no-figures", "--out", str(tmp_path / "out")]) == 0
-    told = capsys.readouterr().out
+    output = capsys.readouterr().out
     shown = [line.strip() for line in snippet("Five rings, k2").splitlines() if line.strip()]
     assert len(shown) >= 8
-    assert all(line in told for line in shown)
+    assert all(line in output for line in shown)
 
 
 def test_the_keys_in_the_reference():

@@ -95,7 +95,7 @@ def make_mesh(path, rim_size, ring_size, growth=0.8):
 
 
 @pytest.fixture
-def own(tmp_path):
+def own_meshes(tmp_path):
     """Return three mesh files, each finer than the one before it."""
     return [
         make_mesh(tmp_path / f"{name}.vtu", size, size)
@@ -112,31 +112,33 @@ def _few_levels(monkeypatch):
 
 
 @pytest.mark.usefixtures("_few_levels")
-def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, own):
-    found = study("refinement", "flat_punch", quick=True, meshes=own, degree=3)
-    rows = found.table[found.table.family == "file"]
+def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, own_meshes):
+    results = study("refinement", "flat_punch", quick=True, meshes=own_meshes, degree=3)
+    rows = results.table[results.table.family == "file"]
     assert list(rows.setting) == ["coarse.vtu", "middle.vtu", "fine.vtu"]
     assert set(rows.degree) == {3}
     assert (np.diff(rows.d0) < 0).all()
-    for name, told in zip(rows.setting, found.conclusions, strict=False):
-        assert told.startswith(f"flat punch: {name}, ")
-        assert "of degree 3" in told
+    for name, conclusion in zip(rows.setting, results.conclusions, strict=False):
+        assert conclusion.startswith(f"flat punch: {name}, ")
+        assert "of degree 3" in conclusion
         # the pressure of a flat punch is singular only at the rim
-        assert "lies next to r = 1 a" in told
-        assert "they are stable" in told
-    of_own = found.orders[found.orders.refined == "flat punch, file"]
+        assert "lies next to r = 1 a" in conclusion
+        assert "they are stable" in conclusion
+    of_own = results.orders[results.orders.refined == "flat punch, file"]
     assert (of_own["least squares"] > 0).all()
-    assert {"uniform", "adaptive", "file"} <= set(found.table.family)
-    labels = [text.get_text() for text in found.figures["error_against_unknowns"].legends[0].texts]
+    assert {"uniform", "adaptive", "file"} <= set(results.table.family)
+    labels = [
+        text.get_text() for text in results.figures["error_against_unknowns"].legends[0].texts
+    ]
     assert "coarse.vtu, middle.vtu, fine.vtu: degree 3" in labels
-    written = set(found.save(tmp_path / "out"))
+    written = set(results.save(tmp_path / "out"))
     assert {"refinement.csv", "costs.md", "error_against_unknowns.png"} <= written
     assert {"own_meshes_flat_punch.png", "meshes_flat_punch.png", "indicator.png"} <= written
 
 
 @pytest.mark.usefixtures("_few_levels")
-def test_own_meshes_from_the_command_line(tmp_path, own, capsys):
-    meshes = [argument for path in own for argument in ("--mesh", path)]
+def test_own_meshes_from_the_command_line(tmp_path, own_meshes, capsys):
+    meshes = [argument for path in own_meshes for argument in ("--mesh", path)]
     arguments = ["study", "refinement", "flat_punch", "--quick", "--degree", "2", *meshes]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
     printed = capsys.readouterr().out
@@ -145,17 +147,17 @@ def test_own_meshes_from_the_command_line(tmp_path, own, capsys):
     assert printed.count("triangles of degree 2 with") == 3
 
 
-def test_a_mesh_file_that_does_not_fit_is_refused(tmp_path, own):
+def test_a_mesh_file_that_does_not_fit_is_refused(tmp_path, own_meshes):
     scene = Scene.load("five_rings")
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
-        own_mesh(scene.problem, own[0])
+        own_mesh(scene.problem, own_meshes[0])
     fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
-    mesh = own_mesh(replace(scene.problem, rings=fitting), own[0])
+    mesh = own_mesh(replace(scene.problem, rings=fitting), own_meshes[0])
     assert 0.5 in contact_radii(mesh)
     with pytest.raises(SceneError, match="no such file"):
         study("refinement", scene, quick=True, meshes=[str(tmp_path / "absent")])
     with pytest.raises(SceneError, match=r"--degree 7.*give 2 to 4"):
-        study("refinement", scene, quick=True, meshes=own, degree=7)
+        study("refinement", scene, quick=True, meshes=own_meshes, degree=7)
 
 
 def test_files_of_one_name_get_different_labels(tmp_path):

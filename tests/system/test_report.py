@@ -57,8 +57,8 @@ def test_a_page_is_one_small_file_that_loads_nothing(page):
 
 def test_a_page_has_the_input_of_the_run(page, result):
     text = page.read_text("utf-8")
-    for told in ("nm/h", "mean height", "µm", "The methods agree", "anchors", "left out"):
-        assert told in text, told
+    for words in ("nm/h", "mean height", "µm", "The methods agree", "anchors", "left out"):
+        assert words in text, words
     assert f"{result.answers['mdr']['time_to_99'] / 86400:.4g} days" in text
     # the scene as it was run
     assert re.search(r"<pre>.*poisson_ratio = 0.4999.*</pre>", text, re.DOTALL)
@@ -116,6 +116,23 @@ def test_every_part_of_a_scene_has_a_page(changes, states, tmp_path):
     assert ('id="solid"' in (tmp_path / "report.html").read_text("utf-8")) == bool(states)
 
 
+@pytest.mark.parametrize(("time", "pressed"), [(1.0, True), (14.5, False)])
+def test_the_page_states_why_there_are_no_stresses(time, pressed, tmp_path):
+    """The brake is applied at 1 s, and its force is 0 at 14.5 s."""
+    brake = Scene.load("duty_cycle").changed(methods=["fem"], accuracy__rtol=0.1)
+    result = run(brake.changed(wear__times=[0.0, 1.0, 14.5], output__field_times=[time]))
+    write_report(result, Account(result), (), tmp_path / "report.html")
+    page = (tmp_path / "report.html").read_text("utf-8")
+    assert ("stress.png is not drawn: nothing presses" in page) != pressed
+
+
+def test_heights_beside_the_slider_have_the_scale_of_each_state():
+    """A worn sphere is flat to 1 % of its first height, which a common scale would not show."""
+    shown = slides(run(Scene.load("sphere").changed(methods=["mdr"], accuracy__rtol=1e-2)))
+    for profile, frame in zip(shown["profile"], shown["deepest"], strict=True):
+        assert 0.3 * frame < max(profile)
+
+
 def test_the_page_of_a_study(tmp_path, monkeypatch):
     rows = pd.DataFrame(
         {"method": ["mdr", "<fem>"], "error": [0.000123456, np.nan], "count": [25378, 1]}
@@ -133,8 +150,8 @@ def test_the_page_of_a_study(tmp_path, monkeypatch):
     text = (tmp_path / "report.html").read_text("utf-8")
     assert "| a |" not in text
     picture = base64.b64encode((tmp_path / "curve.png").read_bytes()).decode()
-    for told in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of"):
-        assert told in text, told
+    for words in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of"):
+        assert words in text, words
 
 
 def test_flags_leave_out_figures_or_the_page(tmp_path):

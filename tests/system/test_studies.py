@@ -72,9 +72,9 @@ def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path):
 def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path):
     scene = Scene.load("five_rings")
     with interrupted_at(line):
-        found = conduct(name, scene, Options(quick=True), Record(tmp_path))
-    assert INTERRUPTED in found.conclusions
-    assert len(found.table) == line - 1
+        results = conduct(name, scene, Options(quick=True), Record(tmp_path))
+    assert INTERRUPTED in results.conclusions
+    assert len(results.table) == line - 1
     assert len(rows(tmp_path / f"{name}.csv")) == line - 1
 
 
@@ -157,9 +157,9 @@ def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds,
         time.sleep(seconds)
         finished = finished_rows()
         study.send_signal(number)
-        printed, told = study.communicate(timeout=60)
+        printed, errors = study.communicate(timeout=60)
     assert study.returncode == 1
     assert INTERRUPTED in printed
-    assert "Traceback" not in told
+    assert "Traceback" not in errors
     assert len(rows(out / "extremes.csv")) >= finished >= 1
     assert not list(out.glob(".writing"))

@@ -20,9 +20,9 @@ Rows = list[dict[str, str]]
 
 def conduct(name, out):
     """Return the rows of each table of a quick study."""
-    found = study(name, "five_rings", quick=True)
-    assert found.conclusions
-    assert f"{name}.png" in found.save(out)
+    results = study(name, "five_rings", quick=True)
+    assert results.conclusions
+    assert f"{name}.png" in results.save(out)
     return {
         file.stem: list(csv.DictReader(file.read_text("utf-8").splitlines()))
         for file in out.glob("*.csv")
@@ -72,12 +72,12 @@ def test_flat_starts_have_the_orders_of_theory():
     families = [
         family for family in flat_families(scene.problem, quick=True) if family.name != slowest
     ]
-    found = study_orders(families, Record(), "convergence", scene, "error").orders
-    assert set(found["within 0.15"]) == {"yes"}
-    orders = {(row.refined, row.quantity): row["expected order"] for _, row in found.iterrows()}
+    table = study_orders(families, Record(), "convergence", scene, "error").orders
+    assert set(table["within 0.15"]) == {"yes"}
+    orders = {(row.refined, row.quantity): row["expected order"] for _, row in table.iterrows()}
     expected = ORDERS["convergence"]
     assert orders == {key: expected[key] for key in expected if key[0] != slowest}
-    assert found.theory.str.endswith(".").all()
+    assert table.theory.str.endswith(".").all()
 
 
 @pytest.mark.slow

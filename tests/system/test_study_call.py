@@ -62,10 +62,10 @@ def test_a_study_refuses_unknown_options(call, message):
 
 
 def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
-    found = study("march", "pin_on_disc", quick=True)
-    assert found.orders["expected order"].tolist() == [1.0, 1.0]
-    assert found.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
-    assert "a full disc" in found.conclusions[-1]
+    results = study("march", "pin_on_disc", quick=True)
+    assert results.orders["expected order"].tolist() == [1.0, 1.0]
+    assert results.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
+    assert "a full disc" in results.conclusions[-1]
 
 
 def test_an_unknown_table_is_refused(march):
@@ -98,13 +98,13 @@ def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path, monkeyp
     # leave out levels that take long
     monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
     monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
-    own = tmp_path / "mine.vtu"
+    file = tmp_path / "mine.vtu"
     field = SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0)
-    bisection.mesh(field).save(own, file_format="vtu")
-    found = study("refinement", "flat_punch", quick=True, meshes=[str(own)], degree=3)
-    assert found.conclusions[0].startswith("flat punch: mine.vtu, ")
-    assert "of degree 3" in found.conclusions[0]
-    written = set(found.save(tmp_path / "out"))
+    bisection.mesh(field).save(file, file_format="vtu")
+    results = study("refinement", "flat_punch", quick=True, meshes=[str(file)], degree=3)
+    assert results.conclusions[0].startswith("flat punch: mine.vtu, ")
+    assert "of degree 3" in results.conclusions[0]
+    written = set(results.save(tmp_path / "out"))
     assert {"refinement.csv", "refinement.md", "error_against_unknowns.png"} <= written
 
 

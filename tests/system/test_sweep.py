@@ -78,10 +78,10 @@ def test_scenes_with_different_wear_share_one_discretisation():
 
     Scenes with much smoother pressures have their own discretisation.
     """
-    made = Sweep.of(
+    plan = Sweep.of(
         {"base": FIVE.table(), "axes": {"punch.wear_ratio": [1e-6, 0.1, 2.0, 5.0, 1.0]}}
     )
-    problems = [made.scene(changes).problem for changes in made.changes()]
+    problems = [plan.scene(changes).problem for changes in plan.changes()]
     # equal wear leaves no ring edges
     assert sorted(map(sorted, groups(problems))) == [[0], [1, 2, 3], [4]]
     shared = covering(problems[1:4])
@@ -96,16 +96,16 @@ def test_scenes_with_different_wear_share_one_discretisation():
 @pytest.mark.parametrize("number", [6, 7])
 def test_sweeps_of_the_paper_equal_closed_forms(number):
     """The bundled sweeps are computed for fewer rings and every tenth ratio."""
-    made = Sweep.load(f"fig{number}")
+    plan = Sweep.load(f"fig{number}")
     between = np.linspace(-1, 1, 201)
     varied, points = [
         ("punch.wear_ratio", 10.0 ** (4 * between)),
         ("punch.width_ratio", 10.0**between),
     ][number - 6]
-    values = made.columns[varied].values
+    values = plan.columns[varied].values
     np.testing.assert_allclose(values, points, rtol=1e-13)
-    axes = made.table["axes"] | {"punch.rings": [2, 8], varied: values[::10]}
-    slopes = sweep(made.table["base"], axes, made.keep)["steady_rms_slope"].sel(solver="direct")
+    axes = plan.table["axes"] | {"punch.rings": [2, 8], varied: values[::10]}
+    slopes = sweep(plan.table["base"], axes, plan.keep)["steady_rms_slope"].sel(solver="direct")
     for count, place in product((2, 8), range(0, 201, 10)):
         width, ratio = (1.0, points[place]) if number == 6 else (points[place], 0.01)
         rings = Rings.alternating(count, width, ratio)
@@ -242,8 +242,8 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
     }
     assert {name: dataset[name].attrs["units"] for name in units} == units
     # the table in the store gives the same scenes
-    made = Sweep.of(json.loads(dataset.attrs["sweep"]))
-    last = made.scene(list(made.changes())[-1])
+    plan = Sweep.of(json.loads(dataset.attrs["sweep"]))
+    last = plan.scene(list(plan.changes())[-1])
     assert (last.accuracy.rtol, last.punch.rings, last.punch.coefficients) == (1e-3, 3, [1.0, 3.0])
     assert last.load_.normal_force in (1.0, 2.0)
     assert 1 < last.load_.sliding_speed == dataset["sliding_speed"].values[-1] < 2
@@ -276,11 +276,11 @@ def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rin
     text = capsys.readouterr().out
     assert f"punch.rings = {largest})" in text
     assert "at most" not in text
-    told = re.search(r"about (\S+) GiB for the largest scene, of the 0.25 GiB", text)
-    assert told
+    match = re.search(r"about (\S+) GiB for the largest scene, of the 0.25 GiB", text)
+    assert match
     scene = scene.changed(punch__rings=largest)
     # two digits are printed
-    assert float(told[1]) == pytest.approx(predict_memory(scene), rel=0.05)
+    assert float(match[1]) == pytest.approx(predict_memory(scene), rel=0.05)
     assert ("too little" in text) == (predict_memory(scene) > 0.25)
     seconds = float(re.search(r"took (\S+) s;", text)[1])
     whole = float(re.search(r"would take (\S+) s by 2", text)[1])
@@ -300,11 +300,11 @@ def test_a_dry_run_computes_the_largest_scene(monkeypatch, tmp_path, capsys, rin
 def test_blocks_cover_the_grid(tmp_path, ratios, more, shape):
     """Each scene is in one block."""
     axes = {"punch.wear_ratio": {"geomspace": [0.1, 9.0, ratios]}} | more
-    made = Sweep.of({"base": "five_rings", "keep": ["steady_rms_slope"], "axes": axes})
-    blocks = Store(made, tmp_path, resume=False).unfinished(retry_failed=False)
+    plan = Sweep.of({"base": "five_rings", "keep": ["steady_rms_slope"], "axes": axes})
+    blocks = Store(plan, tmp_path, resume=False).unfinished(retry_failed=False)
     assert list(blocks[0].sizes.values()) == shape
     seen = [tuple(changes.values()) for block in blocks.values() for changes in block.changes()]
-    assert len(seen) == len(set(seen)) == made.count
+    assert len(seen) == len(set(seen)) == plan.count
 
 
 def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, monkeypatch, capsys):

@@ -216,8 +216,8 @@ def test_a_sweep_waits_if_its_worker_is_lost(cluster, here):
     cluster.worker()
     expect(sweep, 0, "6 of 6 blocks")
     # the block of the lost worker is split, and the elements of a block depend on all its scenes
-    found, expected = (xarray.open_zarr(out / "sweep.zarr") for out in (cluster.out, here))
+    results, expected = (xarray.open_zarr(out / "sweep.zarr") for out in (cluster.out, here))
     assert statuses(cluster.out) == statuses(here)
-    apart = abs(found.steady_rms_slope - expected.steady_rms_slope)
-    stated = found.steady_rms_slope_error * expected.steady_rms_slope
+    apart = abs(results.steady_rms_slope - expected.steady_rms_slope)
+    stated = results.steady_rms_slope_error * expected.steady_rms_slope
     assert bool((apart <= 1e-3 * stated).all())

@@ -126,8 +126,8 @@ path.write_text(path.read_text("utf-8").replace("return 1 / (wear", "return 1.1 
 from ringwear.mdr import direct
 print(before == code())
 """
-    told = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
-    assert told.stdout == f"{imported}\n", told.stderr
+    process = subprocess.run([sys.executable, "-c", code], text=True, capture_output=True)
+    assert process.stdout == f"{imported}\n", process.stderr
 
 
 def test_code_edited_between_loading_and_hashing_has_a_hash_of_its_own(tmp_path):

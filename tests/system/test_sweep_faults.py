@@ -241,8 +241,8 @@ def test_failed_scenes_end_the_command_with_status_1(tmp_path, monkeypatch, caps
     with monkeypatch.context() as patch:
         fail_for_three_rings(patch, error)
         assert main(command) == 1
-    said = capsys.readouterr().out
-    assert f"direct: {type(error).__name__}: {error} (8 scenes)" in said
+    output = capsys.readouterr().out
+    assert f"direct: {type(error).__name__}: {error} (8 scenes)" in output
     assert statuses(out) == [1] * 8 + [status] * 8 + [1] * 8
     results = xarray.open_zarr(out / "sweep.zarr")["steady_rms_slope"].isel(solver=0)
     np.testing.assert_array_equal(results.notnull().all("wear_ratio"), [True, False, True])

@@ -89,11 +89,11 @@ def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
     write_profile("other.csv", 0.3)
     first = sweep(base, axes, KEEP, out="out")["indentation"].load()
     # the store has all input that is needed to compute the scenes again
-    told = json.loads(xarray.open_zarr("out/sweep.zarr").attrs["sweep"])
+    stored_table = json.loads(xarray.open_zarr("out/sweep.zarr").attrs["sweep"])
     os.rename("profile.csv", "away.csv")
     os.rename("other.csv", "away too.csv")
-    made = Sweep.of(told)
-    again = [made.problem(changes).profile.sampled()[1].max() for changes in made.changes()]
+    plan = Sweep.of(stored_table)
+    again = [plan.problem(changes).profile.sampled()[1].max() for changes in plan.changes()]
     os.rename("away.csv", "profile.csv")
     os.rename("away too.csv", "other.csv")
     now = Sweep.of({"base": base, "axes": axes, "keep": KEEP})
@@ -111,17 +111,17 @@ def test_a_profile_is_read_once(tmp_path, monkeypatch):
     """An edit after the start of the sweep has no effect on any scene."""
     monkeypatch.chdir(tmp_path)
     write_profile("profile.csv", 0.5)
-    made = Sweep.of({"base": PROFILES["base"][0], "axes": FORCES, "keep": KEEP})
-    before = made.problem(next(made.changes())).profile.sampled()[1]
+    plan = Sweep.of({"base": PROFILES["base"][0], "axes": FORCES, "keep": KEEP})
+    before = plan.problem(next(plan.changes())).profile.sampled()[1]
     write_profile("profile.csv", 0.9)
-    after = made.problem(next(made.changes())).profile.sampled()[1]
+    after = plan.problem(next(plan.changes())).profile.sampled()[1]
     np.testing.assert_array_equal(before, after)
 
 
 def test_whole_numbers_stay_whole():
     axes = {"punch.rings": {"geomspace": [2, 32, 5]}}
-    made = Sweep.of({"base": "five_rings", "keep": ["steady_rms_slope"], "axes": axes})
-    values = made.columns["punch.rings"].values
+    plan = Sweep.of({"base": "five_rings", "keep": ["steady_rms_slope"], "axes": axes})
+    values = plan.columns["punch.rings"].values
     assert values == [2, 4, 8, 16, 32]
     assert all(isinstance(value, int) for value in values)
 

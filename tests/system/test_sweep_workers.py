@@ -30,8 +30,8 @@ def test_a_stop_while_workers_start_ends_them(tmp_path):
         _, errors = process.communicate(timeout=60)
         assert process.returncode == 1
         assert "Traceback" not in errors
-        told = [line for line in errors.splitlines() if not line.startswith("   sweep")]
-        assert told == ["ringwear: stopped; no incomplete files are left"]
+        lines = [line for line in errors.splitlines() if not line.startswith("   sweep")]
+        assert lines == ["ringwear: stopped; no incomplete files are left"]
         deadline = time.monotonic() + 20
         while any(map(alive, workers)):
             assert time.monotonic() < deadline
@@ -53,10 +53,10 @@ def test_scenes_that_lack_memory_stay_pending(tmp_path, capsys):
     command = ["sweep", str(file), "--out", str(out), "--workers", "2"]
     for more in ([], ["--resume"]):
         assert main([*command, "--memory", "0.42", *more]) == 1
-        said = capsys.readouterr()
-        assert "1 scenes finished, 0 failed, 1 left" in said.out
-        assert "it seems to need more than 0.42 GiB" in said.out
-        assert len([line for line in said.err.splitlines() if "left out" in line]) == 1
+        streams = capsys.readouterr()
+        assert "1 scenes finished, 0 failed, 1 left" in streams.out
+        assert "it seems to need more than 0.42 GiB" in streams.out
+        assert len([line for line in streams.err.splitlines() if "left out" in line]) == 1
         assert statuses(out) == [1, 0]
         stored = xarray.open_zarr(out / "sweep.zarr")
         assert "GiB" in str(stored["reason"].values[1])

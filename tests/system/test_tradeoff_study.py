@@ -14,11 +14,11 @@ def test_a_user_quantity_is_a_group():
         return float(result.dataset.indentation[0, 0])
 
     scene = Scene.load("flat_punch").changed(wear__times=[0.0, 0.1])
-    found = study("tradeoff", scene, quick=True, quantities=[first_depth], methods=["mdr"])
-    assert found.table.group.unique().tolist() == ["first_depth"]
-    assert (found.table.error.astype(float) <= found.table.tolerance).all()
-    assert found.table.estimate.isna().all()
-    assert set(found.tables) == {"digit_price"}
+    results = study("tradeoff", scene, quick=True, quantities=[first_depth], methods=["mdr"])
+    assert results.table.group.unique().tolist() == ["first_depth"]
+    assert (results.table.error.astype(float) <= results.table.tolerance).all()
+    assert results.table.estimate.isna().all()
+    assert set(results.tables) == {"digit_price"}
 
 
 @pytest.mark.parametrize(

@@ -124,8 +124,8 @@ def names_imported(folder):
 
 def test_unit_tests_make_no_whole_runs():
     whole = {"run", "check", "sweep", "study", "plan"}
-    found = [of for of in names_imported("unit") if of[1] == "ringwear" and of[2] in whole]
-    assert not found
+    imports = [of for of in names_imported("unit") if of[1] == "ringwear" and of[2] in whole]
+    assert not imports
 
 
 def test_only_system_tests_use_the_command_line():

@@ -54,9 +54,9 @@ def rings(edges=None, wear=None) -> Put:
 
     def change(problem):
         right_edges, right_wear = problem.rings
-        made = right_edges if edges is None else edges(right_edges.copy())
+        new_edges = right_edges if edges is None else edges(right_edges.copy())
         worn = right_wear if wear is None else wear(right_wear.copy())
-        return {"rings": Rings(made, worn)}
+        return {"rings": Rings(new_edges, worn)}
 
     return pose(change)
 

@@ -114,11 +114,11 @@ def test_flat_punch_by_elements(element, degree):
     ids=lambda value: type(value).__name__ if isinstance(value, skfem.Element) else "",
 )
 def test_unsuitable_elements_are_refused_in_one_line(element, reason):
-    with pytest.raises(SceneError, match=reason) as told:
+    with pytest.raises(SceneError, match=reason) as refusal:
         degree_along_side(element)
-    assert "\n" not in str(told.value)
-    assert "use Element" in str(told.value)
-    assert type(element).__name__ in str(told.value)
+    assert "\n" not in str(refusal.value)
+    assert "use Element" in str(refusal.value)
+    assert type(element).__name__ in str(refusal.value)
 
 
 def test_an_element_has_to_fit_mesh_and_degree():

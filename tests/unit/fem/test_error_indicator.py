@@ -42,26 +42,26 @@ def test_the_indicator_vanishes_on_a_bent_plate_which_the_elements_hold_exactly(
     # equal bending moments in all directions: the surface is free, and nothing else acts
     curvature = LAME / (LAME + 2 * SHEAR)
     r, z = places(solid)
-    found = indicate(solid, r * z, -(r**2) / 2 - curvature * z**2, 0.0)
+    indicator = indicate(solid, r * z, -(r**2) / 2 - curvature * z**2, 0.0)
     # for comparison: a field of the same size whose surface is not free of stress
     scale = indicate(solid, r * z, r**2, 0.0).sum()
-    assert found.sum() < 1e-20 * scale
+    assert indicator.sum() < 1e-20 * scale
 
 
 def test_a_missing_pressure_beside_the_contact_is_indicated_exactly(solid):
     # uniform compression needs the pressure 1 everywhere, but it acts on the contact only
-    found = indicate(solid, 0.0, -places(solid)[1] / (LAME + 2 * SHEAR), 1.0)
+    indicator = indicate(solid, 0.0, -places(solid)[1] / (LAME + 2 * SHEAR), 1.0)
     mesh, expected = solid.mesh, np.zeros(solid.mesh.nelements)
     for facet in mesh.boundaries["free"]:
         inner, outer = np.sort(mesh.p[0, mesh.facets[:, facet]])
         area, size = np.pi * (outer**2 - inner**2), outer - inner
         expected[mesh.f2t[0, facet]] += size / (2 * SHEAR * solid.degree) * area
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-14 * expected.max())
+    np.testing.assert_allclose(indicator, expected, rtol=1e-9, atol=1e-14 * expected.max())
 
 
 def test_a_residual_inside_is_indicated_with_its_weight(solid):
     # u_z = z^2 / 2 has the residual lambda + 2 mu along the axis, and no stress on the surface
-    found = indicate(solid, 0.0, places(solid)[1] ** 2 / 2, 0.0)
+    indicator = indicate(solid, 0.0, places(solid)[1] ** 2 / 2, 0.0)
     mesh = solid.mesh
     inside = ~np.isin(np.arange(mesh.nelements), mesh.f2t[0, mesh.boundary_facets()])
     corners = mesh.p[:, mesh.t[:, inside]]
@@ -70,7 +70,9 @@ def test_a_residual_inside_is_indicated_with_its_weight(solid):
     area = np.abs((r1 - r0) * (z2 - z0) - (r2 - r0) * (z1 - z0)) / 2
     volume = 2 * np.pi * area * (r0 + r1 + r2) / 3
     weight = longest**2 / (2 * SHEAR * solid.degree**2)
-    np.testing.assert_allclose(found[inside], weight * (LAME + 2 * SHEAR) ** 2 * volume, rtol=1e-9)
+    np.testing.assert_allclose(
+        indicator[inside], weight * (LAME + 2 * SHEAR) ** 2 * volume, rtol=1e-9
+    )
 
 
 def test_quadrilaterals_are_refused():

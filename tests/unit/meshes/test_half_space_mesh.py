@@ -246,5 +246,5 @@ with session():
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGPIPE):
         signal.raise_signal(number)
 """
-    told = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
-    assert told.stdout.split() == [b"2", b"15"]
+    process = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
+    assert process.stdout.split() == [b"2", b"15"]

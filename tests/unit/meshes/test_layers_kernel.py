@@ -26,9 +26,11 @@ def test_one_layer_by_o_sullivan_and_king(contrast):
     for thickness in (0.1, 0.5, 2.0):
         ground = Ground((thickness,), (0.35, 0.35 / contrast), (0.3, 0.2))
         exact = o_sullivan_and_king(WAVE_NUMBERS, thickness, 0.3, 0.2, contrast)
-        found = relative_compliance(ground, WAVE_NUMBERS)
+        compliances = relative_compliance(ground, WAVE_NUMBERS)
         # roundoff: eps times the square of the ratio of the moduli
-        assert found == pytest.approx(exact, rel=1e-14 + 2e-16 * max(contrast, 1 / contrast) ** 2)
+        assert compliances == pytest.approx(
+            exact, rel=1e-14 + 2e-16 * max(contrast, 1 / contrast) ** 2
+        )
 
 
 def test_a_layer_on_a_rigid_base_by_o_sullivan_and_king():

@@ -102,9 +102,9 @@ def test_parts_of_opposite_signs_explain_an_order_that_differs():
     rows = {"family": "Q2", "size": sizes, "d0": whole, PRESSURE_PART: pressures}
     sequence = Sequence("Q2", "d0", Theory(1.0), sizes, whole)
     assert sequence.verdict == "no"
-    (said,) = explain_d0_orders([sequence], pd.DataFrame(rows))
-    assert "+2.5e-03 due to the pressures (order 1.00)" in said
-    assert "-3.4e-03 due to the displacements (order 0.90)" in said
+    (sentence,) = explain_d0_orders([sequence], pd.DataFrame(rows))
+    assert "+2.5e-03 due to the pressures (order 1.00)" in sentence
+    assert "-3.4e-03 due to the displacements (order 0.90)" in sentence
 
 
 def test_meshes_of_one_name_in_two_folders_have_numbers():

@@ -111,8 +111,8 @@ def test_pressures_of_the_functions_of_elements_are_exact(degree):
             function = np.prod([(at - of) / (nodes[number] - of) for of in others], axis=0)
             shares = weights * (nodes[-1] - nodes[0]) / 2 * 2 * np.pi * at
             forces[first + number] += function @ (shares * (1 + at**degree))
-    found = pressures_of(radii, forces, degree == 2, np.ones_like)
-    np.testing.assert_allclose(found, 1 + radii**degree)
+    pressures = pressures_of(radii, forces, degree == 2, np.ones_like)
+    np.testing.assert_allclose(pressures, 1 + radii**degree)
 
 
 def test_the_dat_of_calculix(tmp_path):

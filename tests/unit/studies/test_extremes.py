@@ -118,10 +118,10 @@ def test_every_panel_has_its_runs():
 def test_starts_in_closed_form():
     """Hertz: F = 4/3 E* sqrt(R) d^(3/2); cone: F = 2 E* d^2 / (pi s); d in units of F / (a E*)."""
     sphere = PANELS["sphere"].scene(3.0, "mdr")
-    found, force = start_in_closed_form(sphere), 0.01
-    depth = found["indentation"] * force
+    start, force = start_in_closed_form(sphere), 0.01
+    depth = start["indentation"] * force
     assert 4 / 3 * 3.0**0.5 * depth**1.5 == pytest.approx(force, rel=1e-12)
-    assert found["contact_radius"] == pytest.approx((3.0 * depth) ** 0.5, rel=1e-12)
+    assert start["contact_radius"] == pytest.approx((3.0 * depth) ** 0.5, rel=1e-12)
     cone = start_in_closed_form(PANELS["cone"].scene(0.1, "mdr"))
     depth = cone["indentation"] * force
     assert 2 * depth**2 / (np.pi * 0.1) == pytest.approx(force, rel=1e-12)

@@ -57,45 +57,99 @@ def likelihood_of(model, count):
 
 
 def test_the_key_of_a_list_means_all_of_its_values():
-    scene, found = find_parameters(SCENE, ["punch.wear_coefficients", "load.normal_force"])
-    names = [each.name for each in found]
+    scene, parameters = find_parameters(SCENE, ["punch.wear_coefficients", "load.normal_force"])
+    names = [each.name for each in parameters]
     assert names == [
         "punch.wear_coefficients[0]",
         "punch.wear_coefficients[1]",
         "load.normal_force.values[0]",
         "load.normal_force.values[1]",
     ]
-    moved = scene_at(scene, found, np.array([0.0, np.log(2.0), 0.0, np.log(3.0)]))
+    moved = scene_at(scene, parameters, np.array([0.0, np.log(2.0), 0.0, np.log(3.0)]))
     assert moved.punch.wear_coefficients == pytest.approx([1e-15, 1e-14])
     assert moved.load_.load_over_time.values == pytest.approx([50.0, 300.0])
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "words"),
     [
         ("punch.wear_coeficient", "did you mean punch.wear_coefficient?"),
         ("punch.wear_coefficients[2]", "has 2 values, counted from 0"),
-        ("punch.radius", "cannot be fitted"),
+        ("punch.radius", "only wear coefficients, moduli, loads and unknowns of the rig"),
+        ("punch.rings", "punch.rings cannot be fitted, only wear coefficients"),
+        ("load.mean_pressure", "the scene does not have it"),
+        ("half_space.youngs_modulus[0]", "is one number in the scene: leave out the index"),
+        ("punch.wear_coefficients,punch.wear_ratio", "describe the same"),
         ("start_time,start_time", "given twice"),
     ],
 )
-def test_parameters_that_cannot_be_fitted_are_refused(name, told):
-    with pytest.raises(SceneError, match=told.replace("?", r"\?")):
+def test_parameters_that_cannot_be_fitted_are_refused(name, words):
+    with pytest.raises(SceneError, match=words.replace("?", r"\?")):
         find_parameters(SCENE, name.split(","))
+
+
+def test_every_parameter_that_is_listed_can_be_fitted():
+    """The list contains a sliding speed that the scene leaves at 1, and the ratio of two values."""
+    pair = SCENE.changed({"punch.wear_coefficients": [1e-15, 5e-15]})
+    for scene in (SCENE, pair):
+        with pytest.raises(SceneError) as refusal:
+            find_parameters(scene, ["punch.rings"])
+        names = str(refusal.value).rpartition("fit some of ")[2].split(", ")
+        assert {"load.sliding_speed", "punch.wear_ratio", "start_time"} <= set(names)
+        for name in names:
+            _, parameters = find_parameters(scene, [name])
+            assert parameters[0].name.startswith(name)
+    _, (speed,) = find_parameters(SCENE, ["load.sliding_speed"])
+    assert speed.value == 1.0
+    changed, (ratio,) = find_parameters(pair, ["punch.wear_ratio"])
+    assert ratio.value == pytest.approx(5.0)
+    assert changed.punch.coefficients == pytest.approx([1e-15, 5e-15])
+    assert scene_at(changed, [ratio], np.array([np.log(2.0)])).punch.wear_ratio == pytest.approx(10)
+
+
+def test_a_ratio_needs_two_materials():
+    single = SCENE.changed({"punch.wear_coefficients": [1e-15, 5e-15, 2e-15]})
+    with pytest.raises(SceneError, match=r"fit punch\.wear_coefficients$"):
+        find_parameters(single, ["punch.wear_ratio"])
+
+
+SERIES = {"time": np.arange(9.0), "indentation": np.arange(9.0)}
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"a": SERIES, "b": SERIES},
+        {"a": SERIES, "b": {"time": np.arange(9.0)[::-1], "indentation": np.arange(9.0)[::-1]}},
+        {"a": SERIES, "b": SERIES | {"normal_force": np.arange(9.0)}},
+        {"a": SERIES, "b": {"time": np.arange(9.0), "indentation [mm]": 1e3 * np.arange(9.0)}},
+        {"a": {"time": [5.0], "worn_volume": [2.0]}, "b": {"time": [5.0], "worn_volume": [2.0]}},
+    ],
+)
+def test_a_table_that_is_given_twice_is_refused(tables):
+    frames = {name: pd.DataFrame(columns) for name, columns in tables.items()}
+    with pytest.raises(SceneError, match=r"a and b have the same .* would count twice"):
+        read_measurements(SCENE, frames, {"indentation": 1e-3, "worn_volume": 1e-3})
+
+
+def test_different_measurements_of_one_quantity_are_accepted():
+    again = SERIES | {"indentation": np.arange(9.0) + 0.1}
+    frames = {"a": pd.DataFrame(SERIES), "b": pd.DataFrame(again)}
+    assert len(read_measurements(SCENE, frames)) == 2
 
 
 def test_lost_mass_is_volume_times_density():
     table = pd.DataFrame({"time [s]": [0.0, 5.0, 10.0], "lost_mass_2 [mg]": [0.0, 1.0, 3.0]})
-    (found,) = read_measurements(SCENE, table, {"lost_mass": "0.1 mg"}, "8 g/cm^3")
-    assert (found.quantity, found.ring) == ("worn_volume", 1)
+    (measurement,) = read_measurements(SCENE, table, {"lost_mass": "0.1 mg"}, "8 g/cm^3")
+    assert (measurement.quantity, measurement.ring) == ("worn_volume", 1)
     # 1 mg of 8 mg/mm^3
-    assert found.values == pytest.approx([0.125e-9, 0.375e-9])
-    assert found.noise == pytest.approx(0.0125e-9)
-    assert found.times.tolist() == [5.0, 10.0]
+    assert measurement.values == pytest.approx([0.125e-9, 0.375e-9])
+    assert measurement.noise == pytest.approx(0.0125e-9)
+    assert measurement.times.tolist() == [5.0, 10.0]
 
 
 @pytest.mark.parametrize(
-    ("noise", "density", "told"),
+    ("noise", "density", "words"),
     [
         (None, None, "needs a density"),
         ("1 mg", "8", "give a noise for each"),
@@ -103,17 +157,32 @@ def test_lost_mass_is_volume_times_density():
         ({"lost_mass": "0 %"}, "8", "above 0"),
     ],
 )
-def test_incomplete_measurements_are_refused_with_a_reason(noise, density, told):
+def test_incomplete_measurements_are_refused_with_a_reason(noise, density, words):
     table = pd.DataFrame({"time": np.arange(9.0), "lost_mass": 1e-9, "indentation": np.arange(9.0)})
-    with pytest.raises(SceneError, match=told):
+    with pytest.raises(SceneError, match=words):
         read_measurements(SCENE, table, noise, density)
+
+
+@pytest.mark.parametrize(
+    ("columns", "words"),
+    [
+        ({"time": [1.0], "mass": [1.0]}, "worn_volume, lost_mass, each once, by --columns mass=lo"),
+        ({"time": [1.0], "worn_volume_4": [1.0]}, "give worn_volume_1 to worn_volume_3"),
+        ({"time": [1.0], "lost_mass_0": [1.0]}, "numbered from 1 at the centre to 3"),
+        ({"time": [0.0], "worn_volume": [0.0]}, "given only at the start: give later times"),
+        ({"time": [1.0, 2.0], "worn_volume": [-1.0, -2.0]}, "as positive numbers"),
+    ],
+)
+def test_columns_that_cannot_be_fitted_are_refused_with_the_remedy(columns, words):
+    with pytest.raises(SceneError, match=words):
+        read_measurements(SCENE, pd.DataFrame(columns))
 
 
 def test_divided_differences_are_integrals():
     for first, second in ((0.0, 0.0), (1.0, 1.0 + 1e-14), (0.3, 2.0), (40.0, 0.0)):
         exact, _ = quad(lambda s, a=first, b=second: np.exp(-a * (0.7 - s) - b * s), 0.0, 0.7)
-        found = divided_difference(np.array(first), np.array(second), 0.7)
-        assert float(found) == pytest.approx(exact, rel=1e-10)
+        difference = divided_difference(np.array(first), np.array(second), 0.7)
+        assert float(difference) == pytest.approx(exact, rel=1e-10)
 
 
 def test_a_cubic_is_interpolated_exactly():

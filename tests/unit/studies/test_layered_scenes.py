@@ -68,7 +68,7 @@ def test_one_key_of_a_layer_can_be_changed():
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "words"),
     [
         ({"half_space__layers": []}, "rigid = true"),
         ({"half_space__youngs_modulus": 1e9}, "rigid = true excludes youngs_modulus"),
@@ -81,8 +81,8 @@ def test_one_key_of_a_layer_can_be_changed():
     ],
     ids=lambda given: "" if isinstance(given, str) else next(iter(given)),
 )
-def test_impossible_layers_are_refused_by_key(changes, told):
-    with pytest.raises(SceneError, match=told) as refused:
+def test_impossible_layers_are_refused_by_key(changes, words):
+    with pytest.raises(SceneError, match=words) as refused:
         pad(**changes)
     assert "\n" not in str(refused.value)
 
@@ -100,7 +100,7 @@ def test_only_mdr_grid_refuses_layers():
 
 def test_finite_elements_refuse_layers_that_they_cannot_mesh():
     fem = method("fem")
-    for changes, told in (
+    for changes, words in (
         ({"accuracy__fem": {"mesher": "bisection"}}, "quadrilaterals"),
         ({"half_space__layers__1__thickness": 4e-5}, "layers.1.thickness"),
         (
@@ -112,7 +112,7 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
         ),
         ({"half_space__layers__0__poisson_ratio": 0.5, "accuracy__rtol": 1e-6}, "accuracy.rtol"),
     ):
-        assert told in fem.refusal(pad(**changes).problem), changes
+        assert words in fem.refusal(pad(**changes).problem), changes
     with pytest.raises(SceneError, match="quadrilaterals"):
         half_space_mesh(pad(accuracy__fem={"mesher": "gmsh"}).problem)
 

@@ -298,7 +298,7 @@ def test_invalid_times_are_refused(times):
 
 
 @pytest.mark.parametrize(
-    ("guess", "told"),
+    ("guess", "words"),
     [
         (lambda scene: scene.changed(punch__radius=-1.0), "must be positive"),
         (lambda scene: scene.changed(punch__radius=float("nan")), "must be positive"),
@@ -306,9 +306,46 @@ def test_invalid_times_are_refused(times):
         (lambda _: Scene("five_rings"), r"Scene\.load"),
     ],
 )
-def test_wrong_guesses_are_answered_with_a_remedy(guess, told):
-    with pytest.raises(SceneError, match=told):
+def test_wrong_guesses_are_answered_with_a_remedy(guess, words):
+    with pytest.raises(SceneError, match=words):
         guess(Scene.load("five_rings"))
+
+
+LAYER = {"thickness": 0.1, "youngs_modulus": 5.0}
+
+
+@pytest.mark.parametrize(
+    ("layers", "changes", "words"),
+    [
+        ([], {"half_space__layers__0__thickness": 0.2}, "give all of them, half_space.layers = [{"),
+        ([], {"half_space.layers[0].thickness": 0.2}, "the scene has no half_space.layers"),
+        ([], {"half_space.layers.thickness": 0.2}, "the scene has no half_space.layers"),
+        ([LAYER], {"half_space.layers.1.thickness": 0.2}, "0 for the only one"),
+        ([LAYER, LAYER], {"half_space.layers.2.thickness": 0.2}, "0 to 1, and one of its keys"),
+        ([LAYER], {"half_space.layers.thickness": 0.2}, "such as half_space.layers.0.thickness"),
+        ([LAYER], {"half_space.layers.0": 0.2}, "such as half_space.layers.0.thickness"),
+        ([LAYER], {"half_space.layers.0.height": 0.2}, "did you mean thickness?"),
+        ([LAYER], {"layers.0.height": 0.2}, "changed({'half_space.layers.0.thickness': 0.2})"),
+        ([LAYER], {"half_space.layers.0.thicknes": 0.2}, "did you mean thickness?"),
+        ([LAYER], {"half_space.layers.0.plane_strain_modulus": 2.0}, "E* (1 - nu^2)"),
+        ([LAYER], {"half_space.layers.0.shear_modulus": 2.0}, "2 G (1 + nu)"),
+        ([], {"punch.wear_coefficients.1": 2.0}, "give punch.wear_coefficients as a whole"),
+        ([], {"punch.radius.x": 2.0}, "punch.radius = 1.0 is not a table"),
+        ([], {"load.normal_force.values": [2.0]}, "give load.normal_force as a whole"),
+    ],
+)
+def test_keys_of_lists_and_of_layers_are_answered_with_a_remedy(layers, changes, words):
+    scene = Scene.load("five_rings").changed(half_space__layers=layers)
+    with pytest.raises(SceneError) as refusal:
+        scene.changed(changes)
+    assert words in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_index_may_be_in_brackets():
+    scene = Scene.load("five_rings").changed(half_space__layers=[LAYER, LAYER])
+    changed = scene.changed({"half_space.layers[1].thickness": 0.3})
+    assert [layer.thickness for layer in changed.half_space.layers] == [0.1, 0.3]
 
 
 def test_keys_can_be_changed_by_dotted_names():

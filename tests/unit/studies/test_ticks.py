@@ -60,7 +60,7 @@ def test_powers_of_ten_are_few_and_at_least_two():
 
 
 @pytest.mark.parametrize(
-    ("value", "told"),
+    ("value", "text"),
     [
         (0.0, "0"),
         (-0.0, "0"),
@@ -73,8 +73,8 @@ def test_powers_of_ten_are_few_and_at_least_two():
         (0.30000000000000004, "0.3"),
     ],
 )
-def test_numbers_are_short(value, told):
-    assert short_number(value) == told
+def test_numbers_are_short(value, text):
+    assert short_number(value) == text
 
 
 def test_powers_of_ten_are_written_as_such():

@@ -87,8 +87,8 @@ def levels():
 def test_conclusions_state_the_price_or_that_it_cannot_be_determined():
     rows = levels()
     rows["error"] = rows.tolerance / 10
-    told, untold = conclude_prices(list_prices(rows))
-    assert told == (
+    conclusion, untold = conclude_prices(list_prices(rows))
+    assert conclusion == (
         "fields, mdr: one more digit multiplies the seconds by 1.5 (interval 1.5 to 1.5)."
     )
     assert untold.startswith("fields, fem: the price of a digit cannot be told: ")
@@ -121,15 +121,15 @@ def test_the_table_has_tolerance_estimate_error_and_effectivity():
     families = [each for each in ways.families() if each.name.startswith("steady state")]
     table = Record().solve("tradeoff", families, COLUMNS)
     assert {"seconds", "tolerance", "estimate", "error", "effectivity"} < {*table.columns}
-    asked = table[table.method == "mdr"]
-    assert asked.tolerance.tolist() == [1e-1, 1e-2, 1e-3]
+    by_mdr = table[table.method == "mdr"]
+    assert by_mdr.tolerance.tolist() == [1e-1, 1e-2, 1e-3]
     # true errors are within the tolerance and within the estimate
-    assert (asked.error <= asked.tolerance).all()
-    assert (asked.effectivity >= 1).all()
-    np.testing.assert_allclose(asked.effectivity, asked.estimate / asked.error)
-    assert (asked["least seconds"] <= asked.seconds).all()
-    assert (asked.seconds <= asked["greatest seconds"]).all()
-    assert (asked.runs >= 3).all()
+    assert (by_mdr.error <= by_mdr.tolerance).all()
+    assert (by_mdr.effectivity >= 1).all()
+    np.testing.assert_allclose(by_mdr.effectivity, by_mdr.estimate / by_mdr.error)
+    assert (by_mdr["least seconds"] <= by_mdr.seconds).all()
+    assert (by_mdr.seconds <= by_mdr["greatest seconds"]).all()
+    assert (by_mdr.runs >= 3).all()
     assert table[table.method == "direct"].tolerance.isna().all()
 
 

@@ -109,7 +109,7 @@ def test_units_that_are_not_consistent_are_refused(units):
 
 
 @pytest.mark.parametrize(
-    ("stated", "value", "kind", "told"),
+    ("stated", "value", "kind", "text"),
     [
         ("mm, N, MPa, s", 12.0, "length", "12 mm"),
         ("mm, N, MPa, s", 3e-3, "pressure", "0.003 MPa"),
@@ -128,8 +128,8 @@ def test_units_that_are_not_consistent_are_refused(units):
         ("1", 12.0, "pressure", "12"),
     ],
 )
-def test_numbers_are_written_in_the_stated_units(stated, value, kind, told):
-    assert UnitNames.of(stated).write(value, kind) == told
+def test_numbers_are_written_in_the_stated_units(stated, value, kind, text):
+    assert UnitNames.of(stated).write(value, kind) == text
 
 
 def test_a_scene_without_units_takes_no_quantities():
@@ -138,7 +138,7 @@ def test_a_scene_without_units_takes_no_quantities():
 
 
 @pytest.mark.parametrize(
-    ("value", "kind", "told"),
+    ("value", "kind", "text"),
     [
         (1.234e-5, "displacement", "12.34 µm"),
         (0.02, "length", "20 mm"),
@@ -162,8 +162,8 @@ def test_a_scene_without_units_takes_no_quantities():
         (1e-20, "length", "1e-20 m"),
     ],
 )
-def test_numbers_in_si_are_written_in_convenient_units(value, kind, told):
-    assert UnitNames.of("SI").write(value, kind) == told
+def test_numbers_in_si_are_written_in_convenient_units(value, kind, text):
+    assert UnitNames.of("SI").write(value, kind) == text
 
 
 class Stroke(Section):

@@ -5,8 +5,10 @@ from functools import wraps
 from inspect import signature
 from typing import Any, TypeVar, cast
 
-from .scene.explain import nearest, place_of, shown
-from .scene.scene import Scene
+from ..problem.written import shown
+from .explain import nearest, place_of
+from .keys import dotted
+from .scene import Scene
 
 Call = TypeVar("Call", bound=Callable[..., Any])
 # arguments of ringwear by the names that other packages use
@@ -19,6 +21,11 @@ OTHER_ARGUMENTS = {
     "accuracy": "rtol",
     "quantity": "quantities",
     "variables": "keep",
+    "sigma": "noise",
+    "error": "noise",
+    "params": "parameters",
+    "n_jobs": "workers",
+    "processes": "workers",
 }
 
 
@@ -47,14 +54,18 @@ def _refusal(call: str, name: str, value: object, names: list[str]) -> str:
     argument = OTHER_ARGUMENTS.get(name, "")
     if argument in (*names, "methods"):
         return f"{message}write {argument}={shown(value)}"
-    key = place_of(name, Scene, Scene)
-    if key.endswith(f".{name}"):
+    key = dotted(name) if "__" in name else place_of(name, Scene, Scene)
+    if key.endswith(f".{name}") or "__" in name:
         changes = f"{{{key!r}: {shown(value)}}}"
         if call == "sweep":
             return f"{message}write {call}({names[0]}, {changes})"
         return f"{message}write {call}(scene.changed({changes}))"
-    if name in ("out", "folder", "path"):
+    if name in ("out", "folder", "path", "save"):
         return f"{message}write {call}(...).save({shown(value)})"
+    if name in ("plot", "show"):
+        return f"{message}write {call}(...).plot()"
+    if name in ("verbose", "quiet", "progress", "silent"):
+        return f"{message}leave it out; progress is reported to logging.getLogger('ringwear')"
     suggestion = nearest(name, names)
     return (
         f"{message}{f'did you mean {suggestion}? ' if suggestion else ''}it has {', '.join(names)}"
