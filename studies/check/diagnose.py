@@ -5,7 +5,7 @@ time. The mistakes that explain the error share the confidence. If two of them e
 well, both are named, together with a result that would distinguish them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -166,11 +166,7 @@ def _diagnose_mistakes(
     for cause in causes:
         hypothesis = best[cause]
         (mistake,) = [each for each in hypothesis.mistakes if each.cause is cause]
-        rivals = [
-            other
-            for other in causes
-            if other is not cause and cause not in {each.cause for each in best[other].mistakes}
-        ]
+        rivals = rival_causes(cause, causes, best)
         remedy = cause.remedy
         if rivals and confidence[cause] < SURE:
             rival = rivals[0]
@@ -179,6 +175,26 @@ def _diagnose_mistakes(
             _diagnosis(model, mistake, hypothesis, min(1.0, confidence[cause]), remedy)
         )
     return diagnoses
+
+
+def rival_causes(
+    cause: Cause, causes: Sequence[Cause], best: Mapping[Cause, Hypothesis]
+) -> list[Cause]:
+    """Return the causes that belong to other hypotheses than a cause does, in the same order.
+
+    Mistakes that are made together are not rivals.
+
+    Parameters
+    ----------
+    causes : the likely causes
+    best : the likeliest hypothesis with each cause
+    """
+    together = {mistake.cause for mistake in best[cause].mistakes}
+    return [
+        other
+        for other in causes
+        if other not in together and cause not in {each.cause for each in best[other].mistakes}
+    ]
 
 
 def _diagnosis(
