@@ -317,6 +317,21 @@ def differing_keys(results: Path, scene: Scene) -> list[str]:
     return sorted(key for key in ours | theirs if ours.get(key) != theirs.get(key))
 
 
+def reach_of_deck(results: object, scene: Scene) -> float | None:
+    """Return the radius of the half-space of a deck, in punch radii, if it models this scene.
+
+    It is None for results that are not of a deck, or whose folder has no `scene.toml` with the same
+    model.
+    """
+    if not isinstance(results, str | Path):
+        return None
+    path = Path(results)
+    is_deck = path.suffix.lower() in READERS and (path.parent / "scene.toml").is_file()
+    if not is_deck or differing_keys(path, scene):
+        return None
+    return max(Deck.of_results(path).radii.values()) / scene.punch.radius
+
+
 def _modelled_values(table: Mapping[str, object], prefix: str = "") -> dict[str, object]:
     """Return the values of the keys with dots of a scene that change what is modelled."""
     values = dict[str, object]()

@@ -102,10 +102,12 @@ class HypothesisSearch:
     ----------
     model : predicts what the program prints
     causes : the mistakes that are considered
+    doubt : factor on the prior odds of mistakes that are not of the mesh
     """
 
     model: Model
     causes: Sequence[Cause]
+    doubt: float = 1.0
 
     @property
     def _comparison(self) -> Comparison:
@@ -193,6 +195,8 @@ class HypothesisSearch:
         count = min(len(differences), MAX_VALUES)
         likelihood = -count / 2 * np.log1p(np.mean(differences**2))
         prior = hypothesis.log_prior
+        doubted = [each for each in hypothesis.mistakes if not each.cause.is_of_mesh]
+        prior += len(doubted) * np.log(self.doubt)
         if not hypothesis.mistakes and len(differences) < FEW_VALUES:
             prior = np.log(NO_MISTAKE_ODDS)
         return float(prior + likelihood - hypothesis.fitted_numbers / 2 * np.log(count))
