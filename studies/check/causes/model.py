@@ -280,11 +280,8 @@ class Model:
 
         A step ends at each time of the other program.
         """
-        unit, comparison, wear = (
-            self.problem.units.time,
-            self.comparison,
-            self._histories.solution.wear,
-        )
+        unit, comparison = self.problem.units.time, self.comparison
+        _, wear = self._histories.solution
         assert wear is not None  # the solution of a flat punch has it
         times = comparison.times / unit
         lengths = float(np.diff(times, prepend=0.0).max()) / STEP_COUNTS
