@@ -110,9 +110,11 @@ def read(
         # a radius that roundoff of units has moved beyond the rim is at the rim
         beyond = radius > rim * (1 + 1e-9)
         if beyond.any() and not ((radius > 0) & ~beyond).any():
+            power = 1000.0 ** np.round(np.log10(radius.max() / rim) / 3)
+            unit = f" (the column radius seems to be {power:g} times ours: a unit)"
             raise SceneError(
                 f"{name}: all radii are beyond punch.radius = {rim:g}: give distances from the "
-                "axis, and --units if they are not in the units of the scene"
+                f"axis, and --units if they are not in the units of the scene{unit * (power > 1)}"
             )
         if beyond.any():
             LOG.warning("%s: %d rows beyond the punch are ignored", name, beyond.sum())

@@ -28,6 +28,8 @@ CHANGED_RTOL = 1e-2
 TABLE = (1e-2, 4.0, 80)
 # the same for the unchanged scene in full contact: times may be in minutes or hours, not in seconds
 WIDE_TABLE = (2e-4, 5e3, 160)
+# greatest number of rings up to which wide tables, and solutions of changed scenes, are affordable
+MAX_RINGS = 24
 Solve: TypeAlias = Callable[[Problem], tuple[Results, RunningIn | None]]
 """A function that returns the results of a problem and, in full contact, the running-in."""
 LENGTHS = ("displacement", "profile", "indentation")
@@ -68,7 +70,9 @@ class Histories:
         later = self.compared_times[self.compared_times > 0]
         if not len(later):
             return np.append(0.0, np.geomspace(1e-6, 1e-3, 4))
-        start, end, count = WIDE_TABLE if self._unchanged.full_contact else TABLE
+        few_rings = len(self._unchanged.ring_edges) <= MAX_RINGS + 1
+        is_wide = self._unchanged.full_contact and few_rings
+        start, end, count = WIDE_TABLE if is_wide else TABLE
         between = np.geomspace(start * later.min(), end * later.max(), count)
         return np.unique(np.concatenate([[0.0], between, later]))
 

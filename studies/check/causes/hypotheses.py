@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....meshes.errors import RingwearError
 from ....meshes.radial import Array
 from .cause import Cause, Sizes
 from .comparison import Comparison
@@ -208,8 +209,15 @@ class HypothesisSearch:
     def best_with(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
         """Return the best hypothesis that adds a cause to other mistakes.
 
-        It is None if no size of the cause is possible and has an effect.
+        It is None if no size of the cause is possible and has an effect, or if the scene with the
+        mistake cannot be solved.
         """
+        try:
+            return self._best_with(cause, others)
+        except RingwearError:
+            return None
+
+    def _best_with(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
         trials = [
             self.hypothesis((*others, Mistake(cause, sizes)))
             for sizes in cause.candidates(self.model)

@@ -8,17 +8,18 @@ shape. The changed scene is solved for some sizes of a mistake, and interpolated
 from abc import abstractmethod
 from collections.abc import Callable
 from itertools import combinations
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ...scene.scene import Scene
 from .cause import Cause, Sizes
+from .histories import MAX_RINGS
 from .model import Model
 from .setting import SceneChange, Setting
 
 # greatest number of wear coefficients, and of layers, of which each is considered
-MAX_MATERIALS, MAX_LAYERS = 5, 3
+MAX_MATERIALS, MAX_LAYERS = 5, 2
 
 
 class WrongInput(Cause):
@@ -169,62 +170,46 @@ class LayerInput(WrongInput):
     def __init__(self, place: int) -> None:
         self.place = place
 
-    def applies(self, model: Model) -> bool:
-        """Return whether the mistake could be recognised in these results."""
-        return model.flat
-
-    def described(self, model: Model) -> str:
-        """Return words for the layer or the base."""
-        layers = model.comparison.scene.half_space.layers
-        return (
-            f"layer {self.place + 1}" if self.place < len(layers) else "the base below the layers"
-        )
-
     def changed(self, scene: Scene, size: float) -> Scene:
         """Return the scene with the mistake."""
         materials = layer_tables(scene)
         self.alter(materials[self.place], size)
         return with_layers(scene, materials)
 
+    @abstractmethod
     def alter(self, material: dict[str, float], size: float) -> None:
         """Put the mistake into the table of a layer."""
-        raise NotImplementedError
 
 
-class LayerModulus(LayerInput):
-    """The modulus of a layer or of the base is wrong."""
+class LayerFactor(LayerInput):
+    """The modulus or the thickness of a layer, or the modulus of the base, is wrong.
 
-    name = "modulus of a layer"
+    Parameters
+    ----------
+    key : `youngs_modulus` or `thickness`
+    """
+
+    name = "layer"
     searched, fitted_numbers = True, 1
     prior = 0.04
-    nodes = (0.2, 0.45, 1.0, 2.2, 5.0)
-    remedy = "compare Young's modulus of each layer"
+    nodes, points = (0.2, 0.45, 1.0, 2.2, 5.0), 3
+    remedy = "compare Young's modulus and the thickness of each layer"
+
+    def __init__(self, place: int, key: str) -> None:
+        super().__init__(place)
+        self.key, self.label = key, key.removeprefix("youngs_")
+
+    def name_of(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return the name of the mistake at these sizes."""
+        return f"{self.label} of a layer"
 
     def alter(self, material: dict[str, float], size: float) -> None:
         """Put the mistake into the table of a layer."""
-        material["youngs_modulus"] *= size
+        material[self.key] *= size
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
-        return f"a modulus of {self.described(model)} of {sizes[0]:.4g} times ours"
-
-
-class LayerThickness(LayerInput):
-    """The thickness of a layer is wrong."""
-
-    name = "thickness of a layer"
-    searched, fitted_numbers = True, 1
-    prior = 0.04
-    nodes = (0.35, 0.6, 1.0, 1.7, 2.9)
-    remedy = "compare the thickness of each layer"
-
-    def alter(self, material: dict[str, float], size: float) -> None:
-        """Put the mistake into the table of a layer."""
-        material["thickness"] *= size
-
-    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
-        """Return what the error looks like, with its number, as a noun phrase."""
-        return f"a thickness of {self.described(model)} of {sizes[0]:.4g} times ours"
+        return f"a {self.label} of {described(model, self.place)} of {sizes[0]:.4g} times ours"
 
 
 class LayerPoissonsRatio(LayerInput):
@@ -234,7 +219,7 @@ class LayerPoissonsRatio(LayerInput):
     fitted_numbers = 1
     prior = 0.05
     remedy = "compare Poisson's ratio of each layer"
-    ratios = (0.0, 0.1, 0.2, 0.3, 0.4, 0.45, 0.49)
+    ratios = (0.0, 0.2, 0.3, 0.4, 0.45, 0.49)
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""
@@ -247,40 +232,39 @@ class LayerPoissonsRatio(LayerInput):
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
-        return f"a Poisson's ratio of {self.described(model)} of about {sizes[0]:.2g}"
+        return f"a Poisson's ratio of {described(model, self.place)} of about {sizes[0]:.2g}"
 
 
-class SwappedLayers(LayerInput):
-    """Materials, or only the moduli, of a layer and of what is below it are exchanged.
+class SwappedLayers(WrongInput):
+    """Materials, or only the moduli, of two layers, or of a layer and the base, are exchanged.
 
     Parameters
     ----------
+    places : indices of both from the surface down; one more than the last layer is the base
     keys : of the numbers that are exchanged
     """
 
     name = "swapped layers"
+    group = "ground"
     prior = 0.04
     remedy = "compare the material of the model at each depth with the layers of the scene"
 
-    def __init__(self, place: int, keys: tuple[str, ...]) -> None:
-        super().__init__(place)
-        self.keys = keys
+    def __init__(self, places: tuple[int, int], keys: tuple[str, ...]) -> None:
+        self.places, self.keys = places, keys
 
     def changed(self, scene: Scene, size: float) -> Scene:
         """Return the scene with the mistake."""
         materials = layer_tables(scene)
-        upper, lower = materials[self.place : self.place + 2]
+        upper, lower = (materials[place] for place in self.places)
         for key in self.keys:
             upper[key], lower[key] = lower[key], upper[key]
         return with_layers(scene, materials)
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
-        below = (
-            "the base" if self.place + 1 == len(model.comparison.scene.half_space.layers) else ""
-        )
         what = "moduli" if len(self.keys) == 1 else "materials"
-        return f"swapped {what} of layer {self.place + 1} and {below or f'layer {self.place + 2}'}"
+        upper, lower = (described(model, place) for place in self.places)
+        return f"swapped {what} of {upper} and {lower}"
 
 
 class ShapedPunchInput(WrongInput):
@@ -288,7 +272,7 @@ class ShapedPunchInput(WrongInput):
 
     Parameters
     ----------
-    name : of the mistake
+    label : name of the mistake
     described : what is multiplied, in words
     change_scene : returns the scene with this number multiplied by a factor
     """
@@ -297,7 +281,7 @@ class ShapedPunchInput(WrongInput):
     group, searched = "ground", True
     prior = 0.05
     fitted_numbers = 1
-    nodes, points = (0.5, 0.7, 0.85, 1.0, 1.18, 1.43, 2.0), 3
+    nodes, points = (0.5, 0.75, 1.0, 1.33, 2.0), 3
     remedy = "compare this number of the input; compute with another one, and compare the change"
 
     def __init__(
@@ -321,7 +305,8 @@ class ShapedPunchInput(WrongInput):
 def input_causes(model: Model) -> list[Cause]:
     """Return the mistakes in single numbers of the input that a scene may have."""
     scene, causes = model.comparison.scene, list[Cause]()
-    materials = 0 if scene.punch.table else len(wear_values(scene))
+    is_large = scene.punch.table or len(scene.problem.ring_edges) > MAX_RINGS + 1
+    materials = 0 if is_large else len(wear_values(scene))
     if 1 < materials <= MAX_MATERIALS:
         causes += [WearRatio(material) for material in range(materials)]
         causes.append(RingEdges())
@@ -331,11 +316,11 @@ def input_causes(model: Model) -> list[Cause]:
     if 0 < layers <= MAX_LAYERS and model.flat:
         base = not scene.half_space.rigid
         for place in range(layers + base):
-            causes += [LayerModulus(place), LayerPoissonsRatio(place)]
-        causes += [LayerThickness(place) for place in range(layers)]
-        for place in range(layers + base - 1):
+            causes += [LayerFactor(place, "youngs_modulus"), LayerPoissonsRatio(place)]
+        causes += [LayerFactor(place, "thickness") for place in range(layers)]
+        for places in combinations(range(layers + base), 2):
             keys = ("youngs_modulus", "poisson_ratio")
-            causes += [SwappedLayers(place, keys), SwappedLayers(place, keys[:1])]
+            causes += [SwappedLayers(places, keys), SwappedLayers(places, keys[:1])]
     if not model.flat and not layers:
         causes += _shaped_punch_inputs(scene)
     return causes
@@ -344,36 +329,45 @@ def input_causes(model: Model) -> list[Cause]:
 def _shaped_punch_inputs(scene: Scene) -> list[Cause]:
     """Return mistakes in the load, the modulus and the shape of a punch that is not flat."""
     causes = list[Cause]()
-    force, ground, profile = scene.load_.normal_force, scene.half_space, scene.punch.profile
-    if isinstance(force, float):
-        causes.append(
-            ShapedPunchInput(
-                "normal force",
-                "a load",
-                lambda scene, size: scene.changed(load__normal_force=force * size),
-            )
-        )
-    if ground.punch_youngs_modulus is None:
-        modulus = ground.own_modulus
-        causes.append(
-            ShapedPunchInput(
-                "modulus",
-                "a modulus of the half-space",
-                lambda scene, size: scene.changed(half_space__plane_strain_modulus=modulus * size),
-            )
-        )
-    for key in ("curvature_radius", "ball_radius"):
-        if (radius := getattr(profile, key, None)) is not None:
-            causes.append(
-                ShapedPunchInput(
-                    "radius of curvature",
-                    "a radius of curvature of the punch",
-                    lambda scene, size, key=key, radius=radius: scene.changed(
-                        {f"punch.profile.{key}": radius * size}
-                    ),
-                )
-            )
+    if isinstance(scene.load_.normal_force, float):
+        causes.append(ShapedPunchInput("normal force", "a load", _with_load))
+    if scene.half_space.punch_youngs_modulus is None:
+        words = "a modulus of the half-space"
+        causes.append(ShapedPunchInput("modulus", words, _with_modulus))
+    if _curvature_keys(scene):
+        words = "a radius of curvature of the punch"
+        causes.append(ShapedPunchInput("radius of curvature", words, _with_curvature))
     return causes
+
+
+def _with_load(scene: Scene, size: float) -> Scene:
+    """Return a scene with its load multiplied."""
+    force = scene.load_.normal_force
+    assert isinstance(force, float)  # because `_shaped_punch_inputs` has checked it
+    return scene.changed(load__normal_force=force * size)
+
+
+def _with_modulus(scene: Scene, size: float) -> Scene:
+    """Return a scene with the modulus of the half-space multiplied."""
+    return scene.changed(half_space__plane_strain_modulus=scene.half_space.own_modulus * size)
+
+
+def _with_curvature(scene: Scene, size: float) -> Scene:
+    """Return a scene with the radius of curvature of the punch multiplied."""
+    (key,) = _curvature_keys(scene)
+    radius: float = getattr(scene.punch.profile, key)
+    return scene.changed({f"punch.profile.{key}": radius * size})
+
+
+def _curvature_keys(scene: Scene) -> list[str]:
+    """Return the key of the radius of curvature of the punch, if it has one."""
+    return [key for key in ("curvature_radius", "ball_radius") if hasattr(scene.punch.profile, key)]
+
+
+def described(model: Model, place: int) -> str:
+    """Return words for a layer, or for the base below the layers."""
+    layers = len(model.comparison.scene.half_space.layers)
+    return f"layer {place + 1}" if place < layers else "the base below the layers"
 
 
 def ring_wear(scene: Scene) -> list[float]:
@@ -387,7 +381,7 @@ def wear_values(scene: Scene) -> list[float]:
     return sorted(set(ring_wear(scene)))
 
 
-def layer_tables(scene: Scene) -> list[dict[str, Any]]:
+def layer_tables(scene: Scene) -> list[dict[str, float]]:
     """Return the tables of the layers of a scene and, last, of the base."""
     ground = scene.half_space
     below = {"thickness": 1.0, "poisson_ratio": ground.poisson_ratio}
@@ -398,10 +392,10 @@ def layer_tables(scene: Scene) -> list[dict[str, Any]]:
     return [*(layer.model_dump() for layer in ground.layers), below]
 
 
-def with_layers(scene: Scene, materials: list[dict[str, Any]]) -> Scene:
+def with_layers(scene: Scene, materials: list[dict[str, float]]) -> Scene:
     """Return a scene with other layers and another base: `layer_tables`."""
     *layers, base = materials
-    changes: dict[str, Any] = {"half_space.layers": layers}
+    changes: dict[str, object] = {"half_space.layers": layers}
     if not scene.half_space.rigid:
         changes["half_space.youngs_modulus"] = base["youngs_modulus"]
         changes["half_space.poisson_ratio"] = base["poisson_ratio"]
