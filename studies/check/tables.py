@@ -112,9 +112,10 @@ def read(
         if beyond.any() and not ((radius > 0) & ~beyond).any():
             power = 1000.0 ** np.round(np.log10(radius.max() / rim) / 3)
             unit = f" (the column radius seems to be {power:g} times ours: a unit)"
+            unit = unit if power > 1 else ""
             raise SceneError(
                 f"{name}: all radii are beyond punch.radius = {rim:g}: give distances from the "
-                f"axis, and --units if they are not in the units of the scene{unit * (power > 1)}"
+                f"axis, and --units if they are not in the units of the scene{unit}"
             )
         if beyond.any():
             LOG.warning("%s: %d rows beyond the punch are ignored", name, beyond.sum())

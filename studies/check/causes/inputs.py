@@ -1,8 +1,7 @@
 """Mistakes in single numbers of the input, which are predicted by solving the changed scene.
 
-Wear coefficients and edges of rings, and materials of layers, change the history in ways that no
-scaling describes. On punches that are not flat, this is also so for the load, the modulus and the
-shape. The changed scene is solved for some sizes of a mistake, and interpolated between them.
+No scaling describes how wear coefficients, edges of rings and layers change the history; nor, on
+punches that are not flat, load, modulus and shape. Between some sizes it is interpolated.
 """
 
 from abc import abstractmethod
@@ -27,8 +26,7 @@ class WrongInput(Cause):
 
     Attributes
     ----------
-    nodes : factors for which the changed scene is solved, between them it is interpolated; empty if
-        the candidates are the only sizes
+    nodes : factors for which the changed scene is solved; empty if candidates are the only sizes
     points : number of nodes that are used for one interpolation
     """
 
