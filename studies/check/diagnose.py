@@ -94,7 +94,7 @@ class Diagnosis:
     name : of the mistake
     size : number that describes the mistake, such as a factor
     confidence : 0 to 1: the probability that this mistake was made, according to all hypotheses,
-        times the part of the error that these explain
+        times the square of the part of the error that these explain
     words : what the error looks like, with the number, as a noun phrase
     confirm : what would confirm the mistake, or distinguish it from another that explains as much
     """

@@ -283,7 +283,7 @@ def alike(hypothesis: Hypothesis, other: Hypothesis) -> bool:
 
 
 def explained_error_part(hypothesis: Hypothesis, none: Hypothesis, membership: Array) -> float:
-    """Return the part of the error, 0 to 1, that a hypothesis explains.
+    """Return the square of the part of the error, 0 to 1, that a hypothesis explains.
 
     Only quantities that its mistakes change are counted.
 
@@ -300,4 +300,5 @@ def explained_error_part(hypothesis: Hypothesis, none: Hypothesis, membership: A
         float(np.mean(each.errors[affected] ** 2)) for each in (none, hypothesis)
     )
     unexplained = np.sqrt(max(square_with - USUAL_ERROR**2, 0.0) / square_without)
-    return float(max(0.0, 1 - unexplained))
+    # squared, because a mistake that leaves a sixth of the error is often not the one that was made
+    return float(max(0.0, 1 - unexplained) ** 2)
