@@ -125,6 +125,7 @@ ARGUMENTS: dict[str, Settings] = {
     "--for PROGRAM": {
         "dest": "program",
         "required": True,
+        "type": str.lower,
         "choices": ("calculix", "abaqus"),
         "help": "the program",
     },

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import SceneError
+from ..decks.reports import reach_of_deck
 from ..figures.style import in_style
 from ..methods.base import Method, Solution
 from ..outcome.outcome import Outcome
@@ -114,7 +115,9 @@ def check_as(
         name: solution if name in given else _with_prescribed_force(scene.problem, solution)
         for name, solution in result.solutions.items()
     }
-    return kind(**values, given=tuple(given), within=within, sizes=tuple(sizes))
+    reaches = {name: reach_of_deck(source, scene) for name, source in given.items()}
+    decks = {name: reach for name, reach in reaches.items() if reach is not None}
+    return kind(**values, given=tuple(given), within=within, sizes=tuple(sizes), decks=decks)
 
 
 def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:

@@ -1,6 +1,7 @@
 """The outcome of a run that also contains results of other programs, and the verdict on these."""
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
@@ -29,11 +30,14 @@ class CheckedOutcome(Outcome):
     within : relative error that is allowed
     sizes : of elements or steps, if all results are of one program, from coarse to fine, so that
         only the last one is judged; otherwise empty
+    decks : radius of the half-space, in punch radii, of results of decks of this scene by
+        `ringwear deck`, by the name of the results
     """
 
     given: tuple[str, ...]
     within: float
     sizes: tuple[float, ...]
+    decks: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
@@ -108,7 +112,7 @@ class CheckedOutcome(Outcome):
     @cached_property
     def diagnoses(self) -> dict[str, list[Diagnosis]]:
         """Mistakes that may explain the errors, by program, most confident first."""
-        return {name: diagnose(self.compare(name)) for name in self.judged}
+        return {name: diagnose(self.compare(name), self.decks.get(name)) for name in self.judged}
 
     @property
     def lines(self) -> list[str]:

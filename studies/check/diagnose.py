@@ -5,18 +5,20 @@ time. The mistakes that explain the error share the confidence. If two of them e
 well, both are named, together with a result that would distinguish them.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...meshes.radial import Array
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames
-from .causes import modelling_mistakes, output_mistakes
+from .causes import mesh, modelling_mistakes, output_mistakes
 from .causes.cause import Cause
 from .causes.comparison import Comparison
+from .causes.histories import LENGTHS
 from .causes.hypotheses import (
+    USUAL_ERROR,
     Hypothesis,
     HypothesisSearch,
     Mistake,
@@ -24,16 +26,19 @@ from .causes.hypotheses import (
     explained_error_part,
     setting_with,
 )
-from .causes.mesh import patterns
+from .causes.inputs import input_causes
 from .causes.model import Model
+from .solve import solve
 
 __all__ = ["Comparison", "Diagnosis", "diagnose"]
 
 CAUSES: tuple[Cause, ...] = (
     modelling_mistakes.WearCoefficient(),
-    modelling_mistakes.TruncatedHalfSpace(),
+    mesh.TruncatedHalfSpace(),
+    mesh.CoarseRim(),
     output_mistakes.Sign(),
     output_mistakes.Units(),
+    output_mistakes.ColumnUnits(),
     modelling_mistakes.PlaneStrain(),
     modelling_mistakes.ForcePerLength(),
     modelling_mistakes.Diameter(),
@@ -48,6 +53,7 @@ CAUSES: tuple[Cause, ...] = (
     output_mistakes.PressureFactor(),
     output_mistakes.LengthFactor(),
     output_mistakes.ForceFactor(),
+    *map(output_mistakes.ColumnFactor, LENGTHS),
     output_mistakes.LateStart(),
     output_mistakes.FirstOrderStep(),
 )
@@ -60,6 +66,11 @@ MIN_CONFIDENCE, SURE = 0.15, 0.7
 SIMPLER_PART = 1 / 3
 # least relative difference of two predictions at which a result can distinguish them
 MIN_DISTINCTION = 0.05
+# probability below which a hypothesis does not count
+NEGLIGIBLE = 1e-3
+# factor on the prior odds of mistakes that a deck by `ringwear deck` does not have, unless it was
+# changed
+DOUBT_OF_DECKS = 0.01
 MESH = {
     "coarse rim": (
         "errors of pressure of about {:.2g} at the rim, which decrease as the rim wears",
@@ -83,7 +94,7 @@ class Diagnosis:
     name : of the mistake
     size : number that describes the mistake, such as a factor
     confidence : 0 to 1: the probability that this mistake was made, according to all hypotheses,
-        times the part of the error that these explain
+        times the square of the part of the error that these explain
     words : what the error looks like, with the number, as a noun phrase
     confirm : what would confirm the mistake, or distinguish it from another that explains as much
     """
@@ -95,8 +106,14 @@ class Diagnosis:
     confirm: str
 
 
-def diagnose(comparison: Comparison) -> list[Diagnosis]:
+def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Diagnosis]:
     """Return the mistakes that the error of the other program looks like, most confident first.
+
+    Parameters
+    ----------
+    comparison : results of the other program and ours
+    deck_reach : radius of the half-space, in punch radii, if the program has solved a deck of this
+        scene by `ringwear deck`: then errors of the mesh are far likelier than wrong inputs
 
     Returns
     -------
@@ -109,14 +126,19 @@ def diagnose(comparison: Comparison) -> list[Diagnosis]:
     Changes of radius, modulus and force are predicted by scaling our history, which is exact for
     flat punches under one load. For other punches these mistakes may not be found.
     """
-    model = Model(comparison)
-    search = HypothesisSearch(model, CAUSES)
+    model = Model(comparison, solve)
+    doubt = 1.0 if deck_reach is None else DOUBT_OF_DECKS
+    search = HypothesisSearch(model, (*CAUSES, *input_causes(model)), doubt)
     if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
         return []
     none = search.hypothesis(())
     hypotheses = search.ranked_hypotheses()
-    likeliest = hypotheses[0][0]
-    diagnoses = _diagnose_mistakes(model, none, hypotheses) + _diagnose_mesh(model, likeliest)
+    mistakes = _diagnose_mistakes(search, none, hypotheses)
+    if deck_reach is not None:
+        mistakes = [part for each in mistakes for part in _split_by_reach(each, deck_reach)]
+    named = {diagnosis.name for diagnosis in mistakes}
+    patterns = _diagnose_mesh(model, hypotheses[0][0])
+    diagnoses = [*mistakes, *(each for each in patterns if each.name not in named)]
     return sorted(diagnoses, key=lambda diagnosis: -diagnosis.confidence)
 
 
@@ -134,7 +156,7 @@ def _greatest_error(comparison: Comparison) -> float:
 
 
 def _diagnose_mistakes(
-    model: Model, none: Hypothesis, hypotheses: Sequence[tuple[Hypothesis, float]]
+    search: HypothesisSearch, none: Hypothesis, hypotheses: Sequence[tuple[Hypothesis, float]]
 ) -> list[Diagnosis]:
     """Return the likely mistakes.
 
@@ -143,18 +165,24 @@ def _diagnose_mistakes(
     none : the hypothesis without a mistake
     hypotheses : all hypotheses with their probabilities, the likeliest first
     """
+    model = search.model
     confidence, best = dict[Cause, float](), dict[Cause, Hypothesis]()
     for hypothesis, probability in hypotheses:
         explained_part = explained_error_part(hypothesis, none, model.comparison.membership)
         for mistake in hypothesis.mistakes:
             cause = mistake.cause
-            confidence[cause] = confidence.get(cause, 0.0) + probability * explained_part
+            part = 0.0
+            if probability > NEGLIGIBLE:
+                part = min(explained_part, _named_part(search, hypothesis, mistake, none))
+            confidence[cause] = confidence.get(cause, 0.0) + probability * part
             best.setdefault(cause, hypothesis)
     causes = sorted(confidence, key=lambda cause: -confidence[cause])
     for cause in causes:
         for other in causes[causes.index(cause) + 1 :]:
             # two causes may describe one mistake, such as a modulus that Poisson's ratio explains
-            if cause.group == other.group and alike(best[cause], best[other]):
+            same = isinstance(cause, type(other)) or isinstance(other, type(cause))
+            same = same and cause.group == other.group
+            if same and alike(best[cause], best[other]):
                 both = confidence[cause] + confidence[other]
                 # the cause without a fitted number also explains where the factor comes from
                 simpler = other.fitted_numbers < cause.fitted_numbers
@@ -166,11 +194,7 @@ def _diagnose_mistakes(
     for cause in causes:
         hypothesis = best[cause]
         (mistake,) = [each for each in hypothesis.mistakes if each.cause is cause]
-        rivals = [
-            other
-            for other in causes
-            if other is not cause and cause not in {each.cause for each in best[other].mistakes}
-        ]
+        rivals = rival_causes(cause, causes, best)
         remedy = cause.remedy
         if rivals and confidence[cause] < SURE:
             rival = rivals[0]
@@ -179,6 +203,86 @@ def _diagnose_mistakes(
             _diagnosis(model, mistake, hypothesis, min(1.0, confidence[cause]), remedy)
         )
     return diagnoses
+
+
+def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
+    """Return the diagnosis of a clamped half-space in the parts of the arc and of the mesh.
+
+    Both have the same effect. The arc of a deck is at a known distance, and a coarse mesh causes
+    the remaining error. A part below `MIN_CONFIDENCE` is left out; other diagnoses are returned.
+
+    Parameters
+    ----------
+    reach : radius of the half-space of the deck, in punch radii
+    """
+    if diagnosis.name != mesh.TruncatedHalfSpace.name:
+        return [diagnosis]
+    by_arc = min(1.0, diagnosis.size / reach)
+    parts = [
+        replace(
+            diagnosis,
+            size=reach,
+            confidence=diagnosis.confidence * by_arc,
+            words=f"the half-space of the deck, which is clamped at {reach:.4g} radii: this causes "
+            f"about {by_arc:.0%} of it",
+            confirm=mesh.TruncatedHalfSpace.remedy,
+        ),
+        replace(
+            diagnosis,
+            name="coarse mesh",
+            size=1 - by_arc,
+            confidence=diagnosis.confidence * (1 - by_arc),
+            words="a mesh that is too coarse, which makes all displacements too small: this causes "
+            f"about {1 - by_arc:.0%} of it, because the arc is at {reach:.4g} radii",
+            confirm="write the deck with half the --size: this error decreases",
+        ),
+    ]
+    return [part for part in parts if part.confidence >= MIN_CONFIDENCE]
+
+
+def _named_part(
+    search: HypothesisSearch, hypothesis: Hypothesis, mistake: Mistake, none: Hypothesis
+) -> float:
+    """Return the part, 0 to 1, by which a mistake is named beside the others of a hypothesis.
+
+    It is small if the mistake changes the prediction by no more than the error that remains in most
+    programs. A coarse rim, which most programs have, is named by the part of the error that it
+    explains.
+    """
+    others = tuple(each for each in hypothesis.mistakes if each is not mistake)
+    without = search.hypothesis(others)
+    if isinstance(mistake.cause, mesh.CoarseRim):
+        all_errors, errors_without, errors = (
+            float(np.linalg.norm(each.errors)) for each in (none, without, hypothesis)
+        )
+        return max(0.0, errors_without - errors) / (all_errors or 1.0)
+    if not others or search.doubt < 1:
+        return 1.0
+    members = search.model.comparison.membership.T
+    squares = ((hypothesis.differences - without.differences) ** 2).sum(axis=0) @ members
+    counts = search.model.comparison.present.sum(axis=0) @ members
+    effect = float(np.sqrt(squares / np.maximum(counts, 1)).max())
+    return float(np.sqrt(max(0.0, 1 - (USUAL_ERROR / effect) ** 2))) if effect else 0.0
+
+
+def rival_causes(
+    cause: Cause, causes: Sequence[Cause], best: Mapping[Cause, Hypothesis]
+) -> list[Cause]:
+    """Return the causes that belong to other hypotheses than a cause does, in the same order.
+
+    Mistakes that are made together are not rivals.
+
+    Parameters
+    ----------
+    causes : the likely causes
+    best : the likeliest hypothesis with each cause
+    """
+    together = {mistake.cause for mistake in best[cause].mistakes}
+    return [
+        other
+        for other in causes
+        if other not in together and cause not in {each.cause for each in best[other].mistakes}
+    ]
 
 
 def _diagnosis(
@@ -250,7 +354,7 @@ def _diagnose_mesh(model: Model, hypothesis: Hypothesis) -> list[Diagnosis]:
     unexplained_part = min(1.0, norms[0] / norms[1])
     return [
         Diagnosis(name, size, unexplained_part * part, MESH[name][0].format(size), MESH[name][1])
-        for name, size, part in patterns(
+        for name, size, part in mesh.patterns(
             unexplained, comparison.radii, comparison.scene.punch.radius
         )
         if unexplained_part * part > SURE and size > comparison.scene.accuracy.rtol

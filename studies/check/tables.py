@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.errors import MeshError, SceneError
-from ..decks.reports import READERS
+from ..decks.reports import NO_RESULTS, READERS, differing_keys
 from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
@@ -87,7 +87,7 @@ def read(
         if Path(source).suffix == ".vtu":
             source, columns = _read_surface(Path(source), columns), {}
         else:
-            source = _open(Path(source))
+            source = _open(Path(source), scene)
     if hasattr(source, "to_dataframe"):
         if "solver" in source.dims:
             source = source.isel(solver=0)
@@ -125,9 +125,12 @@ def read(
         # a radius that roundoff of units has moved beyond the rim is at the rim
         beyond = radius > rim * (1 + 1e-9)
         if beyond.any() and not ((radius > 0) & ~beyond).any():
+            power = 1000.0 ** np.round(np.log10(radius.max() / rim) / 3)
+            unit = f" (the column radius seems to be {power:g} times ours: a unit)"
+            unit = unit if power > 1 else ""
             raise SceneError(
                 f"{name}: all radii are beyond punch.radius = {rim:g}: give distances from the "
-                "axis, and --units if they are not in the units of the scene"
+                f"axis, and --units if they are not in the units of the scene{unit}"
             )
         if beyond.any():
             LOG.warning("%s: %d rows beyond the punch are ignored", name, beyond.sum())
@@ -165,14 +168,26 @@ def _rename_headings(
     return frame.rename(columns=names), units
 
 
-def _open(path: Path) -> "pd.DataFrame | xarray.Dataset":
+def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset":
     """Return the dataset of a netCDF file, or the table of another file.
 
-    A CSV table has texts or numbers, and is indexed by line number.
+    A CSV table has texts or numbers, and is indexed by line number. A scene that differs from that
+    of a deck is reported.
     """
+    ending = path.suffix.lower()
+    if ending in NO_RESULTS:
+        raise SceneError(f"{path} {NO_RESULTS[ending]}")
     try:
-        if path.suffix in READERS and path.is_file():
-            return READERS[path.suffix](path)
+        if ending in READERS and path.is_file():
+            results = READERS[ending](path)
+            if keys := differing_keys(path, scene):
+                LOG.warning(
+                    "%s has the results of another scene: %s differs in %s",
+                    path,
+                    path.parent / "scene.toml",
+                    ", ".join(keys),
+                )
+            return results
         if path.suffix == ".nc":
             import xarray
 

@@ -80,7 +80,7 @@ def deck(
     scene : Scene, str, Path or dict
         The scene that is modelled; the files have its units.
     program : str
-        ``"calculix"`` or ``"abaqus"``.
+        ``"calculix"`` or ``"abaqus"``, in upper or lower case.
     out : str or Path
         The folder to write to.
     elements : str
@@ -107,7 +107,7 @@ def deck(
     """
     chosen_times = None if times is None else tuple(numbers("times", times))
     (size,), (reach,) = numbers("size", [size]), numbers("reach", [reach])
-    choice = Choice(program, elements, size, reach, chosen_times)
+    choice = Choice(str(program).lower(), str(elements).lower(), size, reach, chosen_times)
     with output_folder(out, "deck", ["README.md"]) as folder:
         write_decks(Scene.of(scene), choice, folder.hidden)
     return [Path(out) / name for name in folder.written]

@@ -5,7 +5,7 @@ nodes; its comments contain the times, the rings and the scale.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ import pandas as pd
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..scene.scene import Scene
 from .pressures import pressures_of
 
 WEDGE = 180.0
@@ -25,6 +26,8 @@ infinite at the edge, and those of polynomial elements oscillate there."""
 DAT_TITLE = re.compile(
     r"(?P<quantity>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
 )
+FORTRAN_EXPONENT = re.compile(r"(?<=[\d.])(?:[dDqQ]|(?=[+-]))(?=[+-]?\d+$)")
+"""Where an `e` belongs in a number with an exponent of Fortran: ``1.0D-03``, or ``1.0-103``."""
 RPT_STEP = re.compile(r"Step: *STEP-(?P<step>\d+)", re.IGNORECASE)
 
 
@@ -208,14 +211,30 @@ def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
         for line in lines:
             words = line.split()
             if len(words) == 4 and words[0].isdigit():
-                values.append(float(words[2]))
+                values.append(fortran_number(words[2]))
                 continue
             if words:
                 if title and values:
-                    yield title["quantity"], title["set"], float(title["time"]), np.array(values)
+                    yield title["quantity"], title["set"], _time(title), np.array(values)
                 title, values = DAT_TITLE.search(line), []
     if title and values:
-        yield title["quantity"], title["set"], float(title["time"]), np.array(values)
+        yield title["quantity"], title["set"], _time(title), np.array(values)
+
+
+def _time(title: re.Match[str]) -> float:
+    """Return the time in the title of a block."""
+    return fortran_number(title["time"])
+
+
+def fortran_number(text: str) -> float:
+    """Return the number in a text, whose exponent may be written as in Fortran.
+
+    Raises
+    ------
+    ValueError
+        if the text is no number
+    """
+    return float(FORTRAN_EXPONENT.sub("e", text))
 
 
 def read_rpt(path: Path) -> pd.DataFrame:
@@ -268,7 +287,7 @@ def _step_tables(path: Path, steps: int) -> Iterator[tuple[int, pd.DataFrame]]:
             elif words[:1] == ["Node"] and len(words) > 1:
                 headings = words[1:]
             elif headings and len(words) == len(headings) + 1 and words[0].isdigit():
-                row = dict(zip(headings, map(float, words[1:]), strict=True))
+                row = dict(zip(headings, map(fortran_number, words[1:]), strict=True))
                 rows_by_step.setdefault(step, {}).setdefault(int(words[0]), {}).update(row)
     if not rows_by_step:
         raise SceneError(
@@ -281,5 +300,67 @@ def _step_tables(path: Path, steps: int) -> Iterator[tuple[int, pd.DataFrame]]:
         yield number, pd.DataFrame.from_dict(rows, orient="index")
 
 
+def differing_keys(results: Path, scene: Scene) -> list[str]:
+    """Return the keys in which the scene beside the results of a deck differs from a scene.
+
+    `ringwear deck` writes the scene that it models as `scene.toml`. Only keys that change what is
+    modelled are compared. The list is empty if there is no such file, or if it is no scene.
+    """
+    path = results.parent / "scene.toml"
+    if not path.is_file():
+        return []
+    try:
+        modelled = Scene.load(path)
+    except SceneError:
+        return []
+    ours, theirs = _modelled_values(scene.table()), _modelled_values(modelled.table())
+    return sorted(key for key in ours | theirs if ours.get(key) != theirs.get(key))
+
+
+def reach_of_deck(results: object, scene: Scene) -> float | None:
+    """Return the radius of the half-space of a deck, in punch radii, if it models this scene.
+
+    It is None for results that are not of a deck, or whose folder has no `scene.toml` with the same
+    model.
+    """
+    if not isinstance(results, str | Path):
+        return None
+    path = Path(results)
+    is_deck = path.suffix.lower() in READERS and (path.parent / "scene.toml").is_file()
+    if not is_deck or differing_keys(path, scene):
+        return None
+    return max(Deck.of_results(path).radii.values()) / scene.punch.radius
+
+
+def _modelled_values(table: Mapping[str, object], prefix: str = "") -> dict[str, object]:
+    """Return the values of the keys with dots of a scene that change what is modelled."""
+    values = dict[str, object]()
+    for key, value in table.items():
+        if not prefix and key not in MODELLED_TABLES:
+            continue
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping):
+            values |= _modelled_values(value, f"{name}.")
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for number, item in enumerate(value):
+                values |= _modelled_values(item, f"{name}.{number}.")
+        else:
+            values[name] = value
+    return values
+
+
 READERS = {".dat": read_dat, ".rpt": read_rpt}
 """Readers of result files, by the ending of the file."""
+NO_RESULTS = {
+    ".toml": "is a scene, not results: give the scene first, and then a file of results, such as "
+    "CSV, or the .dat of CalculiX",
+    ".inp": "is an input file, not results: run it, and give the .dat of CalculiX or the .rpt of "
+    "Abaqus, of the same name",
+    ".frd": "has fields for figures: give the .dat of the same name, to which CalculiX writes the "
+    "forces on nodes",
+    ".odb": "is a binary file of Abaqus: give a field report of it in a file of the same name that "
+    "ends in .rpt",
+}
+"""What files are that have no results that can be read, and which to give instead, by ending."""
+MODELLED_TABLES = ("units", "punch", "half_space", "load")
+"""Tables and keys of a scene that change what a deck models."""

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.studies.check.diagnose import Comparison, diagnose
+from ringwear.studies.check.causes.hypotheses import Hypothesis, Mistake
+from ringwear.studies.check.diagnose import CAUSES, Comparison, diagnose, rival_causes
 
 SCENES = {
     "five": Scene.load("five_rings"),
@@ -181,3 +182,20 @@ def test_noise_is_no_fault(scene):
 def test_right_results_have_no_fault():
     assert look("five", ours("five")) == []
     assert look("five", solve(SCENES["five"], "fem")) == []
+
+
+def test_rivals_belong_to_other_hypotheses():
+    """A mistake that is made together with the first one is no rival, even if likelier alone."""
+    causes = {cause.name: cause for cause in CAUSES}
+    wear, sign, load = (causes[name] for name in ("wear coefficient", "sign", "normal force"))
+
+    def hypothesis(*made):
+        nothing = np.zeros((1, 1))
+        mistakes = tuple(Mistake(cause, (2.0,)) for cause in made)
+        return Hypothesis(mistakes, nothing, nothing, nothing)
+
+    best = {wear: hypothesis(sign, wear), sign: hypothesis(sign), load: hypothesis(load)}
+    order = [sign, wear, load]
+    assert rival_causes(wear, order, best) == [load]
+    assert rival_causes(sign, order, best) == [load]
+    assert rival_causes(load, order, best) == [sign, wear]

@@ -5,8 +5,10 @@ not made may be named with a confidence of at most 0.7.
 
 The diagnosis was developed with `FILES`. It was then tested with `FRESH`: the right cause was named
 first in 9 of 10 cases, and in 2 a wrong one had a confidence above 0.7; this was then corrected.
-Finally `UNSEEN` was made and tested once, and nothing has been changed since: the right cause is
-named first in 9 of 10 cases, and in 1 a wrong one has a confidence above 0.7 (`MISSED`).
+Then `UNSEEN` was made and tested once: the right cause was named first in 9 of 10 cases, and in 1 a
+wrong one had a confidence above 0.7: times in minutes looked like a wear coefficient. Single wrong
+inputs and columns (`test_wrong_inputs.py`) were added later. Of 20 other files, made and tested
+once after that, the right cause was named first in 20, and no wrong one was above 0.65.
 """
 
 import math
@@ -311,10 +313,6 @@ UNSEEN = {
 
 
 ALL = FILES | FRESH | UNSEEN
-# files whose cause is not named first, with the reason
-MISSED = {
-    "minutes": "all times are early, where springs err most: a wear coefficient 49 times as great"
-}
 QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
 
 
@@ -326,10 +324,7 @@ def looks(scene, table):
 
 def marked(name):
     """Return the name of a file with its pytest marks."""
-    marks = [] if name in QUICK else [pytest.mark.slow]
-    if name in MISSED:
-        marks.append(pytest.mark.xfail(reason=MISSED[name], strict=True))
-    return pytest.param(name, marks=marks)
+    return pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow])
 
 
 @pytest.mark.parametrize("name", [marked(name) for name in ALL])

@@ -24,6 +24,7 @@ class Cause(ABC):
     searched : whether the sizes are optimised, beginning at each candidate; otherwise the
         candidates are the only sizes
     choices : number of values among which the prior is divided, if none is fitted
+    is_of_mesh : whether a right model has this error, too, if its mesh is too small or too coarse
     group : mistakes of the same group are never combined
     remedy : what the user can do to confirm the mistake
     """
@@ -33,6 +34,7 @@ class Cause(ABC):
     fitted_numbers: ClassVar[int] = 0
     searched: ClassVar[bool] = False
     choices: ClassVar[int] = 1
+    is_of_mesh: ClassVar[bool] = False
     group: ClassVar[str]
     remedy: ClassVar[str]
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....meshes.errors import RingwearError
 from ....meshes.radial import Array
 from .cause import Cause, Sizes
 from .comparison import Comparison
@@ -102,10 +103,12 @@ class HypothesisSearch:
     ----------
     model : predicts what the program prints
     causes : the mistakes that are considered
+    doubt : factor on the prior odds of mistakes that are not of the mesh
     """
 
     model: Model
     causes: Sequence[Cause]
+    doubt: float = 1.0
 
     @property
     def _comparison(self) -> Comparison:
@@ -193,6 +196,8 @@ class HypothesisSearch:
         count = min(len(differences), MAX_VALUES)
         likelihood = -count / 2 * np.log1p(np.mean(differences**2))
         prior = hypothesis.log_prior
+        doubted = [each for each in hypothesis.mistakes if not each.cause.is_of_mesh]
+        prior += len(doubted) * np.log(self.doubt)
         if not hypothesis.mistakes and len(differences) < FEW_VALUES:
             prior = np.log(NO_MISTAKE_ODDS)
         return float(prior + likelihood - hypothesis.fitted_numbers / 2 * np.log(count))
@@ -204,8 +209,15 @@ class HypothesisSearch:
     def best_with(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
         """Return the best hypothesis that adds a cause to other mistakes.
 
-        It is None if no size of the cause is possible and has an effect.
+        It is None if no size of the cause is possible and has an effect, or if the scene with the
+        mistake cannot be solved.
         """
+        try:
+            return self._best_with(cause, others)
+        except RingwearError:
+            return None
+
+    def _best_with(self, cause: Cause, others: tuple[Mistake, ...]) -> Hypothesis | None:
         trials = [
             self.hypothesis((*others, Mistake(cause, sizes)))
             for sizes in cause.candidates(self.model)
@@ -271,7 +283,7 @@ def alike(hypothesis: Hypothesis, other: Hypothesis) -> bool:
 
 
 def explained_error_part(hypothesis: Hypothesis, none: Hypothesis, membership: Array) -> float:
-    """Return the part of the error, 0 to 1, that a hypothesis explains.
+    """Return the square of the part of the error, 0 to 1, that a hypothesis explains.
 
     Only quantities that its mistakes change are counted.
 
@@ -288,4 +300,5 @@ def explained_error_part(hypothesis: Hypothesis, none: Hypothesis, membership: A
         float(np.mean(each.errors[affected] ** 2)) for each in (none, hypothesis)
     )
     unexplained = np.sqrt(max(square_with - USUAL_ERROR**2, 0.0) / square_without)
-    return float(max(0.0, 1 - unexplained))
+    # squared, because a mistake that leaves a sixth of the error is often not the one that was made
+    return float(max(0.0, 1 - unexplained) ** 2)

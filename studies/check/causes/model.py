@@ -7,32 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....meshes.radial import Array
-from ...methods.base import Solution, method
 from ...problem.problem import Problem
 from ...problem.quantities import QUANTITIES
-from ...progress import Stages
 from ...sampling.norms import Results
 from ...sampling.sampler import Sampler
-from . import grounds
 from .comparison import Comparison
-from .setting import Setting
+from .histories import LENGTHS, Histories, Solve
+from .setting import Setting, computed_settings
 from .table import Table
 
-# discretisation of the interpolated tables: rtol of the solution, number of times, least number of
-# radii on a ring, and about the least number of radii on all rings
-TABLE_RTOL, TABLE_TIMES, MIN_RING_RADII, MIN_RADII = 1e-3, 80, 6, 100
-# range of the times of the tables: from this part of the first time after the start to this
-# multiple of the last time; beyond it tables are extrapolated
-TABLE_START, TABLE_END = 1e-2, 4.0
 # numbers of time steps in the longest interval between results, at which the error of first-order
 # steps is measured; integers, so that no step there is shorter than its nominal length
 STEP_COUNTS = np.array([64.0, 48, 40, 32, 25, 20, 16, 13, 10, 8, 6, 5, 4, 3, 2])
-# layers that are computed: thickness over the punch radius, and modulus over that of the half-space
-# below; other layers are interpolated
-THICKNESSES = (0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
-STIFFNESSES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
-LENGTHS = ("displacement", "profile", "indentation")
-PRINTED = (*LENGTHS, "pressure", "normal_force")
+# part of the radius at which errors by large elements at the rim are predicted
+RIM_PART = 0.02
 # greatest relative difference of the tables to our results that is corrected by a factor
 MAX_TABLE_ERROR = 0.02
 # relative error of the start on a clamped half-space, times R / a, by Poisson's ratio (`study
@@ -46,10 +34,15 @@ class Model:
 
     S, R, K and Q are the numbers of times, radii, compared numbers and quantities in a
     `Comparison`, T and M the numbers of times and radii of the tables.
+
+    Parameters
+    ----------
+    comparison : results of the other program and ours
+    solve : solves a problem
     """
 
     comparison: Comparison
-    _histories: dict[object, Results] = field(default_factory=dict)
+    solve: Solve
     _tables: dict[object, Table] = field(default_factory=dict)
     _interpolations: dict[float, Array] = field(default_factory=dict)
 
@@ -69,89 +62,29 @@ class Model:
         return self.problem.indentation is None
 
     @cached_property
+    def at_indentation(self) -> bool:
+        """Whether the other program prescribes the indentation, so that its forces may be wrong.
+
+        It has solved the scene so if it prints forces, but no displacements, although the scene has
+        a force: it prescribes our displacements, as decks do.
+        """
+        quantities = {*self.comparison.quantities}
+        displaced = {"displacement", "indentation"} & quantities
+        return not self.pressed_by_force or ("normal_force" in quantities and not displaced)
+
+    @cached_property
     def times(self) -> Array:
         """(S,) non-dimensional times that are compared."""
         return self.comparison.times[self.comparison.time_rows] / self.problem.units.time
 
     @cached_property
-    def _table_radii(self) -> Array:
-        """Non-dimensional radii of the tables, between the ring edges and dense beside them."""
-        edges = self.problem.ring_edges
-        count = max(MIN_RING_RADII, MIN_RADII // (len(edges) - 1))
-        fractions = (1 - np.cos(np.pi * np.linspace(0.01, 0.99, count))) / 2
-        inner, outer = edges[:-1, None], edges[1:, None]
-        return np.asarray((inner + (outer - inner) * fractions).ravel())
-
-    @cached_property
-    def _table_times(self) -> Array:
-        """(T,) non-dimensional times of the tables."""
-        later = self.times[self.times > 0]
-        if not len(later):
-            return np.append(0.0, np.geomspace(1e-6, 1e-3, 4))
-        first, last = TABLE_START * later.min(), TABLE_END * later.max()
-        return np.unique(np.concatenate([[0.0], np.geomspace(first, last, TABLE_TIMES), later]))
-
-    @cached_property
-    def _table_problem(self) -> Problem:
-        """The problem of the scene at the times, radii and accuracy of the tables."""
-        return replace(
-            self.problem,
-            rtol=TABLE_RTOL,
-            steady=False,
-            quantities=frozenset(PRINTED) - self.problem.quantities_missing,
-            compared_on=None,
-            times=self._table_times,
-            output_radii=self._table_radii,
-        )
-
-    @cached_property
-    def _table_solution(self) -> Solution:
-        """Our solution for the tables."""
-        return method("mdr").solve(self._table_problem, Stages("mdr"))
-
-    def _printed_quantities(self, results: Results) -> Results:
-        """Return the compared quantities (T, ...) of results, with the force if prescribed."""
-        prescribed = {"normal_force": self.problem.loading.at(self._table_times).force}
-        return {name: np.asarray((prescribed | results)[name]) for name in PRINTED}
+    def _histories(self) -> Histories:
+        """Our histories on all grounds, and of changed scenes."""
+        return Histories(self.comparison.scene, self.times, self.solve)
 
     def histories(self, setting: Setting) -> Results:
-        """Return fields (T, M) and numbers (T,) of the tables, on the ground of a setting.
-
-        They are non-dimensional; the exchange of materials is included.
-        """
-        key = (setting.ground, setting.layer, setting.swapped)
-        if key not in self._histories:
-            self._histories[key] = self._history_on_ground(setting)
-        return self._histories[key]
-
-    def _history_on_ground(self, setting: Setting) -> Results:
-        rings, problem = self.problem.graded or self.problem.rings, self._table_problem
-        if setting.swapped:
-            wear = rings.wear_coefficients
-            rings = rings._replace(wear_coefficients=wear.min() + wear.max() - wear)
-            problem = replace(problem, rings=rings)
-        if setting.ground == "homogeneous":
-            problem = replace(problem, ground=None)
-        if setting.ground in ("ours", "homogeneous"):
-            unchanged = problem is self._table_problem
-            solution = (
-                self._table_solution if unchanged else method("mdr").solve(problem, Stages("mdr"))
-            )
-            return self._printed_quantities(solution.results)
-        ground = grounds.plane_strain(rings)
-        if setting.ground == "layer":
-            ground = grounds.layered(rings, *setting.layer, self.problem.poisson_ratio)
-        points = grounds.elements(rings.ring_edges)
-        element = np.clip(np.searchsorted(points, self._table_radii) - 1, 0, len(points) - 2)
-        pressure, worn, depth = ground.history(self._table_times)
-        profile = worn[:, element]
-        return {
-            "pressure": pressure[:, element],
-            "profile": profile,
-            "displacement": depth[:, None] - profile,
-            "indentation": depth,
-            "normal_force": np.ones(len(depth)),
-        }
+        """Return fields (T, M) and numbers (T,) of a setting: `Histories.of`."""
+        return self._histories.of(setting)
 
     def _interpolation(self, factor: float) -> Array:
         """Return the matrix (R, M) that interpolates from the M radii of the tables to theirs.
@@ -159,7 +92,7 @@ class Model:
         The radii of the other program are multiplied by the factor.
         """
         if factor not in self._interpolations:
-            radii, nodes = self.comparison.radii / self.problem.units.length, self._table_radii
+            radii, nodes = self.comparison.radii / self.problem.units.length, self._histories.radii
             radii = np.clip(radii * factor, nodes[0], nodes[-1])
             right = np.clip(np.searchsorted(nodes, radii), 1, len(nodes) - 1)
             fraction = (radii - nodes[right - 1]) / (nodes[right] - nodes[right - 1])
@@ -182,29 +115,21 @@ class Model:
 
     def _table(self, setting: Setting) -> Table:
         """Return the compared numbers, and the force in the last column, on a setting's ground."""
-        if setting.ground == "layer" and not _is_computed(setting.layer):
-            return self._table_between_layers(setting)
+        (first, _), *more = nodes = computed_settings(setting)
+        if more:
+            tables = [(self._table(node), weight) for node, weight in nodes]
+            values = np.sum([weight * table.values for table, weight in tables], axis=0)
+            return replace(tables[0][0], values=values)
+        setting = first
         factor = setting.table_radii / setting.radius
-        key = (setting.ground, setting.layer, setting.swapped, factor)
+        key = (setting.ground, setting.layer, setting.swapped, setting.scene_change, factor)
         if key not in self._tables:
             histories = self.histories(setting)
             columns = self._compared_numbers(histories, factor)
             values = np.column_stack([columns, histories["normal_force"]])
             growing = np.append(self._is_length, False)
-            self._tables[key] = Table(self._table_times, values, growing)
+            self._tables[key] = Table(self._histories.times, values, growing)
         return self._tables[key]
-
-    def _table_between_layers(self, setting: Setting) -> Table:
-        """Return the table of a layer, interpolated between the four nearest computed layers.
-
-        It is linear in the logarithms of the thickness and of the modulus.
-        """
-        values = np.zeros(1)
-        for thickness, first in _neighbours(setting.layer[0], THICKNESSES):
-            for stiffness, second in _neighbours(setting.layer[1], STIFFNESSES):
-                corner = self._table(setting._replace(layer=(thickness, stiffness)))
-                values = values + first * second * corner.values
-        return Table(corner.times, values, corner.growing)
 
     @cached_property
     def _is_length(self) -> NDArray[np.bool_]:
@@ -245,16 +170,29 @@ class Model:
         """Return the numbers (S, K) that are compared, in the units of the scene."""
         table = self._table_if_clamped(setting, self._table(setting))
         values = table.at(self.history_times(setting, self.times))
+        if any(setting.rim):
+            values = values + self._rim_errors(setting)
+        if setting.truncation and self.at_indentation and self.pressed_by_force:
+            # the same displacements press as if the flat punch were deeper by the lowered length
+            depth = -self._added_depth(setting._replace(stiffness=1.0), values[:, -1])
+            start = self._table(setting).values[0]
+            values = values + np.outer(
+                depth / self._start_depth, np.where(np.append(self._is_length, False), 0.0, start)
+            )
         scales = self.scales(setting)
         values, force = values[:, :-1] * np.array(scales)[self._kind], values[:, -1] * scales[2]
         if setting.ground == "ours":
             values = values * self._table_correction
         if setting.step:
             values = values + self.time_step_error(setting.step)
-        if setting.truncation or setting.depth_offset:
+        lowered = setting.truncation and not (self.at_indentation and self.pressed_by_force)
+        if lowered or setting.depth_offset:
             values = values + self._added_depth(setting, force)[:, None] * self._is_depth
         factors = setting.lengths, setting.pressure, setting.normal_force
         values = values * (np.array(factors)[self._kind] * self._units)
+        if setting.column[0]:
+            own = np.array(self.comparison.column_names) == setting.column[0]
+            values = values * np.where(own, setting.column[1], 1.0)
         if setting.units or setting.signs:
             values = values * self.fitted_factors(setting, values)
         return np.asarray(values)
@@ -266,6 +204,41 @@ class Model:
         with np.errstate(all="ignore"):
             ratio = self.comparison.expected / values
         return np.where(np.abs(ratio - 1) < MAX_TABLE_ERROR, ratio, 1.0)
+
+    @cached_property
+    def _start_depth(self) -> float:
+        """The first indentation, non-dimensional."""
+        return float(self.histories(Setting())["indentation"][0])
+
+    def _rim_errors(self, setting: Setting) -> Array:
+        """Return the errors (S, K + 1) by large elements at the rim.
+
+        The first pressures are those of a greater punch; displacements are lower by this part, or
+        forces higher if the indentation is prescribed. The errors decrease like the pressure near
+        the rim. The last column is the force.
+        """
+        part, next_to_rim = setting.rim
+        right = setting._replace(rim=(0.0, 0.0))
+        greater = right._replace(table_radii=setting.table_radii / (1 + RIM_PART))
+        start, of_greater = (self._table(each).values[0] for each in (right, greater))
+        # by kind: pressures, displacements, worn heights, which have no error, and forces
+        pressure, length, depth = (
+            np.append(which, False) for which in (self._kind == 1, self._is_length, self._is_depth)
+        )
+        errors = np.where(pressure, (of_greater / (1 + RIM_PART) ** 2 - start) / RIM_PART, 0.0)
+        errors += (
+            np.where(~length, start, 0.0) if self.at_indentation else np.where(depth, -start, 0)
+        )
+        errors *= part
+        if pressure.any():
+            last = np.flatnonzero(pressure)[-1]
+            errors[last] += next_to_rim * start[last]
+        near_rim = self.histories(right)["pressure"][
+            :, np.searchsorted(self._histories.radii, 1 - RIM_PART)
+        ]
+        decrease = (near_rim - near_rim[-1]) / (near_rim[0] - near_rim[-1])
+        times = self.history_times(setting, self.times)
+        return np.outer(np.interp(times, self._histories.times, decrease), errors)
 
     def _added_depth(self, setting: Setting, force: Array) -> Array:
         """Return the depth (S,) by which the surface lies deeper than ours, at forces (S,).
@@ -307,11 +280,12 @@ class Model:
 
         A step ends at each time of the other program.
         """
-        unit, comparison, wear = self.problem.units.time, self.comparison, self._table_solution.wear
+        unit, comparison = self.problem.units.time, self.comparison
+        _, wear = self._histories.solution
         assert wear is not None  # the solution of a flat punch has it
         times = comparison.times / unit
         lengths = float(np.diff(times, prepend=0.0).max()) / STEP_COUNTS
-        sampler = Sampler(self._table_problem, wear.compliance.space, wear.compliance)
+        sampler = Sampler(self._histories.problem, wear.compliance.space, wear.compliance)
         force = {"normal_force": np.ones(len(comparison.time_rows))}
         exact, *stepped = (
             self._compared_numbers(force | sampler.history(history[comparison.time_rows]), 1.0)
@@ -327,7 +301,8 @@ class Model:
     def fitted_factors(self, setting: Setting, values: Array) -> Array:
         """Return the sign and the power of a thousand (K,) that fit the other program best.
 
-        They multiply predicted values (S, K). All lengths have the same power.
+        They multiply predicted values (S, K). All lengths have the same power, unless columns have
+        their own units.
         """
         comparison = self.comparison
         present, quantities = comparison.present, comparison.quantities
@@ -341,14 +316,15 @@ class Model:
             logs = np.log10(squares[0] / squares[1]) / 2
         logs = np.where(np.isfinite(logs), logs, 0.0)
         length = np.isin(quantities, LENGTHS)
-        logs[length] = logs[length].mean() if length.any() else 0.0
+        if setting.units != "columns":
+            logs[length] = logs[length].mean() if length.any() else 0.0
         powers = 1000.0 ** np.round(logs / 3) if setting.units else np.ones(len(quantities))
         signs = np.where(setting.signs & (squares[2] < 0), -1.0, 1.0)
         return np.asarray((powers * signs) @ comparison.membership)
 
     def factors_by_name(self, setting: Setting) -> dict[str, float]:
         """Return the fitted sign and power of a thousand of each quantity: `fitted_factors`."""
-        values = self.predict(setting._replace(signs=False, units=False))
+        values = self.predict(setting._replace(signs=False, units=""))
         factors = self.fitted_factors(setting, values)
         return dict(zip(self.comparison.column_names, factors.tolist(), strict=True))
 
@@ -360,7 +336,7 @@ class Model:
         histories = self.histories(setting)
         columns = [each.mean(axis=1) if each.ndim == 2 else each for each in histories.values()]
         growing = np.isin(list(histories), LENGTHS)
-        table = Table(self._table_times, np.stack(columns, axis=1), growing)
+        table = Table(self._histories.times, np.stack(columns, axis=1), growing)
         rows = self._table_if_clamped(setting, table).at(self.history_times(setting, times))
         lengths, pressure, force = self.scales(setting)
         scales = dict.fromkeys(LENGTHS, lengths) | {"pressure": pressure, "normal_force": force}
@@ -376,7 +352,9 @@ class Model:
         for each in (setting, Setting()):
             interpolation = self._interpolation(each.table_radii / each.radius)
             pressures = self.histories(each)["pressure"] @ interpolation.T
-            table = Table(self._table_times, pressures, np.zeros(pressures.shape[1], dtype=bool))
+            table = Table(
+                self._histories.times, pressures, np.zeros(pressures.shape[1], dtype=bool)
+            )
             pressure_pair.append(
                 table.at(self.history_times(each, self.times)) * self.scales(each)[1]
             )
@@ -384,15 +362,3 @@ class Model:
             ratio = pressure_pair[0] / pressure_pair[1] * setting.pressure
         ratio *= self.factors_by_name(setting).get("pressure", 1.0)
         return np.asarray(np.where(np.isfinite(ratio), ratio, 1.0))
-
-
-def _is_computed(layer: tuple[float, float]) -> bool:
-    """Return whether a layer is one of those that are computed."""
-    return layer[0] in THICKNESSES and layer[1] in STIFFNESSES
-
-
-def _neighbours(size: float, sizes: tuple[float, ...]) -> list[tuple[float, float]]:
-    """Return the computed sizes below and above a size, each with its interpolation weight."""
-    position = float(np.interp(np.log(size), np.log(sizes), np.arange(len(sizes))))
-    lower = min(int(position), len(sizes) - 2)
-    return [(sizes[lower], 1 - position + lower), (sizes[lower + 1], position - lower)]

@@ -3,8 +3,8 @@
 import math
 
 from .cause import Cause, Factor, Sizes
-from .model import STIFFNESSES, THICKNESSES, Model
-from .setting import Setting
+from .model import Model
+from .setting import STIFFNESSES, THICKNESSES, Setting
 
 # least logarithm of a factor on the load; a smaller one counts as no change
 MIN_LOG_FACTOR = 0.06
@@ -36,53 +36,6 @@ class WearCoefficient(Factor):
             f"a wear coefficient or a sliding speed of {sizes[0]:.4g} times ours: time runs "
             f"{sizes[0]:.4g} times as fast"
         )
-
-
-class TruncatedHalfSpace(Cause):
-    """The half-space of the program ends at a clamped boundary.
-
-    All displacements are too low by the same length, or forces are too high if the indentation is
-    prescribed.
-    """
-
-    name = "truncated half-space"
-    group, searched = "truncation", True
-    prior = 0.1
-    fitted_numbers = 1
-    remedy = "compute with a half-space twice as large: the error is halved"
-
-    def applies(self, model: Model) -> bool:
-        """Return whether the mistake could be recognised in these results."""
-        if model.problem.ground is not None:
-            return False
-        if model.pressed_by_force:
-            return bool({"displacement", "indentation"} & {*model.comparison.quantities})
-        return model.flat
-
-    def candidates(self, model: Model) -> list[Sizes]:
-        """Return the sizes to try or to begin a search at."""
-        return [(0.05,), (0.2,)]
-
-    def change(self, setting: Setting, sizes: Sizes) -> Setting:
-        """Return the setting with this mistake added."""
-        return setting._replace(truncation=sizes[0])
-
-    def is_possible(self, model: Model, sizes: Sizes) -> bool:
-        """Return whether sizes lie in the range that is considered."""
-        return 1e-3 < sizes[0] < 0.5
-
-    def size(self, model: Model, sizes: Sizes) -> float:
-        """Return the number that is reported for the mistake."""
-        return 1 / sizes[0]
-
-    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
-        """Return what the error looks like, with its number, as a noun phrase."""
-        reach = f"a half-space that is clamped at a distance R of about {1 / sizes[0]:.4g} radii"
-        if model.pressed_by_force:
-            low = "all displacements are too low by the same length"
-            return f"{reach}: {low}, about 1.1 a/R of the indentation"
-        high = "forces are too high for the indentation"
-        return f"{reach}: {high}, the first one by about 1.1 a/R"
 
 
 class Load(Factor):
@@ -240,8 +193,8 @@ class SwappedMaterials(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        wear = (model.problem.graded or model.problem.rings).wear_coefficients
-        return bool((model.times > 0).any()) and wear.min() < wear.max()
+        rings = model.problem.graded or model.problem.rings
+        return bool((model.times > 0).any()) and len(set(rings.wear_coefficients)) == 2
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return the setting with this mistake added."""

@@ -6,7 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from .cause import Cause, Factor, Sizes
-from .model import LENGTHS, Model
+from .histories import LENGTHS
+from .model import Model
 from .setting import Setting
 
 # greatest relative difference of a fitted factor to a well-known one whose name it is given
@@ -60,7 +61,7 @@ class Units(Cause):
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return the setting with this mistake added."""
-        return setting._replace(units=True)
+        return setting._replace(units="kinds")
 
     def factors(self, model: Model, setting: Setting) -> dict[str, float]:
         """Return the power of a thousand of each quantity where it is not 1."""
@@ -75,10 +76,24 @@ class Units(Cause):
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
         multiples = ", ".join(
-            f"{name.replace('_', ' ')} is {factor:.4g} times ours"
+            f"the column {name} is {factor:.4g} times ours"
             for name, factor in self.factors(model, setting).items()
         )
         return f"other units than ours: {multiples}"
+
+
+class ColumnUnits(Units):
+    """Single columns are in other units, though other columns of the same kind are right."""
+
+    prior = 0.05
+
+    def applies(self, model: Model) -> bool:
+        """Return whether the mistake could be recognised in these results."""
+        return len({*LENGTHS} & {*model.comparison.quantities}) > 1
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return the setting with this mistake added."""
+        return setting._replace(units="columns")
 
 
 class UnitOfTime(Cause):
@@ -86,8 +101,11 @@ class UnitOfTime(Cause):
 
     name = "units of time"
     group, choices = "time", 3
-    prior = 0.03
-    remedy = "give the unit of time of the table by --units, or in the heading of its times"
+    prior = 0.15
+    remedy = (
+        "give the unit of time of the table by --units, or in the heading of its times; a wear "
+        "coefficient or a sliding speed in another unit has the same effect"
+    )
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
@@ -103,7 +121,10 @@ class UnitOfTime(Cause):
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
-        return f"another unit of time, {sizes[0]:.4g} times that of the scene"
+        return (
+            f"another unit of time, {sizes[0]:.4g} times that of the scene: the column time is "
+            f"{1 / sizes[0]:.4g} times ours"
+        )
 
 
 class UnitOfRadii(Cause):
@@ -132,7 +153,10 @@ class UnitOfRadii(Cause):
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
         kind = {2.0: "halves of the radii", 0.5: "diameters"}.get(sizes[0], "in another unit")
-        return f"radii that are {kind}: the right ones are {sizes[0]:.4g} times those of the table"
+        return (
+            f"radii that are {kind}: the right ones are {sizes[0]:.4g} times those of the table: "
+            f"the column radius is {1 / sizes[0]:.4g} times ours"
+        )
 
 
 class ConstantFactor(Factor):
@@ -197,6 +221,43 @@ class ForceFactor(ConstantFactor):
         "compare the units; look up whether the force of an axisymmetric model acts on the whole "
         "circumference"
     )
+
+
+class ColumnFactor(Factor):
+    """One length alone is a multiple of ours, and the other lengths are correct.
+
+    Parameters
+    ----------
+    column : the name of its quantity
+    """
+
+    name = "constant factor"
+    prior = 0.03
+    group = "column factor"
+    remedy = "compare the unit and the definition of this column with those of the others"
+
+    def __init__(self, column: str) -> None:
+        self.column = column
+
+    def applies(self, model: Model) -> bool:
+        """Return whether the mistake could be recognised in these results."""
+        lengths = {*LENGTHS} & {*model.comparison.quantities}
+        return self.column in lengths and len(lengths) > 1
+
+    def change(self, setting: Setting, sizes: Sizes) -> Setting:
+        """Return the setting with this mistake added."""
+        return setting._replace(column=(self.column, sizes[0]))
+
+    def name_of(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return the name of the mistake at these sizes."""
+        return known_factor(model, sizes[0]) or self.name
+
+    def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
+        """Return what the error looks like, with its number, as a noun phrase."""
+        return (
+            f"a constant factor: the column {self.column} alone is {sizes[0]:.4g} times ours at "
+            "all times"
+        )
 
 
 class LateStart(Cause):

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene
+from ringwear import Scene, deck
 from ringwear.meshes.errors import SceneError
+from ringwear.studies.check.tables import read
 from ringwear.studies.decks.deck import refusal
 from ringwear.studies.decks.mesh import deck_mesh, graded
 from ringwear.studies.decks.pressures import pressures_of
-from ringwear.studies.decks.reports import read_dat, read_rpt
+from ringwear.studies.decks.reports import fortran_number, read_dat, read_rpt
 
 RINGS = np.array([0.0, 0.3, 0.35, 1.0])
 # the part of a deck that readers use: one ring of two linear elements, radii 0, 1 and 2, two steps
@@ -127,6 +128,23 @@ def test_the_dat_of_calculix(tmp_path):
     np.testing.assert_allclose(table.normal_force, 4 * np.pi, rtol=1e-5)
 
 
+@pytest.mark.parametrize("exponent", ["D", "d", "E", "e"])
+def test_exponents_of_fortran_are_read(exponent, tmp_path):
+    rows = "".join(f" {n}  0.0E+00 {-f / 180:.9E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
+    text = "".join(DAT.format(end=end) + rows for end in (1, 2)).replace("E", exponent)
+    table = read_dat(write(tmp_path, ".dat", text))
+    np.testing.assert_allclose(table.normal_force, 4 * np.pi, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [("1.0D-03", 1e-3), ("-2.5d+1", -25.0), ("1.0-103", 1e-103), ("4", 4.0), (".5+101", 5e100)],
+)
+def test_numbers_of_fortran(text, number):
+    """Fortran leaves out the letter if the exponent has three digits."""
+    assert fortran_number(text) == number
+
+
 def test_a_run_that_stopped_is_refused(tmp_path):
     path = write(tmp_path, ".dat", DAT.format(end=1) + " 1  0.0E+00 -1.0E+00  0.0E+00\n" * 3)
     with pytest.raises(SceneError, match="step 2 of 2 is missing"):
@@ -160,3 +178,42 @@ def test_scenes_without_a_deck_are_refused():
     assert not refusal(soft, "abaqus")
     with pytest.raises(SceneError, match="--reach"):
         deck_mesh(RINGS, 0.0, 0.1, 2.0, False)
+
+
+def test_results_of_a_deck_of_another_scene_are_reported(tmp_path, caplog):
+    """One line names the keys that change what is modelled; methods and accuracy do not."""
+    flat = Scene.load("flat_punch").changed(methods=["mdr"], punch__radius=2.0, wear__times=[0.0])
+    rows = "".join(f" {n}  0.0E+00 {-f / 180:.6E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
+    path = write(tmp_path, ".dat", "".join(DAT.format(end=end) + rows for end in (1, 2)))
+    other = flat.changed(half_space__poisson_ratio=0.4, punch__radius=3.0, accuracy__rtol=1e-3)
+    for modelled, keys in ((other, "half_space.poisson_ratio, punch.radius"), (flat, "")):
+        (tmp_path / "scene.toml").write_text(modelled.to_toml(), "utf-8")
+        caplog.clear()
+        with caplog.at_level("WARNING", logger="ringwear"):
+            read(path, "theirs", flat, {}, "")
+        lines = [line for line in caplog.messages if "scene.toml" in line]
+        assert len(lines) == bool(keys)
+        assert all(line.endswith(f"differs in {keys}") and str(path) in line for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("name", "instead"),
+    [
+        ("mine.toml", "give the scene first"),
+        ("prescribed.inp", r"give the \.dat of CalculiX"),
+        ("prescribed.FRD", r"give the \.dat of the same name"),
+        ("prescribed.odb", r"ends in \.rpt"),
+    ],
+)
+def test_files_that_are_no_results_are_refused_with_the_right_one(name, instead, tmp_path):
+    (tmp_path / name).write_text("*HEADING\n", "utf-8")
+    with pytest.raises(SceneError, match=instead) as refused:
+        read(str(tmp_path / name), "theirs", Scene.load("flat_punch"), {}, "")
+    assert "\n" not in str(refused.value)
+    assert name in str(refused.value)
+
+
+@pytest.mark.parametrize("program", ["Abaqus", "CalculiX"])
+def test_names_of_programs_may_be_in_upper_and_lower_case(program, tmp_path):
+    files = deck("flat_punch", program, tmp_path / "deck", size=0.4, reach=50, times=[0])
+    assert "prescribed.inp" in {file.name for file in files}

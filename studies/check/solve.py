@@ -1,0 +1,26 @@
+"""Solve the many problems of a diagnosis by MDR, without error estimates where that is possible."""
+
+from ...mdr import energy
+from ..methods.base import method
+from ..methods.spaces import choose_spaces
+from ..problem.problem import Problem
+from ..progress import Stages
+from ..sampling.norms import Results
+from ..sampling.sampler import Sampler
+from ..wear.full_contact import RunningIn
+
+
+def solve(problem: Problem) -> tuple[Results, RunningIn | None]:
+    """Return the results of a problem and, in full contact, the running-in."""
+    if not problem.full_contact:
+        return method("mdr").solve(problem, Stages("mdr")).results, None
+    space = choose_spaces(problem).fine
+    compliance = energy.compliance(space, problem.ground)
+    wear = RunningIn(
+        compliance,
+        problem.merged.wear_coefficients,
+        problem.earliest,
+        indentation=problem.indentation,
+        loading=problem.loading,
+    )
+    return Sampler(problem, space, compliance).history(wear.modal(problem.times)), wear

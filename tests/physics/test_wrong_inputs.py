@@ -1,0 +1,227 @@
+"""Mistakes in single columns and single inputs are named; errors of our own decks are of the mesh.
+
+Each mistake is made in the input or in the table; what has to be named follows from it.
+"""
+
+import os
+import shutil
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+from programs import finite_elements, input_of, springs
+
+import ringwear
+from ringwear import Scene, SceneError, check, run
+from ringwear.studies.check.diagnose import Comparison, diagnose
+
+MESH = {"coarse rim", "coarse mesh", "checkerboard"}
+QUICK = {"methods": ["mdr"], "accuracy": {"rtol": 1e-3}}
+MM = {"units": "mm, N, MPa, s"} | QUICK
+FLAT = Scene(
+    **MM,
+    punch={"radius": 8.0, "rings": 4, "wear_coefficients": [1e-6, 5e-6]},
+    half_space={"youngs_modulus": 800.0, "poisson_ratio": 0.3},
+    load={"normal_force": 300.0, "sliding_speed": 20.0},
+    wear={"times": [0.0, 5.0, 20.0, 100.0, 300.0, 800.0], "steady": False},
+)
+THREE = FLAT.changed(
+    punch={
+        "radius": 8.0,
+        "ring_edges": [2.0, 5.0, 8.0],
+        "wear_coefficients": [1e-6, 4e-6, 2e-6],
+    }
+)
+UPPER = {"thickness": 1.0, "youngs_modulus": 500.0, "poisson_ratio": 0.4}
+LOWER = {"thickness": 2.0, "youngs_modulus": 4000.0, "poisson_ratio": 0.3}
+LAYERS = FLAT.changed(
+    punch={"radius": 5.0, "rings": 3, "wear_coefficients": [1e-6, 4e-6]},
+    half_space={"youngs_modulus": 2000.0, "poisson_ratio": 0.3, "layers": [UPPER, LOWER]},
+    load={"normal_force": 200.0, "sliding_speed": 20.0},
+    wear__times=[0.0, 1.0, 5.0, 20.0, 60.0, 150.0],
+)
+BALL = Scene(
+    **MM,
+    punch={
+        "radius": 2.0,
+        "profile": {"kind": "ball", "ball_radius": 30.0},
+        "wear_coefficient": 1e-6,
+    },
+    half_space={"youngs_modulus": 5000.0, "poisson_ratio": 0.3},
+    load={"normal_force": 40.0, "sliding_speed": 10.0},
+    wear={"times": [0.0, 5.0, 30.0, 120.0], "steady": False},
+)
+
+
+def ours(scene, **changes):
+    """Return our results of a scene with changes, as a table of another program."""
+    radii = np.linspace(0.008, 0.99, 60) * scene.punch.radius
+    dataset = run(scene.changed(output__radii=radii.tolist(), **changes), methods=["mdr"]).dataset
+    names = ("pressure", "displacement", "profile", "indentation")
+    columns = {name: dataset[name].isel(solver=0) for name in names}
+    rows = [
+        pd.DataFrame(
+            {"time": time, "radius": radii}
+            | {name: values.sel(time=time).values for name, values in columns.items()}
+        )
+        for time in scene.wear.times
+    ]
+    return pd.concat(rows, ignore_index=True)
+
+
+def looks(scene, table, **how):
+    return check(scene, {"theirs": table}, **how).diagnoses["theirs"]
+
+
+def in_other_units(column, factor):
+    table = springs(input_of(FLAT))
+    return looks(FLAT, table.assign(**{column: table[column] * factor}))
+
+
+@pytest.mark.parametrize(
+    ("column", "factor"),
+    [
+        ("indentation", 1e3),
+        ("indentation", 1e-3),
+        ("displacement", 1e3),
+        ("profile", 1e6),
+        ("pressure", 1e6),
+        ("pressure", 1e-3),
+    ],
+)
+def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor):
+    first, *others = in_other_units(column, factor)
+    assert (first.name, first.size) == ("units", pytest.approx(factor))
+    assert f"the column {column} is {factor:.4g} times ours" in first.words
+    assert all(other.confidence <= 0.7 or other.name in MESH for other in others)
+
+
+@pytest.mark.parametrize("factor", [60.0, 3600.0, 1e3])
+def test_a_column_of_times_in_other_units_cannot_be_told_from_a_wear_coefficient(factor):
+    """Results depend on the time only as k v t, so that neither may be sure."""
+    found = in_other_units("time", factor)
+    assert [fault.name for fault in found] == ["units of time", "wear coefficient"]
+    assert all(fault.confidence <= 0.7 for fault in found)
+    assert [fault.size for fault in found] == pytest.approx([1 / factor] * 2, rel=0.01)
+    assert f"the column time is {factor:.4g} times ours" in found[0].words
+
+
+def test_a_column_of_radii_in_other_units_is_named():
+    first, *others = in_other_units("radius", 1e-3)
+    assert (first.name, first.size) == ("units of radii", pytest.approx(1e3))
+    assert "the column radius is 0.001 times ours" in first.words
+    assert all(other.confidence <= 0.7 for other in others)
+    with pytest.raises(SceneError, match="the column radius seems to be 1000 times ours"):
+        in_other_units("radius", 1e3)
+
+
+def other(layer, **changes):
+    """Return a layer with changes."""
+    return layer | changes
+
+
+WRONG = {
+    "k2 = 10 for 5": (FLAT, {"punch__wear_coefficients": [1e-6, 1e-5]}, "wear ratio", 2.0),
+    "k2 = 3.5 for 5": (FLAT, {"punch__wear_coefficients": [1e-6, 3.5e-6]}, "wear ratio", 0.7),
+    "edges 5 % out": (THREE, {"punch__ring_edges": [2.1, 5.25, 8.0]}, "ring edges", 1.05),
+    "edges 5 % in": (THREE, {"punch__ring_edges": [1.9, 4.75, 8.0]}, "ring edges", 0.95),
+    "two of three swapped": (
+        THREE,
+        {"punch__wear_coefficients": [1e-6, 2e-6, 4e-6]},
+        "swapped materials",
+        1.0,
+    ),
+    "nu of the layer": (
+        LAYERS,
+        {"half_space__layers": [other(UPPER, poisson_ratio=0.0), LOWER]},
+        "Poisson's ratio of a layer",
+        0.0,
+    ),
+    "modulus of the layer": (
+        LAYERS,
+        {"half_space__layers": [UPPER, other(LOWER, youngs_modulus=8000.0)]},
+        "modulus of a layer",
+        2.0,
+    ),
+    "thickness of the layer": (
+        LAYERS,
+        {"half_space__layers": [other(UPPER, thickness=1.5), LOWER]},
+        "thickness of a layer",
+        1.5,
+    ),
+    "swapped moduli": (
+        LAYERS,
+        {
+            "half_space__layers": [
+                other(UPPER, youngs_modulus=4000.0),
+                other(LOWER, youngs_modulus=500.0),
+            ]
+        },
+        "swapped layers",
+        1.0,
+    ),
+    "load of a ball": (BALL, {"load__normal_force": 56.0}, "normal force", 1.4),
+}
+SLOW = {"load of a ball", "modulus of the layer", "thickness of the layer", "k2 = 3.5 for 5"}
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in WRONG],
+)
+def test_a_single_wrong_input_is_named_and_no_other_is_sure(name):
+    scene, changes, cause, size = WRONG[name]
+    first, *others = looks(scene, ours(scene, **changes))
+    assert (first.name, first.size) == (cause, pytest.approx(size, rel=0.05))
+    assert first.confidence > 0.7
+    assert all(other.confidence <= 0.7 for other in others)
+
+
+def flat_start(error):
+    """Return a comparison of F and p at the start that are too large by an error, as in a deck."""
+    scene = Scene.load("flat_punch").changed(methods=["mdr"], wear__times=[0.0])
+    radius, force = scene.punch.radius, scene.load_.normal_force
+    radii = np.linspace(0.0, 0.9, 10) * radius
+    pressure = force / (2 * np.pi * radius * np.sqrt(radius**2 - radii**2))
+    right = {"pressure": pressure[None], "normal_force": np.array([force])}
+    wrong = {name: values * (1 + error) for name, values in right.items()}
+    return Comparison(np.zeros(1), radii, wrong, right, scene)
+
+
+@pytest.mark.parametrize(("reach", "share"), [(20.0, 1.0), (80.0, 0.25)])
+def test_the_error_of_a_deck_is_shared_by_its_arc_and_its_mesh(reach, share):
+    """With prescribed displacements an arc at 20 a causes 1.09 / 20 (Poisson's ratio 0.3)."""
+    found = {fault.name: fault for fault in diagnose(flat_start(1.09 / 20), deck_reach=reach)}
+    arc = found["truncated half-space"]
+    assert arc.size == reach
+    sure = arc.confidence + (found["coarse mesh"].confidence if share < 1 else 0)
+    assert arc.confidence / sure == pytest.approx(share, rel=0.05)
+    assert all(
+        fault.confidence < 0.3
+        for name, fault in found.items()
+        if name not in MESH | {"truncated half-space"}
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+@pytest.mark.parametrize("size", [0.2, 0.1, 0.05])
+def test_a_right_deck_of_calculix_has_errors_of_its_mesh_only(size, tmp_path):
+    ringwear.deck("five_rings", "calculix", tmp_path, size=size, reach=50, times=[0.1])
+    scene = Scene.load(tmp_path / "scene.toml").changed(methods=["mdr"])
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    for job in ("prescribed", "contact_1"):
+        call = {"cwd": tmp_path, "check": True, "stdout": subprocess.DEVNULL, "env": environment}
+        subprocess.run(["ccx", "-i", job], timeout=200, **call)
+        found = looks(scene, str(tmp_path / f"{job}.dat"))
+        assert {fault.name for fault in found} <= MESH | {"truncated half-space"}
+        if size < 0.2:
+            assert found[0].name == "truncated half-space"
+
+
+def test_finite_elements_with_wrong_edges_are_named_despite_their_own_errors():
+    given = input_of(THREE).changed(edges=(2.2, 5.5, 8.0))
+    first, *others = looks(THREE, finite_elements(given))
+    assert (first.name, first.size) == ("ring edges", pytest.approx(1.1, rel=0.03))
+    assert all(other.confidence <= 0.7 or other.name in MESH for other in others)
