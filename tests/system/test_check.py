@@ -329,12 +329,14 @@ def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
         (["{}", "--units", "mm, N, MPa, s"], "the scene's numbers have none"),
         (["{}.nc"], "cannot be read"),
         (["{}", "--sizes", "0.1"], "two or more"),
-        (["{}", "{}", "--sizes", "0.1,0.2"], "decreasing"),
+        (["{}", "{}.csv", "--sizes", "0.1,0.2"], "decreasing"),
+        (["{}", "{}"], "is given twice"),
     ],
 )
 def test_a_malformed_option_is_refused(flags, words, tmp_path, capsys):
     file = tmp_path / "theirs.csv"
-    file.write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
+    for name in (file, tmp_path / "theirs.csv.csv"):
+        name.write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
     flags = [flag.format(file) for flag in flags]
     try:
         status = main(["check", "five_rings", *flags, "--out", str(tmp_path / "out")])
