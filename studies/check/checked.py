@@ -10,6 +10,7 @@ import numpy as np
 
 from ..outcome.outcome import Outcome
 from ..problem.unit_names import UnitNames
+from ..progress import LOG
 from ..sampling.field_differences import OVER_TIME
 from .diagnose import Comparison, Diagnosis, diagnose
 from .verdict import Verdict, best, in_words, verdicts
@@ -112,7 +113,12 @@ class CheckedOutcome(Outcome):
     @cached_property
     def diagnoses(self) -> dict[str, list[Diagnosis]]:
         """Mistakes that may explain the errors, by program, most confident first."""
-        return {name: diagnose(self.compare(name), self.decks.get(name)) for name in self.judged}
+        diagnoses = {}
+        for name in self.judged:
+            # a mistake such as another wear coefficient is tried by solving a changed scene
+            LOG.info("   check  trying mistakes that may explain the errors of %s ...", name)
+            diagnoses[name] = diagnose(self.compare(name), self.decks.get(name))
+        return diagnoses
 
     @property
     def lines(self) -> list[str]:
