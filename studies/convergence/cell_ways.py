@@ -21,7 +21,7 @@ from ...meshes import bisection
 from ...meshes.contact_cells import ContactCells
 from ...meshes.sizes import SizeField
 from ..methods.base import Discretised
-from ..methods.spaces import first_contact
+from ..methods.spaces import scaled_cells
 from ..numerics.subdivision import subdivided
 from ..problem.problem import Problem
 from ..progress import Stages
@@ -45,7 +45,7 @@ def ways_of_cells(problem: Problem, quick: bool) -> Iterator[Way]:
         name: str, group: str, method: str, seconds: float, degree: int = 0, quads: bool = False
     ) -> Way:
         def discretise(setting: float, stages: Stages) -> Discretised:
-            cells = first_contact(problem)[1].multiplied(setting)
+            cells = scaled_cells(problem, setting)
             with stages("condensing"):
                 if method == "fem":
                     return elements_on(problem, cells, setting, degree, quads)
@@ -87,7 +87,7 @@ def elements_on(
     if not quads:
         half_space = even_half_space(cells, problem.poisson_ratio, degree=degree)
     else:
-        larger = first_contact(problem)[1].multiplied(cell_factor / 2)
+        larger = scaled_cells(problem, cell_factor / 2)
         edges, size = larger.ring_edges, larger.edge_size
         field = SizeField(
             edges, size, size, TRIANGLE_GROWTH, TRUNCATION, larger.largest, 0.125, larger

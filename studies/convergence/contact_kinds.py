@@ -21,7 +21,7 @@ from ..methods.evaluation import Evaluation, FullContact
 from ..methods.mdr import METHOD as MDR
 from ..methods.moving_evaluation import MovingContact
 from ..methods.pipeline import fitted_starts
-from ..methods.spaces import first_contact
+from ..methods.spaces import first_contact, scaled_cells
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST_RTOL
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
@@ -162,8 +162,7 @@ class ShapedPunch(ContactKind):
 
     def reference(self, problem: Problem, cell_factor: float, stages: Stages) -> Evaluation:
         """Return the march on cells half as large as on the finest level, from a fitted start."""
-        cells = first_contact(problem)[1].multiplied(2 * cell_factor)
-        compliance = ring_kernel.compliance(cells.space())
+        compliance = ring_kernel.compliance(scaled_cells(problem, 2 * cell_factor).space())
         start = fitted_start(problem, stages)
         return MovingContact(problem, compliance, start, STEP_TOLERANCE_FACTOR)
 

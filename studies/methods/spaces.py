@@ -107,14 +107,24 @@ def first_contact(problem: Problem) -> tuple[tuple[Interval, ...], ContactCells]
     return refine_at_free_edges(compliance_on, problem.profile, load, cells, tolerance)
 
 
-def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
-    """Return cells of the face, small where contact begins, and half as many cells.
+@lru_cache(maxsize=16)
+def scaled_cells(problem: Problem, factor: float) -> ContactCells:
+    """Return about `factor` times as many cells as those of `first_contact`.
 
-    Both are small at the same places, so that the difference of solutions on them shows only the
-    effect of the size of cells.
+    They are small at the same ring edges and free edges, so that the difference of two solutions
+    shows the effect of the size of cells. The places where contact begins are searched for anew, so
+    that the difference also shows the error of these places.
     """
-    cells = first_contact(problem)[1]
-    return cells, cells.multiplied(0.5)
+    cells = first_contact(problem)[1].multiplied(factor)
+    load, compliance_on = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
+    start = cells_of(problem).multiplied(factor)
+    _, located = find_first_contact(compliance_on, problem.profile, load, start)
+    return replace(cells, spread=located.spread, refinements=located.refinements)
+
+
+def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
+    """Return cells of the face, small where contact begins, and half as many cells."""
+    return first_contact(problem)[1], scaled_cells(problem, 0.5)
 
 
 def radial_space(

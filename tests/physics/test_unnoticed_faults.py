@@ -8,9 +8,7 @@ from faults.scenes import SCENES, damage, healthy, noticed, shared, with_table
 
 # faults that are not noticed, with the reason
 FAST_MODES = "two small problems of the anchor differ by more where modes are fast"
-AT_EDGES = "displacement and profile state as much there, beside an edge that moves"
 UNNOTICED = {
-    "up_and_down, reported: indentation at the first later time": AT_EDGES,
     "flat, reported: relaxation time 6": FAST_MODES,
     "flat, reported: relaxation time 7": FAST_MODES,
     "held, reported: relaxation time 7": FAST_MODES,

@@ -190,7 +190,7 @@ TOLD = [
     (lambda _: sweep(SCENE, punch__rings=[2]), "write sweep(base, {'punch.rings': [2]})"),
     (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, workers=0), "give a whole number, 1 or more"),
     (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, out=3), "3 is no folder"),
-    (lambda _: deck(SCENE, "Calculix", "x"), "did you mean 'calculix'?"),
+    (lambda _: deck(SCENE, "calculx", "x"), "did you mean 'calculix'?"),
     (lambda _: deck(SCENE, "calculix", "x", size="a"), "size = ['a']: give numbers"),
     (lambda _: deck(SCENE, "calculix", "x", times=["a"]), "times = ['a']: give numbers"),
     (lambda _: deck(SCENE, "calculix", 3), "3 is no folder"),
