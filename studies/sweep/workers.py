@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import xarray
 
-from ...meshes.errors import SolverError
+from ...meshes.errors import SceneError, SolverError
 from ...meshes.radial import Array
 from ..output.signals import signals_wait
 from ..predictions.memory import LIBRARIES, machine_memory
@@ -103,6 +103,8 @@ def compute_blocks(
 
     Raises
     ------
+    SceneError
+        if `memory` is less than the libraries of the workers need
     SolverError
         if the scheduler is lost, if it has no workers, or if a worker has other code or versions or
         no ringwear; the blocks of such a worker are not yielded
@@ -127,6 +129,8 @@ def compute_blocks(
     if not blocks:
         return
     workers = min(workers, len(blocks))
+    if scheduler is None:
+        _refuse_too_little_memory(workers, memory)
     shapes = {number: block.sizes.values() for number, block in blocks.items()}
     waiting = deque(
         Piece(number, tuple(slice(0, size) for size in sizes)) for number, sizes in shapes.items()
@@ -247,6 +251,21 @@ def _left_pending(
 def worker_memory(workers: int, memory: float | None) -> float:
     """Return the memory in GiB that each process on this machine may use."""
     return (machine_memory() if memory is None else memory) / workers
+
+
+def _refuse_too_little_memory(workers: int, memory: float | None) -> None:
+    """Raise an error if workers would be ended for their memory as soon as they start.
+
+    Raises
+    ------
+    SceneError
+        its message names the memory that is needed
+    """
+    if memory is not None and worker_memory(workers, memory) < LIBRARIES:
+        raise SceneError(
+            f"--memory {memory:g} leaves less than the {LIBRARIES} GiB that the libraries of each "
+            f"of {workers} workers need: give at least --memory {2 * LIBRARIES * workers:.2g}"
+        )
 
 
 def _check_workers(client: "Client") -> None:

@@ -46,6 +46,13 @@ LARGE = {
 }
 
 
+def test_memory_that_no_worker_can_start_with_is_refused(tmp_path, capsys):
+    """Workers that are ended for their memory while they start would be started again for ever."""
+    command = ["sweep", "running_in", "--out", str(tmp_path / "out"), "--memory", "0.0001"]
+    assert main(command) == 2
+    assert "libraries" in capsys.readouterr().err
+
+
 def test_scenes_that_lack_memory_stay_pending(tmp_path, capsys):
     """Other scenes are computed, the reason is stored, and more memory computes these scenes."""
     file, out = tmp_path / "sweep.toml", tmp_path / "out"
