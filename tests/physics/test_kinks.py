@@ -29,7 +29,8 @@ SCENE = Scene.from_table(
 )
 
 
-@pytest.mark.parametrize("method", ["mdr", "fem"])
+# without gmsh, the start of finite elements is as accurate as the march
+@pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
 @pytest.mark.parametrize("name", FACES)
 def test_starts_of_truncated_punches(name, method):
     exact, face = FACES[name]

@@ -52,6 +52,8 @@ def pressed(profile, methods=("mdr", "fem"), force=0.05, rtol=1e-3, **changes):
     return Scene.from_table(table).changed(**changes)
 
 
+# without gmsh, the start of finite elements is as accurate as the march
+@pytest.mark.gmsh
 @pytest.mark.parametrize("name", PROFILES)
 def test_starts_against_closed_forms(name):
     profile, g = PROFILES[name]

@@ -26,6 +26,8 @@ def decide(seed):
 
 
 # in 121, both methods state that they do not resolve the slopes of layers at the rim
+# without gmsh, two of them are undecided
+@pytest.mark.gmsh
 @pytest.mark.parametrize("seed", [0, 22, 121])
 def test_random_punches_are_decided(seed):
     assert decide(seed)[0] == "agree"
