@@ -45,7 +45,7 @@ def _rows(space: PressureSpace, positions: Array, low_parts: Array) -> Array:
     is_far = nearest >= space.widths / 2
     far = np.flatnonzero(is_far)
     _add_from_afar(out, space, positions, distances, far, _point_counts(space, nearest[far], far))
-    _add_from_near(out, space, positions, low_parts, (distances[:, 1:] > 0) & ~is_far)
+    _add_from_near(out, space, positions, distances, (distances[:, 1:] > 0) & ~is_far)
     return out[:, :-1]
 
 
@@ -79,13 +79,16 @@ def _add_from_afar(
 
 
 def _add_from_near(
-    out: Array, space: PressureSpace, positions: Array, low_parts: Array, pairs: NDArray[np.bool_]
+    out: Array, space: PressureSpace, positions: Array, distances: Array, pairs: NDArray[np.bool_]
 ) -> None:
-    """Add the integrals over the selected pairs (P, n) of positions and elements."""
+    """Add the integrals over the selected pairs (P, n) of positions and elements.
+
+    The other arguments are those of `_add_from_afar`.
+    """
     point, element = np.nonzero(pairs)
-    x, low = positions[point], low_parts[point]
+    x = positions[point]
     # distances from the position to both ends of the element; the first may be negative
-    to_left, to_right = (space.distance_from(x, low, element + end) for end in (0, 1))
+    to_left, to_right = distances[point, element], distances[point, element + 1]
     is_far = to_left >= space.widths[element] / 2
     values = np.empty((len(point), space.top + 1))
     values[is_far] = _from_afar(space, x[is_far], to_left[is_far], element[is_far])

@@ -31,6 +31,13 @@ OF_RESULTS = {
 }
 
 
+def missing_attribute(owner: object, name: str, message: str) -> object:
+    """Raise an AttributeError with a message, or the error of the property that has failed."""
+    if not name.startswith("_") and hasattr(type(owner), name):
+        return object.__getattribute__(owner, name)
+    raise AttributeError(message)
+
+
 class AnswersGuesses:
     """A result that answers attributes and keys which it does not have.
 
@@ -47,9 +54,7 @@ class AnswersGuesses:
 
         def __getattr__(self, name: str) -> object:
             """Raise an AttributeError that says what to write instead."""
-            if not name.startswith("_") and hasattr(type(self), name):  # a property has failed
-                return object.__getattribute__(self, name)
-            raise AttributeError(f"{self.noun} has no {name!r}{self._hint(name)}")
+            return missing_attribute(self, name, f"{self.noun} has no {name!r}{self._hint(name)}")
 
     def __getitem__(self, key: object) -> NoReturn:
         """Raise a TypeError that says what to write instead."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..meshes.errors import RingwearError, SceneError
 from .check import checked
-from .guesses import OF_RESULTS
+from .guesses import OF_RESULTS, missing_attribute
 from .methods.base import Method
 from .outcome.outcome import Outcome
 from .outcome.run import run_as
@@ -218,9 +218,7 @@ class Result(Outcome):
 
         def __getattr__(self, name: str) -> object:
             """Raise an AttributeError that says what to write instead."""
-            if not name.startswith("_") and hasattr(type(self), name):  # a property has failed
-                return object.__getattribute__(self, name)
-            raise AttributeError(f"a result has no {name!r}{_instead_of(name)}")
+            return missing_attribute(self, name, f"a result has no {name!r}{_instead_of(name)}")
 
     def plot(self, kind: str = "") -> "Figure":
         """Draw a figure.

@@ -5,7 +5,7 @@ geometric layers of high degree. If edges of the contact move, pressures jump at
 known beforehand; the space then has linear pressures on cells.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...mdr import energy
+from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import ContactCells
 from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
@@ -20,6 +21,7 @@ from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import degree_reduction
 from ..contact.edges import covers_face, find_first_contact, refine_at_free_edges
 from ..problem.problem import Problem
+from ..problem.profile import InitialProfile
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.defaults import mdr_sizes, pressure_degree, with_affordable_field_tolerance
@@ -95,8 +97,7 @@ def first_contact(problem: Problem) -> tuple[tuple[Interval, ...], ContactCells]
     They only determine the cells. For this, the compliance of any method is sufficient, and that of
     dimensionality reduction is fast to compute.
     """
-    load, compliance_on = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
-    intervals, cells = find_first_contact(compliance_on, problem.profile, load, cells_of(problem))
+    intervals, cells = find_first_contact(*_initial_press(problem), cells_of(problem))
     if not intervals:
         raise SceneError(
             "load.indentation makes a contact that is too small for cells: give a larger one"
@@ -104,7 +105,7 @@ def first_contact(problem: Problem) -> tuple[tuple[Interval, ...], ContactCells]
     if covers_face(intervals):
         cells = graded_to_worn_layers(problem, cells)
     tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
-    return refine_at_free_edges(compliance_on, problem.profile, load, cells, tolerance)
+    return refine_at_free_edges(*_initial_press(problem), cells, tolerance)
 
 
 @lru_cache(maxsize=16)
@@ -115,11 +116,19 @@ def scaled_cells(problem: Problem, factor: float) -> ContactCells:
     shows the effect of the size of cells. The places where contact begins are searched for anew, so
     that the difference also shows the error of these places.
     """
+    _, at_contact = find_first_contact(
+        *_initial_press(problem), cells_of(problem).multiplied(factor)
+    )
     cells = first_contact(problem)[1].multiplied(factor)
-    load, compliance_on = load_at_start(problem), partial(energy.compliance, ground=problem.ground)
-    start = cells_of(problem).multiplied(factor)
-    _, located = find_first_contact(compliance_on, problem.profile, load, start)
-    return replace(cells, spread=located.spread, refinements=located.refinements)
+    return replace(cells, spread=at_contact.spread, refinements=at_contact.refinements)
+
+
+def _initial_press(
+    problem: Problem,
+) -> tuple[Callable[[PressureSpace], Compliance], InitialProfile, Load]:
+    """Return the compliance on a space, the face and the load that determine the first contact."""
+    compliance_on = partial(energy.compliance, ground=problem.ground)
+    return compliance_on, problem.profile, load_at_start(problem)
 
 
 def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:

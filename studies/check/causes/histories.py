@@ -67,22 +67,24 @@ class Histories:
     @cached_property
     def times(self) -> Array:
         """(T,) non-dimensional times of the tables."""
-        later = self.compared_times[self.compared_times > 0]
-        if not len(later):
-            return np.append(0.0, np.geomspace(1e-6, 1e-3, 4))
         few_rings = len(self._unchanged.ring_edges) <= MAX_RINGS + 1
         is_wide = self._unchanged.full_contact and few_rings
-        start, end, count = WIDE_TABLE if is_wide else TABLE
-        between = np.geomspace(start * later.min(), end * later.max(), count)
-        return np.unique(np.concatenate([[0.0], between, later]))
+        return self._times_of_table(*(WIDE_TABLE if is_wide else TABLE))
 
     @cached_property
     def _changed_times(self) -> Array:
         """Times of the tables at which changed scenes are solved."""
+        return self._times_of_table(*TABLE)
+
+    def _times_of_table(self, start: float, end: float, count: int) -> Array:
+        """Return the start, `count` times, and the compared ones.
+
+        The times lie between `start` times the first and `end` times the last compared time after
+        the start.
+        """
         later = self.compared_times[self.compared_times > 0]
         if not len(later):
-            return self.times
-        start, end, count = TABLE
+            return np.append(0.0, np.geomspace(1e-6, 1e-3, 4))
         between = np.geomspace(start * later.min(), end * later.max(), count)
         return np.unique(np.concatenate([[0.0], between, later]))
 
@@ -118,12 +120,12 @@ class Histories:
         change = setting.scene_change
         assert change is not None  # because the caller has checked it
         changed = change.change(self.scene, change.size).problem
-        units, own, times = changed.units, self.problem.units, self._changed_times
+        changed_units, units, times = changed.units, self.problem.units, self._changed_times
         problem = replace(
             self._sampled(changed),
             rtol=CHANGED_RTOL,
-            times=times * (own.time / units.time),
-            output_radii=self.radii * (own.length / units.length),
+            times=times * (units.time / changed_units.time),
+            output_radii=self.radii * (units.length / changed_units.length),
         )
         if setting.swapped:
             problem = replace(problem, rings=swapped(problem.rings))
@@ -131,7 +133,8 @@ class Histories:
         histories = Results()
         for name, values in results.items():
             kind = QUANTITIES[name].unit
-            columns = values.reshape(len(times), -1) * (getattr(units, kind) / getattr(own, kind))
+            factor = getattr(changed_units, kind) / getattr(units, kind)
+            columns = values.reshape(len(times), -1) * factor
             growing = np.full(columns.shape[1], name in LENGTHS)
             at_all_times = Table(times, columns, growing).at(self.times)
             histories[name] = at_all_times.reshape(len(self.times), *values.shape[1:])

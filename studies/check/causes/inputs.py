@@ -75,7 +75,7 @@ class WearRatio(WrongInput):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return bool((model.times > 0).any())
+        return model.has_later_times
 
     def changed(self, scene: Scene, size: float) -> Scene:
         """Return the scene with the mistake."""
@@ -107,7 +107,7 @@ class RingEdges(WrongInput):
         """Return whether the mistake could be recognised in these results."""
         edges = model.problem.ring_edges
         space = bool((edges[1:-1] * self.nodes[-1] < 1).all()) and edges[0] == 0
-        return bool((model.times > 0).any()) and len(edges) > 2 and space
+        return model.has_later_times and len(edges) > 2 and space
 
     def changed(self, scene: Scene, size: float) -> Scene:
         """Return the scene with the mistake."""
@@ -139,7 +139,7 @@ class ExchangedMaterials(WrongInput):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return bool((model.times > 0).any())
+        return model.has_later_times
 
     def changed(self, scene: Scene, size: float) -> Scene:
         """Return the scene with the mistake."""

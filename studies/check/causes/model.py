@@ -77,6 +77,11 @@ class Model:
         """(S,) non-dimensional times that are compared."""
         return self.comparison.times[self.comparison.time_rows] / self.problem.units.time
 
+    @property
+    def has_later_times(self) -> bool:
+        """Whether times after the start are compared."""
+        return bool((self.times > 0).any())
+
     @cached_property
     def _histories(self) -> Histories:
         """Our histories on all grounds, and of changed scenes."""

@@ -24,7 +24,7 @@ class WearCoefficient(Factor):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return bool((model.times > 0).any()) and not model.problem.loading.varies
+        return model.has_later_times and not model.problem.loading.varies
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return the setting with this mistake added."""
@@ -194,7 +194,7 @@ class SwappedMaterials(Cause):
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
         rings = model.problem.graded or model.problem.rings
-        return bool((model.times > 0).any()) and len(set(rings.wear_coefficients)) == 2
+        return model.has_later_times and len(set(rings.wear_coefficients)) == 2
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return the setting with this mistake added."""

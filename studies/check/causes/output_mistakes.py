@@ -109,7 +109,7 @@ class UnitOfTime(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return bool((model.times > 0).any())
+        return model.has_later_times
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""
