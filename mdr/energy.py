@@ -12,27 +12,30 @@ from ..meshes.ground.ground import Ground
 from ..meshes.ground.line_energy import even_legendre, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
-from .transforms import line_density, panel_quadrature
+from .transforms import EXTRA_POINTS, line_density, panel_quadrature
 
 # greatest width of a quadrature panel, relative to the thickness of the first layer
 # (tests/physics/test_layers.py)
 WIDEST_PANEL = 2.0
 
 
-def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance:
+def compliance(
+    space: PressureSpace, ground: Ground | None = None, extra_points: int = EXTRA_POINTS
+) -> Compliance:
     """Return the compliance on a pressure space, with the weighted line density as its factor.
 
     Parameters
     ----------
     space : pressure space
     ground : layers; homogeneous half-space if not given
+    extra_points : points of the quadrature on each panel (`panel_quadrature`)
     """
     if ground is None:
-        positions, weights, low_parts = panel_quadrature(space)
+        positions, weights, low_parts = panel_quadrature(space, extra_points)
         density = line_density(space, positions, low_parts)
         return Compliance(space, np.sqrt(2 * weights)[:, None] * density)
     panels = space.no_wider(WIDEST_PANEL * ground.first_thickness)
-    positions, weights, low_parts = panel_quadrature(panels)
+    positions, weights, low_parts = panel_quadrature(panels, extra_points)
     factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
     factor = _on_layers(factor, positions, weights, ground)
     return Compliance(space, factor, ground)

@@ -13,6 +13,12 @@ from numpy.typing import NDArray
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, exact_sum, gauss, unit_gauss
 
+EXTRA_POINTS = 8
+"""Points on each panel, besides two for each degree, that integrate energies to 1e-10.
+
+If neighbouring elements have similar sizes, the error is roundoff.
+"""
+
 
 def line_density(space: PressureSpace, positions: Array, low_parts: Array | None = None) -> Array:
     """Return the line density ``q(x)`` (P, size) of each pressure function at positions in (0, 1).
@@ -175,10 +181,17 @@ def _from_near(
     return values
 
 
-def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
+def panel_quadrature(
+    space: PressureSpace, extra_points: int = EXTRA_POINTS
+) -> tuple[Array, Array, Array]:
     """Return a quadrature on (0, 1) that integrates products of line densities of the space.
 
     The arrays (P,) are the positions, the weights, and the low parts of the positions.
+
+    Parameters
+    ----------
+    space : pressure space
+    extra_points : points on each panel, besides two for each degree of the pressure
 
     Notes
     -----
@@ -188,13 +201,13 @@ def panel_quadrature(space: PressureSpace) -> tuple[Array, Array, Array]:
     # line densities in a hole are smooth, but not polynomials
     degrees = np.where(space.degrees > 0, space.degrees, space.top)
     # the innermost panel is singular at both ends, so that the substitution needs twice the degree
-    node, weight = unit_gauss(4 * int(degrees[0]) + 16)
+    node, weight = unit_gauss(4 * int(degrees[0]) + 2 * extra_points)
     first, folded = space.breakpoints[1], node * (2 - node)
     positions = [first * (1 - folded) * (1 + folded)]
     weights = [first * 4 * folded * (1 - node) * weight]
     low_parts = [np.zeros(len(node))]
     for degree in np.unique(degrees):
-        node, weight = unit_gauss(2 * int(degree) + 8)
+        node, weight = unit_gauss(2 * int(degree) + extra_points)
         panels = 1 + np.flatnonzero(degrees[1:] == degree)
         right, width = space.breakpoints[panels + 1], space.widths[panels]
         position, low = exact_sum(right[:, None], -width[:, None] * node**2)

@@ -57,7 +57,8 @@ class Agreement:
     remark : remedy or reason, if the verdict is `undecided`
     promised : whether the verdict on the run depends on this one; False if it is undecided only at
         times at which the accuracy cannot be promised
-    when : the times at which it is undecided, in words; empty if these are all times
+    when : the times at which they disagree, or at which it is undecided, in words; empty if these
+        are all times
     """
 
     quantity: str
@@ -202,6 +203,7 @@ def _judge(
     verdict, remark, times_in_words, promised = AGREE, "", "", True
     if (over_bound > 1).any():
         worst, verdict = int(np.argmax(over_bound)), DISAGREE
+        times_in_words = when_in_words(problem, units, quantity, over_bound > 1)
     elif doubtful.any():
         verdict, blamed = UNDECIDED, names[int(second[worst] > first[worst])]
         reasons = [

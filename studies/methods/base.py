@@ -115,8 +115,8 @@ class Discretised:
         On a pressure space that suits the problem (`pressure_spaces`), or on a space of the
         method's own.
     coarser : () -> Compliance
-        Compute the compliance on a discretisation that is coarser in every respect. The difference
-        between the two solutions is the error estimate.
+        Compute the compliance on a discretisation that is coarser. The difference between the two
+        solutions is the error estimate.
     unknowns : int
         Size of the system from which the compliance is condensed; 0 if the pressures are the only
         unknowns.
@@ -137,6 +137,8 @@ class Discretised:
     limited_by_degree : frozenset of str
         Quantities that a smaller `rtol` does not make more accurate, because the elements already
         have their highest degree.
+    same_elements : bool
+        Whether the coarser solution has the same elements, of a lower degree. For flat punches.
     """
 
     compliance: Compliance
@@ -149,6 +151,7 @@ class Discretised:
     safety: float = error_factor("flat punch")
     smallest: float = 0.0
     limited_by_degree: frozenset[str] = frozenset()
+    same_elements: bool = False
 
 
 class SystemSize(NamedTuple):

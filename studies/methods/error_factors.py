@@ -28,13 +28,19 @@ PUNCHES = "tests/physics/test_random_punches.py::test_at_most_one_of_12_punches_
 TABLE = {
     "flat punch": ErrorFactor(
         1.5,
-        "difference of a flat punch to a coarser mesh, except for the next two kinds of meshes",
+        "difference of a flat punch to a coarser mesh, except for the next three kinds of meshes",
         ESTIMATES,
     ),
     "flat punch on triangles": ErrorFactor(
+        2.0,
+        "difference of a flat punch to a degree less on the same triangles, if their sizes and "
+        "their degree are the defaults",
+        ESTIMATES,
+    ),
+    "flat punch on larger triangles": ErrorFactor(
         8.0,
-        "difference of a flat punch to larger triangles, or of degree 2 to degree 3 on the same "
-        "triangles",
+        "for triangles that the scene sets: difference of a flat punch to a degree less on larger "
+        "triangles, or of degree 2 to degree 3 on the same triangles",
         ESTIMATES,
     ),
     "flat punch on halved elements": ErrorFactor(
@@ -117,6 +123,13 @@ TABLE = {
         3.0,
         "width of the element at the rim: least error of pressures of a flat start",
         "tests/physics/test_trust.py::test_start_pressures_of_random_scenes",
+    ),
+    "worn depth at the rim": ErrorFactor(
+        0.65,
+        "root of (worn length at the rim / width of the face), while that length is below the "
+        "width of the element at the rim: least error of worn profiles and displacements (2 / pi "
+        "for a solid punch)",
+        "tests/physics/test_flat_punch.py::test_worn_depths_within_the_element_at_the_rim",
     ),
     "roundoff of the force at the rim": ErrorFactor(
         0.1,

@@ -18,13 +18,14 @@ FIELD_OF_MAXIMUM = {"displacement_max": "displacement", "steady_displacement_max
 
 
 def estimate_errors(
-    fine: Evaluation, coarse: Evaluation
+    fine: Evaluation, coarse: Evaluation, same_elements: bool = False
 ) -> tuple[dict[str, Array], dict[str, float]]:
     """Return the relative error of each quantity in its norm, and that of the indentation by cause.
 
     Parameters
     ----------
     fine, coarse : evaluations of the same problem on the fine and on the coarser discretisation
+    same_elements : whether both have the same elements, of different degrees
 
     Returns
     -------
@@ -39,13 +40,19 @@ def estimate_errors(
         evaluation.results_for_estimate(fine.estimate_times) for evaluation in (coarse, fine)
     )
     quantity_differences = differences(coarse_results, fine_results, problem.face)
-    if "steady_rms_slope" in quantity_differences and "steady_profile" in quantity_differences:
-        quantity_differences["steady_rms_slope"] = np.maximum(
-            quantity_differences["steady_rms_slope"],
-            _mean_square_slope_difference(
-                problem, fine_results["steady_profile"], coarse_results["steady_profile"]
-            ),
-        )
+    slopes = {"steady_rms_slope": "steady_profile"}
+    if same_elements:
+        # both solutions miss the same thin layers, and the difference of the RMS slopes hardly
+        # shows them; that of the slopes does
+        slopes["rms_slope"] = "profile"
+    for slope, profile in slopes.items():
+        if {slope, profile} <= quantity_differences.keys():
+            quantity_differences[slope] = np.maximum(
+                quantity_differences[slope],
+                _mean_square_slope_difference(
+                    problem, fine_results[profile], coarse_results[profile]
+                ),
+            )
     errors = {
         name: fine.estimate(name, difference) for name, difference in quantity_differences.items()
     }
@@ -85,14 +92,14 @@ def estimate_errors(
 
 
 def _mean_square_slope_difference(problem: Problem, profile: Array, coarser: Array) -> Array:
-    """Return the mean square of the difference of steady slopes over the mean square of the slopes.
+    """Return the mean square of the difference of slopes over the mean square of the slopes.
 
     The difference of the two RMS slopes may be smaller than this, if the difference of the slopes
     happens to be orthogonal to the slope.
 
     Parameters
     ----------
-    profile, coarser : (R,) steady profiles on the face
+    profile, coarser : (R,) or (T, R) profiles on the face
     """
     face = problem.face
     weights = face.lengths * radial_weight(face.radii, problem.gradient_average, face.inner_radius)

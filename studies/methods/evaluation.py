@@ -23,6 +23,7 @@ from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import missing_layers
+from ..sizes.ring_edges import root_of_unresolved_wear
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
 from .error_factors import error_factor
@@ -310,9 +311,14 @@ class FullContact(Evaluation):
 
         The pressure is infinite at both.
         """
+        return max(self._sizes_at_rim_and_hole)
+
+    @property
+    def _sizes_at_rim_and_hole(self) -> tuple[float, float]:
+        """Width of the element at the rim, and of the element at the hole (0 without a hole)."""
         space = self.compliance.space
         carrying = space.widths[space.degrees > 0]
-        return float(max(carrying[-1], carrying[0] if space.hollow else 0.0))
+        return float(carrying[-1]), float(carrying[0]) if space.hollow else 0.0
 
     @property
     def _rim_force_roundoff(self) -> float:
@@ -335,6 +341,15 @@ class FullContact(Evaluation):
         roundoff = error_factor("roundoff of the force at the rim") * self._rim_force_roundoff
         return at_rim + roundoff
 
+    @property
+    def _error_of_depth_at_rim(self) -> Array:
+        """Error (T,) of the worn depth while wear has not smoothed a whole element at the rim."""
+        at_rim, at_hole = self._sizes_at_rim_and_hole
+        return error_factor("worn depth at the rim") * np.maximum(
+            root_of_unresolved_wear(self.problem, at_rim),
+            root_of_unresolved_wear(self.problem, at_hole, at_hole=True),
+        )
+
     def _floor(self, name: str) -> Array | float:
         """Return the smallest error that is reported for a quantity."""
         floor, rim_size, roundoff = (
@@ -349,6 +364,8 @@ class FullContact(Evaluation):
             "pressure": error_factor("pressure at the rim") * rim_size + roundoff,
             "ring_force": roundoff,
         }
+        if name in ("profile", "displacement"):
+            return np.maximum(floor, self._error_of_depth_at_rim)
         if name not in at_start:
             return floor
         pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0

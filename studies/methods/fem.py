@@ -203,10 +203,10 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         # so that displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
         chosen.notes,
-        # triangles have a low degree: solutions of two sizes or degrees may share an error
         safety=error_factor(_factor_name(chosen)),
         smallest=_smallest_size(problem, chosen),
         limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
+        same_elements=chosen.same_elements,
     )
 
 
@@ -227,7 +227,11 @@ def _factor_name(chosen: ChosenMesh) -> str:
     """Return the name of the factor on the difference to the coarser half-space."""
     if chosen.halved:
         return "flat punch on halved elements"
-    return "flat punch" if chosen.mesher == "quads" else "flat punch on triangles"
+    if chosen.mesher == "quads":
+        return "flat punch"
+    if chosen.same_elements:
+        return "flat punch on triangles"
+    return "flat punch on larger triangles"
 
 
 def _smallest_size(problem: Problem, chosen: ChosenMesh) -> float:
@@ -285,8 +289,11 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
 def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace") -> "HalfSpace":
     """Return the coarser half-space that is compared with a half-space to estimate its error.
 
-    It has a degree, a layer and a pole less, or larger triangles instead of a layer less. Two cases
-    that cannot be coarser are compared with a better solution instead:
+    It has a degree and a pole less, and on quadrilaterals also a layer less. Triangles stay the
+    same if their sizes and their degree are the defaults: larger ones would miss modes of thin
+    layers, and the difference would often be 100 times the error. Triangles that the scene sets may
+    be too large themselves, and are compared with still larger ones. Two cases that cannot be
+    coarser are compared with a better solution instead:
 
     - a clamped boundary with a far field of poles, because its error is far greater than theirs
     - degree 2 with degree 3 on the same mesh: no multipliers are stable on degree 1, and larger

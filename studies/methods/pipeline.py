@@ -193,8 +193,10 @@ def _solve_one(
     discretisation: Discretised,
     compliances: tuple[Compliance, Compliance],
 ) -> Solution:
+    # the same elements of a lower degree do not lack a layer, of which each makes a difference
+    smallest = 0.0 if discretisation.same_elements else discretisation.smallest
     fine, coarse = (
-        FullContact(problem, compliance, discretisation.safety, discretisation.smallest)
+        FullContact(problem, compliance, discretisation.safety, smallest)
         for compliance in compliances
     )
     refuse_tension(fine)
@@ -317,7 +319,7 @@ def fitted_starts(
 def _solution(
     remedy: str, discretisation: Discretised, fine: Evaluation, coarse: Evaluation
 ) -> Solution:
-    errors, parts = estimate_errors(fine, coarse)
+    errors, parts = estimate_errors(fine, coarse, discretisation.same_elements)
     return Solution(
         fine.results,
         fine.checked,

@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from ...meshes.radial import Array
-from ..crosscheck.agreement import by_quantity
+from ..crosscheck.agreement import DISAGREE, by_quantity
+from ..crosscheck.promise import allowed_error
 from ..outcome.outcome import Outcome
 from ..outcome.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
@@ -166,13 +167,21 @@ class Account:
 
     @property
     def remarks(self) -> list[str]:
-        """Warnings, failed anchors, undecided quantities, large error estimates, and notes."""
+        """Warnings, failed anchors, disagreements, undecided quantities, errors, and notes."""
         result, rtol = self.result, self.scene.accuracy.rtol
+        allowed = 2 * allowed_error(self.scene.problem)
         lines = beyond_the_model(self.scene) + [
             f"{anchor.method} fails the anchor '{anchor.name}': the difference is "
             f"{anchor.difference:.1e}, more than {anchor.tolerance:.1e}."
             for anchor in result.anchors
             if not anchor.holds
+        ]
+        lines += [
+            f"disagree: {row.quantity} {row.when}".rstrip()
+            + f": {' and '.join(row.methods)} differ by {row.difference:.1e}; rtol and their error "
+            f"estimates allow {max(row.uncertainty, allowed):.1e}"
+            for row in self.worst
+            if row.verdict == DISAGREE
         ]
         for remark in dict.fromkeys(row.remark for row in self.worst if row.remark):
             rows = [row for row in self.worst if row.remark == remark]

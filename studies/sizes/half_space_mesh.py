@@ -25,10 +25,11 @@ class ChosenMesh:
     ----------
     mesh : mesh of scikit-fem with named boundaries
     mesher : the mesher that made it
-    coarser : () -> the coarser mesh for the error estimate: with a layer less, with larger
-        triangles, or halved once less
+    coarser : () -> the mesh of the coarser solution for the error estimate: with a layer less, with
+        larger triangles, halved once less, or the same mesh
     notes : texts for the user
     halved : whether the elements of the coarser mesh are twice as large everywhere
+    same_elements : whether the coarser mesh is the same
     """
 
     mesh: Any
@@ -36,6 +37,7 @@ class ChosenMesh:
     coarser: Callable[[], Any]
     notes: tuple[str, ...] = ()
     halved: bool = False
+    same_elements: bool = False
 
 
 def half_space_mesh(problem: Problem) -> ChosenMesh:
@@ -69,7 +71,10 @@ def _mesh_with(problem: Problem, mesher: str) -> ChosenMesh:
         layered = graded(problem.merged.ring_edges, **defaults.quad_sizes(problem))
         return ChosenMesh(layered.mesh, mesher, lambda: layered.coarser().mesh)
     field, triangulate = defaults.triangle_sizes(problem), _triangulation_function(mesher)
-    return ChosenMesh(triangulate(field), mesher, lambda: triangulate(field.coarser()))
+    triangles = triangulate(field)
+    if problem.fem.given_by_user:
+        return ChosenMesh(triangles, mesher, lambda: triangulate(field.coarser()))
+    return ChosenMesh(triangles, mesher, lambda: triangles, same_elements=True)
 
 
 def _triangulation_function(mesher: str) -> "Callable[[SizeField], Mesh]":

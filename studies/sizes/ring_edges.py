@@ -177,3 +177,29 @@ def fem_smallest(problem: Problem) -> float:
     compressibility = 1 - 2 * min(problem.poisson_ratio, HIGHEST_MODELLED_POISSON_RATIO)
     roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility**2)
     return smallest_size(problem, roundoff)
+
+
+def root_of_unresolved_wear(problem: Problem, size: float, at_hole: bool = False) -> Array:
+    """Return the square root (T,) of the worn length at the rim if one element there contains it.
+
+    The pressure of the flat start is infinite at the rim, in proportion to 1 / sqrt(distance). Wear
+    by a length L limits it within L of the rim, so that the worn depth there is proportional to
+    sqrt(L). An element that is much larger than L has a depth proportional to L instead, which is
+    far smaller; a coarser mesh has that error, too, and does not show it.
+
+    Parameters
+    ----------
+    size : width of the element at the rim
+    at_hole : whether to return it for the edge of the hole, where the same is true
+
+    Returns
+    -------
+    array
+        ``sqrt(L / b)`` with the worn length ``L = k s`` after the sliding distance s and the width
+        b of the face, or 0 if L is larger than the element.
+    """
+    # if wear is graded, there are two rows: at the inner and at the outer edge of each ring
+    at_edges = np.atleast_2d(problem.rings.wear_coefficients)
+    worn_length = (at_edges[0, 0] if at_hole else at_edges[-1, -1]) * problem.distances
+    share = worn_length / (1 - problem.inner_radius)
+    return np.sqrt(np.where(worn_length < size, share, 0.0))

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from ringwear import Scene
+from ringwear.studies.methods.base import method
+from ringwear.studies.progress import Stages
 from ringwear.studies.wear.flat_contact import flat_start
 
 
-def indentation_error(prepare, method, **changes):
+def indentation_error(prepare, method_name, **changes):
     return abs(
-        flat_start(prepare("flat_punch", method, **changes).compliance).indentation / 0.5 - 1
+        flat_start(prepare("flat_punch", method_name, **changes).compliance).indentation / 0.5 - 1
     )
 
 
@@ -53,3 +56,28 @@ def test_force_near_the_rim(prepare, method, inner):
 def test_a_ringed_punch_starts_as_a_homogeneous_one(prepare, method):
     start = flat_start(prepare("five_rings", method).compliance)
     assert start.indentation == pytest.approx(0.5, rel=1e-4)
+
+
+@pytest.mark.parametrize("mesher", ["bisection", pytest.param("gmsh", marks=pytest.mark.gmsh)])
+def test_worn_depths_within_the_element_at_the_rim(mesher):
+    """Before wear has crossed the element at the rim, the depth there is stated to be wrong.
+
+    After a sliding distance s, the depth at the rim over the indentation is 2/pi sqrt(k s / a), by
+    the independent solution in `wear_reference.py` to four digits for 1e-10 < k s / a < 1e-5. Both
+    the mesh and a coarser one have a depth that is far smaller.
+    """
+    times = [1e-8, 1e-7, 1e-6]
+    sizes = {"mesher": mesher, "rim_size": 1e-4}
+    scene = Scene.load("five_rings").changed(
+        punch={"radius": 1.0, "ring_edges": [1.0], "wear_coefficients": [1.0]},
+        wear={"times": {"tau": times}},
+        accuracy={"rtol": 1e-3, "fem": sizes},
+        methods=["fem"],
+    )
+    problem = scene.problem
+    solution = method("fem").solve(problem, Stages("fem"))
+    depths = solution.checked["profile"][:, -1] / solution.checked["indentation"]
+    errors = np.abs(depths - 2 / np.pi * np.sqrt(problem.distances))
+    assert (errors > 0.8 * 2 / np.pi * np.sqrt(problem.distances)).all()
+    assert (errors <= solution.errors["profile"]).all()
+    assert (errors <= solution.errors["displacement"]).all()

@@ -5,6 +5,7 @@ import pytest
 
 from ringwear import Scene, run
 from ringwear.meshes.compliance import Compliance
+from ringwear.studies.crosscheck.agreement import by_quantity
 from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.pipeline import ComplianceMethod
@@ -37,6 +38,13 @@ def test_own_method(name, tmp_path):
     assert np.isfinite(winkler.indentation_error).all()
     # springs are no half-space, so the methods disagree
     assert result.verdict == "disagree"
+    lines = Account(result).remarks
+    disagree = [row for row in by_quantity(result.agreement).values() if row.verdict == "disagree"]
+    for row in disagree:
+        text = f"mdr and winkler differ by {row.difference:.1e}; rtol and their error estimates"
+        assert any(
+            line.startswith(f"disagree: {row.quantity}") and text in line for line in lines
+        ), row.quantity
     assert any("winkler" in line for line in result.summary["modelled"])
     assert "winkler" in str(Account(result).methods)
     assert not draw(result, PICTURES, tmp_path)

@@ -101,3 +101,29 @@ def test_pressure_transform():
     cones = matrix @ np.maximum(positions[1:] - positions[:, None], 0)
     expected = np.arccosh(np.maximum(positions[1:] / radii, 1)) / np.pi
     np.testing.assert_allclose(cones, expected, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize(("extra_points", "accuracy"), [(4, 1e-7), (8, 1e-10)])
+def test_energies_by_few_and_by_many_points(extra_points, accuracy):
+    """The search for the first contact uses few points, and all else uses many.
+
+    A linear pressure on cells is a sum of cones ``c (b - r)``, each for r < b, with the line
+    densities ``c (b sqrt(b^2 - x^2) - x^2 arcosh(b / x))``.
+    """
+    breakpoints = np.array([0.0, 0.05, 0.2, 0.3, 0.31, 0.6, 0.65, 1.0])
+    factors = np.array([0.3, 2.0, -1.0, 3.0, 0.2, -0.7, 1.0])
+
+    def density(x):
+        cones = zip(breakpoints[1:].tolist(), factors.tolist(), strict=True)
+        return mp.fsum(
+            c * (b * mp.sqrt(mp.mpf(b) ** 2 - x**2) - x**2 * mp.acosh(b / x))
+            for b, c in cones
+            if b > x
+        )
+
+    with mp.workdps(30):
+        exact = float(mp.quad(lambda x: 2 * density(x) ** 2, breakpoints.tolist()))
+    space = PressureSpace(breakpoints, np.ones(7, dtype=int), np.array([0.0, 1.0]))
+    pressure = np.maximum(breakpoints[1:] - breakpoints[:, None], 0) @ factors
+    matrix = energy.compliance(space, extra_points=extra_points).matrix
+    assert abs(pressure @ matrix @ pressure / exact - 1) <= accuracy
