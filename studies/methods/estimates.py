@@ -8,7 +8,6 @@ raises it to its floor; each kind of contact does this in its own way. The facto
 import numpy as np
 
 from ...meshes.radial import Array
-from ..problem.problem import Problem
 from ..sampling.norms import answer_differences, differences, radial_weight
 from .error_factors import error_factor
 from .evaluation import Evaluation
@@ -40,19 +39,10 @@ def estimate_errors(
         evaluation.results_for_estimate(fine.estimate_times) for evaluation in (coarse, fine)
     )
     quantity_differences = differences(coarse_results, fine_results, problem.face)
-    slopes = {"steady_rms_slope": "steady_profile"}
-    if same_elements:
-        # both solutions miss the same thin layers, and the difference of the RMS slopes hardly
-        # shows them; that of the slopes does
-        slopes["rms_slope"] = "profile"
-    for slope, profile in slopes.items():
-        if {slope, profile} <= quantity_differences.keys():
-            quantity_differences[slope] = np.maximum(
-                quantity_differences[slope],
-                _mean_square_slope_difference(
-                    problem, fine_results[profile], coarse_results[profile]
-                ),
-            )
+    for name in ("rms_slope", "steady_rms_slope") if same_elements else ("steady_rms_slope",):
+        if name in quantity_differences:
+            square = _mean_square_slope_difference(name, fine, coarse)
+            quantity_differences[name] = np.maximum(quantity_differences[name], square)
     errors = {
         name: fine.estimate(name, difference) for name, difference in quantity_differences.items()
     }
@@ -91,24 +81,35 @@ def estimate_errors(
     return errors, parts
 
 
-def _mean_square_slope_difference(problem: Problem, profile: Array, coarser: Array) -> Array:
+def _mean_square_slope_difference(name: str, fine: Evaluation, coarse: Evaluation) -> Array:
     """Return the mean square of the difference of slopes over the mean square of the slopes.
 
-    The difference of the two RMS slopes may be smaller than this, if the difference of the slopes
-    happens to be orthogonal to the slope.
+    The difference of two RMS slopes may be smaller than this: if the difference of the slopes
+    happens to be orthogonal to the slope, or if both solutions miss the same thin layers. It is
+    zero for contact that moves.
 
     Parameters
     ----------
-    profile, coarser : (R,) or (T, R) profiles on the face
+    name : `rms_slope`, at the times of the estimate, or `steady_rms_slope`
+    fine, coarse : evaluations of the same problem on two discretisations
     """
-    face = problem.face
+    problem, face, slopes = fine.problem, fine.problem.face, []
+    for evaluation in (fine, coarse):
+        if (wear := evaluation.wear) is None:
+            return np.zeros(1)
+        if name == "rms_slope":
+            worn = wear.modal(fine.estimate_times).profile
+        else:
+            worn = wear.steady.displacement[None]
+        slopes.append(face.slopes(evaluation.sampler.on_face(worn))[0])
     weights = face.lengths * radial_weight(face.radii, problem.gradient_average, face.inner_radius)
     squared_slope, squared_difference = (
-        face.slopes(values)[0] ** 2 @ weights for values in (profile, profile - coarser)
+        values**2 @ weights for values in (slopes[0], slopes[0] - slopes[1])
     )
-    return np.divide(
+    square = np.divide(
         squared_difference,
         squared_slope,
         out=np.zeros_like(squared_difference),
         where=squared_slope > 0,
     )
+    return square if name == "rms_slope" else square[0]

@@ -71,6 +71,10 @@ class Sampler:
         """Return values (T, R), or slopes, at radii (R,) by coefficients (T, size)."""
         return np.asarray((_matrix(self.space, radii.tobytes(), derivative) @ functions.T).T)
 
+    def on_face(self, functions: Array) -> Array:
+        """Return values (T, R) at the radii of the face by coefficients (T, size)."""
+        return self._at(self.problem.face.radii, functions)
+
     def _greatest(self, functions: Array) -> Array:
         """Return the maximum (T,) over the punch of functions with coefficients (T, size).
 
