@@ -29,6 +29,9 @@ MAX_ROUNDS = 10
 # next, and so on, one triangle in each round. This lower limit refines all of them at once.
 MAX_SIDE_AFTER_USUAL_ROUNDS = 1.2
 
+# relative distance from the arc below which points count as lying on it
+ROUNDOFF_OF_ARC = 1e-14
+
 
 def mesh(field: SizeField) -> MeshTri:
     """Mesh the quarter disc with the sizes of the size field.
@@ -84,11 +87,17 @@ def refined(mesh: MeshTri, marked: Indices, ring_edges: Array) -> MeshTri:
 def _bisected(mesh: MeshTri, marked: Indices) -> MeshTri:
     """Refine the marked triangles, and move new points of the outer boundary onto the arc."""
     outer = truncation(mesh)
-    finer = replace(mesh, _boundaries=None).refined(marked)
-    points, boundary = finer.p.copy(), finer.boundary_nodes()
+    # a copy would compute the facets of the mesh anew, which takes most of the time
+    plain = mesh if mesh.boundaries is None else replace(mesh, _boundaries=None)
+    finer = plain.refined(marked)
+    boundary = finer.boundary_nodes()
     # boundary points that are neither on the axis nor on the surface belong to the arc
-    arc = boundary[(points[:, boundary] > 0).all(axis=0)]
-    points[:, arc] *= outer / np.hypot(*points[:, arc])
+    arc = boundary[(finer.p[:, boundary] > 0).all(axis=0)]
+    scale = outer / np.hypot(*finer.p[:, arc])
+    if np.abs(scale - 1).max() <= ROUNDOFF_OF_ARC:
+        return finer
+    points = finer.p.copy()
+    points[:, arc] *= scale
     return replace(finer, doflocs=points)
 
 
