@@ -211,17 +211,16 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
 
 
 def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
-    """Return the quantities that a finer mesh of this degree hardly makes more accurate.
+    """Return the quantities that a finer mesh of this degree does not make more accurate.
 
-    If the degree is the highest available, these are fields. Energies still become more accurate,
-    and on thinner layers of quadrilaterals also the quantities that depend on thin layers at ring
-    edges. Slopes on triangles have a quarter of the error if the tolerance of the sizes is a tenth:
-    reaching a small `rtol` would take so many triangles that it is left to the user.
+    If the degree of quadrilaterals is the highest available, these are fields. Energies still
+    become more accurate, and on thinner layers also the quantities that depend on thin layers at
+    ring edges. Triangles have no such quantities: with a tenth of the tolerance, all of them are
+    smaller, and the errors of slopes are a quarter.
     """
-    if degree < DEGREES[mesher][-1]:
+    if mesher != "quads" or degree < DEGREES[mesher][-1]:
         return frozenset()
-    refined_by_layers = {*ENERGIES, *(LAYER_QUANTITIES if mesher == "quads" else ())}
-    return frozenset(DESCRIBED.keys() - refined_by_layers)
+    return frozenset(DESCRIBED.keys() - {*ENERGIES, *LAYER_QUANTITIES})
 
 
 def _factor_name(chosen: ChosenMesh) -> str:

@@ -7,7 +7,6 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import WITHOUT_GMSH
 from scipy.integrate import quad
 
 from ringwear import Scene, run, study, sweep
@@ -120,10 +119,7 @@ def test_methods_agree_in_every_state(five):
             np.testing.assert_allclose(later, five.states[name][0, 1:], atol=1e-3)
     # earlier, only a layer at the rim has worn, which is thinner than any element
     later = five.history[:, :, five.history.time.values > 1e-3].values
-    # triangles of degree 4, as there are without gmsh, are not refined for slopes; the estimates of
-    # these errors are several times larger
-    tolerance = 5e-3 if WITHOUT_GMSH else 1e-3
-    np.testing.assert_allclose(later, later[:, [0, 0, 0]], atol=tolerance)
+    np.testing.assert_allclose(later, later[:, [0, 0, 0]], atol=1e-3)
 
 
 def test_line_profile_is_equation_three(five):
