@@ -140,6 +140,17 @@ class RunningIn:
         """Return worn profiles (..., size) from wear rates in orthonormal coordinates (..., n)."""
         return np.asarray(self._mass.backward(rates.T).T @ self._rates_to_profiles.T)
 
+    def _profiles_from_moments(self, moments: Array) -> Array:
+        """Return worn profiles (T, size) from their moments (T, n) in orthonormal coordinates.
+
+        Their mean depths are added as exact constants, whose slope is zero. Otherwise the slope of
+        a face that has worn evenly would be roundoff divided by the smallest element.
+        """
+        uniform_rate = self._weights
+        mean_depths = moments @ uniform_rate / (uniform_rate @ uniform_rate)
+        varying = self._profiles_from_rates(moments - np.outer(mean_depths, uniform_rate))
+        return varying + np.outer(mean_depths, self.compliance.space.uniform)
+
     @cached_property
     def _energy(self) -> Array:
         return self._reduce(self._reduce(self.compliance.matrix).T)
@@ -332,7 +343,7 @@ class RunningIn:
         # elements
         gap = np.outer(indentation, self._weights) - rates @ self._energy
         gap -= np.outer(forces, self._reduce(steady.moments)) + self._reduce(unworn)
-        profile = self._profiles_from_rates(gap)
+        profile = self._profiles_from_moments(gap)
         return History.in_full_contact(distances, pressure, profile, indentation, forces)
 
     def stability_limit(self) -> float:
