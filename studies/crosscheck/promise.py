@@ -15,7 +15,12 @@ from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.unit_names import UnitNames
 from ..sizes.degrees import field_accuracy
-from ..sizes.ring_edges import ELEMENTS_PER_THIN_LAYER, edge_sizes
+from ..sizes.ring_edges import (
+    ELEMENTS_PER_THIN_LAYER,
+    ROUNDOFF_MARGIN,
+    amplified_roundoff,
+    edge_sizes,
+)
 
 # quantities that are only resolved to a cell, for any `rtol`, if the contact has edges within the
 # face
@@ -84,6 +89,16 @@ def unresolved(
                     "the layers that wear has made by then need elements of "
                     f"{needed_size:.0e} a, but the smallest elements of {method} are "
                     f"{solution.smallest:.0e} a; choose later times"
+                )
+    if quantity == "rms_slope":
+        amplified = float(amplified_roundoff(problem)[first])
+        for method, solution in solutions.items():
+            roundoff = solution.slope_roundoff * amplified
+            if roundoff > problem.rtol / ROUNDOFF_MARGIN:
+                return (
+                    f"roundoff of {method}, which is large for a nearly incompressible half-space, "
+                    f"is about {roundoff:.0e} in the slopes of layers that are so thin; choose "
+                    "later times or a larger rtol"
                 )
     if quantity in ENERGIES:
         return ""

@@ -41,6 +41,8 @@ class Solution:
     wear : the running-in on the method's compliance, if it has one
     half_space : the finite-element half-space, if there is one
     smallest : smallest element size at a ring edge that the method can use
+    slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the pressure over the
+        whole face; thinner layers have more (`sizes.ring_edges.amplified_roundoff`)
     march : the march of a contact that opens, closes and spreads, if the contact does that
     presses : the initial contact, on pressure spaces fitted to its edges: a fine solution and a
         coarser one; empty if there is none
@@ -61,6 +63,7 @@ class Solution:
     wear: RunningIn | None = None
     half_space: "HalfSpace | None" = None
     smallest: float = 0.0
+    slope_roundoff: float = 0.0
     march: Marched | None = None
     presses: tuple[FittedPress, ...] = ()
     answers: Results = field(default_factory=dict)
@@ -134,6 +137,9 @@ class Discretised:
         For flat punches: the factor by which the difference to the coarser solution is multiplied.
     smallest : float
         Smallest element size at a ring edge that the method can use, in punch radii.
+    slope_roundoff : float
+        For flat punches: relative roundoff of RMS slopes where wear has smoothed the pressure over
+        the whole face; thinner layers have more (`sizes.ring_edges.amplified_roundoff`).
     limited_by_degree : frozenset of str
         Quantities that a smaller `rtol` does not make more accurate, because the elements already
         have their highest degree.
@@ -150,6 +156,7 @@ class Discretised:
     fitted: tuple[CompliancesOn, CompliancesOn] | None = None
     safety: float = error_factor("flat punch")
     smallest: float = 0.0
+    slope_roundoff: float = 0.0
     limited_by_degree: frozenset[str] = frozenset()
     same_elements: bool = False
 

@@ -15,7 +15,6 @@ from typing import ClassVar
 import numpy as np
 
 from ...meshes.compliance import Compliance
-from ...meshes.errors import SolverError
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
@@ -23,15 +22,13 @@ from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import missing_layers
-from ..sizes.ring_edges import root_of_unresolved_wear
+from ..sizes.ring_edges import amplified_roundoff, root_of_unresolved_wear
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
 from .error_factors import error_factor
 
 # Indices of the first and of the last of the times.
 ENDS = np.array([0, -1])
-# Tension, over (rtol * largest pressure), that may be a mere discretisation error on layers.
-MOST_TENSION = 10.0
 
 
 class Evaluation(ABC):
@@ -150,6 +147,7 @@ class FullContact(Evaluation):
         rim
     safety : factor on the difference to a coarser evaluation
     smallest : smallest element size at a ring edge that the method can use, in punch radii
+    slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the whole face
     """
 
     # fields at 1e5 times at once would fill the memory; marches have few times
@@ -162,8 +160,10 @@ class FullContact(Evaluation):
         compliance: Compliance,
         safety: float = error_factor("flat punch"),
         smallest: float = 0.0,
+        slope_roundoff: float = 0.0,
     ) -> None:
         super().__init__(problem, compliance)
+        self._slope_roundoff = slope_roundoff
         wear_factor = prod(map(error_factor, problem.wear_regime.error_factors))
         self.safety, self.smallest, self._wear_factor = wear_factor * safety, smallest, wear_factor
         wear_coefficients = problem.merged.wear_coefficients
@@ -366,33 +366,9 @@ class FullContact(Evaluation):
         }
         if name in ("profile", "displacement"):
             return np.maximum(floor, self._error_of_depth_at_rim)
+        if name == "rms_slope":
+            return np.maximum(floor, self._slope_roundoff * amplified_roundoff(self.problem))
         if name not in at_start:
             return floor
         pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0
         return np.where(pressed, max(at_start[name], floor), floor)
-
-
-def refuse_tension(evaluation: FullContact) -> None:
-    """Raise if full contact on layers takes tension during wear, which is not modelled.
-
-    On a homogeneous half-space, pressures that are positive at the start stay positive. A layer
-    that bends or bulges may lose contact with the punch later.
-
-    Raises
-    ------
-    SolverError
-        with the time and the remedy
-    """
-    problem = evaluation.problem
-    if problem.ground is None or not problem.earliest:
-        return
-    later = problem.checked[problem.distances[problem.checked] > 0]
-    history = evaluation.history[later]
-    pressure = (evaluation.compliance.space.matrix(problem.face.radii) @ history.pressure.T).T
-    allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
-    if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:
-        time = float(problem.times[later][lost_contact[0]]) * problem.units.time
-        raise SolverError(
-            f"half_space.layers lose contact with the punch by t = {time:.3g}, though not at the "
-            "start, and this is not modelled: end wear.times before that, or leave them out"
-        )

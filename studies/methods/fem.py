@@ -205,6 +205,8 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         chosen.notes,
         safety=error_factor(_factor_name(chosen)),
         smallest=_smallest_size(problem, chosen),
+        slope_roundoff=error_factor("roundoff of slopes")
+        / (1 - 2 * half_space.solid.poisson_ratio),
         limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
         same_elements=chosen.same_elements,
     )

@@ -34,11 +34,12 @@ from ..sizes.layers import narrowed_for_layers
 from ..sizes.marching import steps_between, why_too_many_steps
 from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
+from ..wear.tension import refuse_tension
 from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution, SystemSize
 from .error_factors import error_factor
 from .estimates import estimate_errors
-from .evaluation import Evaluation, FullContact, refuse_tension
+from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
 from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
@@ -195,11 +196,13 @@ def _solve_one(
 ) -> Solution:
     # the same elements of a lower degree do not lack a layer, of which each makes a difference
     smallest = 0.0 if discretisation.same_elements else discretisation.smallest
+    roundoff = discretisation.slope_roundoff
     fine, coarse = (
-        FullContact(problem, compliance, discretisation.safety, smallest)
+        FullContact(problem, compliance, discretisation.safety, smallest, roundoff)
         for compliance in compliances
     )
-    refuse_tension(fine)
+    if problem.ground is not None and problem.earliest:
+        refuse_tension(problem, fine.compliance.space, fine.history)
     return _solution(method.remedy(problem), discretisation, fine, coarse)
 
 
@@ -331,6 +334,7 @@ def _solution(
         fine.wear,
         discretisation.half_space,
         smallest=discretisation.smallest,
+        slope_roundoff=discretisation.slope_roundoff,
         answers=fine.answers,
         remedy=remedy,
         limited_by_degree=discretisation.limited_by_degree,

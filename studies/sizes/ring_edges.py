@@ -203,3 +203,33 @@ def root_of_unresolved_wear(problem: Problem, size: float, at_hole: bool = False
     worn_length = (at_edges[0, 0] if at_hole else at_edges[-1, -1]) * problem.distances
     share = worn_length / (1 - problem.inner_radius)
     return np.sqrt(np.where(worn_length < size, share, 0.0))
+
+
+def amplified_roundoff(problem: Problem) -> Array:
+    """Return the factor (T,) by which thin layers amplify the roundoff of RMS slopes.
+
+    Finite elements of a nearly incompressible solid have a relative roundoff e of displacements
+    that is far above that of a double. Next to an edge, wear has smoothed the pressure over a
+    length l, and the slope of the worn profile there is proportional to ``1 / sqrt(l)``. Such a
+    slope times the roundoff ``e / h`` of slopes, integrated over an element of size h, is in
+    proportion to ``e / sqrt(l)`` for every h.
+
+    Returns
+    -------
+    array
+        The maximum over all ring edges of ``s sqrt(b / l)``: the length l on the slower side, at
+        most the width b of the narrower ring, and the amplitude s of the singularity, as in
+        `edge_sizes`. At times without wear it is 0.
+    """
+    (inner, wear), rings = problem.merged.ends, problem.merged
+    outside, widths = np.append(inner[1:], wear[-1]), np.append(rings.narrower, rings.widths[-1])
+    distances = problem.distances[:, None]
+    slow, fast = (
+        np.minimum(1.0, side(wear, outside) * distances / widths)
+        for side in (np.minimum, np.maximum)
+    )
+    fast[:, -1] = 1.0
+    worn = distances[:, 0] > 0
+    factors = np.zeros_like(slow)
+    factors[worn] = np.where(rings.smooth, 0.0, fast[worn] / np.sqrt(slow[worn]))
+    return np.asarray(factors.max(axis=1))

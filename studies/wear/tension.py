@@ -1,0 +1,39 @@
+"""Refuse histories in which full contact on layers would need tension."""
+
+import numpy as np
+
+from ...meshes.errors import SolverError
+from ...meshes.pressure_space import PressureSpace
+from ..problem.problem import Problem
+from .history import History
+
+# Tension, over (rtol * largest pressure), that may be a mere discretisation error on layers.
+MOST_TENSION = 10.0
+
+
+def refuse_tension(problem: Problem, space: PressureSpace, history: History) -> None:
+    """Raise if full contact on layers takes tension during wear, which is not modelled.
+
+    On a homogeneous half-space, pressures that are positive at the start stay positive. A layer
+    that bends or bulges may lose contact with the punch later.
+
+    Parameters
+    ----------
+    problem : a flat punch
+    space : the space of the pressures
+    history : the history at the times of the problem
+
+    Raises
+    ------
+    SolverError
+        with the time and the remedy
+    """
+    later = problem.checked[problem.distances[problem.checked] > 0]
+    pressure = (space.matrix(problem.face.radii) @ history[later].pressure.T).T
+    allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
+    if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:
+        time = float(problem.times[later][lost_contact[0]]) * problem.units.time
+        raise SolverError(
+            f"half_space.layers lose contact with the punch by t = {time:.3g}, though not at the "
+            "start, and this is not modelled: end wear.times before that, or leave them out"
+        )
