@@ -16,6 +16,7 @@ from ..progress import Stages
 from ..sizes import defaults
 from ..sizes.half_space_mesh import ChosenMesh, half_space_mesh
 from ..sizes.layers import why_layers_are_not_meshed
+from ..sizes.ring_edges import compressibility
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
 from .pipeline import ComplianceMethod
@@ -205,8 +206,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         chosen.notes,
         safety=error_factor(_factor_name(chosen)),
         smallest=_smallest_size(problem, chosen),
-        slope_roundoff=error_factor("roundoff of slopes")
-        / (1 - 2 * half_space.solid.poisson_ratio),
+        slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
         limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
         same_elements=chosen.same_elements,
     )

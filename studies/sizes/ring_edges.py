@@ -165,6 +165,15 @@ def smallest_size(problem: Problem, roundoff: float) -> float:
     return min(ROUNDOFF_MARGIN * roundoff / problem.rtol, MAX_ROUNDOFF_SIZE)
 
 
+def compressibility(problem: Problem) -> float:
+    """Return 1 - 2 nu of the solid of finite elements, by which their roundoff is divided.
+
+    Layers may be less compressible than the least value here, but their roundoff has not been
+    measured.
+    """
+    return 1 - 2 * min(problem.poisson_ratio, HIGHEST_MODELLED_POISSON_RATIO)
+
+
 def fem_smallest(problem: Problem) -> float:
     """Return the smallest size of finite elements at a ring edge.
 
@@ -174,8 +183,7 @@ def fem_smallest(problem: Problem) -> float:
     nu)^2``, because the stiffness against a change of volume multiplies roundoff. Shown by
     physics/test_promise.py::test_finite_elements_resolve_layers_of_slow_rings.
     """
-    compressibility = 1 - 2 * min(problem.poisson_ratio, HIGHEST_MODELLED_POISSON_RATIO)
-    roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility**2)
+    roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility(problem) ** 2)
     return smallest_size(problem, roundoff)
 
 
