@@ -231,13 +231,13 @@ def amplified_roundoff(problem: Problem) -> Array:
     """
     (inner, wear), rings = problem.merged.ends, problem.merged
     outside, widths = np.append(inner[1:], wear[-1]), np.append(rings.narrower, rings.widths[-1])
-    distances = problem.distances[:, None]
+    worn = problem.distances > 0
     slow, fast = (
-        np.minimum(1.0, side(wear, outside) * distances / widths)
+        np.minimum(1.0, side(wear, outside) * problem.distances[worn, None] / widths)
         for side in (np.minimum, np.maximum)
     )
     fast[:, -1] = 1.0
-    worn = distances[:, 0] > 0
-    factors = np.zeros_like(slow)
-    factors[worn] = np.where(rings.smooth, 0.0, fast[worn] / np.sqrt(slow[worn]))
-    return np.asarray(factors.max(axis=1))
+    root = np.sqrt(np.maximum(slow, np.finfo(float).tiny))
+    factors = np.zeros(len(worn))
+    factors[worn] = np.where(rings.smooth, 0.0, fast / root).max(axis=1)
+    return factors
