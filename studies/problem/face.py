@@ -135,6 +135,21 @@ class Rings(NamedTuple):
         """(N-1,) width of the narrower ring next to each edge between centre and rim."""
         return np.minimum(self.widths[:-1], self.widths[1:])
 
+    @property
+    def widths_at_edges(self) -> Array:
+        """(N,) `narrower`, and the width of the last ring at the rim."""
+        return np.append(self.narrower, self.widths[-1])
+
+    @property
+    def wear_at_edges(self) -> tuple[Array, Array]:
+        """Wear coefficients (N,) on the slower and on the faster side of each edge but the centre.
+
+        The rim has one side only.
+        """
+        inner, wear = self.ends
+        outside = np.append(inner[1:], wear[-1])
+        return np.minimum(wear, outside), np.maximum(wear, outside)
+
     def at(self, radii: Array) -> Array:
         """Return the wear coefficient at each radius."""
         return values_on_rings(*self, radii, ring_of(self.ring_edges, radii))

@@ -288,14 +288,11 @@ class Problem:
         """
         if self.shared_amplitude is not None:
             return self.shared_amplitude
-        (inner, wear), earliest = self.merged.ends, self.earliest or np.inf
-        outside = np.append(inner[1:], wear[-1])
-        slower = np.minimum(wear, outside)
+        earliest, (slower, faster) = self.earliest or np.inf, self.merged.wear_at_edges
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
         worn_length_slow = np.where(self.merged.smooth, np.inf, slower * earliest)
-        ratio = np.maximum(wear, outside) / slower
-        narrower = np.append(self.merged.narrower, self.merged.widths[-1])
-        return EdgeAmplitude(self.rtol, worn_length_slow, ratio, span, self.merged.kinks, narrower)
+        kinks, widths = self.merged.kinks, self.merged.widths_at_edges
+        return EdgeAmplitude(self.rtol, worn_length_slow, faster / slower, span, kinks, widths)
 
     def with_quantities(self, quantities: frozenset[str]) -> "Problem":
         """Return the problem of these quantities, with times and steady state only if needed.

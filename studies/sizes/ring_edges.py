@@ -5,6 +5,8 @@ punch radii a. The comment on a constant names the test under `tests/` or the st
 it, if there is one.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from ...meshes.radial import Array
@@ -85,8 +87,8 @@ def edge_sizes(problem: Problem) -> Array:
     physics/test_graded.py::test_methods_agree_and_estimates_bound_their_errors on kinks;
     `ringwear study tradeoff` shows the cost of a tolerance.
     """
-    rtol, widths, edge_amplitude = problem.rtol, problem.merged.narrower, problem.edge_amplitude
-    widths = np.append(widths, problem.merged.widths[-1])
+    rtol, edge_amplitude = problem.rtol, problem.edge_amplitude
+    widths = problem.merged.widths_at_edges
     if problem.ground is not None:
         widths = np.minimum(widths, problem.ground.first_thickness)
     at_rim = np.arange(len(widths)) == len(widths) - 1
@@ -213,6 +215,8 @@ def root_of_unresolved_wear(problem: Problem, size: float, at_hole: bool = False
     return np.sqrt(np.where(worn_length < size, share, 0.0))
 
 
+# cached, because the reasons of all compared times need it
+@lru_cache(maxsize=16)
 def amplified_roundoff(problem: Problem) -> Array:
     """Return the factor (T,) by which thin layers amplify the roundoff of RMS slopes.
 
@@ -229,12 +233,10 @@ def amplified_roundoff(problem: Problem) -> Array:
         most the width b of the narrower ring, and the amplitude s of the singularity, as in
         `edge_sizes`. At times without wear it is 0.
     """
-    (inner, wear), rings = problem.merged.ends, problem.merged
-    outside, widths = np.append(inner[1:], wear[-1]), np.append(rings.narrower, rings.widths[-1])
-    worn = problem.distances > 0
+    rings, worn = problem.merged, problem.distances > 0
     slow, fast = (
-        np.minimum(1.0, side(wear, outside) * problem.distances[worn, None] / widths)
-        for side in (np.minimum, np.maximum)
+        np.minimum(1.0, wear * problem.distances[worn, None] / rings.widths_at_edges)
+        for wear in rings.wear_at_edges
     )
     fast[:, -1] = 1.0
     root = np.sqrt(np.maximum(slow, np.finfo(float).tiny))
