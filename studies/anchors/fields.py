@@ -5,6 +5,7 @@ import numpy as np
 from ...mdr import energy, ring_kernel
 from ..sampling.norms import radial_weight
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_times
+from ..wear.unilateral import Mask
 from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
@@ -61,6 +62,7 @@ def check_output(report: Reported) -> Rows:
     """Compare fields at the reported radii with the fields over the face, interpolated there."""
     # leave out the element at the rim, where the pressure at the start is infinite
     inside, rows = report.radii < report.face.breakpoints[-2], report.has_slid
+    inside &= ~_beside_contact_edges(report)
     if not inside.any():
         return
     for name in ("pressure", "profile", "displacement"):
@@ -76,6 +78,18 @@ def check_output(report: Reported) -> Rows:
         )
         tolerance = report.tolerance(name)[rows] + REFERENCE_ERROR_FACTOR * interpolation_error
         yield Row(f"{name} at the reported radii", difference, 0.0, tolerance, 1.0)
+
+
+def _beside_contact_edges(report: Reported) -> Mask:
+    """Return which reported radii share an element of the face with an outermost contact edge.
+
+    A contact that is smaller than the element has worn a spot there that interpolation misses.
+    """
+    if not report.has("contact_radius"):
+        return np.zeros(len(report.radii), dtype=bool)
+    ends = report.face.breakpoints[1:-1]
+    edges = np.searchsorted(ends, report.take("contact_radius"))
+    return np.isin(np.searchsorted(ends, report.radii), edges)
 
 
 def check_modes(report: Reported) -> Rows:

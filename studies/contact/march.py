@@ -71,7 +71,7 @@ class ContactMarch:
         self.face = FullFace(compliance, wear_coefficients, moments, load, loading or Loading())
         self._stages = ContactStages(self.face)
 
-    def adaptive(self, times: Array, tolerance: float) -> Marched:
+    def adaptive(self, times: Array, tolerance: float, slope_tolerance: float = np.inf) -> Marched:
         """March in steps of second order that follow a tolerance, until contact is full.
 
         Parameters
@@ -81,6 +81,9 @@ class ContactMarch:
         tolerance : float
             Root mean square error of the worn depth that a step may add, over the greatest
             indentation so far.
+        slope_tolerance : float
+            Root mean square error of the slope of the face that a step may add, over that slope. It
+            matters for the thin layers that wear makes at ring edges and at the rim.
 
         Returns
         -------
@@ -100,7 +103,7 @@ class ContactMarch:
         instants, watched, iterations = [current], list[Instant](), list[int]()
         events = np.union1d(times, loading.times[loading.times < times[-1]])
         distances = loading.at(events).distance
-        control = StepControl(tolerance, float(distances[-1]))
+        control = StepControl(tolerance, float(distances[-1]), slope_tolerance)
 
         def result(full_since: Instant | None = None, full: History | None = None) -> Marched:
             """Return the result of the march, continued by a history in full contact if given."""
@@ -133,7 +136,8 @@ class ContactMarch:
                 )
                 middle, following, error = stages.solve_two_stages(dt, time, previous, current)
                 iterations += (middle.press.iterations, following.press.iterations)
-                if control.accepts(dt, error, following.press.indentation):
+                slope = stages.rms_slope(following.integral)
+                if control.accepts(dt, error, following.press.indentation, slope):
                     previous, current = middle, following
                     instants.append(current)
                     doubled = not watched or time > 2 * watched[-1].time

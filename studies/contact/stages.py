@@ -16,9 +16,12 @@ difference between its quadrature of the wear and the integral of the parabola t
 at its start and its stages. The method with one stage is implicit Euler.
 """
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_matrix, diags
+from scipy.sparse.linalg import spsolve
 
 from ...meshes.radial import Array
 from ..wear.history import Instant
@@ -31,6 +34,19 @@ GAMMA = 1 - np.sqrt(0.5)
 STORED_CONTACTS = 6
 # greatest extrapolation of the contact, in log(distance) and over the previous step
 MOST_EXTRAPOLATION = 1.5
+
+
+class StepError(NamedTuple):
+    """The error that a step adds to the worn depth, as root mean squares.
+
+    Parameters
+    ----------
+    depth : error of the worn depth, over the face
+    slope : error of the slope of the worn depth, along the radius
+    """
+
+    depth: float
+    slope: float
 
 
 class ContactStages:
@@ -53,6 +69,32 @@ class ContactStages:
         self._contact = lru_cache(maxsize=STORED_CONTACTS)(
             lambda dt: Contact(matrix + dt * dense, space.weights)
         )
+
+    @cached_property
+    def _slopes(self) -> csr_matrix:
+        """(E, size) slopes of a function in each cell, times the root of its part of the width."""
+        space = self.face.compliance.space
+        parts = space.widths / (1 - space.inner_radius)
+        return (diags(np.sqrt(parts)) @ space.on_elements(np.zeros(1), derivative=True)).tocsr()
+
+    @cached_property
+    def _slopes_of_wear(self) -> csr_matrix:
+        """(E, size) the same slopes of the worn depth k H, from the integral H."""
+        depths = diags(self.face.compliance.space.at_vertices(self.face.wear_coefficients))
+        return (self._slopes @ depths).tocsr()
+
+    @cached_property
+    def _unworn_slopes(self) -> Array:
+        """(E,) the same slopes of the unworn face."""
+        mass = self.face.compliance.space.mass().tocsc()
+        return np.asarray(self._slopes @ spsolve(mass, self.face.moments))
+
+    def rms_slope(self, integral: Array) -> float:
+        """Return the root mean square along the radius of the slope of the worn face.
+
+        `integral` (size,) is the integral H of the pressure over the sliding distance.
+        """
+        return float(np.linalg.norm(self._unworn_slopes + self._slopes_of_wear @ integral))
 
     def at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then.
@@ -109,10 +151,8 @@ class ContactStages:
 
     def solve_two_stages(
         self, dt: float, time: float, previous: Instant, current: Instant
-    ) -> tuple[Instant, Instant, float]:
-        """Return the first stage of a step, the state after it, and the error of the worn depth.
-
-        The error is the root mean square over the face.
+    ) -> tuple[Instant, Instant, StepError]:
+        """Return the first stage of a step, the state after it, and the error of the step.
 
         Parameters
         ----------
@@ -148,7 +188,9 @@ class ContactStages:
         third = 0.5 - GAMMA * second
         weights = np.array([1 - second - third, second - (1 - GAMMA), third - GAMMA])
         defect = dt * weights @ pressures
-        return middle, following, float(np.sqrt(max(defect @ (self._norm @ defect), 0.0)))
+        depth = float(np.sqrt(max(defect @ (self._norm @ defect), 0.0)))
+        slope = float(np.linalg.norm(self._slopes_of_wear @ defect))
+        return middle, following, StepError(depth, slope)
 
 
 def _predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:

@@ -7,6 +7,8 @@ every requested time.
 
 import numpy as np
 
+from .stages import StepError
+
 # length of the first step over the total sliding distance
 FIRST_STEP = 1e-6
 # length of the next step over that which would just meet the tolerance
@@ -15,6 +17,8 @@ SAFETY = 0.8
 MOST_GROWTH = 4.0
 # lower bound on the error over the tolerance, from which the next length is computed
 LEAST_RELATIVE_ERROR = 1e-12
+# lower bound of the slope to which errors are relative, over the greatest indentation so far
+LEAST_RELATIVE_SLOPE = 1e-3
 
 
 class StepControl:
@@ -26,10 +30,12 @@ class StepControl:
         Error of the worn depth that a step may add, over the greatest indentation so far.
     distance : float
         Total sliding distance.
+    slope_tolerance : float
+        Error of the slope of the worn face that a step may add, over that slope.
     """
 
-    def __init__(self, tolerance: float, distance: float) -> None:
-        self.tolerance = tolerance
+    def __init__(self, tolerance: float, distance: float, slope_tolerance: float = np.inf) -> None:
+        self.tolerance, self.slope_tolerance = tolerance, slope_tolerance
         self.step = _round_down(FIRST_STEP * distance) if distance else 1.0
         self.greatest_indentation = float(np.finfo(float).tiny)
         self.taken = self.rejected = 0
@@ -40,10 +46,22 @@ class StepControl:
             return remaining
         return min(self.step, remaining / 2)
 
-    def accepts(self, dt: float, error: float, indentation: float) -> bool:
-        """Judge a step by its error, count it, and choose the length of the next one."""
+    def accepts(self, dt: float, error: StepError, indentation: float, slope: float) -> bool:
+        """Judge a step by its error, count it, and choose the length of the next one.
+
+        Parameters
+        ----------
+        dt : length of the step
+        error : error of the step
+        indentation : indentation after it
+        slope : root mean square slope of the worn face after it
+        """
         self.greatest_indentation = max(self.greatest_indentation, abs(indentation))
-        relative = error / (self.tolerance * self.greatest_indentation)
+        least_slope = LEAST_RELATIVE_SLOPE * self.greatest_indentation
+        relative = max(
+            error.depth / (self.tolerance * self.greatest_indentation),
+            error.slope / (self.slope_tolerance * max(slope, least_slope)),
+        )
         next_step = _round_down(
             dt * min(MOST_GROWTH, SAFETY * max(relative, LEAST_RELATIVE_ERROR) ** (-1 / 3))
         )

@@ -4,7 +4,6 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
@@ -17,6 +16,7 @@ from ..sampling.answers import moving_answers
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
+from ..wear.unilateral import Mask
 from .error_factors import error_factor
 from .evaluation import ENDS, Evaluation
 from .spaces import load_of
@@ -30,6 +30,11 @@ REPORTED_AT = {
     "worn_volume": ("ring_worn_volume", -1),
 }
 
+# Error of slopes that a step in thin layers may add, over rtol. The worn depth alone would be right
+# after a few steps, with slopes and pressures that are far off (physics/test_random_scenes.py::
+# test_layers_where_the_rim_loses_contact_under_a_falling_force).
+SLOPE_TOLERANCE = 0.5
+
 
 class MovingContact(Evaluation):
     """A punch whose contact opens, closes and spreads, marched through the requested times.
@@ -39,6 +44,8 @@ class MovingContact(Evaluation):
     problem, compliance : the compliance on linear pressures over cells
     start : the initial contact of the unworn face, on a pressure space fitted to its edges
     step_tolerance_factor : factor on the error that a step in time may add
+    in_layers : whether the contact covers the face from the start, so that steps in time must also
+        resolve the slopes of the thin layers that wear makes at ring edges and at the rim
 
     Attributes
     ----------
@@ -54,13 +61,16 @@ class MovingContact(Evaluation):
         compliance: Compliance,
         start: FittedPress | None = None,
         step_tolerance_factor: float = 1.0,
+        in_layers: bool = False,
     ) -> None:
         super().__init__(problem, compliance)
-        self.start = start
+        self.start, self.in_layers = start, in_layers
         # Error that each step may add to the worn depth: a part of the tolerance. Above 1e-3 the
         # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
         # but be too few to estimate their error.
-        self._tolerance = 0.05 * step_tolerance_factor * min(problem.rtol, 1e-3)
+        rtol = step_tolerance_factor * min(problem.rtol, 1e-3)
+        self._tolerance = 0.05 * rtol
+        self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, the worn depth is small compared with the
             # indentation
@@ -80,7 +90,7 @@ class MovingContact(Evaluation):
 
     @cached_property
     def _marched_adaptively(self) -> Marched:
-        return self._march.adaptive(self.problem.times, self._tolerance)
+        return self._march.adaptive(self.problem.times, self._tolerance, self._slope_tolerance)
 
     @cached_property
     def exact_in_time(self) -> History:
@@ -156,18 +166,32 @@ class MovingContact(Evaluation):
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
         - The factor is `safety_factor`.
-        - At each requested time, the error is the largest among seven neighbouring times of the
-          march, because differences cross zero now and then. A start that is fitted to the edges of
-          the contact is left out of this.
+        - At each requested time, the error is the largest at nearby times of the march, because
+          differences cross zero now and then. A start that is fitted to the edges of the contact is
+          left out of this.
         - The error is at least the floor of the quantity.
         """
         times = self.estimate_times
         error = self.safety_factor(name) * difference
         later = (times > 0) | self._starts_on_cells
-        if later.any():
-            padded = np.pad(error[later], 3)
-            error[later] = sliding_window_view(padded, 7).max(axis=1)
+        nearby = np.where(self._nearby & later, error, 0.0).max(axis=1)
+        error = np.where(later, nearby, error)
         return np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
+
+    @cached_property
+    def _nearby(self) -> Mask:
+        """(T, T) which times of the march are near each other, so that their errors are alike.
+
+        If edges of the contact move, these are seven successive times. If layers of wear limit the
+        accuracy, they are times of similar layers: those within a factor, and the adjacent ones.
+        """
+        times = self.estimate_times
+        apart = np.abs(np.subtract.outer(np.arange(len(times)), np.arange(len(times))))
+        if not self.in_layers:
+            return np.asarray(apart <= 3)
+        limits = error_factor("nearby times") * times
+        alike = (times <= limits[:, None]) & (times[:, None] <= limits)
+        return np.asarray(alike | (apart <= 1))
 
     @property
     def _starts_on_cells(self) -> bool:

@@ -45,9 +45,6 @@ from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
 # Number of dense matrices of the size of the compliance that are in memory at once.
 DENSE_MATRICES = 14.0
-# Factor on the error that a step may add if the contact covers the face from the start: that error
-# is one of the worn depth, and the slopes and pressures of thin layers have much larger errors.
-STEP_FACTOR_IN_LAYERS = 0.02
 
 
 class ComplianceMethod(Method):
@@ -234,15 +231,17 @@ def solve_in_moving_contact(
         presses, notes = fitted_starts(problem, intervals, discretisation, earlier)
     start, coarse_start = presses or (None, None)
     with stages("marching"):
-        step_factor = STEP_FACTOR_IN_LAYERS if covers_face(intervals) else 1.0
-        fine = MovingContact(problem, discretisation.compliance, start, step_factor)
+        in_layers = covers_face(intervals)
+        fine = MovingContact(problem, discretisation.compliance, start, in_layers=in_layers)
     with stages("estimating"):
-        recorded = replace(problem, times=fine.estimate_times)
+        # fields are compared at the same radii, which otherwise depend on the first time
+        recorded = replace(problem, times=fine.estimate_times, compared_on=problem.face)
         coarse = MovingContact(
             recorded,
             discretisation.coarser(),
             coarse_start,
-            step_factor * error_factor("steps of the coarser march"),
+            error_factor("steps of the coarser march"),
+            in_layers,
         )
         solution = _solution(method.remedy(problem), discretisation, fine, coarse)
     solution = replace(
