@@ -202,7 +202,7 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
             solved(problem, pieces_of(table), load_of(table), error, average, roundoff)
         )
     (fine, answer, punch), (coarse, less, _) = solutions
-    outcome.lost_contact = _loses_contact(table, punch)
+    outcome.lost_contact = loses_contact(table, punch)
     outcome.reference_seconds = time.perf_counter() - started
     started = time.perf_counter()
     try:
@@ -221,7 +221,7 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
     return outcome
 
 
-def _loses_contact(table: dict, punch) -> bool:
+def loses_contact(table: dict, punch) -> bool:
     """Return whether a pressure would be negative at some time while the force falls."""
     load = load_of(table)
     if (np.diff(load.forces) >= 0).all():

@@ -106,6 +106,7 @@ CHECKS = (
     ),
     Check(wear.check_power, "pressure", _full_contact_and_sliding),
     Check(wear.check_ring_volumes, "indentation profile ring_force", _full_contact_and_sliding),
+    Check(fields.check_contact_radius, "contact_radius", _full_contact),
     Check(answers.check_times_of_running_in, "indentation", _full_contact),
     Check(answers.check_repeated_numbers),
     Check(answers.check_worn_volumes_of_profile, "indentation profile"),
@@ -199,4 +200,6 @@ def expected_anchors(problem: Problem, solution: Solution) -> tuple[str, ...]:
     marched = solution.wear is not None or solution.march is not None
     if not (marched and problem.earliest and problem.march == "modal"):
         return names
+    if problem.keeps_contact:
+        names += (fields.RADIUS_OF_FULL_CONTACT,)
     return names + CONTACT_ANCHORS[problem.contact] + RESPONSE_ANCHORS[problem.load_regime.response]

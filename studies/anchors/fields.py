@@ -14,6 +14,8 @@ COMPARED_TIMES = 8
 # the small problem is solved on two meshes; a relaxation time is not compared if the relative
 # difference of the two is larger than this
 LARGEST_MESH_DIFFERENCE = 0.01
+# name of the anchor of the contact radius in full contact
+RADIUS_OF_FULL_CONTACT = "contact radius, that of the punch"
 
 
 def check_fields(report: Reported) -> Rows:
@@ -78,6 +80,11 @@ def check_output(report: Reported) -> Rows:
         )
         tolerance = report.tolerance(name)[rows] + REFERENCE_ERROR_FACTOR * interpolation_error
         yield Row(f"{name} at the reported radii", difference, 0.0, tolerance, 1.0)
+
+
+def check_contact_radius(report: Reported) -> Rows:
+    """Compare the contact radius with that of the punch, which is in full contact."""
+    yield Row(RADIUS_OF_FULL_CONTACT, report.take("contact_radius"), 1.0, ROUNDOFF_TOLERANCE)
 
 
 def _beside_contact_edges(report: Reported) -> Mask:

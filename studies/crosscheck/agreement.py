@@ -213,7 +213,8 @@ def _judge(
         promised = not all(reasons)
         remark = next(filter(None, reasons), "")
         if promised:
-            remark = remedy(problem, blamed, solutions[blamed], float(uncertainty[worst]))
+            error = float(uncertainty[worst])
+            remark = remedy(problem, quantity, blamed, solutions[blamed], error)
         times_in_words = when_in_words(problem, units, quantity, doubtful)
     numbers = float(sizes[worst]), float(uncertainty[worst])
     pair = first_name, second_name
@@ -251,11 +252,12 @@ def when_in_words(
     return f"{'up to' if last else 'at'} t = {units.write(float(times[last]), 'time', 3)}"
 
 
-def remedy(problem: Problem, blamed: str, solution: Solution, error: float) -> str:
-    """Return a remedy for an undecided quantity: a smaller `rtol`, other sizes or another march.
+def remedy(problem: Problem, quantity: str, blamed: str, solution: Solution, error: float) -> str:
+    """Return a remedy for an undecided quantity: another `rtol`, other sizes or another march.
 
     Parameters
     ----------
+    quantity : its name
     blamed : name of the method with the larger error estimate
     error : the uncertainty
     """
@@ -264,6 +266,11 @@ def remedy(problem: Problem, blamed: str, solution: Solution, error: float) -> s
         return solution.remedy
     if problem.march != "modal":
         return "the time step is too long; march = 'modal' needs none"
+    if quantity in solution.limited_by_degree:
+        return (
+            f"{blamed} states {error:.1e}; its elements have the highest degree, so that a smaller "
+            "rtol would not help: give a larger one"
+        )
     if rtol < FINEST_RTOL:
         return f"{blamed} states {error:.1e}; no allowed rtol is small enough to decide it"
     return f"{blamed} states {error:.1e}; rtol = {rtol:.0e} would decide it"

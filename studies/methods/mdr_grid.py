@@ -13,7 +13,7 @@ from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.regimes import VARYING_FORCE, WEAR_ALONG_RADIUS, Regime
+from ..problem.regimes import FALLING_FORCE, VARYING_FORCE, WEAR_ALONG_RADIUS, Regime
 from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
@@ -36,8 +36,11 @@ class MdrGrid(Method):
     refused: ClassVar[Mapping[Regime, str]] = {
         WEAR_ALONG_RADIUS: "mdr-grid needs wear that is constant on each ring: leave it out of "
         "methods, or give steps or many rings in place of punch.wear_coefficient along the radius",
-        VARYING_FORCE: "mdr-grid needs a constant force and sliding speed: leave it out of "
-        "methods, or give load.normal_force and load.sliding_speed as numbers",
+        **dict.fromkeys(
+            (VARYING_FORCE, FALLING_FORCE),
+            "mdr-grid needs a constant force and sliding speed: leave it out of methods, or give "
+            "load.normal_force and load.sliding_speed as numbers",
+        ),
         **flat_punches_only("mdr-grid"),
     }
 

@@ -4,8 +4,8 @@
 - wear and sample on both compliances: `evaluation.py`, `moving_evaluation.py`
 - estimate errors by the difference of both, times factors: `estimates.py`, `error_factors.py`
 
-A flat punch under a force stays in full contact (`solve_in_full_contact`). Any other contact is
-marched in time (`solve_in_moving_contact`).
+A flat punch stays in full contact (`solve_in_full_contact`), unless the force falls too fast. Any
+other contact is marched in time (`solve_in_moving_contact`).
 """
 
 from abc import abstractmethod
@@ -198,7 +198,8 @@ def _solve_one(
         FullContact(problem, compliance, discretisation.safety, smallest, roundoff)
         for compliance in compliances
     )
-    if problem.ground is not None and problem.earliest:
+    may_need_tension = problem.ground is not None or problem.keeps_contact
+    if may_need_tension and problem.earliest:
         refuse_tension(problem, fine.compliance.space, fine.history)
     return _solution(method.remedy(problem), discretisation, fine, coarse)
 

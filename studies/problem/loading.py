@@ -73,7 +73,7 @@ class Loading:
 
     @property
     def rising(self) -> bool:
-        """Whether the force never falls. A flat punch then stays in full contact."""
+        """Whether the force never falls. A flat punch then always stays in full contact."""
         return bool((np.diff(self.forces) >= 0).all())
 
     @property

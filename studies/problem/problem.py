@@ -16,7 +16,6 @@ from ...meshes.ground.ground import Ground
 from ...meshes.radial import (
     Array,
     Indices,
-    alternating_edges,
     graded_breakpoints,
     ring_areas,
     ring_of,
@@ -28,6 +27,7 @@ from .profile import FLAT, InitialProfile
 from .punch import PunchSection
 from .quantities import ENERGIES, GROUPS, HISTORIES, STEADY, Units, expand
 from .regimes import (
+    FALLING_FORCE,
     FULL_CONTACT,
     LOADS,
     MOVING_CONTACT,
@@ -84,6 +84,8 @@ class Problem:
     shared_amplitude : `edge_amplitude` for several problems that share a discretisation
         (`studies/sizes/shared.py`); None to compute it for this problem
     ground : layers; None for a homogeneous half-space
+    keeps_contact : whether a flat punch stays in full contact while the force falls, as
+        `studies/contact/falling_force.py` predicts
     """
 
     rings: Rings
@@ -106,6 +108,7 @@ class Problem:
     loading: Loading = field(default_factory=Loading)
     shared_amplitude: EdgeAmplitude | None = None
     ground: Ground | None = None
+    keeps_contact: bool = False
 
     @classmethod
     def from_tables(
@@ -118,13 +121,7 @@ class Problem:
         output: OutputSection,
     ) -> "Problem":
         """Return the problem that the tables of a scene define."""
-        length, hole = punch.radius, punch.inner_radius / punch.radius
-        if punch.ring_edges is None:
-            unit_edges = alternating_edges(punch.rings or 1, punch.width_ratio)
-            ring_edges = hole + (1 - hole) * unit_edges
-        else:
-            ring_edges = np.array([punch.inner_radius, *punch.ring_edges]) / length
-        ring_edges[-1] = 1.0
+        length, ring_edges = punch.radius, punch.relative_edges
         coefficients, graded = np.array(punch.coefficients), None
         if not punch.table:
             # two coefficients alternate from the centre
@@ -136,7 +133,7 @@ class Problem:
             face = Face(graded.ring_edges, ring_edges, graded.at)
             coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
         modulus, ground = half_space.modulus, half_space.ground(length)
-        unit_indentation = flat_punch(hole, ground).indentation
+        unit_indentation = flat_punch(ring_edges[0], ground).indentation
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
             approach = punch.approach(load.indentation, ring_edges)
@@ -191,11 +188,12 @@ class Problem:
         """Whether all of the face stays in contact.
 
         A flat punch does at a fixed indentation or under a force that never falls, unless stiff
-        layers bend away from it, which matters in a history only. Any other may lose contact.
+        layers bend away from it, which matters in a history only. Any other may lose contact,
+        unless a prediction excludes this.
         """
         ground = self.ground if len(self.times) else None
         keeps = ground is None or presses_everywhere(ground, self.inner_radius)
-        return self.profile.flat and self.loading.rising and keeps
+        return self.profile.flat and (self.loading.rising or self.keeps_contact) and keeps
 
     @property
     def contact(self) -> ContactRegime:
@@ -205,6 +203,8 @@ class Problem:
     @property
     def load_regime(self) -> LoadRegime:
         """The regime of the load: a force or an indentation, constant or varying."""
+        if self.keeps_contact:
+            return FALLING_FORCE
         return LOADS[self.indentation is not None, self.loading.varies]
 
     @property

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from ...meshes.errors import SceneError
-from ...meshes.radial import Array
+from ...meshes.radial import Array, alternating_edges
 from .fields import (
     Ball,
     Concave,
@@ -197,6 +197,17 @@ class PunchSection(Section):
     def table(self) -> WearTable | None:
         """The table of wear coefficients along the radius; None if they are constant on rings."""
         return self.wear_coefficient if isinstance(self.wear_coefficient, WearTable) else None
+
+    @property
+    def relative_edges(self) -> Array:
+        """(N+1,) ring edges over the punch radius, from the axis or the hole to 1."""
+        hole = self.inner_radius / self.radius
+        if self.ring_edges is None:
+            edges = hole + (1 - hole) * alternating_edges(self.rings or 1, self.width_ratio)
+        else:
+            edges = np.array([self.inner_radius, *self.ring_edges]) / self.radius
+        edges[-1] = 1.0
+        return np.asarray(edges)
 
     def unworn(self, ring_edges: Array, unit: float) -> InitialProfile:
         """Return the face before wear, non-dimensional.

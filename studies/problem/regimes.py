@@ -250,8 +250,18 @@ def _with_varying_load(regime: LoadRegime) -> LoadRegime:
 
 VARYING_FORCE = _with_varying_load(ONE_FORCE)
 INDENTATION_AT_VARYING_SPEED = _with_varying_load(FIXED_INDENTATION)
+# a flat punch that stays in full contact while the force falls; it has the quantities of a punch
+# that may lose contact, because whether it does is only known after a prediction
+FALLING_FORCE = replace(
+    VARYING_FORCE,
+    added_quantities=frozenset(MOVING_CONTACT_QUANTITIES),
+    left_out={
+        **VARYING_FORCE.left_out,
+        "inequality p >= 0": "although the force falls, the punch stays in full contact: in a "
+        "small solution, the pressure stays positive everywhere",
+    },
+)
 
-VARYING_LOADS = VARYING_FORCE, INDENTATION_AT_VARYING_SPEED
 FIXED_INDENTATIONS = FIXED_INDENTATION, INDENTATION_AT_VARYING_SPEED
 # keys: whether the indentation is given, and whether the force or the sliding speed varies
 LOADS = {

@@ -239,6 +239,8 @@ class Sampler:
 
         Entries beyond the last part at a time are NaN.
         """
+        if self.problem.full_contact:
+            return np.tile([self.problem.inner_radius, 1.0], (len(history.distances), 1))
         contact_parts = [
             worn_edges(self.space, contact, worn)
             for contact, worn in zip(history.contact, history.profile, strict=True)

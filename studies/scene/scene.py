@@ -340,9 +340,15 @@ class Scene(Section, metaclass=SceneType):
     @cached_property
     def problem(self) -> Problem:
         """The non-dimensional problem that the methods solve."""
-        return Problem.from_tables(
+        problem = Problem.from_tables(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )
+        if problem.loading.rising:
+            return problem
+        # imported only for a force that falls
+        from ..contact.falling_force import with_prediction
+
+        return with_prediction(problem)
 
 
 Source = Scene | str | Path | Mapping[str, object]

@@ -7,8 +7,9 @@ K) on the pressures that carry no force; the eigenvalues are the relaxation time
 indentation ``A p' = -K p``: the whole pressure decays, in modes of the pencil on all pressures.
 
 No inequality is enforced, because a punch that starts flat never loses contact. This also holds
-under a force that never falls, because each increase acts as another flat start. In the marches by
-steps, times are sliding distances.
+under a force that never falls, because each increase acts as another flat start. Under a force that
+falls, it holds if the fall is slow enough for the wear (`studies/contact/falling_force.py`). In the
+marches by steps, times are sliding distances.
 """
 
 from dataclasses import dataclass, field
@@ -66,7 +67,7 @@ class RunningIn:
     indentation : float, optional
         Fixed indentation instead of the force 1. The pressure then decays to zero.
     loading : Loading
-        Force, which never falls, and sliding speed over time, for `modal`.
+        Force and sliding speed over time, for `modal`.
     """
 
     compliance: Compliance

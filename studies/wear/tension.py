@@ -1,4 +1,4 @@
-"""Refuse histories in which full contact on layers would need tension."""
+"""Refuse histories in which full contact would need tension."""
 
 import numpy as np
 
@@ -12,10 +12,11 @@ MOST_TENSION = 10.0
 
 
 def refuse_tension(problem: Problem, space: PressureSpace, history: History) -> None:
-    """Raise if full contact on layers takes tension during wear, which is not modelled.
+    """Raise if full contact takes tension during wear, which is not modelled.
 
-    On a homogeneous half-space, pressures that are positive at the start stay positive. A layer
-    that bends or bulges may lose contact with the punch later.
+    On a homogeneous half-space, pressures that are positive at the start stay positive under a
+    force that never falls. A layer that bends or bulges may lose contact with the punch later, and
+    so may any punch while the force falls, if the prediction that it does not is wrong.
 
     Parameters
     ----------
@@ -33,6 +34,11 @@ def refuse_tension(problem: Problem, space: PressureSpace, history: History) -> 
     allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
     if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:
         time = float(problem.times[later][lost_contact[0]]) * problem.units.time
+        if problem.ground is None:
+            raise SolverError(
+                f"the pressure becomes negative by t = {time:.3g}, while the force falls, although "
+                "a small solution predicted full contact: end wear.times before that"
+            )
         raise SolverError(
             f"half_space.layers lose contact with the punch by t = {time:.3g}, though not at the "
             "start, and this is not modelled: end wear.times before that, or leave them out"

@@ -40,8 +40,9 @@ RISING = {
     "normal_force": {"times": [0, 500.0, 2000.0], "values": ["5 N", "20 N", "40 N"]},
     "sliding_speed": SPEEDS,
 }
+# the force falls so fast that the rim loses contact
 UP_AND_DOWN = {
-    "normal_force": {"times": [0, 500.0, 2000.0], "values": ["5 N", "40 N", "20 N"]},
+    "normal_force": {"times": [0, 500.0, 2000.0], "values": ["5 N", "40 N", "5 N"]},
     "sliding_speed": SPEEDS,
 }
 HELD = {"indentation": "1 um", "sliding_speed": "0.5 m/s"}

@@ -1,0 +1,126 @@
+"""Flat punches whose force falls: contact stays full, or is lost where wear is too slow.
+
+Whether contact stays full is predicted by a small solution. If it does, the relaxation modes solve
+the problem, and the independent solution is valid.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from independent import ROUNDOFF, solved
+from random_scenes import draw, hold, load_of, loses_contact, pieces_of
+
+from ringwear import Scene, run
+from ringwear.meshes.errors import SolverError
+from ringwear.studies.problem.regimes import FULL_CONTACT, MOVING_CONTACT
+
+FIVE = Scene.load("five_rings")
+SLOW = {"times": [0.0, 1.0], "values": [2.0, 1.0]}
+
+
+def under(values, times=(0.0, 1.0), **changes):
+    """Return five rings under a force over time, by dimensionality reduction."""
+    force = {"times": list(times), "values": list(values)}
+    return FIVE.changed(methods=["mdr"], load__normal_force=force, **changes)
+
+
+@pytest.mark.slow
+def test_the_prediction_agrees_with_the_independent_solution():
+    kept = []
+    for table in draw("load", 8, 25):
+        problem = Scene.from_table(table).problem
+        if problem.loading.rising:
+            continue
+        load, average = load_of(table), table["output"]["gradient_average"]
+        *_, punch = solved(
+            problem, pieces_of(table), load, min(problem.rtol, 1e-3), average, ROUNDOFF
+        )
+        assert problem.keeps_contact != loses_contact(table, punch)
+        kept.append(problem.keeps_contact)
+    # both cases occur
+    assert 2 <= sum(kept) <= len(kept) - 2
+
+
+@pytest.mark.parametrize(("seed", "number"), [(8, 12), (8, 24), (11, 16)])
+def test_histories_by_modes_agree_with_the_independent_solution(seed, number):
+    """By steps, pressures and slopes of thin layers were left out, as known to a cell only."""
+    (*_, table) = draw("load", seed, number + 1)
+    assert Scene.from_table(table).problem.keeps_contact
+    row = hold(table, ("mdr", "bem"))
+    assert row.verdict == "agree"
+    assert not row.lost_contact
+    assert not row.excluded
+    assert not row.beyond
+
+
+@pytest.mark.parametrize(
+    ("values", "times", "contact"),
+    [
+        ([2.0, 1.0], [0.0, 1.0], FULL_CONTACT),
+        # hardly anything has worn yet
+        ([2.0, 1.0], [0.0, 1e-4], FULL_CONTACT),
+        ([2.0, 2.0, 1.0], [0.0, 0.5, 0.501], MOVING_CONTACT),
+        ([2.0, 0.0], [0.0, 1.0], MOVING_CONTACT),
+        ([2.0, 2.0, 1.0, 1.5], [0.0, 0.5, 5.0, 6.0], FULL_CONTACT),
+    ],
+    ids=["slowly", "before wear", "fast", "to zero", "in part"],
+)
+def test_contact_is_lost_if_the_force_falls_too_fast(values, times, contact):
+    assert under(values, times).problem.contact is contact
+
+
+def test_contact_is_lost_if_the_force_falls_while_the_punch_stands_still():
+    speed = {"times": [0.0, 1.0, 1.1, 2.0, 2.1], "values": [1.0, 1.0, 0.0, 0.0, 1.0]}
+    falls = under([2.0, 2.0, 1.9, 1.9], [0.0, 1.2, 1.8, 3.0], load__sliding_speed=speed)
+    assert falls.problem.contact is MOVING_CONTACT
+    # before it slides for the first time, the face is flat, and any force presses everywhere
+    speed = {"times": [0.0, 1.0, 1.1], "values": [0.0, 0.0, 1.0]}
+    before = under([2.0, 1.0, 1.0], [0.0, 0.8, 1.0], load__sliding_speed=speed)
+    assert before.problem.contact is FULL_CONTACT
+
+
+def test_a_history_that_ends_before_the_fall_stays_in_full_contact():
+    falls = [2.0, 2.0, 0.0]
+    assert under(falls, [0.0, 50.0, 50.1], wear__times=[1.0, 40.0]).problem.keeps_contact
+    assert not under(falls, [0.0, 50.0, 50.1], wear__times=[1.0, 60.0]).problem.keeps_contact
+
+
+def test_punches_with_layers_or_a_profile_are_marched():
+    elastic = {"youngs_modulus": 1.0, "poisson_ratio": 0.3}
+    half_space = elastic | {"layers": [elastic | {"thickness": 0.5}]}
+    layered = Scene.from_table(under([2.0, 1.0]).table() | {"half_space": half_space})
+    assert layered.problem.contact is MOVING_CONTACT
+    cone = under([2.0, 1.0], punch__profile={"kind": "cone", "slope": 0.1})
+    assert cone.problem.contact is MOVING_CONTACT
+
+
+def test_results_have_the_names_of_a_punch_that_may_lose_contact():
+    result = run(under([2.0, 1.0]))
+    data = result.dataset.isel(solver=0)
+    radius = FIVE.punch.radius
+    assert data.contact_radius.values == pytest.approx(np.full(data.sizes["time"], radius))
+    assert (data.contact.values == 1).all()
+    assert data.contact_edge.values[:, 1] == pytest.approx(radius)
+    forces = np.interp(data.time.values, SLOW["times"], SLOW["values"])
+    assert data.normal_force.values == pytest.approx(forces)
+    work = np.concatenate(
+        [[0.0], np.cumsum(np.diff(data.time.values) * (forces[1:] + forces[:-1]) / 2)]
+    )
+    wear = FIVE.problem.wear_coefficients * FIVE.problem.units.wear_coefficient
+    within = data.time.values <= 1.0
+    worn = (data.ring_worn_volume.values / wear).sum(axis=1)
+    assert worn[within] == pytest.approx(work[within], rel=1e-9)
+    assert {"relaxation_time", "ring_force"} <= set(data)
+    assert not [anchor for anchor in result.anchors if not anchor.holds]
+
+
+def test_a_wrong_prediction_raises_instead_of_returning_tension():
+    fast = under([2.0, 0.2], [0.0, 1e-3])
+    assert not fast.problem.keeps_contact
+    wrong = replace(fast.problem, keeps_contact=True)
+    from ringwear.studies.methods.mdr import METHOD
+    from ringwear.studies.progress import Stages
+
+    with pytest.raises(SolverError, match=r"pressure becomes negative by t = .*falls"):
+        METHOD.solve(wrong, Stages("mdr"))
