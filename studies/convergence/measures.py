@@ -81,6 +81,9 @@ def measures_of(problem: Problem, exact: Results) -> tuple[Measure, ...]:
     if "normal_force" in prescribed and len(problem.wear_coefficients) == 1:
         # a single ring carries the prescribed force, which determines its worn volume
         prescribed |= {"ring_force", "ring_worn_volume"}
+    if problem.full_contact:
+        # the contact radius is that of the punch
+        prescribed.add("contact_radius")
     if at_start.any() and FLAT_INDENTATION not in exact:
         candidates += [measure for measure in START if measure.quantity not in prescribed]
     if later.any():

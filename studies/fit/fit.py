@@ -202,8 +202,11 @@ def fit_measurements(
 
 
 def suitable_model(scene: Scene) -> Model:
-    """Return the model that suits a punch: modes in full contact, otherwise marches."""
-    if scene.problem.full_contact:
+    """Return the model that suits a punch: modes in full contact, otherwise marches.
+
+    While a force falls, full contact is predicted for the scene, but not for other parameters.
+    """
+    if scene.problem.full_contact and not scene.problem.keeps_contact:
         return flat_predictor
     LOG.info("     fit  the contact changes: this takes ten or more marches, about a second each")
     return marched_predictor

@@ -33,7 +33,7 @@ REPORTED_AT = {
 # Error of slopes that a step in thin layers may add, over rtol. The worn depth alone would be right
 # after a few steps, with slopes and pressures that are far off (physics/test_random_scenes.py::
 # test_layers_where_the_rim_loses_contact_under_a_falling_force).
-SLOPE_TOLERANCE = 0.5
+SLOPE_TOLERANCE = 0.3
 
 
 class MovingContact(Evaluation):

@@ -345,12 +345,9 @@ class Problem:
             return self.compared_on
         rings = self.merged
         rim = float(np.clip(0.1 * self.edge_amplitude.worn_length_slow[-1], 1e-12, 1e-6))
-        nearest = 1e-4 * rings.narrower
-        if self.full_contact:
-            # early slopes are greatest within the length over which wear has smoothed the pressure
-            nearest = np.clip(
-                0.1 * self.edge_amplitude.worn_length_slow[:-1], 1e-12, 1e-8 * rings.narrower
-            )
+        # early slopes are greatest within the length over which wear has smoothed the pressure
+        farthest = (1e-8 if self.full_contact else 1e-4) * rings.narrower
+        nearest = np.clip(0.1 * self.edge_amplitude.worn_length_slow[:-1], 1e-12, farthest)
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # integrals over each ring of the scene need its edges, even between rings of equal wear
         breakpoints = np.union1d(breakpoints, self.ring_edges)

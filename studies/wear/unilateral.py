@@ -80,9 +80,9 @@ class Press:
 # greatest number of nodes by which a contact may differ from the factored one; with more, the
 # matrix is factored again
 MOST_CHANGES = 24
-# greatest gap at contact nodes after a bordered solve, relative to |m| + |d| b; if it is exceeded,
-# the matrix is factored again
-BORDERED_TOLERANCE = 1e-14
+# Greatest gaps at contact nodes after a bordered solve, relative to |m| + |d| b. Above the first
+# one the solution is refined, above the second one the matrix is factored again.
+GAP_BY_ROUNDOFF, MOST_GAP = 1e-15, 1e-14
 
 
 class Factor:
@@ -226,8 +226,8 @@ class Contact:
             )
         pressure = indentation * weights_solution - moments_solution
         gap = self.matrix @ pressure + moments - indentation * weights
-        if len(system.changed):
-            # bordering loses a digit or two, which one step of iterative refinement restores
+        if len(system.changed) and not self._fits(gap, moments, indentation, GAP_BY_ROUNDOFF):
+            # bordering may lose a digit or two, which one step of iterative refinement restores
             correction = system.solve(gap)
             if load.force is not None:
                 indentation_change = float((weights @ correction) / (weights @ weights_solution))
@@ -235,11 +235,17 @@ class Contact:
                 indentation = indentation + indentation_change
             pressure -= correction
             gap = self.matrix @ pressure + moments - indentation * weights
-            roundoff = np.abs(moments) + abs(indentation) * weights
-            # NaN, from a singular Schur complement, is not within the tolerance either
-            if not (np.abs(gap) <= BORDERED_TOLERANCE * roundoff)[contact].all():
+            if not self._fits(gap, moments, indentation, MOST_GAP):
                 return self._solve_for_contact(moments, load, contact, refactorise=True)
         return pressure, gap, indentation
+
+    def _fits(self, gap: Array, moments: Array, indentation: float, tolerance: float) -> bool:
+        """Return whether the gaps (n,) at the nodes of the last contact are within a tolerance.
+
+        NaN, from a singular Schur complement, is not.
+        """
+        scale = np.abs(moments) + abs(indentation) * self.weights
+        return bool((np.abs(gap) <= tolerance * scale)[self._contact].all())
 
     def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:
         """Solve the contact problem under a load.

@@ -235,6 +235,8 @@ class MarchedPredictor:
             steady=False,
             rtol=self.rtol,
             quantities=None,
+            # for other parameters, contact may be lost
+            keeps_contact=False,
         )
         compliance = energy.compliance(choose_spaces(problem).fine)
         history = MovingContact(problem, compliance).history
