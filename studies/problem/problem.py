@@ -25,7 +25,7 @@ from .face import Face, Rings, SampledFace
 from .loading import Loading
 from .profile import FLAT, InitialProfile
 from .punch import PunchSection
-from .quantities import ENERGIES, GROUPS, HISTORIES, STEADY, Units, expand
+from .quantities import ENERGIES, HISTORIES, STEADY, Units
 from .regimes import (
     FALLING_FORCE,
     FULL_CONTACT,
@@ -163,10 +163,7 @@ class Problem:
             loading=Loading.over_time(load.load_over_time, load.speed_over_time, time),
             ground=ground,
         )
-        if problem.reason_not_steady:
-            problem = replace(problem, steady=False)
-        requested = expand(output.quantities)
-        return problem if requested == GROUPS["all"] else problem.with_quantities(requested)
+        return replace(problem, steady=False) if problem.reason_not_steady else problem
 
     @cached_property
     def merged(self) -> Rings:

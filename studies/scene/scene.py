@@ -20,6 +20,7 @@ from ...meshes.errors import SceneError
 from ..problem.fields import Height, Section, TomlTable
 from ..problem.problem import Problem
 from ..problem.punch import PunchSection
+from ..problem.quantities import GROUPS, expand
 from ..problem.sections import (
     AccuracySection,
     HalfSpaceSection,
@@ -343,12 +344,13 @@ class Scene(Section, metaclass=SceneType):
         problem = Problem.from_tables(
             self.punch, self.half_space, self.load_, self.wear, self.accuracy, self.output
         )
-        if problem.loading.rising:
-            return problem
-        # imported only for a force that falls
-        from ..contact.falling_force import with_prediction
+        if not problem.loading.rising:
+            # imported only for a force that falls
+            from ..contact.falling_force import with_prediction
 
-        return with_prediction(problem)
+            problem = with_prediction(problem)
+        requested = expand(self.output.quantities)
+        return problem if requested == GROUPS["all"] else problem.with_quantities(requested)
 
 
 Source = Scene | str | Path | Mapping[str, object]

@@ -112,8 +112,14 @@ def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
 
 @pytest.mark.parametrize("scene", [SCENE, RECESSED], ids=["flat", "recessed"])
 def test_the_remedy_suggests_a_smaller_rtol(scene):
-    advice = remedy(scene.problem, "mdr", Solution({}, {}, {}, {}), 1e-2)
+    advice = remedy(scene.problem, "profile", "mdr", Solution({}, {}, {}, {}), 1e-2)
     assert advice.endswith("rtol = 1e-04 would decide it")
+
+
+def test_the_remedy_suggests_a_larger_rtol_if_elements_have_the_highest_degree():
+    solution = Solution({}, {}, {}, {}, limited_by_degree=frozenset({"relaxation_time"}))
+    advice = remedy(SCENE.problem, "relaxation_time", "fem", solution, 1e-2)
+    assert advice.endswith("a smaller rtol would not help: give a larger one")
 
 
 # scenes in which an earlier search for the first contact returned to the same cells in every second

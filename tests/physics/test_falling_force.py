@@ -115,6 +115,12 @@ def test_results_have_the_names_of_a_punch_that_may_lose_contact():
     assert not [anchor for anchor in result.anchors if not anchor.holds]
 
 
+def test_relaxation_times_alone_can_be_requested():
+    scene = under([2.0, 1.0], output__quantities=["relaxation_time"])
+    assert scene.problem.keeps_contact
+    assert scene.problem.quantities == {"relaxation_time"}
+
+
 def test_a_wrong_prediction_raises_instead_of_returning_tension():
     fast = under([2.0, 0.2], [0.0, 1e-3])
     assert not fast.problem.keeps_contact
