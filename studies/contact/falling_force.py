@@ -76,12 +76,12 @@ def _as_tuples(array: Array) -> Any:
 @lru_cache(maxsize=256)
 def _keeps_contact(edges: tuple, wear: tuple, knots: tuple, last_time: float) -> bool:
     rings, loading = Rings(np.array(edges), np.array(wear)), Loading(*map(np.array, knots))
-    segments = loading.segments
-    begun = np.cumsum(segments.slid) > 0
-    if (begun & (segments.slid == 0) & (np.diff(loading.forces) < 0)).any():
+    slid, during = loading.segments.slid, loading.times[:-1] < last_time
+    falls = (np.diff(loading.forces) < 0) & (np.cumsum(slid) > 0) & during
+    if (falls & (slid == 0)).any():
         # without sliding, the tension at the rim is infinite
         return False
-    shortest = float(segments.slid[segments.slid > 0].min())
+    shortest = float(np.min(slid[during & (slid > 0)], initial=float(slid.sum())))
     space = _space(rings, SMALLEST * shortest)
     if space.size > MOST_UNKNOWNS:
         return False

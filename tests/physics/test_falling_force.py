@@ -78,6 +78,12 @@ def test_contact_is_lost_if_the_force_falls_while_the_punch_stands_still():
     speed = {"times": [0.0, 1.0, 1.1], "values": [0.0, 0.0, 1.0]}
     before = under([2.0, 1.0, 1.0], [0.0, 0.8, 1.0], load__sliding_speed=speed)
     assert before.problem.contact is FULL_CONTACT
+    # nor does a stop matter after the end of the history
+    speed = {"times": [0.0, 1.0, 1.01, 1.2, 1.21], "values": [1.0, 1.0, 0.0, 0.0, 1.0]}
+    force = [2.0, 1.9, 1.9, 1.8], [0.0, 0.5, 1.02, 1.1]
+    assert not under(*force, load__sliding_speed=speed).problem.keeps_contact
+    ends = under(*force, load__sliding_speed=speed, wear__times=[0.1, 0.8])
+    assert ends.problem.keeps_contact
 
 
 def test_a_history_that_ends_before_the_fall_stays_in_full_contact():
