@@ -77,8 +77,8 @@ def _as_tuples(array: Array) -> Any:
 def _keeps_contact(edges: tuple, wear: tuple, knots: tuple, last_time: float) -> bool:
     rings, loading = Rings(np.array(edges), np.array(wear)), Loading(*map(np.array, knots))
     slid, during = loading.segments.slid, loading.times[:-1] < last_time
-    falls = (np.diff(loading.forces) < 0) & (np.cumsum(slid) > 0) & during
-    if (falls & (slid == 0)).any():
+    decreases = (np.diff(loading.forces) < 0) & (np.cumsum(slid) > 0) & during
+    if (decreases & (slid == 0)).any():
         # without sliding, the tension at the rim is infinite
         return False
     shortest = float(np.min(slid[during & (slid > 0)], initial=float(slid.sum())))
