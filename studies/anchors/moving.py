@@ -15,6 +15,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...mdr.transforms import profile_transform
 from ...meshes.radial import Array, unit_gauss
+from ..problem.quantities import LEAST_SLOPE
 from ..sampling.norms import radial_weight
 from ..sizes.cells import tolerance_range
 from ..wear.unilateral import Mask
@@ -33,8 +34,6 @@ CONTACT_EDGE_CELLS = 3.0
 FEWEST_CONTACT_RADII = 20
 # scale of an integral that is zero; it only prevents a division by zero
 SMALLEST_SCALE = 1e-100
-# smallest scale of the RMS slope, over the indentation over the punch radius
-SMALLEST_SLOPE = 1e-3
 # number of elements of the face next to an edge of the contact in which the pressure is not smooth
 EDGE_ELEMENTS = 2
 # rank, from 0, of the pressure whose difference to the highest one estimates the latter's error
@@ -139,7 +138,7 @@ def check_numbers_of_fields(report: Reported) -> Rows:
         )
         slope = report.take("rms_slope")
         # the error of a very small slope is relative to the indentation over the radius instead
-        slope_scale = np.maximum(slope, SMALLEST_SLOPE * scale)
+        slope_scale = np.maximum(slope, LEAST_SLOPE * scale)
         tolerance = (
             rtol
             + report.errors("rms_slope")[0]

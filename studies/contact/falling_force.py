@@ -39,12 +39,11 @@ LATER_FRACTIONS = np.geomspace(1e-4, 1.0, 16)
 
 
 def with_prediction(problem: Problem) -> Problem:
-    """Return a problem that knows whether contact is kept while its force falls.
+    """Return a problem whose force falls, with the prediction whether contact is kept.
 
     This is predicted only for histories of flat punches on a homogeneous half-space.
     """
-    may_keep = problem.profile.flat and problem.ground is None and len(problem.times)
-    if problem.loading.rising or not may_keep:
+    if not (problem.profile.flat and problem.ground is None and len(problem.times)):
         return problem
     rings = (problem.graded or problem.rings).merged().with_hole()
     kept = keeps_contact(rings, problem.loading, float(problem.times[-1]))
@@ -95,9 +94,9 @@ def _keeps_contact(edges: tuple, wear: tuple, knots: tuple, last_time: float) ->
 def _times(loading: Loading, last_time: float) -> Array:
     """Return times of sliding at which pressures are computed, up to the last one."""
     starts, durations = loading.times[:-1, None], np.diff(loading.times)[:, None]
-    every = max(len(starts) * len(FRACTIONS) // MOST_TIMES, 1)
+    stride = max(len(starts) * len(FRACTIONS) // MOST_TIMES, 1)
     # from the end, where the tension of a fall is greatest
-    fractions = FRACTIONS[::-every]
+    fractions = FRACTIONS[::-stride]
     after = loading.times[-1] + max(last_time - loading.times[-1], 0.0) * LATER_FRACTIONS
     times = np.unique(np.append(starts + durations * fractions, after))
     times = times[times <= last_time]

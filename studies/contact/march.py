@@ -134,10 +134,11 @@ class ContactMarch:
                 time = (
                     loading.time_at(current.distance + dt, knot) if dt < remaining else float(event)
                 )
-                middle, following, error = stages.solve_two_stages(dt, time, previous, current)
+                middle, following, error = stages.solve_two_stages(
+                    dt, time, previous, current, with_slopes=np.isfinite(slope_tolerance)
+                )
                 iterations += (middle.press.iterations, following.press.iterations)
-                slope = stages.rms_slope(following.integral)
-                if control.accepts(dt, error, following.press.indentation, slope):
+                if control.accepts(dt, error, following.press.indentation):
                     previous, current = middle, following
                     instants.append(current)
                     doubled = not watched or time > 2 * watched[-1].time

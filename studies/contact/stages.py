@@ -21,10 +21,10 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags
-from scipy.sparse.linalg import spsolve
 
 from ...meshes.radial import Array
 from ..wear.history import Instant
+from ..wear.modes import BandedCholesky
 from ..wear.unilateral import Contact, Load, Mask, Press
 from .full_face import FullFace
 
@@ -43,10 +43,12 @@ class StepError(NamedTuple):
     ----------
     depth : error of the worn depth, over the face
     slope : error of the slope of the worn depth, along the radius
+    slope_after : slope of the face after the step, along the radius
     """
 
     depth: float
-    slope: float
+    slope: float = 0.0
+    slope_after: float = 0.0
 
 
 class ContactStages:
@@ -86,15 +88,8 @@ class ContactStages:
     @cached_property
     def _unworn_slopes(self) -> Array:
         """(E,) the same slopes of the unworn face."""
-        mass = self.face.compliance.space.mass().tocsc()
-        return np.asarray(self._slopes @ spsolve(mass, self.face.moments))
-
-    def rms_slope(self, integral: Array) -> float:
-        """Return the root mean square along the radius of the slope of the worn face.
-
-        `integral` (size,) is the integral H of the pressure over the sliding distance.
-        """
-        return float(np.linalg.norm(self._unworn_slopes + self._slopes_of_wear @ integral))
+        mass = BandedCholesky(self.face.compliance.space.mass())
+        return np.asarray(self._slopes @ mass.solve(self.face.moments))
 
     def at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then.
@@ -150,7 +145,12 @@ class ContactStages:
         return Instant(np.nan, distance, press, integral + dt * press.pressure)
 
     def solve_two_stages(
-        self, dt: float, time: float, previous: Instant, current: Instant
+        self,
+        dt: float,
+        time: float,
+        previous: Instant,
+        current: Instant,
+        with_slopes: bool = False,
     ) -> tuple[Instant, Instant, StepError]:
         """Return the first stage of a step, the state after it, and the error of the step.
 
@@ -162,6 +162,8 @@ class ContactStages:
             Time at its end.
         previous, current : Instant
             An earlier state, and the state at the beginning of the step.
+        with_slopes : bool
+            Whether the error includes that of the slope; if not, slopes are zero.
         """
         load, work = self.at(time)
         first_load, stage_distance = load, GAMMA * dt
@@ -189,8 +191,14 @@ class ContactStages:
         weights = np.array([1 - second - third, second - (1 - GAMMA), third - GAMMA])
         defect = dt * weights @ pressures
         depth = float(np.sqrt(max(defect @ (self._norm @ defect), 0.0)))
-        slope = float(np.linalg.norm(self._slopes_of_wear @ defect))
-        return middle, following, StepError(depth, slope)
+        if not with_slopes:
+            return middle, following, StepError(depth)
+        slopes_after = self._unworn_slopes + self._slopes_of_wear @ following.integral
+        slope, slope_after = (
+            float(np.linalg.norm(slopes))
+            for slopes in (self._slopes_of_wear @ defect, slopes_after)
+        )
+        return middle, following, StepError(depth, slope, slope_after)
 
 
 def _predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:

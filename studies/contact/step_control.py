@@ -7,6 +7,7 @@ every requested time.
 
 import numpy as np
 
+from ..problem.quantities import LEAST_SLOPE
 from .stages import StepError
 
 # length of the first step over the total sliding distance
@@ -17,8 +18,6 @@ SAFETY = 0.8
 MOST_GROWTH = 4.0
 # lower bound on the error over the tolerance, from which the next length is computed
 LEAST_RELATIVE_ERROR = 1e-12
-# lower bound of the slope to which errors are relative, over the greatest indentation so far
-LEAST_RELATIVE_SLOPE = 1e-3
 
 
 class StepControl:
@@ -46,21 +45,13 @@ class StepControl:
             return remaining
         return min(self.step, remaining / 2)
 
-    def accepts(self, dt: float, error: StepError, indentation: float, slope: float) -> bool:
-        """Judge a step by its error, count it, and choose the length of the next one.
-
-        Parameters
-        ----------
-        dt : length of the step
-        error : error of the step
-        indentation : indentation after it
-        slope : root mean square slope of the worn face after it
-        """
+    def accepts(self, dt: float, error: StepError, indentation: float) -> bool:
+        """Judge a step by its error, count it, and choose the length of the next one."""
         self.greatest_indentation = max(self.greatest_indentation, abs(indentation))
-        least_slope = LEAST_RELATIVE_SLOPE * self.greatest_indentation
+        slope = max(error.slope_after, LEAST_SLOPE * self.greatest_indentation)
         relative = max(
             error.depth / (self.tolerance * self.greatest_indentation),
-            error.slope / (self.slope_tolerance * max(slope, least_slope)),
+            error.slope / (self.slope_tolerance * slope),
         )
         next_step = _round_down(
             dt * min(MOST_GROWTH, SAFETY * max(relative, LEAST_RELATIVE_ERROR) ** (-1 / 3))

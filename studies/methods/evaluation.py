@@ -25,10 +25,17 @@ from ..sizes.defaults import missing_layers
 from ..sizes.ring_edges import amplified_roundoff, root_of_unresolved_wear
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
+from ..wear.unilateral import Mask
 from .error_factors import error_factor
 
 # Indices of the first and of the last of the times.
 ENDS = np.array([0, -1])
+
+
+def near_in_time(times: Array, others: Array) -> Mask:
+    """Return which of other times (T, O) are so near each time that their errors are alike."""
+    factor = error_factor("nearby times")
+    return np.asarray((others >= times[:, None] / factor) & (others <= times[:, None] * factor))
 
 
 class Evaluation(ABC):
@@ -251,9 +258,7 @@ class FullContact(Evaluation):
             # same difference
             error = error * (1 + self._missing_layers)
         if DESCRIBED[name].dims[:1] == ("time",):
-            grid, times = self.problem.estimate_times, self.problem.times[:, None]
-            factor = error_factor("nearby times")
-            near = (grid >= times / factor) & (grid <= times * factor)
+            near = near_in_time(self.problem.times, self.problem.estimate_times)
             error = np.where(near, error, 0.0).max(axis=1)
         return np.maximum(error, self._floor(name))
 

@@ -18,7 +18,7 @@ from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
 from ..wear.unilateral import Mask
 from .error_factors import error_factor
-from .evaluation import ENDS, Evaluation
+from .evaluation import ENDS, Evaluation, near_in_time
 from .spaces import load_of
 
 # Numbers of the answer that are a quantity at the first (0) or at the last (-1) of the times.
@@ -189,9 +189,7 @@ class MovingContact(Evaluation):
         apart = np.abs(np.subtract.outer(np.arange(len(times)), np.arange(len(times))))
         if not self.in_layers:
             return np.asarray(apart <= 3)
-        limits = error_factor("nearby times") * times
-        alike = (times <= limits[:, None]) & (times[:, None] <= limits)
-        return np.asarray(alike | (apart <= 1))
+        return near_in_time(times, times) | (apart <= 1)
 
     @property
     def _starts_on_cells(self) -> bool:

@@ -13,6 +13,8 @@ from typing import NamedTuple
 FINEST_RTOL = 1e-9
 # description of the error of a quantity, with its name and its norm
 ERROR = "relative error of {}, the method's own estimate: {}"
+# smallest scale of RMS slopes, over the indentation over the punch radius
+LEAST_SLOPE = 1e-3
 # number of relaxation times, from the slowest on, that are accurate to rtol and compared
 COMPARED_MODES = 8
 # quantities that converge with twice the order of fields

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..problem.face import Face
-from ..problem.quantities import ANSWER, QUANTITIES
+from ..problem.quantities import ANSWER, LEAST_SLOPE, QUANTITIES
 
 # Quantities by name, and `time` if there is one; non-dimensional, with the dimensions of
 # `QUANTITIES`.
@@ -108,5 +108,5 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             "slope": np.abs(reference),
         }[norm]
         if norm == "slope":
-            scale = np.maximum(scale, 1e-3 * beyond_touch)
+            scale = np.maximum(scale, LEAST_SLOPE * beyond_touch)
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)

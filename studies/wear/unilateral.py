@@ -228,21 +228,24 @@ class Contact:
         pressure = indentation * weights_solution - moments_solution
         # the span of the contact: all pressures outside it are zero
         first, end = int(contact.argmax()), len(contact) - int(contact[::-1].argmax())
-        matrix, scale = self.matrix[:, first:end], np.abs(moments) + abs(indentation) * weights
+        matrix = self.matrix[:, first:end]
         gap = matrix @ pressure[first:end] + moments - indentation * weights
+        if not len(system.changed):
+            return pressure, gap, indentation
         # NaN, from a singular Schur complement, is not within a tolerance
-        fits = (np.abs(gap) <= GAP_BY_ROUNDOFF * scale)[contact].all()
-        if len(system.changed) and not fits:
-            # bordering may lose a digit or two, which one step of iterative refinement restores
-            correction = system.solve(gap)
-            if load.force is not None:
-                indentation_change = float((weights @ correction) / (weights @ weights_solution))
-                correction = correction - indentation_change * weights_solution
-                indentation = indentation + indentation_change
-            pressure -= correction
-            gap = matrix @ pressure[first:end] + moments - indentation * weights
-            if not (np.abs(gap) <= MOST_GAP * scale)[contact].all():
-                return self._solve_for_contact(moments, load, contact, refactorise=True)
+        scale = np.abs(moments) + abs(indentation) * weights
+        if (np.abs(gap) <= GAP_BY_ROUNDOFF * scale)[contact].all():
+            return pressure, gap, indentation
+        # bordering has lost a digit or two, which one step of iterative refinement restores
+        correction = system.solve(gap)
+        if load.force is not None:
+            indentation_change = float((weights @ correction) / (weights @ weights_solution))
+            correction = correction - indentation_change * weights_solution
+            indentation = indentation + indentation_change
+        pressure -= correction
+        gap = matrix @ pressure[first:end] + moments - indentation * weights
+        if not (np.abs(gap) <= MOST_GAP * scale)[contact].all():
+            return self._solve_for_contact(moments, load, contact, refactorise=True)
         return pressure, gap, indentation
 
     def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:
