@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from ...meshes.radial import Array
 from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
+from .steady import displace_by_many_rings
 
 # relative step in time of the difference quotient that gives the decay rate of the running-in
 RELATIVE_TIME_STEP = 1e-3
@@ -17,9 +19,9 @@ SHAPED_SUM_ERROR = 1e-3
 def check_times_of_running_in(report: Reported) -> Rows:
     """Compare the remaining part of the running-in at `time_to_90` and so on with its definition.
 
-    The total change from the start to the steady state is known in closed form if wear is constant
-    on rings. The method's own total change may differ from it by the errors that the method states
-    for the start and for the steady state.
+    The total change from the start to the steady state follows from the steady pressure, by direct
+    integration. The method's own total change may differ from it by the errors that the method
+    states for the start and for the steady state.
     """
     running_in, problem = report.solution.wear, report.problem
     if running_in is None or not report.full_contact:
@@ -31,13 +33,14 @@ def check_times_of_running_in(report: Reported) -> Rows:
         time = float(report.take(name))
         if report.fixed_indentation:
             total_change, error = report.flat.indentation, 0.0
-        elif report.graded:
-            total_change, error = running_in.total_change, 0.0
         else:
-            displacement = report.steady_displacement(report.face.radii)[None]
-            steady, errors = report.integrate(displacement, report.steady_wear_rate / report.wear)
+            displacement, displacement_error = _steady_displacement(report)
+            pressure = report.steady_wear_rate / report.wear
+            steady, errors = report.integrate(displacement[None], pressure)
             start = report.flat.indentation
-            total_change, error = float(steady[0]) - start, float(errors[0])
+            # the steady pressure, as the weight of a mean, carries the force 1
+            total_change = float(steady[0]) - start
+            error = float(errors[0]) + displacement_error
             error += report.stated_error("indentation_start") * start
             error += report.stated_error("indentation_steady") * float(steady[0])
         remaining = running_in.modes.remaining_change(
@@ -52,6 +55,17 @@ def check_times_of_running_in(report: Reported) -> Rows:
             remaining_part,
             tolerance,
         )
+
+
+def _steady_displacement(report: Reported) -> tuple[Array, float]:
+    """Return the steady displacement (R,) on the face, and a bound on its error.
+
+    It has a closed form if the wear coefficient is constant on rings.
+    """
+    if not report.graded:
+        return report.steady_displacement(report.face.radii), 0.0
+    displacement, _ = displace_by_many_rings(report, report.face.radii)
+    return displacement.value, displacement.error
 
 
 def check_repeated_numbers(report: Reported) -> Rows:

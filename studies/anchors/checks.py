@@ -29,7 +29,7 @@ from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..scene.scene import Scene
-from . import answers, balances, fields, inputs, moving, start, steady, wear
+from . import answers, balances, fields, inputs, modes, moving, start, steady, wear
 from .anchor import Anchor, Rows, judge
 from .reported import Reported
 
@@ -93,6 +93,7 @@ CHECKS = (
     Check(start.check_start, "indentation", _full_contact),
     Check(start.check_start_pressures, "pressure ring_force", _full_contact),
     Check(fields.check_modes, "relaxation_time", _full_contact),
+    Check(modes.check_modes_of_history),
     Check(
         fields.check_fields,
         "indentation profile displacement displacement_centre displacement_max",

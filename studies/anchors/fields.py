@@ -20,9 +20,10 @@ RADIUS_OF_FULL_CONTACT = "contact radius, that of the punch"
 
 def check_fields(report: Reported) -> Rows:
     """Compare displacements with the profile, and centre and greatest values with the field."""
-    depth, displacement = report.take("indentation"), report.take("displacement")
-    u_plus_f, d = displacement + report.take("profile"), depth[:, None]
-    yield Row("displacement, u = d - f", u_plus_f, d, report.rtol, d)
+    depth, displacement = report.depth_scale, report.take("displacement")
+    u_plus_f, d = displacement + report.shape, report.depth[:, None]
+    tolerance = report.rtol + report.depth_roundoff[:, None]
+    yield Row("displacement, u = d - f", u_plus_f, d, tolerance, depth[:, None])
     centre, interpolation_error = (
         values[:, 0] for values in report.face.interpolate(displacement, report.reading.edges[:1])
     )
@@ -49,7 +50,7 @@ def check_slopes(report: Reported) -> Rows:
     weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
     slopes, less_accurate_slopes = (
         np.sqrt(values[resolved] ** 2 @ weights) / slope[resolved]
-        for values in face.slopes(report.take("profile"))
+        for values in face.slopes(report.shape)
     )
     # take the greatest over time, because the difference of the two crosses zero at some times
     slope_error = REFERENCE_ERROR_FACTOR * np.max(
@@ -67,18 +68,22 @@ def check_output(report: Reported) -> Rows:
     inside &= ~_beside_contact_edges(report)
     if not inside.any():
         return
+    even_wear = report.even_wear[rows]
     for name in ("pressure", "profile", "displacement"):
-        values, scale = report.take(name)[rows], report.take("indentation")[rows]
-        if name == "pressure":
-            scale = np.abs(values).max(axis=1)
+        values = (report.shape if name == "profile" else report.take(name))[rows]
+        scale = np.abs(values).max(axis=1) if name == "pressure" else report.depth_scale[rows]
         reference, interpolation_error = report.face.interpolate(values, report.radii[inside])
         reported = report.take(name, on_face=False)[rows][:, inside]
+        if name == "profile":
+            reported = reported - even_wear[:, None]
         # root mean square over the radii, because pressures have kinks between elements
         difference, interpolation_error = (
             np.sqrt((error**2).mean(axis=1)) / np.maximum(scale, np.finfo(float).tiny)
             for error in (reported - reference, interpolation_error)
         )
         tolerance = report.tolerance(name)[rows] + REFERENCE_ERROR_FACTOR * interpolation_error
+        if name == "profile":
+            tolerance = tolerance + report.depth_roundoff[rows]
         yield Row(f"{name} at the reported radii", difference, 0.0, tolerance, 1.0)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...meshes.radial import ring_areas
 from .anchor import Row, Rows
 from .reported import ROUNDOFF_TOLERANCE, Reported
 
@@ -30,8 +31,7 @@ def check_inputs(report: Reported) -> Rows:
         scale = max(float(np.ptp(expected)), float(expected.max()), np.finfo(float).tiny)
         yield Row("unworn profile as in the scene", unworn, expected, INTEGRATED, scale)
     yield from _compare_layers(report)
-    areas = np.pi * np.diff(reading.edges**2)
-    means = areas / face.ring_sums(face.areas / report.wear)
+    means = ring_areas(reading.edges) / reading.inverse_wear
     coefficients = np.asarray(report.table["wear_coefficient"]) / report.units.wear_coefficient
     # the area of a narrow ring is a small difference of two large numbers
     roundoff = 8 * np.finfo(float).eps / np.diff(reading.edges)

@@ -42,10 +42,11 @@ PEAK_RADII = 8
 
 def check_kinematics(report: Reported) -> Rows:
     """Compare displacement plus profile with the indentation, inside and outside the contact."""
-    pressure, depth = report.take("pressure"), report.take("indentation")
-    gap = report.take("displacement") + report.take("profile") - depth[:, None]
+    pressure = report.take("pressure")
+    gap = report.take("displacement") + report.shape - report.depth[:, None]
     stated_errors = report.errors("indentation", "displacement", "profile")
-    allowed, scale = report.rtol + stated_errors.sum(axis=0), _indentation_scale(report)
+    allowed = report.rtol + stated_errors.sum(axis=0) + report.depth_roundoff
+    scale = _depth_scale(report)
     # leave out the last radius in contact, which lies in the cell in which contact ends: a part of
     # this cell has worn for a part of the time only, but the cell has one height
     inside = _holds_around(pressure > 0, 1)
@@ -60,7 +61,7 @@ def check_reciprocity(report: Reported) -> Rows:
     """Compare displacement and pressure by reciprocity, and the force with that of the pressure."""
     pressure, displacement = report.take("pressure"), report.take("displacement")
     force, rtol, flat = report.take("normal_force"), report.rtol, report.flat
-    depth, scale = _indentation_scale(report), np.maximum(force, np.finfo(float).tiny)
+    depth, scale = _depth_scale(report), np.maximum(force, np.finfo(float).tiny)
     edge_error = EDGE_QUADRATURE_FACTOR * (pressure * report.face.areas).max(
         axis=1
     ) + _too_few_radii(pressure)
@@ -92,7 +93,7 @@ def check_reciprocity(report: Reported) -> Rows:
 def check_numbers_of_fields(report: Reported) -> Rows:
     """Compare contact radius, slope, centre and greatest displacement with the fields."""
     pressure, displacement, face = report.take("pressure"), report.take("displacement"), report.face
-    scale, rtol = _indentation_scale(report), report.rtol
+    scale, rtol = _depth_scale(report), report.rtol
     widest = np.diff(face.breakpoints).max()
     tolerance = CONTACT_EDGE_CELLS * widest + rtol + report.errors("contact_radius")[0]
     # skip times at which every part of the contact may lie between two radii of the face
@@ -132,12 +133,11 @@ def check_numbers_of_fields(report: Reported) -> Rows:
     yield Row("greatest displacement", reported_value, displacement.max(axis=1), tolerance, scale)
     if not report.problem.profile.recess.any():
         weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
-        heights = report.take("profile") - report.problem.profile.standoff
         slopes, less_accurate_slopes = (
-            np.sqrt(values**2 @ weights) for values in face.slopes(heights)
+            np.sqrt(values**2 @ weights) for values in face.slopes(report.shape)
         )
         slope = report.take("rms_slope")
-        # the error of a very small slope is relative to the indentation over the radius instead
+        # the error of a very small slope is relative to the depth over the radius instead
         slope_scale = np.maximum(slope, LEAST_SLOPE * scale)
         tolerance = (
             rtol
@@ -181,8 +181,8 @@ def check_disc(report: Reported) -> Rows:
     """
     if report.reading.ground is not None:
         return
-    pressure, heights = report.take("pressure"), report.take("profile")
-    radii, force, depth = report.face.radii, report.take("normal_force"), report.take("indentation")
+    pressure, heights = report.take("pressure"), report.shape
+    radii, force, depth = report.face.radii, report.take("normal_force"), report.depth
     edge = _outermost_contact_radius(report, pressure)
     disc = ((pressure > 0) == (radii <= edge[:, None])).all(axis=1) & (force > 0) & (edge > 0)
     disc &= not report.inner_radius
@@ -198,10 +198,11 @@ def check_disc(report: Reported) -> Rows:
     indentation_error, profile_error = (
         report.rtol + report.errors("indentation", "profile")[:, rows]
     )
-    depths = _indentation_scale(report)[rows]
+    depths = _depth_scale(report)[rows]
     # the relative error of the Abel transform may be twice that of the heights
     tolerance = indentation_error * (force[rows] + 2 * depths) + 4 * profile_error * depths
     tolerance += REFERENCE_ERROR_FACTOR * np.abs(fine - coarse)
+    tolerance += 2 * report.depth_roundoff[rows] * depths
     # the edge is only known to within the distance of two radii, but dF/dc = 0 at the edge c
     value = 2 * (depth[rows] * edge[rows] - fine)
     name = "force of the profile on a disc (Galin)"
@@ -235,10 +236,9 @@ def _too_few_radii(pressure: Array) -> Array:
     return np.where((pressure > 0).sum(axis=1) < FEWEST_CONTACT_RADII, np.inf, 0.0)
 
 
-def _indentation_scale(report: Reported) -> Array:
-    """Return the scale (T,) of errors: the greatest indentation so far beyond the first touch."""
-    beyond = report.take("indentation") - report.problem.profile.standoff
-    return np.maximum(np.maximum.accumulate(beyond), np.finfo(float).tiny)
+def _depth_scale(report: Reported) -> Array:
+    """Return the scale (T,) of errors: the greatest depth so far, without the even wear."""
+    return np.maximum(np.maximum.accumulate(report.depth_scale), np.finfo(float).tiny)
 
 
 def _outermost_contact_radius(report: Reported, pressure: Array) -> Array:

@@ -6,13 +6,14 @@ therefore appears as a difference.
 
 import tomllib
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from ...mdr.flat_punch import flat_punch
 from ...meshes.ground.ground import Ground
-from ...meshes.radial import Array
+from ...meshes.radial import Array, ring_areas, unit_gauss
 from ..problem.fields import TomlTable
 from ..problem.quantities import Units
 from ..scene.scene import Scene
@@ -20,6 +21,9 @@ from ..scene.scene import Scene
 # distance from a step of the wear coefficient at which its one-sided values are taken, over the
 # width of the ring
 STEP_OFFSET = 1e-12
+# relative change of the wear coefficient along a segment below which a closed form loses digits, so
+# that a Gauss rule integrates instead, and the points of that rule, which gives all digits
+SMALL_CHANGE, GAUSS_POINTS = 0.5, 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +144,28 @@ class Reading:
             values = self.coefficients[np.clip(ring, 0, len(self.coefficients) - 1)]
         return np.asarray(values / self.units.wear_coefficient)
 
+    @cached_property
+    def inverse_wear(self) -> Array:
+        """(N,) integrals of ``dA / k`` over the rings, with k over the greatest, in closed form.
+
+        They do not need the wear coefficient at single radii, which may be rounded to the other
+        side of a ring edge.
+        """
+        if not self.table:
+            assert self.coefficients is not None
+            return ring_areas(self.edges) * self.units.wear_coefficient / self.coefficients
+        # k is linear between the radii of the table, and constant beyond them
+        radii = np.concatenate([[-1.0], np.array(self.table["radii"]) / self.units.length, [2.0]])
+        values = np.array(self.table["values"])[[0, *range(len(radii) - 2), -1]]
+        cuts = np.unique(np.concatenate([self.edges, np.clip(radii, self.edges[0], 1.0)]))
+        ends = np.stack([cuts[:-1], cuts[1:]])
+        # the part of the table that contains a segment; at a step, two radii are equal
+        part = np.searchsorted(radii, ends.mean(axis=0)) - 1
+        rise = np.diff(values)[part] / np.diff(radii)[part]
+        wear = values[part] + rise * (ends - radii[part])
+        integrals = _integrals_over_wear(ends, wear / self.units.wear_coefficient)
+        return np.add.reduceat(integrals, np.searchsorted(cuts, self.edges[:-1]))
+
     def extremes_of_wear(self) -> tuple[Array, Array]:
         """Return the least and the greatest wear coefficient on each ring, over the greatest."""
         if not self.table:
@@ -192,6 +218,24 @@ class Reading:
         distance = lengths @ (speed[1:] + speed[:-1]) / 2
         work = lengths @ (end_power[1:] + 4 * middle_power + end_power[:-1]) / 6
         return float(force[-1]), float(distance), float(work)
+
+
+def _integrals_over_wear(ends: Array, wear: Array) -> Array:
+    """Return ``int 2 pi r / k dr`` over segments (n,) between radii (2, n).
+
+    The wear coefficient k is linear between its values (2, n) at these radii.
+    """
+    width, change = ends[1] - ends[0], (wear[1] - wear[0]) / wear[0]
+    small = np.abs(change) < SMALL_CHANGE
+    safe = np.where(small, 1.0, change)
+    # means over the segment of 1 / (1 + change s) and of s / (1 + change s), with s from 0 to 1
+    mean = np.log1p(safe) / safe
+    mean_of_s = (1 - mean) / safe
+    nodes, weights = unit_gauss(GAUSS_POINTS)
+    factors = 1 / (1 + np.outer(np.where(small, change, 0.0), nodes))
+    mean = np.where(small, factors @ weights, mean)
+    mean_of_s = np.where(small, factors @ (weights * nodes), mean_of_s)
+    return np.asarray(2 * np.pi * width * (ends[0] * mean + width * mean_of_s) / wear[0])
 
 
 def _plane_strain_modulus(material: TomlTable) -> float:

@@ -16,6 +16,8 @@ from .reading import Reading
 
 # relative tolerance of sums and closed forms that hold to roundoff, independent of `rtol`
 ROUNDOFF_TOLERANCE = 1e-9
+# roundoff of a height over that height, a few units of the last digit
+HEIGHT_ROUNDOFF = 1e-15
 # forces below this part of the greatest force count as zero
 ROUNDOFF = 1e-12
 # bound on the error of a reference that is computed here (a quadrature or an interpolation on the
@@ -87,6 +89,35 @@ class Reported:
         """The flat punch under the force 1 with the same radii and layers."""
         return flat_punch(self.inner_radius, self.reading.ground)
 
+    @cached_property
+    def even_wear(self) -> Array:
+        """(T,) depth by which the whole face has worn at the steady rate, by the method."""
+        return self.solution.checked["even_wear"][self.in_contact]
+
+    @cached_property
+    def shape(self) -> Array:
+        """(T, R) profile over the face, from the first touch, less the even wear."""
+        return self.solution.checked["shape"][self.in_contact]
+
+    @cached_property
+    def depth(self) -> Array:
+        """(T,) reported indentation, from the first touch, less the even wear."""
+        touch = 0.0 if self.full_contact else self.problem.profile.standoff
+        return self.take("indentation") - touch - self.even_wear
+
+    @cached_property
+    def depth_scale(self) -> Array:
+        """(T,) the same without the roundoff of the reported indentation, as a scale of errors."""
+        return self.solution.checked["depth"][self.in_contact]
+
+    @cached_property
+    def depth_roundoff(self) -> Array:
+        """(T,) roundoff of reported indentations and profiles, over the scale of depths.
+
+        They are reported with the even wear, which may be much greater than the depth.
+        """
+        return HEIGHT_ROUNDOFF * (1 + self.even_wear / self.depth_scale)
+
     @property
     def kind_of_punch(self) -> str:
         """The kind of flat punch in words, if its start is not Eq. 10, for names of anchors."""
@@ -128,7 +159,7 @@ class Reported:
     @cached_property
     def steady_wear_rate(self) -> float:
         """The steady wear rate under the force 1, ``w = F / int dA / k`` (Eq. 23)."""
-        return float(1 / np.sum(self.face.areas / self.wear))
+        return float(1 / self.reading.inverse_wear.sum())
 
     @cached_property
     def steady_pressures(self) -> Array:

@@ -1,5 +1,7 @@
 """Check the steady state against direct integration (Eqs. 21 to 27)."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ...mdr import direct
@@ -29,7 +31,7 @@ def check_steady_state(report: Reported) -> Rows:
     value = report.take("steady_pressure")
     yield Row("steady pressures of Eq. 24", value, pressures, report.rtol)
     if report.has("force_share"):
-        shares = report.steady_wear_rate * report.face.ring_sums(report.face.areas / report.wear)
+        shares = report.steady_wear_rate * report.reading.inverse_wear
         value = report.take("force_share")[1]
         yield Row("steady force shares of the answer", value, shares, report.rtol, 1.0)
     if report.has("indentation_steady"):
@@ -69,17 +71,13 @@ def _compare_with_many_rings(report: Reported) -> Rows:
     Replacing the pressure by its means over rings is of second order in their width, which allows
     an extrapolation from two numbers of rings.
     """
-    coarse, fine = (_displace_by_rings(report, count) for count in (FEW_RINGS, MANY_RINGS))
-    greatest = fine[0] + (fine[0] - coarse[0]) / 3
-    # the error of the extrapolated result is much smaller than this difference
-    error = abs(fine[0] - coarse[0])
+    displacement, greatest = displace_by_many_rings(report, report.radii)
     value = report.take("steady_displacement_max")
-    tolerance = report.rtol + error / greatest
-    yield Row("steady_displacement_max by many rings", value, greatest, tolerance)
-    displacement = fine[1] + (fine[1] - coarse[1]) / 3
-    error += np.abs(fine[1] - coarse[1]).max()
-    value, tolerance = report.take("steady_profile"), report.rtol + error / greatest
-    yield Row("steady_profile by many rings", value, greatest - displacement, tolerance, greatest)
+    tolerance = report.rtol + greatest.error / greatest.value
+    yield Row("steady_displacement_max by many rings", value, greatest.value, tolerance)
+    value, reference = report.take("steady_profile"), greatest.value - displacement.value
+    tolerance = report.rtol + (greatest.error + displacement.error) / greatest.value
+    yield Row("steady_profile by many rings", value, reference, tolerance, greatest.value)
     face = report.face
     weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
     profile = report.steady_profile_on_face[None]
@@ -92,8 +90,28 @@ def _compare_with_many_rings(report: Reported) -> Rows:
         yield Row("steady RMS slope of the profile", value, slope, tolerance)
 
 
-def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
-    """Compute the greatest steady displacement, and the steady displacements at the output radii.
+class Extrapolated(NamedTuple):
+    """Values that are extrapolated from two numbers of rings, and a bound on their errors.
+
+    The bound is the difference of the two, which is much larger than the error.
+    """
+
+    value: Array
+    error: float
+
+
+def displace_by_many_rings(report: Reported, radii: Array) -> tuple[Extrapolated, Extrapolated]:
+    """Return the steady displacements (R,) at radii (R,), and the greatest steady displacement."""
+    coarse, fine = (_displace_by_rings(report, count, radii) for count in (FEW_RINGS, MANY_RINGS))
+    displacement, greatest = (
+        Extrapolated(last + (last - first) / 3, float(np.abs(last - first).max()))
+        for first, last in zip(coarse, fine, strict=True)
+    )
+    return displacement, greatest
+
+
+def _displace_by_rings(report: Reported, count: int, at_radii: Array) -> tuple[Array, Array]:
+    """Compute the steady displacements (R,) at radii (R,), and the greatest steady displacement.
 
     The steady pressure is replaced by its mean on each ring. The rings are `count` rings of
     `_even_edges`, divided at the ring edges of the scene.
@@ -108,8 +126,8 @@ def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
     if report.inner_radius:
         edges, means = np.append(0.0, edges), np.append(0.0, means)
     ground = report.reading.ground
-    greatest = float(direct.greatest_displacement(edges, means, ground))
-    return greatest, direct.displacement(edges, means, report.radii, ground)
+    displacement = direct.displacement(edges, means, at_radii, ground)
+    return displacement, direct.greatest_displacement(edges, means, ground)
 
 
 def _even_edges(report: Reported, count: int) -> Array:

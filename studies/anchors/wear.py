@@ -7,14 +7,17 @@ import numpy as np
 from ...meshes.radial import Array, unit_gauss
 from ..sampling.sampler import Sampler
 from .anchor import Row, Rows
-from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
+from .reported import (
+    HEIGHT_ROUNDOFF,
+    REFERENCE_ERROR_FACTOR,
+    ROUNDOFF_TOLERANCE,
+    Reported,
+)
 
 # Gauss points in each interval of the time quadrature, whose intervals double in length after a
 # change of the load, and the greatest number of doublings: a sum of decaying exponentials is
 # integrated with a relative error of 1e-9
 POINTS_PER_DOUBLING, MOST_DOUBLINGS = 6, 40
-# roundoff of heights over the indentation, a few units of the last digit
-HEIGHT_ROUNDOFF = 1e-15
 # tolerance of the volume of each ring against the integral of its force, over rtol and the stated
 # errors: Galerkin's form of Archard's law holds on each ring to roundoff
 RING_VOLUME_TOLERANCE = 0.1
@@ -23,12 +26,17 @@ RING_VOLUME_TOLERANCE = 0.1
 def check_wear(report: Reported) -> Rows:
     """Compare the wear of the whole face with the work of the force, and by reciprocity."""
     work, face, rows = report.work, report.face, report.has_slid
-    profile, depth = report.take("profile"), report.take("indentation")
     force = report.take("normal_force") if report.fixed_indentation else report.forces
     if not report.fixed_indentation:
-        worn, quadrature_error = report.integrate(profile, 1 / report.wear)
+        even_wear = report.steady_wear_rate * work[rows]
+        tolerance = max(ROUNDOFF_TOLERANCE, report.graded * report.rtol)
+        yield Row("even wear, w F v0 t", report.even_wear[rows], even_wear, tolerance)
+        indentation = report.take("indentation")
+        worn, quadrature_error = report.integrate(report.take("profile"), 1 / report.wear)
         # the error of the profile is relative to the indentation
-        quadrature_error += report.tolerance("profile") * depth * (face.areas / report.wear).sum()
+        quadrature_error += (
+            report.tolerance("profile") * indentation * (face.areas / report.wear).sum()
+        )
         tolerance = np.maximum(quadrature_error[rows] / work[rows], report.rtol)
         yield Row("worn volume over k, F v0 t", worn[rows], work[rows], tolerance)
         worn = report.take("worn_volume") / report.problem.wear_coefficients
@@ -36,26 +44,31 @@ def check_wear(report: Reported) -> Rows:
             name = "worn volume of the answer over k, F v0 t"
             exact = max(ROUNDOFF_TOLERANCE, float(report.tolerance("worn_volume")))
             # heights are differences f = d - u; dividing by a small k magnifies their roundoff
-            roundoff = HEIGHT_ROUNDOFF * depth[-1] * (face.areas / report.wear).sum()
+            roundoff = HEIGHT_ROUNDOFF * indentation[-1] * (face.areas / report.wear).sum()
             yield Row(name, worn.sum(), work[-1], exact + roundoff / work[-1])
-    tolerance = report.tolerance("indentation", "profile")
-    worn_term, quadrature_error = report.integrate(profile, report.flat.pressure_at(face.radii))
+    # the even wear contributes itself to both sides of the next equations: the pressures of the
+    # flat punch and of the steady state carry the force 1
+    shape, depth, scale = report.shape, report.depth, report.depth_scale
+    tolerance = report.tolerance("indentation", "profile") + report.depth_roundoff
+    worn_term, quadrature_error = report.integrate(shape, report.flat.pressure_at(face.radii))
     name = "reciprocity with the flat punch"
     yield Row(
         name,
         report.flat.indentation * force + worn_term,
         depth,
-        tolerance + quadrature_error / depth,
+        tolerance + quadrature_error / scale,
+        scale,
     )
     if report.graded:
         return
-    tolerance = report.tolerance("indentation", "profile", "pressure")
-    worn_term, _ = report.integrate(profile, report.steady_wear_rate / report.wear)
+    tolerance = report.tolerance("indentation", "profile", "pressure") + report.depth_roundoff
+    worn_term, _ = report.integrate(shape, report.steady_wear_rate / report.wear)
     displacement_term, quadrature_error = report.integrate(
         report.take("pressure"), report.steady_displacement(face.radii)
     )
     name = "reciprocity with the steady state"
-    yield Row(name, displacement_term + worn_term, depth, tolerance + quadrature_error / depth)
+    tolerance = tolerance + quadrature_error / scale
+    yield Row(name, displacement_term + worn_term, depth, tolerance, scale)
 
 
 def check_power(report: Reported) -> Rows:

@@ -19,7 +19,7 @@ def solve(problem: Problem) -> tuple[Results, RunningIn | None]:
     wear = RunningIn(
         compliance,
         problem.merged.wear_coefficients,
-        problem.earliest,
+        problem.shortest_decay,
         indentation=problem.indentation,
         loading=problem.loading,
     )

@@ -88,14 +88,25 @@ class FullFace:
         distances = np.append(history.distances[: len(times)], check_times)
         return replace(history, distances=distances)
 
-    def remainder(self, times: Array, indentation: Array, force: Array) -> Array:
-        """Return the remaining change to the steady state at times (T,).
+    def even_wear(self, times: Array) -> Array:
+        """Return the depth (T,) that a constant force wears at the steady rate until some times."""
+        return (self.load.force or 0.0) * self.running_in.steady.wear_rate * times
+
+    def remainder(self, depth: Array, force: Array) -> Array:
+        """Return the remaining change to the steady state at T times.
 
         Under a force it is ``d(t) - w t`` minus its limit, with the steady wear rate w; it may
         change its sign. At a fixed indentation it is the force.
+
+        Parameters
+        ----------
+        depth : (T,) array
+            Indentation less the even wear.
+        force : (T,) array
+            Force.
         """
         if self.load.force is None:
             return force
-        force_scale, steady = self.load.force, self.running_in.steady
-        limit = steady.pressure @ (force_scale * steady.moments + self.moments)
-        return np.asarray(indentation - force_scale * steady.wear_rate * times - limit)
+        steady = self.running_in.steady
+        limit = steady.pressure @ (self.load.force * steady.moments + self.moments)
+        return np.asarray(depth - limit)

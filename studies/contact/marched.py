@@ -98,7 +98,7 @@ class Marched:
     def remainder(self) -> tuple[Array, Array]:
         """Return the times of the steps (S,), and the remaining change to the limit then (S,)."""
         times, depth, force, _ = self.path.T
-        return times, self.face.remainder(times, depth, force)
+        return times, self.face.remainder(depth - self.face.even_wear(times), force)
 
     def remainder_in_full_contact(self, times: Array) -> Array:
         """Return the remaining change to the limit at times (T,) in full contact.
@@ -111,7 +111,7 @@ class Marched:
         if self.full_since is None:
             raise ValueError("contact has not become full")
         history = self.face.history_since(self.full_since, times)
-        return self.face.remainder(times, history.indentation, history.force)
+        return self.face.remainder(history.depth, history.force)
 
 
 def path_row(time: float, press: Press, weights: Array) -> tuple[float, float, float, float]:
@@ -155,5 +155,7 @@ def history_of_instants(
         np.array([press.force for press in presses]),
         np.reshape([press.gap for press in presses], integrals.shape),
         np.reshape([press.contact for press in presses], integrals.shape).astype(bool),
+        np.zeros(len(presses)),
+        space.uniform,
         steps=steps or Steps(),
     )

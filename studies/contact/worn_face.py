@@ -56,7 +56,7 @@ class WornFace:
         by_pressure = project(self.compliance.matrix @ history.pressure.T).T
         of_face = project((history.gap - moments(self.profile, self.space)).T).T
         uniform = self.space.uniform
-        unworn = history.indentation[:, None] * uniform - history.profile + of_face
+        unworn = history.depth[:, None] * uniform - history.shape + of_face
         return np.where(self._has_worn[:, None], by_pressure, unworn)
 
     @cached_property
@@ -80,7 +80,7 @@ class WornFace:
         outside = np.pad(~touches, ((0, 0), (CELLS_FROM_EDGES, CELLS_FROM_EDGES)))
         window = 2 * CELLS_FROM_EDGES + 1
         near_edge = sliding_window_view(outside, window, axis=1).any(axis=2)
-        worn, displaced = map(self._bending, (self.history.profile, self.displacement))
+        worn, displaced = map(self._bending, (self.history.shape, self.displacement))
         return self._has_worn[:, None] & ~near_edge & (displaced < worn)
 
     def _bending(self, functions: Array) -> Array:
@@ -109,19 +109,19 @@ class WornFace:
         It measures what linear functions do not resolve. In cells whose face is computed from the
         displacement, the worn depth is ignored.
         """
-        worn, displaced = map(self._bending, (self.history.profile, self.displacement))
+        worn, displaced = map(self._bending, (self.history.shape, self.displacement))
         worn = np.where(self.follows_half_space, 0.0, worn)
         return np.asarray(np.maximum(worn, displaced).max(axis=1))
 
     def heights(self, at_radii: csr_matrix, radii: Array) -> Array:
-        """Return heights of the face (T, R) at radii (R,).
+        """Return heights of the face (T, R) at radii (R,), less the even wear of the history.
 
         `at_radii` (R, size) is the matrix of the basis functions at these radii.
         """
-        worn = self.profile(radii) + (at_radii @ self.history.profile.T).T
+        worn = self.profile(radii) + (at_radii @ self.history.shape.T).T
         cells = np.searchsorted(self.space.breakpoints, radii, side="right") - 1
         follows = self.follows_half_space[:, np.minimum(cells, len(self.space.degrees) - 1)]
-        below = self.history.indentation[:, None] - (at_radii @ self.displacement.T).T
+        below = self.history.depth[:, None] - (at_radii @ self.displacement.T).T
         return np.where(follows, below, worn)
 
     def slopes(self, at_points: csr_matrix, radii: Array) -> Array:
@@ -130,7 +130,7 @@ class WornFace:
         `at_points` is the matrix of the slopes of the basis functions at these points, and `radii`
         (E, Q) are their radii.
         """
-        worn = self.profile.slope(radii.ravel()) + (at_points @ self.history.profile.T).T
+        worn = self.profile.slope(radii.ravel()) + (at_points @ self.history.shape.T).T
         follows = np.repeat(self.follows_half_space, radii.shape[1], axis=1)
         return np.where(follows, -(at_points @ self.displacement.T).T, worn)
 
@@ -140,5 +140,5 @@ class WornFace:
         Before any wear, the displacement in contact is u = d - f, which needs no projection.
         """
         touches = carries & ~self._has_worn[:, None]
-        touching = self.history.indentation[:, None] - self.profile(radii)
+        touching = self.history.depth[:, None] - self.profile(radii)
         return np.where(touches, touching, (at_radii @ self.displacement.T).T)

@@ -23,7 +23,9 @@ from ..wear.full_contact import RunningIn
 
 @dataclass(frozen=True, eq=False)
 class OperatorDifference:
-    """Relative differences of the energies by two compliances, on the pressure space of the first.
+    """Relative differences of the energies by two compliances on one pressure space.
+
+    It is the space of the first method, or a subspace of `MOST_PRESSURES` functions at most.
 
     Parameters
     ----------
@@ -53,8 +55,21 @@ class OperatorDifference:
 # least ratio of energies (first compliance over second) at which multipliers count as stable
 STABLE = 0.01
 # largest size of a pressure space for this comparison: the eigenvalues of a larger one would take
-# longer than the run itself
+# longer than the run itself, so that a subspace is compared instead
 MOST_PRESSURES = 1500
+
+
+def affordable_subspace(space: PressureSpace) -> PressureSpace | None:
+    """Return a pressure space, or a coarser subspace of it with at most `MOST_PRESSURES` functions.
+
+    It is None if there are so many rings that no subspace is small enough.
+    """
+    while space.size > MOST_PRESSURES:
+        coarser = space.coarser()
+        if coarser.size >= space.size:
+            return None
+        space = coarser
+    return space
 
 
 def check_multipliers(name: str, first: Compliance, second: Compliance) -> None:

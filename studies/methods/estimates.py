@@ -98,7 +98,7 @@ def _mean_square_slope_difference(name: str, fine: Evaluation, coarse: Evaluatio
         if (wear := evaluation.wear) is None:
             return np.zeros(1)
         if name == "rms_slope":
-            worn = wear.modal(fine.estimate_times).profile
+            worn = wear.modal(fine.estimate_times).shape
         else:
             worn = wear.steady.displacement[None]
         slopes.append(face.slopes(evaluation.sampler.on_face(worn))[0])

@@ -17,7 +17,7 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
+from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..sampling.answers import flat_answers
 from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
@@ -36,6 +36,18 @@ def near_in_time(times: Array, others: Array) -> Mask:
     """Return which of other times (T, O) are so near each time that their errors are alike."""
     factor = error_factor("nearby times")
     return np.asarray((others >= times[:, None] / factor) & (others <= times[:, None] * factor))
+
+
+def _growing_errors(errors: Array) -> Array:
+    """Return errors (m,) of relaxation times that do not fall from one to the next faster one.
+
+    The next faster mode counts as well, but not one that is only reported for a mode that is
+    compared with other methods: the discretisation may not resolve it.
+    """
+    with_next = np.append(errors[1:], errors[-1:])
+    last = COMPARED_MODES - 1
+    with_next[last : last + 1] = errors[last : last + 1]
+    return np.maximum.accumulate(np.maximum(errors, with_next))
 
 
 class Evaluation(ABC):
@@ -177,7 +189,7 @@ class FullContact(Evaluation):
         self.wear: RunningIn = RunningIn(
             compliance,
             wear_coefficients,
-            problem.earliest if problem.march == "modal" else 0.0,
+            problem.shortest_decay if problem.march == "modal" else 0.0,
             indentation=problem.indentation,
             loading=problem.loading,
         )
@@ -249,10 +261,13 @@ class FullContact(Evaluation):
         - Quantities that depend on thin layers at ring edges get the same difference once more for
           each layer that the mesh lacks, if the march is by modes.
         - At each requested time, the error is the largest at nearby times, because differences
-          cross zero now and then.
+          cross zero now and then. For the same reason, the error of a relaxation time is at least
+          that of any slower one.
         - The error is at least the floor of the quantity.
         """
         error = self.safety_factor(name) * difference
+        if name == "relaxation_time":
+            error = _growing_errors(error)
         if name in LAYER_QUANTITIES and self.problem.march == "modal":
             # the coarser mesh lacks one layer more than this one, and each layer makes about the
             # same difference

@@ -11,7 +11,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array
+from ...meshes.radial import Array, ring_areas
 from ..problem.problem import Problem
 from ..problem.regimes import FALLING_FORCE, VARYING_FORCE, WEAR_ALONG_RADIUS, Regime
 from ..progress import Stages
@@ -126,8 +126,17 @@ def _march(problem: Problem, count: int, step: float) -> tuple[Sampler, History]
     """Return the history on a grid, linear between its points, and a sampler for it."""
     grid = UniformGrid(*problem.merged, count)
     space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
+    pressure, profile, indentation = grid.march(problem.times, step)
+    rings = problem.merged
+    even_wear = problem.times / np.sum(ring_areas(rings.ring_edges) / rings.wear_coefficients)
     history = History.in_full_contact(
-        problem.times, *grid.march(problem.times, step), np.ones(len(problem.times))
+        problem.times,
+        pressure,
+        profile - np.outer(even_wear, space.uniform),
+        indentation - even_wear,
+        np.ones(len(problem.times)),
+        even_wear,
+        space.uniform,
     )
     return Sampler(problem, space), history
 

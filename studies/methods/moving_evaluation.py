@@ -105,17 +105,17 @@ class MovingContact(Evaluation):
     def _with_fitted_start(self, history: History) -> History:
         # a punch that does not press yet has the indentation of the first touch
         unloaded = (history.distances == 0) & (history.force == 0)
-        history = replace(history, indentation=np.where(unloaded, 0.0, history.indentation))
+        history = replace(history, depth=np.where(unloaded, 0.0, history.depth))
         if self.start is None:
             return history
         at_start = (history.distances == 0) & (history.force == history.force[0])
-        indentation = np.where(at_start, self.start.indentation, history.indentation)
+        depth = np.where(at_start, self.start.indentation, history.depth)
         pressed = Pressed(
             self.start,
             np.where(at_start, self.start.force, 0.0),
             np.where(at_start[:, None], 0.0, history.pressure),
         )
-        return replace(history, indentation=indentation, pressed=pressed)
+        return replace(history, depth=depth, pressed=pressed)
 
     @property
     def estimate_times(self) -> Array:
@@ -241,7 +241,7 @@ class MovingContact(Evaluation):
             return np.maximum(floors, np.where(later, self._cells_at_edge, 0.0))
         if self._decays(name):
             return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
-        is_height = DESCRIBED[name].norm == "indentation"
+        is_height = DESCRIBED[name].norm == "depth"
         # the unworn face is given, and a start that is fitted to the edges integrates all of it
         exact_start = name == "profile" or (name == "indentation" and self.start is not None)
         by_cells = is_height & (later | (not exact_start))
@@ -249,14 +249,17 @@ class MovingContact(Evaluation):
 
     @cached_property
     def _unresolved_height(self) -> Array:
-        """(T,) largest difference of the face from what cells resolve, over the indentation."""
-        depth, space = float(self.history.indentation.max()), self.compliance.space
+        """(T,) largest difference of the face from what cells resolve, over the depth."""
+        depth, space = float(self.history.depth.max()), self.compliance.space
         return unresolved_height(self.problem.profile, space, depth) * self._inverse_depth
 
     @property
     def _inverse_depth(self) -> Array:
-        """(T,) inverse of the indentation; 0 if that is zero, because nothing is promised then."""
-        depth = self.history.indentation
+        """(T,) inverse of the indentation less the even wear.
+
+        It is 0 if that is zero, because nothing is promised then.
+        """
+        depth = self.history.depth
         return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
     @cached_property

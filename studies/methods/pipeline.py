@@ -26,9 +26,11 @@ from ..contact.edges import covers_face
 from ..contact.fitted_press import fit_presses
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
+from ..problem.quantities import COMPARED_MODES
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regime
 from ..progress import Stages
 from ..sampling.answers import merged_answers
+from ..sampling.norms import Results
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.marching import steps_between, why_too_many_steps
@@ -43,6 +45,9 @@ from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
 from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
+# Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
+# (physics/test_modes.py::test_reported_relaxation_times_are_as_accurate_as_stated).
+LARGEST_MODE_ERROR = 0.02
 # Number of dense matrices of the size of the compliance that are in memory at once.
 DENSE_MATRICES = 14.0
 
@@ -324,7 +329,7 @@ def _solution(
 ) -> Solution:
     errors, parts = estimate_errors(fine, coarse, discretisation.same_elements)
     return Solution(
-        fine.results,
+        _without_unresolved_modes(fine.results, errors),
         fine.checked,
         errors,
         parts,
@@ -339,6 +344,20 @@ def _solution(
         remedy=remedy,
         limited_by_degree=discretisation.limited_by_degree,
     )
+
+
+def _without_unresolved_modes(results: Results, errors: Results) -> Results:
+    """Return results without the relaxation times that the discretisation does not resolve.
+
+    They begin with the first one whose error estimate exceeds `LARGEST_MODE_ERROR`, or that has no
+    estimate. The slowest ones, which are compared with other methods, always remain.
+    """
+    name = "relaxation_time"
+    if name not in results:
+        return results
+    resolved = np.append(errors[name] <= LARGEST_MODE_ERROR, False)
+    count = max(COMPARED_MODES, int(np.argmin(resolved)))
+    return results | {name: results[name][:count]}
 
 
 def _without_infinite_peak(solution: Solution, rtol: float) -> Solution:

@@ -8,6 +8,7 @@ import difflib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -95,19 +96,17 @@ class Outcome:
         return tuple(dict.fromkeys(missing))
 
     @property
-    def left_out_by_size(self) -> dict[str, str]:
-        """Comparisons that are left out because they would take longer than the run itself."""
-        sizes = [
-            solution.wear.compliance.space.size
-            for solution in self.solutions.values()
-            if solution.wear is not None
-        ]
-        by_contact = OPERATORS in self.scene.problem.contact.left_out
-        if by_contact or len(sizes) < 2 or max(sizes) <= MOST_PRESSURES:
+    def left_out_operators(self) -> dict[str, str]:
+        """Pairs of methods with a compliance that are not compared as operators, and why."""
+        with_wear = [name for name, solution in self.solutions.items() if solution.wear is not None]
+        compared = {frozenset(row.methods) for row in self.operators}
+        pairs = [pair for pair in combinations(with_wear, 2) if frozenset(pair) not in compared]
+        if OPERATORS in self.scene.problem.contact.left_out or not pairs:
             return {}
+        names = ", ".join(" and ".join(pair) for pair in pairs)
         return {
-            OPERATORS: f"compared for up to {MOST_PRESSURES} pressures: the eigenvalues of "
-            f"{max(sizes)} would take longer than the run; energies are still checked"
+            OPERATORS: f"not compared for {names}: one method of a pair has to compute its "
+            f"compliance on the pressures of the other, or on {MOST_PRESSURES} of them"
         }
 
     @cached_property
@@ -158,7 +157,8 @@ class Outcome:
     @property
     def notes(self) -> tuple[str, ...]:
         """The notes of all methods; a note that several methods give appears once."""
-        notes = (note for solution in self.solutions.values() for note in solution.notes)
+        notes = [note for solution in self.solutions.values() for note in solution.notes]
+        notes += [f"{name}: {reason}" for name, reason in self.left_out_operators.items()]
         return tuple(dict.fromkeys(notes))
 
     @cached_property
@@ -383,7 +383,7 @@ def summary(result: Outcome) -> dict[str, Any]:
             {name: getattr(row, name) for name in numbers} for row in result.operators
         ],
         "modelled": modelled(scene, result.methods),
-        "left_out": left_out(scene, result.methods) | result.left_out_by_size,
+        "left_out": left_out(scene, result.methods) | result.left_out_operators,
         "notes": result.notes,
         "versions": versions(),
     }

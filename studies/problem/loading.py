@@ -120,6 +120,30 @@ class Loading:
         segments = self.segments
         return np.cumsum([0.0, *segments.slid]), np.cumsum([0.0, *segments.work])
 
+    def changes_before(self, times: Array) -> tuple[Array, Array]:
+        """Return how far the punch has slid since each knot, and how much the force has changed.
+
+        Returns
+        -------
+        slid : (T, K) array
+            Sliding distance from each knot until each time; not positive if the knot is later.
+        parts : (T, K) array
+            Sum of all changes of the force since that knot, over the force at that time, at most 1.
+            It is 1 at the first knot, at which the punch was pressed on, and 0 without a force.
+        """
+        state, (distances, _) = self.at(times), self._integrals
+        changes = np.cumsum(np.abs(np.diff(self.forces, prepend=self.forces[0])))
+        until = changes[state.knot] + np.abs(state.rise)
+        force = state.force[:, None]
+        parts = np.divide(
+            until[:, None] - changes,
+            force,
+            out=np.zeros((len(times), len(changes))),
+            where=force > 0,
+        )
+        parts[:, 0] = 1.0
+        return state.distance[:, None] - distances, np.clip(parts, 0.0, 1.0)
+
     def force_rise_at_rest(self, times: Array) -> Array:
         """Return the increase of the force (T,) since the punch last slid; 0 while it slides."""
         state, (distances, _) = self.at(times), self._integrals

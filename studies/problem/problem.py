@@ -55,6 +55,12 @@ MOST_TIME_TO_WEAR_FLAT = 1e3
 MOST_COMPARED_TIMES, MOST_ESTIMATE_TIMES = 40, 60
 
 
+# Part of rtol below which a change of the force, over the force, has no effect on the results.
+LEAST_CHANGE = 0.01
+# Greatest number of pairs of a time and a change of the load that are considered at once.
+MOST_CHANGES_AT_ONCE = 1_000_000
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """The non-dimensional problem that methods solve. Vary it with `dataclasses.replace`.
@@ -272,10 +278,48 @@ class Problem:
             return self.times
         return self.loading.at(self.times).distance
 
+    @cached_property
+    def _worn_since_changes(self) -> tuple[Array, Array]:
+        """(T,) `worn_distances`, and the distances (T,) since the last change that matters."""
+        if not self.loading.varies:
+            return self.distances, self.distances
+        layers, decays = [], []
+        # in blocks, because a load may have many knots, and a history many times
+        blocks = 1 + len(self.times) * len(self.loading.times) // MOST_CHANGES_AT_ONCE
+        for times in np.array_split(self.times, blocks):
+            slid, parts = self.loading.changes_before(times)
+            matters = (slid > 0) & (parts >= LEAST_CHANGE * self.rtol)
+            decayed = np.where(matters, slid, np.inf)
+            layers.append((decayed / np.where(matters, parts, 1.0) ** 2).min(axis=1))
+            decays.append(decayed.min(axis=1))
+        # at times without sliding there is no finite distance
+        return tuple(
+            np.where(self.distances > 0, np.concatenate(rows), 0.0) for rows in (layers, decays)
+        )
+
+    @property
+    def worn_distances(self) -> Array:
+        """(T,) sliding distance over which wear has smoothed the pressure, until each time.
+
+        Each change of the force presses the punch on anew. If it changes a part of the force, the
+        thin layers that wear has made since then contribute the square of that part to mean squares
+        of pressures and slopes. Therefore the distance since the change counts over that square.
+        """
+        return self._worn_since_changes[0]
+
     @property
     def earliest(self) -> float:
-        """The first positive sliding distance; 0 if there is none."""
-        return float(min(self.distances[self.distances > 0], default=0.0))
+        """The least positive one of `worn_distances`; 0 if there is none."""
+        return float(min(self.worn_distances[self.worn_distances > 0], default=0.0))
+
+    @property
+    def shortest_decay(self) -> float:
+        """The least positive distance since a change of the force that matters; 0 if there is none.
+
+        Modes that decay within a much shorter distance do not contribute to the history.
+        """
+        decays = self._worn_since_changes[1]
+        return float(min(decays[decays > 0], default=0.0))
 
     @property
     def edge_amplitude(self) -> EdgeAmplitude:

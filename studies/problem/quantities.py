@@ -109,11 +109,15 @@ NORMS = {
     "each": "greatest difference of all rings, each relative to its own value",
     "share": "greatest difference of all rings; the shares of all rings sum to 1",
     "first force": "difference, relative to the force on a flat punch at the same indentation",
-    "indentation": (
-        "greatest difference on the face, relative to the greatest indentation d(t) so far, which "
-        "is measured from the first touch"
+    "depth": (
+        "greatest difference on the face, relative to the greatest depth so far: the indentation "
+        "d(t) from the first touch, less the depth by which the whole face has worn evenly; a "
+        "difference in that even wear is relative to d(t)"
     ),
-    "slope": "difference, relative to the value or to d/(1000 a), whichever is greater",
+    "slope": (
+        "difference, relative to the value or to 1/1000 of the greatest depth so far over a, "
+        "whichever is greater; the depth is d(t) from the first touch, less the even wear"
+    ),
     "steady": "greatest difference on the face, relative to the greatest steady displacement",
     "force": "greatest difference of all rings, relative to the greatest normal force so far",
     "volume": "greatest difference of all rings, relative to the worn volume of all rings",
@@ -138,28 +142,28 @@ QUANTITIES = {
         ("time", "radius"),
         "displacement",
         "worn height f(r, t) of the punch: material removed",
-        "indentation",
+        "depth",
     ),
     "displacement": Quantity(
         ("time", "radius"),
         "displacement",
         "displacement u_z = d - f of the half-space under the punch",
-        "indentation",
+        "depth",
     ),
     "indentation": Quantity(
         ("time",),
         "displacement",
         "indentation d(t) of the unworn face plane of the punch",
-        "indentation",
+        "depth",
     ),
     "displacement_centre": Quantity(
         ("time",),
         "displacement",
         "u_z at the centre, or at the inner edge of a hollow punch",
-        "indentation",
+        "depth",
     ),
     "displacement_max": Quantity(
-        ("time",), "displacement", "greatest u_z under the punch", "indentation"
+        ("time",), "displacement", "greatest u_z under the punch", "depth"
     ),
     "rms_slope": Quantity(
         ("time",),

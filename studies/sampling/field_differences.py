@@ -136,7 +136,10 @@ def _difference(
     over_time, units = name in OVER_TIME, problem.units
     with np.errstate(invalid="ignore"):
         # both pressures at the rim of a flat punch are infinite
-        gaps = np.abs(other_values - values)
+        gaps = other_values - values
+    if name == "profile":
+        gaps -= _difference_in_even_wear(problem, reference, rows, values, gaps)[:, None]
+    gaps = np.abs(gaps)
     radii = reference["radius"] / units.length
     if "pressure" in name:
         # pressures jump at ring edges, and have no value there
@@ -183,14 +186,45 @@ def _difference(
 def _depth(problem: Problem, reference: Mapping[str, Array]) -> Array:
     """Return the height (T,) to which differences of heights are relative.
 
-    It is the largest indentation so far beyond the first touch; "so far" because the indentation
-    decreases under a force that falls. If the report has no indentation, it is F / (a E*).
+    It is the largest indentation so far beyond the first touch, less the depth by which the whole
+    face has worn; "so far" because the indentation decreases under a force that falls. If the
+    report has no indentation, it is F / (a E*).
     """
     units = problem.units
     if "indentation" not in reference or np.isnan(reference["indentation"]).all():
         return np.full(len(reference["time"]), units.displacement)
     beyond = reference["indentation"] - problem.profile.standoff * units.displacement
-    return np.fmax.accumulate(beyond)
+    return np.fmax.accumulate(beyond - _least_worn_depth(problem, reference))
+
+
+def _least_worn_depth(problem: Problem, reference: Mapping[str, Array]) -> Array:
+    """Return the depth (T,) by which the whole face has worn; 0 if there is no profile."""
+    if "profile" not in reference:
+        return np.zeros(len(reference["time"]))
+    units, radii = problem.units, reference["radius"] / problem.units.length
+    unworn = (problem.profile(radii) + problem.profile.standoff) * units.displacement
+    worn = reference["profile"] - unworn
+    on_face = radii >= problem.inner_radius
+    return np.nan_to_num(np.fmin.reduce(worn[:, on_face], axis=1, initial=np.inf), posinf=0.0)
+
+
+def _difference_in_even_wear(
+    problem: Problem, reference: Mapping[str, Array], rows: Indices, values: Array, gaps: Array
+) -> Array:
+    """Return the part (T,) of differences of profiles that is a difference in even wear.
+
+    The depth by which the whole face has worn grows without bound. Its relative difference is that
+    of the mean heights. What remains is the difference of the shapes.
+
+    Parameters
+    ----------
+    problem, reference, rows : as in `_difference`
+    values, gaps : (T, R) profiles of the reference, and their differences
+    """
+    common = np.isfinite(gaps) & np.isfinite(values)
+    sums, differences = (np.where(common, each, 0.0).sum(axis=1) for each in (values, gaps))
+    ratios = np.divide(differences, sums, out=np.zeros(len(sums)), where=sums > 0)
+    return np.asarray(_least_worn_depth(problem, reference)[rows] * ratios)
 
 
 def _root_mean_square(values: Array, weights: Array) -> Array:

@@ -6,9 +6,13 @@ from ...meshes.radial import Array
 from ..problem.face import Face
 from ..problem.quantities import ANSWER, LEAST_SLOPE, QUANTITIES
 
-# Quantities by name, and `time` if there is one; non-dimensional, with the dimensions of
-# `QUANTITIES`.
+# Quantities by name, non-dimensional, with the dimensions of `QUANTITIES`. Histories also have
+# `time`; `pressed` (T,), whether pressures may be infinite; `even_wear` (T,), the depth by which
+# the whole face has worn at the steady rate; `depth` (T,), the indentation from the first touch
+# less `even_wear`; and `shape` (T, R), the profile from the first touch less `even_wear`.
 Results = dict[str, Array]
+# Heights that grow without bound with even wear, and the same heights without it.
+WITHOUT_EVEN_WEAR = {"profile": "shape", "indentation": "depth"}
 
 
 def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
@@ -85,22 +89,24 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
         )
     else:
+        unit = np.ones(())
+        # largest depth so far, because it decreases under a force that falls
+        depth = np.asarray(against.get("depth", unit))
+        if depth.ndim:
+            depth = np.maximum.accumulate(depth)
+        if name in WITHOUT_EVEN_WEAR and depth.ndim:
+            return _difference_of_heights(name, results, against, depth, face)
         difference = np.abs(value - reference)
         dims = enumerate(QUANTITIES[name].dims)
         axes = tuple(axis for axis, dim in dims if dim in ("radius", "ring"))
         difference = difference.max(axis=axes, initial=0.0)
-        unit = np.ones(())
-        # largest indentation so far, because it decreases under a force that falls
-        beyond_touch = np.asarray(against.get("indentation", unit)) - face.standoff
-        if beyond_touch.ndim:
-            beyond_touch = np.maximum.accumulate(beyond_touch)
         # largest force so far, because at a fixed indentation the force decays to zero
         force = np.asarray(against.get("normal_force", unit))
         if force.ndim:
             force = np.maximum.accumulate(force)
         scale = {
             "value": np.abs(reference),
-            "indentation": beyond_touch,
+            "depth": depth,
             "steady": against.get("steady_displacement_max", unit),
             "force": force,
             "volume": reference.sum(axis=-1),
@@ -108,5 +114,46 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             "slope": np.abs(reference),
         }[norm]
         if norm == "slope":
-            scale = np.maximum(scale, LEAST_SLOPE * beyond_touch)
+            scale = np.maximum(scale, LEAST_SLOPE * depth)
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)
+
+
+def _difference_of_heights(
+    name: str, results: Results, against: Results, depth: Array, face: Face
+) -> Array:
+    """Return the relative difference (T,) of two profiles, or of two indentations.
+
+    Even wear grows without bound, and the shape of the face does not. Therefore a difference in the
+    even wear is relative to the whole height, and the rest of the difference to the depth without
+    even wear; the greater one counts.
+
+    Parameters
+    ----------
+    name : a key of `WITHOUT_EVEN_WEAR`
+    results, against : the results to compare. Those of other programs are heights only; their even
+        wear is then that of `against` times the ratio of the mean heights
+    depth : (T,) greatest depth so far, by `against`
+    face : the face
+    """
+    even_wear = against["even_wear"]
+    if "even_wear" in results:
+        part = WITHOUT_EVEN_WEAR[name]
+        even, rest = results["even_wear"] - even_wear, results[part] - against[part]
+    else:
+        rest = results[name] - against[name]
+        weights = face.areas / face.areas.sum() if rest.ndim > 1 else np.ones(1)
+        mean, mean_difference = (
+            values.reshape(len(values), -1) @ weights for values in (against[name], rest)
+        )
+        ratio = np.divide(mean_difference, mean, out=np.zeros_like(mean), where=even_wear > 0)
+        even = even_wear * ratio
+        rest = (rest.T - even).T
+    rest = np.abs(rest.reshape(len(rest), -1)).max(axis=1)
+    return np.asarray(
+        np.maximum(
+            *(
+                np.divide(np.abs(values), scale, out=np.zeros(len(scale)), where=scale > 0)
+                for values, scale in ((rest, depth), (even, depth + even_wear))
+            )
+        )
+    )

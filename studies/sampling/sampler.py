@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array
+from ...meshes.radial import Array, ring_areas
 from ..contact.edges import worn_edges
 from ..contact.worn_face import WornFace
 from ..problem.problem import Problem
@@ -134,17 +134,21 @@ class Sampler:
     def worn_volumes_of_full_face(self, history: History) -> Array:
         """Return the volume worn off each ring (T, N), from the profile, which is in the space."""
         on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
-        return np.asarray(history.profile @ on_rings.T)
+        return np.asarray(history.shape @ on_rings.T) + self._even_volumes(history)
+
+    def _even_volumes(self, history: History) -> Array:
+        """Return the volume (T, N) that the even wear has worn off each ring."""
+        return np.outer(history.even_wear, ring_areas(self.problem.ring_edges))
 
     def worn_volumes_on_cells(self, history: History) -> Array:
         """Return the volume worn off each ring (T, N), from the time integral of the pressure."""
         # the worn profile is k times the time integral of the pressure; only the latter is in the
         # space
         rings, space = self.problem.merged, self.space
-        integral = history.profile / space.at_vertices(rings.wear_coefficients)
+        integral = history.shape / space.at_vertices(rings.wear_coefficients)
         volumes = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
         first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1]) - space.hollow
-        return np.asarray(np.add.reduceat(volumes, first, axis=1))
+        return np.asarray(np.add.reduceat(volumes, first, axis=1)) + self._even_volumes(history)
 
     def worn_face(self, history: History) -> WornFace:
         """Return the worn face of a punch whose contact moves.
@@ -165,11 +169,11 @@ class Sampler:
 
     def fields_of_full_face(self, history: History, radii: Array) -> Values:
         """Return functions that compute the profile, displacement and slope in full contact."""
-        centre, standoff = self._centre, self.problem.profile.standoff
-        worn, depth = history.profile, history.indentation[:, None]
+        centre = self._centre
+        worn, depth = history.shape, history.depth[:, None]
         displaced = depth * self.space.uniform - worn
         return {
-            "profile": lambda: self.problem.profile(radii) + self._at(radii, worn) + standoff,
+            "shape": lambda: self.problem.profile(radii) + self._at(radii, worn),
             "displacement": lambda: depth - self._at(radii, worn),
             "displacement_centre": lambda: (depth - self._at(centre, worn))[:, 0],
             "displacement_max": lambda: self._greatest(displaced),
@@ -178,8 +182,7 @@ class Sampler:
 
     def fields_on_cells(self, history: History, radii: Array) -> Values:
         """Return functions that compute the profile, displacement and slope on cells."""
-        centre, standoff = self._centre, self.problem.profile.standoff
-        face = self.worn_face(history)
+        centre, face = self._centre, self.worn_face(history)
 
         def displacements(places: Array) -> Array:
             carries = self.pressures(history, places) > 0
@@ -189,7 +192,7 @@ class Sampler:
             return face.slopes(_slopes(self.space), self.space.quadrature[0])
 
         return {
-            "profile": lambda: face.heights(_matrix(self.space, radii.tobytes()), radii) + standoff,
+            "shape": lambda: face.heights(_matrix(self.space, radii.tobytes()), radii),
             "displacement": lambda: displacements(radii),
             "displacement_centre": lambda: displacements(centre)[:, 0],
             "displacement_max": lambda: self._greatest(face.displacement),
@@ -208,7 +211,6 @@ class Sampler:
         problem, radii, pressed = self.problem, self._radii(on_face), history.pressed
         values: Values = {
             "pressure": lambda: self.pressures(history, radii),
-            "indentation": lambda: history.indentation + problem.profile.standoff,
             "ring_force": lambda: self.ring_forces(history),
         }
         values |= FIELDS[problem.contact](self, history, radii)
@@ -225,14 +227,24 @@ class Sampler:
                 values["contact"] = lambda: (self.pressures(history, radii) > 0).astype(float)
                 values["contact_edge"] = lambda: edges
         # the errors of other quantities are relative to these
-        measures = ["indentation", "normal_force"]
+        measures = ["normal_force"]
         if self.maxima_from_fields and problem.wants("displacement_max"):
             measures.append("displacement")
         # times at which pressures may be infinite
         may_be_infinite = history.distances == 0 if pressed is None else pressed.force > 0
+        if problem.wants("profile"):
+            measures.append("shape")
         wanted = self._wanted(values, *measures)
-        wanted |= {"time": history.distances, "pressed": np.asarray(may_be_infinite)}
-        return wanted
+        standoff, even_wear = problem.profile.standoff, history.even_wear
+        if "shape" in wanted:
+            wanted["profile"] = wanted["shape"] + even_wear[:, None] + standoff
+        return wanted | {
+            "indentation": history.indentation + standoff,
+            "time": history.distances,
+            "pressed": np.asarray(may_be_infinite),
+            "depth": history.depth,
+            "even_wear": even_wear,
+        }
 
     def _edges(self, history: History) -> Array:
         """Return the inner and the outer radius of every part of the contact in turn (T, E).
@@ -243,7 +255,7 @@ class Sampler:
             return np.tile([self.problem.inner_radius, 1.0], (len(history.distances), 1))
         contact_parts = [
             worn_edges(self.space, contact, worn)
-            for contact, worn in zip(history.contact, history.profile, strict=True)
+            for contact, worn in zip(history.contact, history.shape, strict=True)
         ]
         if history.pressed is not None:
             fitted = [(part.inner, part.outer) for part in history.pressed.start.intervals]

@@ -233,9 +233,9 @@ def amplified_roundoff(problem: Problem) -> Array:
         most the width b of the narrower ring, and the amplitude s of the singularity, as in
         `edge_sizes`. At times without wear it is 0.
     """
-    rings, worn = problem.merged, problem.distances > 0
+    rings, worn = problem.merged, problem.worn_distances > 0
     slow, fast = (
-        np.minimum(1.0, wear * problem.distances[worn, None] / rings.widths_at_edges)
+        np.minimum(1.0, wear * problem.worn_distances[worn, None] / rings.widths_at_edges)
         for wear in rings.wear_at_edges
     )
     fast[:, -1] = 1.0

@@ -271,8 +271,9 @@ class RunningIn:
         force_rise = self.loading.force_rise_at_rest(times)
         amplitudes = amplitudes - np.outer(force_rise, self.modes.amplitudes)
         zero, forces = np.zeros(self.compliance.space.size), state.force - force_rise
-        history = self._steady_plus_modes(state.distance, amplitudes, forces, state.work, zero)
-        history.profile[state.distance == 0] = 0.0
+        even_wear = self.steady.wear_rate * state.work
+        history = self._steady_plus_modes(state.distance, amplitudes, forces, even_wear, zero)
+        history.shape[state.distance == 0] = 0.0
         return history.press(self.flat, force_rise)
 
     @cached_property
@@ -308,12 +309,11 @@ class RunningIn:
         amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
         decayed = np.exp(-slid[:, None] / modes.relaxation) * amplitudes
         forces = np.full(len(slid), force)
-        return self._steady_plus_modes(
-            distances, decayed, forces, work_at_start + force * slid, unworn
-        )
+        even_wear = self.steady.wear_rate * (work_at_start + force * slid)
+        return self._steady_plus_modes(distances, decayed, forces, even_wear, unworn)
 
     def _steady_plus_modes(
-        self, distances: Array, amplitudes: Array, forces: Array, work: Array, unworn: Array
+        self, distances: Array, amplitudes: Array, forces: Array, even_wear: Array, unworn: Array
     ) -> History:
         """Return the steady state under a force, or without pressure, plus a sum of modes.
 
@@ -323,9 +323,10 @@ class RunningIn:
             Sliding distances.
         amplitudes : (T, m) array
             Amplitude of each mode.
-        forces, work : (T,) arrays
-            Force, and its integral over the sliding distance. At a fixed indentation, `forces` are
-            factors of the indentation, and `work` is not used.
+        forces : (T,) array
+            Force. At a fixed indentation, factors of the indentation.
+        even_wear : (T,) array
+            Depth by which the whole face has worn at the steady rate; 0 at a fixed indentation.
         unworn : (size,) array
             Moments of the unworn face.
         """
@@ -334,18 +335,25 @@ class RunningIn:
         pressure = np.outer(forces, steady.pressure) + self._pressures_from_rates(rates)
         if self.indentation is None:
             # reciprocity with the steady pressure p_s, int p_s dA = 1, gives d = p_s . A p + int f
-            # p_s dA; the worn part of f contributes w int F dtau, because k p_s = w is constant
-            indentation = steady.wear_rate * work + pressure @ steady.moments
-            indentation += np.sum(unworn * steady.pressure)
+            # p_s dA; the worn part of f contributes w int F dtau, because k p_s = w is constant,
+            # and that is the even wear
+            depth = pressure @ steady.moments + np.sum(unworn * steady.pressure)
         else:
-            indentation = self.indentation * forces
+            depth = self.indentation * forces
             forces = pressure @ self.compliance.space.weights
         # the profile is f = d - u; the slope of a sum of worn depths has more roundoff on small
         # elements
-        gap = np.outer(indentation, self._weights) - rates @ self._energy
+        gap = np.outer(depth, self._weights) - rates @ self._energy
         gap -= np.outer(forces, self._reduce(steady.moments)) + self._reduce(unworn)
-        profile = self._profiles_from_moments(gap)
-        return History.in_full_contact(distances, pressure, profile, indentation, forces)
+        shape = self._profiles_from_moments(gap)
+        uniform = self.compliance.space.uniform
+        return History.in_full_contact(
+            distances, pressure, shape, depth, forces, even_wear, uniform
+        )
+
+    def pressures_of_modes(self, amplitudes: Array) -> Array:
+        """Return the pressures (..., size) that are sums of modes with amplitudes (..., m)."""
+        return self._pressures_from_rates(amplitudes @ self.modes.shapes.T)
 
     def stability_limit(self) -> float:
         """Return the greatest stable step of the explicit march.

@@ -98,15 +98,18 @@ class Steps:
 class History:
     """A wearing punch at T times.
 
+    In full contact the whole face finally wears by the same depth, which grows without bound. This
+    depth is stored apart from the shape of the face, which would otherwise drown in its roundoff.
+
     Parameters
     ----------
     distances : (T,) array
         Sliding distances; at constant speed they equal the times.
-    pressure, profile : (T, size) arrays
-        Coefficients of the pressure and of the worn depth. The pressure contains the projection of
-        the part that `pressed` represents more accurately.
-    indentation, force : (T,) arrays
-        Indentation and normal force.
+    pressure, shape : (T, size) arrays
+        Coefficients of the pressure, and of the worn depth less `even_wear`. The pressure contains
+        the projection of the part that `pressed` represents more accurately.
+    depth, force : (T,) arrays
+        Indentation less `even_wear`, and normal force.
     gap : (T, size) array
         Moments of the gap, zero in contact.
     contact : (T, size) array of bool
@@ -114,17 +117,24 @@ class History:
     pressed : Pressed, optional
         The part of the pressure that was applied since the punch last slid, if there is any. No
         wear has changed it yet.
+    even_wear : (T,) array
+        Once the whole face is in contact: the steady wear rate times the work of the force so far,
+        which is the mean worn depth, with the steady pressure as its weight. 0 before.
+    uniform : (size,) array
+        Coefficients of the constant 1.
     steps : Steps
         Statistics of the march; empty if the history is exact in time.
     """
 
     distances: Array
     pressure: Array
-    profile: Array
-    indentation: Array
+    shape: Array
+    depth: Array
     force: Array
     gap: Array
     contact: Mask
+    even_wear: Array
+    uniform: Array
     pressed: Pressed | None = None
     steps: Steps = Steps()
 
@@ -133,15 +143,26 @@ class History:
         cls,
         distances: Array,
         pressure: Array,
-        profile: Array,
-        indentation: Array,
-        force: Array | float = 1.0,
+        shape: Array,
+        depth: Array,
+        force: Array,
+        even_wear: Array,
+        uniform: Array,
     ) -> "History":
-        """Return the history of a punch in full contact; the force is 1 unless it is given."""
+        """Return the history of a punch in full contact."""
         zero = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
-        force = np.broadcast_to(force, distances.shape)
-        return cls(distances, pressure, profile, indentation, force, zero, full)
+        return cls(distances, pressure, shape, depth, force, zero, full, even_wear, uniform)
+
+    @property
+    def indentation(self) -> Array:
+        """(T,) indentation."""
+        return self.depth + self.even_wear
+
+    @property
+    def profile(self) -> Array:
+        """(T, size) coefficients of the worn depth."""
+        return self.shape + np.outer(self.even_wear, self.uniform)
 
     def press(self, start: Start, forces: Array) -> "History":
         """Return the history plus the flat-punch solution `start` under additional forces (T,)."""
@@ -150,7 +171,7 @@ class History:
         return replace(
             self,
             pressure=self.pressure + np.outer(forces, start.pressure),
-            indentation=self.indentation + forces * start.indentation,
+            depth=self.depth + forces * start.indentation,
             force=self.force + forces,
             pressed=Pressed(start, forces, self.pressure),
         )
@@ -176,4 +197,13 @@ class History:
 
 
 # fields of `History` whose first axis is time
-TIME_ARRAYS = ("distances", "pressure", "profile", "indentation", "force", "gap", "contact")
+TIME_ARRAYS = (
+    "distances",
+    "pressure",
+    "shape",
+    "depth",
+    "force",
+    "gap",
+    "contact",
+    "even_wear",
+)

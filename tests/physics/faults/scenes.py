@@ -160,7 +160,7 @@ def damage(right: Result, wrong: Result) -> float:
         difference = np.where(np.isfinite(value), np.abs(other - value), 0.0)
         value = np.where(np.isfinite(value), np.abs(value), 0.0)
         norm = DESCRIBED[name].norm if name in DESCRIBED else "value"
-        if norm == "indentation":
+        if norm == "depth":
             scale = depth[:, None] if "radius" in dims else depth
         elif norm == "pressure":
             radii = known["radius"][1]
