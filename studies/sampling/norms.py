@@ -139,6 +139,10 @@ def _difference_of_heights(
     if "even_wear" in results:
         part = WITHOUT_EVEN_WEAR[name]
         even, rest = results["even_wear"] - even_wear, results[part] - against[part]
+        # if contact is already full in one of them only, only the whole heights are comparable
+        one_is_full = (results["even_wear"] > 0) != (even_wear > 0)
+        rest = (rest.T + np.where(one_is_full, even, 0.0)).T
+        even = np.where(one_is_full, 0.0, even)
     else:
         rest = results[name] - against[name]
         weights = face.areas / face.areas.sum() if rest.ndim > 1 else np.ones(1)

@@ -12,6 +12,7 @@ from ringwear.studies.anchors.checks import anchors
 from ringwear.studies.methods.fem import Fem
 from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.problem.problem import Problem, Rings
+from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
@@ -131,6 +132,29 @@ def lose_mode(number):
     return change_result(full_contact, "every_mode", change)
 
 
+def misshape(size):
+    """Scale the pressures of the second mode, in all methods; its amplitude stays right."""
+
+    def change(modes):
+        second = np.arange(len(modes.relaxation)) == 1
+        return replace(modes, shapes=modes.shapes * (1 + size * second))
+
+    return change_result(full_contact, "every_mode", change)
+
+
+def mix_modes(angle):
+    """Rotate two neighbouring modes into each other, in all methods; they stay orthonormal."""
+
+    def change(modes):
+        shapes = modes.shapes.copy()
+        first, second = shapes[:, 1].copy(), shapes[:, 2].copy()
+        shapes[:, 1] = np.cos(angle) * first + np.sin(angle) * second
+        shapes[:, 2] = np.cos(angle) * second - np.sin(angle) * first
+        return replace(modes, shapes=shapes)
+
+    return change_result(full_contact, "every_mode", change)
+
+
 def slow_down(size):
     def change(modes):
         slowest = np.arange(len(modes.relaxation)) == 0
@@ -156,10 +180,14 @@ def scale_reported(name, size, start=True, on_face=True):
                 values = right(sampler, state, **where)
                 if name not in values or (where.get("on_face") and not on_face):
                     return values
-                wrong = values[name] * (1 + size)
-                if not start:
-                    wrong[values["time"] == 0] = values[name][values["time"] == 0]
-                return values | {name: wrong}
+                wrong = dict(values)
+                # a height, and the same height without the even wear
+                for each in {name, WITHOUT_EVEN_WEAR.get(name, name)} & values.keys():
+                    scaled = values[each] * (1 + size)
+                    if not start:
+                        scaled[values["time"] == 0] = values[each][values["time"] == 0]
+                    wrong[each] = scaled
+                return wrong
 
             patch.setattr(Sampler, part, wrong)
 
@@ -185,6 +213,8 @@ NUMBERS = ("displacement_max", "displacement_centre", "rms_slope")
 STEADY = ("pressure", "displacement_max", "rms_slope", "wear_rate")
 COMMON_FAULTS = {
     **{f"mode {number} lost": lose_mode(number) for number in (1, 3, 6)},
+    "pressures of one mode 1e-3": misshape(1e-3),
+    "two modes mixed by 1e-3": mix_modes(1e-3),
     # relative to the greatest displacement, which is its norm, this is a third of 1e-3
     "steady_profile 1e-3": scale_reported("steady_profile", 1e-3),
 }
@@ -209,6 +239,22 @@ def test_anchors_detect_faults_shared_by_all_methods(monkeypatch, fault):
     COMMON_FAULTS[fault](monkeypatch)
     # a new scene, because a fault may change the problem, which a scene caches
     assert run(FIVE.changed(), methods=["mdr"]).verdict == "disagree"
+
+
+GRADED = {"radii": [0.0, 0.5, 1.0], "values": [1.0, 0.5, 0.6]}
+
+
+def test_times_of_running_in_are_checked_without_the_method(monkeypatch):
+    """The whole change of a punch whose wear varies along the radius is 1 % too large."""
+    punch = {"radius": 1.0, "wear_coefficient": GRADED}
+    scene = FIVE.changed(punch=punch, accuracy__rtol=1e-3)
+    assert all(anchor.holds for anchor in run(scene, methods=["mdr"]).anchors)
+    total_change = full_contact.RunningIn.total_change.fget
+    wrong = property(lambda running_in: 1.01 * total_change(running_in))
+    monkeypatch.setattr(full_contact.RunningIn, "total_change", wrong)
+    result = run(scene.changed(), methods=["mdr"])
+    broken = {anchor.name for anchor in result.anchors if not anchor.holds}
+    assert "time_to_90: remaining part of the running-in" in broken
 
 
 @pytest.fixture(scope="module")

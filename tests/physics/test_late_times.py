@@ -1,0 +1,96 @@
+"""Long after running-in: even wear grows without bound, the shape of the face does not."""
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.mdr import direct
+
+LATE = [1e3, 1e12, 1e39]
+PUNCHES = {
+    "one material": {"radius": 1.0, "wear_coefficient": 1.0},
+    "three rings": {"radius": 1.0, "rings": 3, "wear_coefficients": [1.0, 0.1]},
+    "ball": {
+        "radius": 1.0,
+        "rings": 2,
+        "wear_coefficients": [1.0, 0.1],
+        "profile": {"kind": "ball", "ball_radius": 20.0},
+    },
+}
+# RMS slope of the steady state over the line, under the force 1, by independent codes
+RMS_SLOPES = {"one material": 0.97399573592 / np.pi, "three rings": 0.75956}
+
+
+def scene(punch, times=(1e-3, *LATE), force=1.0, rtol=1e-4):
+    return Scene.of(
+        {
+            "methods": ["mdr", "fem"],
+            "punch": punch,
+            "half_space": {"plane_strain_modulus": 1.0, "poisson_ratio": 0.3},
+            "load": {"normal_force": force},
+            "wear": {"times": list(times)},
+            "accuracy": {"rtol": rtol},
+        }
+    )
+
+
+def rings(punch):
+    """Return ring edges, and steady pressures under the force 1; k of the first ring is 1."""
+    edges = scene(PUNCHES[punch]).problem.ring_edges
+    return edges, direct.steady_pressures(edges, np.resize([1.0, 0.1], len(edges) - 1))
+
+
+def line_slope(edges, pressures):
+    return direct.rms_slope(edges, pressures, "line")
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("punch", PUNCHES)
+def test_late_states_are_the_steady_state(punch):
+    force, rtol = (0.05, 1e-3) if punch == "ball" else (1.0, 1e-4)
+    result = run(scene(PUNCHES[punch], force=force, rtol=rtol))
+    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    greatest, slope = (
+        float(value(*rings(punch))) for value in (direct.greatest_displacement, line_slope)
+    )
+    rate = rings(punch)[1][0]
+    if punch in RMS_SLOPES:
+        assert slope == pytest.approx(RMS_SLOPES[punch], rel=1e-5)
+    late = result.dataset.sel(time=LATE[1:])
+    np.testing.assert_allclose(late.rms_slope, force * slope, rtol=2 * rtol)
+    np.testing.assert_allclose(late.displacement_max, force * greatest, rtol=2 * rtol)
+    # the displacement at the centre is a difference of two depths, which both grow
+    moved = direct.displacement(*rings(punch), np.zeros(1))
+    centre = np.broadcast_to(force * moved, late.displacement_centre.shape)
+    np.testing.assert_allclose(late.displacement_centre, centre, atol=2 * rtol * force * greatest)
+    # at these times the indentation is even wear
+    expected = np.broadcast_to(rate * force * np.array(LATE[1:]), late.indentation.shape)
+    np.testing.assert_allclose(late.indentation, expected, rtol=1e-9)
+
+
+def test_a_wrong_shape_is_noticed_however_much_has_worn(monkeypatch):
+    """At t = 1e12 the even wear is 1e11 times the displacement."""
+    from ringwear.studies.wear.full_contact import RunningIn
+
+    modal = RunningIn.modal
+
+    def wrong(running_in, times):
+        history = modal(running_in, times)
+        history.shape[times > 1] *= 1.01
+        return history
+
+    monkeypatch.setattr(RunningIn, "modal", wrong)
+    result = run(scene(PUNCHES["three rings"]), methods=["mdr"])
+    assert result.verdict == "disagree"
+
+
+def test_a_rim_of_width_1e_9_that_hardly_wears_carries_its_steady_force():
+    """The wear rate is ``F / sum of A / k``, to all digits."""
+    edge = 0.999999999
+    rim = {"radius": 1.0, "ring_edges": [edge, 1.0], "wear_coefficients": [1.0, 1e-8]}
+    result = run(scene(rim, times=[0.0, 1.0]), methods=["mdr", "direct"])
+    assert result.verdict == "agree"
+    areas = np.pi * np.array([edge**2, (1 - edge) * (1 + edge)])
+    rate = 1 / (areas[0] + areas[1] / 1e-8)
+    np.testing.assert_allclose(result.dataset.steady_wear_rate, rate, rtol=1e-12)
