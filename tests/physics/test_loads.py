@@ -237,3 +237,55 @@ def test_stored_steps_follow_a_varying_load():
     assert stored.step_normal_force.to_numpy() == pytest.approx(forces, rel=1e-9, abs=1e-9)
     # the ends of contact, the next application of the brake, and the last stop are among the steps
     assert {4.5, 10.0, 14.5} <= set(times)
+
+
+EDGES = np.array([0.0, 1 / 3, 2 / 3, 1.0])
+
+
+def radii_in_layers():
+    """Return radii that resolve layers of 1e-6 at every ring edge, on both sides."""
+    near = np.geomspace(1e-9, 1 / 6, 500)
+    sides = [*(edge - near for edge in EDGES[1:]), *(edge + near for edge in EDGES[:-1])]
+    return np.unique(np.concatenate([*sides, EDGES]))
+
+
+def rms_slope(radii, heights):
+    """Return the root mean square over the line of the slopes of heights (..., R)."""
+    return np.sqrt((np.diff(heights) ** 2 / np.diff(radii)).sum(axis=-1))
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("jump", "later"), [(0.8, 1e-5), (0.8, 1e-3), (0.05, 1e-5)])
+def test_a_jump_of_the_force_acts_as_a_second_flat_punch(jump, later):
+    """After a jump, the worn face is the sum of those of two constant forces (superposition)."""
+    radii, first = radii_in_layers(), 1 - jump
+    three = Scene.of(
+        {
+            "punch": {"radius": 1.0, "rings": 3, "wear_coefficients": [1.0, 0.1]},
+            "half_space": {"plane_strain_modulus": 1.0, "poisson_ratio": 0.3},
+            "load": {"normal_force": 1.0},
+            "wear": {"times": [later, 0.5 + later]},
+            "accuracy": {"rtol": 1e-6},
+            "output": {"radii": radii.tolist(), "quantities": ["pressure", "profile", "rms_slope"]},
+        }
+    )
+    constant = run(three, methods=["mdr"]).dataset.sel(solver="mdr")
+    assert rms_slope(radii, constant.profile.values) == pytest.approx(
+        constant.rms_slope.values, rel=1e-3
+    )
+    profile, pressure = (
+        first * constant[name].values[1] + jump * constant[name].values[0]
+        for name in ("profile", "pressure")
+    )
+    force = {"times": [0.0, 0.5, 0.5 + 1e-9], "values": [first, first, 1.0]}
+    jumping = three.changed(
+        load__normal_force=force, wear__times=[0.5 + later], accuracy__rtol=1e-3
+    )
+    result = run(jumping, methods=["mdr", "fem"])
+    assert result.verdict == "agree"
+    inside = np.abs(radii[:, None] - EDGES[1:]).min(axis=1) > 1e-4
+    for values in result.dataset.isel(time=0).transpose("solver", ...).groupby("solver"):
+        data = values[1].squeeze()
+        slope = rms_slope(radii, profile)
+        assert float(data.rms_slope) == pytest.approx(slope, rel=2e-3)
+        np.testing.assert_allclose(data.pressure[inside], pressure[inside], rtol=5e-3)

@@ -11,6 +11,7 @@ from wear_reference import random_scenes, true_errors
 from ringwear import Scene, run
 from ringwear.mdr import energy
 from ringwear.meshes.errors import SolverError
+from ringwear.studies.crosscheck import operators
 from ringwear.studies.crosscheck.operators import check_multipliers, difference
 from ringwear.studies.methods import fem
 from ringwear.studies.progress import Stages
@@ -111,3 +112,26 @@ def test_refusing_singular_pairs_costs_less_than_two_per_cent_of_a_run(mesher):
     # a run checks two half-spaces, the second one for the coarser solution
     of_checks = [2 * seconds(half_space.stability) for _ in range(9)]
     assert np.median(of_checks) <= 0.02 * np.median(of_runs)
+
+
+def test_on_large_spaces_a_coarser_one_is_compared(monkeypatch):
+    """Steady states and histories need few pressures, so that their differences stay the same."""
+    scene = Scene.load("five_rings").changed(accuracy__rtol=1e-3)
+    whole = run(scene, methods=["bem", "mdr"]).operators[0]
+    monkeypatch.setattr(operators, "MOST_PRESSURES", 200)
+    result = run(scene, methods=["bem", "mdr"])
+    coarser = result.operators[0]
+    assert not result.left_out_operators
+    assert len(coarser.differences) <= 200 < len(whole.differences)
+    for name in ("rings", "history"):
+        assert getattr(coarser, name) == pytest.approx(getattr(whole, name), rel=0.5, abs=1e-6)
+
+
+def test_methods_that_cannot_be_compared_as_operators_are_named(monkeypatch):
+    """No subspace has fewer pressures than there are rings."""
+    monkeypatch.setattr(operators, "MOST_PRESSURES", 3)
+    scene = Scene.load("five_rings").changed(accuracy__rtol=1e-3)
+    result = run(scene, methods=["bem", "mdr"])
+    assert not result.operators
+    assert "bem and mdr" in result.summary["left_out"]["methods as operators"]
+    assert any("bem and mdr" in note for note in result.notes)
