@@ -19,7 +19,6 @@ from ..outcome.outcome import Outcome
 from ..outcome.run import run
 from ..outcome.scope import methods_of, refuse
 from ..problem.problem import Problem
-from ..problem.unit_names import UnitNames
 from ..registry import METHODS
 from ..scene.keys import listed
 from ..scene.scene import Scene, Source
@@ -36,7 +35,7 @@ def write_check(result: CheckedOutcome, directory: Path) -> None:
     """Write the errors to `check.csv`, and draw those of a refinement over its sizes."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
     write_csv(rows, directory / "check.csv")
-    names = UnitNames.of(result.scene.units)
+    names = result.scene.unit_names
     curves = {
         f"{row.label(names)}, order {row.sequence.order:.2g}": row.sequence
         for row in result.refinements

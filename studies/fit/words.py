@@ -25,7 +25,7 @@ MAX_DEVIATION_OF_MEAN = 0.25
 
 def conclude(fit: Outcome) -> tuple[str, ...]:
     """Return sentences on the estimates, on what the data do not determine, and on the model."""
-    names = UnitNames.of(fit.scene.units)
+    names = fit.scene.unit_names
     groups = (
         _estimates(fit, names),
         _combinations(fit, names),

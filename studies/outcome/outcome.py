@@ -26,7 +26,6 @@ from ..problem.quantities import (
     error_name,
 )
 from ..problem.regimes import OPERATORS
-from ..problem.unit_names import UnitNames
 from ..problem.written import shown
 from ..progress import Stages
 from ..sampling.field_differences import (
@@ -129,7 +128,7 @@ class Outcome:
             f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
         ]
         scene = self.scene
-        left_out = in_words(self.left_out_of_promise, scene.wear.times, UnitNames.of(scene.units))
+        left_out = in_words(self.left_out_of_promise, scene.wear.times, scene.unit_names)
         sentences = {
             AGREE: f"The methods agree{f' in all but {left_out}' if left_out else ''}",
             UNDECIDED: "Not all is decided",

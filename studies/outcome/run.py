@@ -14,7 +14,6 @@ from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.regimes import OPERATORS
-from ..problem.unit_names import UnitNames
 from ..progress import Stages
 from ..scene.scene import Scene
 from .outcome import Outcome
@@ -56,7 +55,7 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
             for name, entry in by_name.items()
         }
         operators = tuple(compare_operators(problem, by_name, solutions))
-    units = UnitNames.of(scene.units)
+    units = scene.unit_names
     agreement = tuple(
         row
         for a, b in combinations(solutions, 2)

@@ -10,7 +10,6 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ..methods.base import Method, method
 from ..problem.problem import Problem
-from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
@@ -64,7 +63,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     """Return what is not computed, with the reason of each item."""
     problem = scene.problem
     reasons = {
-        "friction and temperature": "not part of the model: the punch is rigid and frictionless",
+        "friction and temperature": "not part of the model: the contact is frictionless",
         **problem.contact.left_out,
         **problem.load_regime.left_out,
     }
@@ -142,7 +141,7 @@ def time_scale(scene: Scene) -> list[str]:
         return [f"running-in: its duration is not estimated for more than {MOST_RINGS} rings"]
 
     def written(time: float) -> str:
-        return UnitNames.of(scene.units).write(time * problem.units.time, "time", 3)
+        return scene.unit_names.write(time * problem.units.time, "time", 3)
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     # the spreading of contact has another time scale

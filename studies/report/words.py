@@ -11,7 +11,6 @@ from ..crosscheck.promise import allowed_error
 from ..outcome.outcome import Outcome
 from ..outcome.scope import left_out, modelled, outside
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
-from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
 
 Rows = list[dict[str, str]]
@@ -25,7 +24,7 @@ class Account:
 
     def __init__(self, result: Outcome) -> None:
         self.result, self.scene = result, result.scene
-        self.names = UnitNames.of(self.scene.units)
+        self.names = self.scene.unit_names
         self.title = self.scene.title or "Untitled scene"
         self.modelled = modelled(self.scene, result.methods)
         self.left_out = left_out(self.scene, result.methods)
@@ -44,16 +43,23 @@ class Account:
             *("time_to_90", "time_to_99", "indentation_start", "indentation_steady"),
             *("steady_wear_rate", "steady_rms_slope", "running_in_time"),
         )
+        quantities = ANSWER | QUANTITIES
+        values = {key: float(self.result.first(key)) for key in keys}
+        values = {key: value for key, value in values.items() if np.isfinite(value)}
+        written = dict[str, str]()
+        # all numbers of a kind have the same unit, so that they can be compared at a glance
+        for kind in {quantities[key].unit for key in values}:
+            of_kind = {key: value for key, value in values.items() if quantities[key].unit == kind}
+            texts = self.names.write_together(list(of_kind.values()), kind)
+            written |= dict(zip(of_kind, texts, strict=True))
         lines = []
-        for key in keys:
-            value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
-            if np.isfinite(value):
-                name = key.replace("_", " ").replace("rms", "RMS")
-                written, meaning = self.names.write(value, quantity.unit), quantity.definition
-                if key == "indentation_start" and self.scene.half_space.layers:
-                    # leave out F / (2 a E*), which is valid on a homogeneous half-space only
-                    meaning = meaning.partition(";")[0]
-                lines.append((name, written, meaning))
+        for key in values:
+            name = key.replace("_", " ").replace("rms", "RMS")
+            meaning = quantities[key].definition
+            if key == "indentation_start" and self.scene.half_space.layers:
+                # leave out F / (2 a E*), which is valid on a homogeneous half-space only
+                meaning = meaning.partition(";")[0]
+            lines.append((name, written[key], meaning))
         return lines
 
     @property
@@ -208,7 +214,7 @@ def beyond_the_model(scene: Scene) -> list[str]:
     """Return a warning if the strains of a scene with units are not small."""
     problem, units = scene.problem, scene.problem.units
     strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
-    if UnitNames.of(scene.units).base is None or strain <= 0.01:
+    if scene.unit_names.base is None or strain <= 0.01:
         return []
     return [
         f"warning: the mean pressure is {strain:.2g} of the plane strain modulus, more than 0.01: "
@@ -226,10 +232,10 @@ def defaults_taken(scene: Scene) -> list[str]:
         if "poisson_ratio" not in layer.model_fields_set:
             key = f"half_space.layers.{number}.poisson_ratio"
             lines.append(f"{key} is not given: using {layer.poisson_ratio}")
-    if "sliding_speed" not in scene.load_.model_fields_set:
+    if scene.load_.times_are_distances:
         lines.append(
             f"load.sliding_speed is not given: using {scene.load_.sliding_speed:g}, so that times "
-            "are sliding distances"
+            "are sliding distances, and wear rates are heights per distance"
         )
     return lines
 

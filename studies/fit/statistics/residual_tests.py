@@ -13,7 +13,7 @@ from scipy.special import gammaln
 from scipy.stats import chi2, norm
 from scipy.stats import t as student
 
-from ....meshes.radial import Array
+from ....meshes.radial import Array, Indices
 from .likelihood import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected
@@ -72,7 +72,8 @@ def few_runs(series: Array) -> float:
     positive, negative = int(above.sum()), int((~above).sum())
     if not positive or not negative:
         return float(0.5 ** (len(series) - 1))
-    runs = np.arange(2, 2 + int(np.sum(above[1:] != above[:-1])))
+    changes = int(np.sum(above[1:] != above[:-1]))
+    runs = np.arange(2, 2 + changes, dtype=np.int64)
     # an odd number of runs has one more of the sign with which it begins and ends
     fewer, more = runs // 2, (runs + 1) // 2
     orders = np.logaddexp(
@@ -83,12 +84,13 @@ def few_runs(series: Array) -> float:
     return float(min(np.exp(orders - all_orders).sum(), 1.0))
 
 
-def _log_partitions(count: int, parts: Array) -> Array:
+def _log_partitions(count: int, parts: Indices) -> Array:
     """Return the logarithms of the numbers of ways to divide values in a row into parts."""
+    logarithms = np.full(len(parts), -np.inf)
     possible = parts <= count
-    parts = np.where(possible, parts, 1)
-    ways = gammaln(count) - gammaln(parts) - gammaln(count - parts + 1)
-    return np.where(possible, ways, -np.inf)
+    counts = parts[possible]
+    logarithms[possible] = gammaln(count) - gammaln(counts) - gammaln(count - counts + 1)
+    return logarithms
 
 
 def small_differences(series: Array) -> float:
