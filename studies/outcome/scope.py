@@ -14,12 +14,54 @@ from ..scene.scene import Scene
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
 Methods = Mapping[str, Method]
+# mean pressure over the plane strain modulus above which strains are not small
+MOST_STRAIN = 0.01
 
 
 def methods_of(entries: Sequence[str | Method]) -> Methods:
     """Return methods by their names, from a sequence of names or method objects."""
     methods = [method(entry) if isinstance(entry, str) else entry for entry in entries]
     return {entry.name: entry for entry in methods}
+
+
+def chosen_methods(scene: Scene) -> Methods:
+    """Return the methods that solve a scene, by their names.
+
+    They are those that the scene names. If it names none, they are those of the default methods
+    that can solve it and compute something that it asks for; all of them if none can, so that
+    `refuse` gives the reasons.
+    """
+    methods, unsuitable = methods_of(scene.methods), unsuitable_methods(scene)
+    return {name: entry for name, entry in methods.items() if name not in unsuitable} or methods
+
+
+def omitted_methods(scene: Scene, methods: Methods) -> dict[str, str]:
+    """Return the default methods that are left out of those that solve a scene, with reasons.
+
+    None are left out if the user has chosen the methods.
+    """
+    unsuitable = unsuitable_methods(scene)
+    return unsuitable if methods.keys() == set(scene.methods) - unsuitable.keys() else {}
+
+
+def unsuitable_methods(scene: Scene) -> dict[str, str]:
+    """Return the default methods that a scene without `methods` cannot use, with reasons."""
+    if scene.names_methods:
+        return {}
+    reasons = {
+        name: _why_omitted(entry, scene.problem)
+        for name, entry in methods_of(scene.methods).items()
+    }
+    return {name: reason for name, reason in reasons.items() if reason}
+
+
+def _why_omitted(entry: Method, problem: Problem) -> str:
+    """Return why a default method is of no use for a problem; empty if it is."""
+    if (beyond := entry.beyond(problem)) is not None:
+        return beyond.reason
+    wanted = {"history": len(problem.times) > 0, "steady state": problem.steady}
+    lacking = [entry.lacks[item] for item, asked in wanted.items() if asked and item in entry.lacks]
+    return lacking[0] if lacking and len(lacking) == sum(wanted.values()) else ""
 
 
 def modelled(scene: Scene, methods: Methods) -> list[str]:
@@ -85,6 +127,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["steady state"] = (
             selection if scene.wear.steady else "the scene says steady = false"
         )
+    reasons |= omitted_methods(scene, methods)
     for name, entry in methods.items():
         lacks = {
             f"{item} by {name}": reason
@@ -131,6 +174,19 @@ def refuse(scene: Scene, methods: Methods) -> None:
         raise SceneError("; ".join(dict.fromkeys(reasons)))
 
 
+def beyond_the_model(scene: Scene) -> list[str]:
+    """Return a warning if the strains of a scene with units are not small."""
+    problem, units = scene.problem, scene.problem.units
+    strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
+    if scene.unit_names.base is None or strain <= MOST_STRAIN:
+        return []
+    return [
+        f"the mean pressure is {strain:.2g} of the plane strain modulus, more than "
+        f"{MOST_STRAIN:g}: strains are not small, and linear elasticity, which all methods assume, "
+        "is not valid"
+    ]
+
+
 def time_scale(scene: Scene) -> list[str]:
     """Return how long the running-in will take, and a note if the times do not show it."""
     problem = scene.problem
@@ -149,20 +205,20 @@ def time_scale(scene: Scene) -> list[str]:
     if not problem.full_contact and until is not None:
         start, end = map(written, spreading_times(problem))
         lines.append(f"contact spreads from about {start}{until.format(end=end)}")
-    return lines + outside(problem, slowest)
+    return lines + [f"note: {line}" for line in outside(problem, slowest)]
 
 
 def outside(problem: Problem, slowest: float) -> list[str]:
-    """Return a note if the times of a flat punch do not show its running-in; else an empty list.
+    """Return a warning if the times of a flat punch do not show its running-in.
 
     `slowest` is the slowest relaxation time, non-dimensional, or NaN if it is unknown; then there
-    is no note.
+    is no warning.
     """
     remedy = 'times = "running-in" covers all of it'
     if not (problem.full_contact and problem.earliest):
         return []
     if problem.distances[-1] < 0.01 * slowest:
-        return [f"note: all times are before the running-in, of which they show little: {remedy}"]
+        return [f"all times are before the running-in, of which they show little: {remedy}"]
     if problem.earliest > 5 * slowest:
-        return [f"note: all times are after the running-in, of which they show nothing: {remedy}"]
+        return [f"all times are after the running-in, of which they show nothing: {remedy}"]
     return []

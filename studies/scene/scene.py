@@ -321,6 +321,11 @@ class Scene(Section, metaclass=SceneType):
         return Scene(**table)
 
     @property
+    def names_methods(self) -> bool:
+        """Whether the scene names methods; else those of the default ones solve it that can."""
+        return "methods" in self.model_fields_set
+
+    @property
     def unit_names(self) -> UnitNames:
         """The units of the scene's numbers; those of times are lengths if it has no speed."""
         return UnitNames.of(self.units, self.load_.times_are_distances)
