@@ -10,6 +10,7 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ..methods.base import Method, method
 from ..problem.problem import Problem
+from ..problem.sections import LEAST_TRUNCATION
 from ..scene.scene import Scene
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
@@ -155,9 +156,17 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
             "changes, which need a history: give wear.times, and ask for a quantity over time"
         )
     if problem.ground is not None and scene.output.depth is not None:
+        # triangles under contact that moves have a mesh of their own size
+        remedy = "leave it out: half_space.vtu has all of the mesh"
+        if problem.full_contact:
+            radius = max(scene.output.depth / problem.units.length, LEAST_TRUNCATION)
+            remedy = (
+                f"give accuracy.fem.truncation = {radius:.3g} in place of it, the radius of the "
+                "mesh in punch radii: half_space.vtu has all of the mesh"
+            )
         refused.append(
-            "output.depth adds the far field of a half-space without layers: do not combine it "
-            "with half_space.layers"
+            f"output.depth adds the far field of a half-space without layers: with "
+            f"half_space.layers {remedy}"
         )
     return [reason for reason in refused if reason]
 

@@ -40,6 +40,8 @@ LAYERED = 4
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
 
+# least radius of the mesh of the half-space, in punch radii
+LEAST_TRUNCATION = 2.0
 # least thickness of the first layer in punch radii; the energy matrix of a thinner one takes more
 # than a minute
 THINNEST_LAYER = 0.005
@@ -345,7 +347,9 @@ class FemAccuracy(Sizes):
     )
     far_field: Literal["boussinesq", "fixed"] = "boussinesq"
     poles: int | None = optional("Boussinesq poles tied to the outer boundary, 1 to 8", ge=1, le=8)
-    truncation: float | None = optional("radius of the half-space in a, 2 to 1e6", ge=2, le=1e6)
+    truncation: float | None = optional(
+        "radius of the half-space in a, 2 to 1e6", ge=LEAST_TRUNCATION, le=1e6
+    )
     degree: int | None = optional("1 to 4 on triangles, 1 to 16 on quadrilaterals", ge=1, le=16)
     growth: float | None = optional("growth of the size with distance, 0.05 to 2", ge=0.05, le=2)
 
