@@ -129,6 +129,13 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             selection if scene.wear.steady else "the scene says steady = false"
         )
     reasons |= omitted_methods(scene, methods)
+    if "fem" in methods and len(creases := problem.profile.creases):
+        radii = creases * problem.units.length
+        written = ", ".join(scene.unit_names.write(radius, "length", 3) for radius in radii)
+        reasons[f"errors of stresses near r = {written}"] = (
+            "stresses are singular where the slope of the unworn face jumps, as at the tip of a "
+            "cone; their error estimates leave it out"
+        )
     for name, entry in methods.items():
         lacks = {
             f"{item} by {name}": reason
