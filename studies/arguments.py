@@ -175,7 +175,7 @@ ARGUMENTS: dict[str, Settings] = {
         "dest": "times",
         "metavar": "T",
         "help": "a time for a deck of the worn face, in the units of the scene; may be repeated "
-        "(default: the last time of the scene); the start always has a deck",
+        "(default: the last time of the scene with a load); the first such time always has a deck",
     },
     "--within": {
         "type": _positive,

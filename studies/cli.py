@@ -88,11 +88,11 @@ def _run(options: argparse.Namespace) -> Status:
         result = run(scene)
         write_numbers(result, folder.hidden, options.csv)
         account = Account(result)
+        page = not (options.no_figures or options.no_report)
         # print the answer before drawing the figures
         with suppress(BrokenPipeError):
-            print_account(account, options.verbose)
+            print_account(account, options.verbose, page)
             sys.stdout.flush()
-        page = not (options.no_figures or options.no_report)
         failures = show(result, account, pictures, folder.hidden, page)
     _print_files(folder, failures)
     if failures:
@@ -170,14 +170,22 @@ def _fit(options: argparse.Namespace) -> Status:
 
 def _plan(options: argparse.Namespace) -> Status:
     from .outcome.run import run
-    from .outcome.scope import left_out, methods_of, modelled, refuse, time_scale
+    from .outcome.scope import (
+        beyond_the_model,
+        chosen_methods,
+        left_out,
+        modelled,
+        refuse,
+        time_scale,
+    )
     from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
-    methods = methods_of(scene.methods)
+    methods = chosen_methods(scene)
     refuse(scene, methods)
-    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), ""])
+    warnings = [f"warning: {warning}" for warning in beyond_the_model(scene)]
+    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), *warnings, ""])
     print_scope(modelled(scene, methods), left_out(scene, methods))
     print("\nBy method", flush=True)
     print_lines(f"  {line}" for line in plan(scene))

@@ -109,6 +109,8 @@ def run(
             Comparisons of reported numbers with closed forms and conservation laws.
         operators : tuple of OperatorDifference
             Comparisons of methods for every pressure at once.
+        warnings : tuple of str
+            What to know before the numbers are used, such as that linear elasticity is not valid.
         summary : dict
             All of these except the fields, and the seconds, sizes and notes of each method.
 
@@ -172,11 +174,11 @@ class Result(Outcome):
     """All results of a run.
 
     `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
-    `agreement`, `anchors`, `summary`, `plot(kind)` and `save(folder)`.
+    `warnings`, `agreement`, `anchors`, `summary`, `plot(kind)` and `save(folder)`.
     """
 
     def __repr__(self) -> str:
-        """Return the answer in a few lines, and the verdict."""
+        """Return the answer in a few lines, the verdict, and warnings."""
         return "\n".join(Account(self).brief)
 
     def _repr_html_(self) -> str:

@@ -5,6 +5,7 @@ therefore appears as a difference.
 """
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -12,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from ...mdr.flat_punch import flat_punch
+from ...meshes.errors import RingwearError
 from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array, ring_areas, unit_gauss
 from ..problem.fields import TomlTable
@@ -263,31 +265,80 @@ def _ground(half_space: TomlTable, unit: float, radius: float) -> Ground | None:
 
 
 def _heights(profile: TomlTable, radii: Array, punch_radius: float) -> Array:
-    """Return the heights of a profile at radii, all in the scene's unit."""
+    """Return the heights of a profile at radii, all in the scene's unit.
+
+    Raises
+    ------
+    RingwearError
+        if no function reads profiles of this kind
+    """
     kind = profile["kind"]
-    if kind == "parabola":
-        return np.asarray(radii**2 / (2 * profile["curvature_radius"]))
-    if kind == "ball":
-        ball = profile["ball_radius"]
-        # R (1 - cos(x)) = 2 R sin(x/2)^2, without cancellation
-        return np.asarray(2 * ball * np.sin(np.arcsin(radii / ball) / 2) ** 2)
-    if kind == "truncated_cone":
-        return np.asarray(profile["slope"] * np.maximum(radii - profile["flat_radius"], 0.0))
-    if kind == "truncated_paraboloid":
-        flat = profile["flat_radius"]
-        return np.where(radii > flat, radii**2 - flat**2, 0.0) / (2 * profile["curvature_radius"])
-    if kind == "concave":
-        return np.asarray(profile["depth"] * (1 - (radii / punch_radius) ** 2))
-    if kind == "cone":
-        return np.asarray(profile["slope"] * radii)
-    if kind == "power":
-        return np.asarray(profile["coefficient"] * (radii / punch_radius) ** profile["exponent"])
-    if kind == "rounded_rim":
-        beyond = np.maximum(radii - profile["flat_radius"], 0.0)
-        return np.asarray(beyond**2 / (2 * profile["curvature_radius"]))
+    if kind not in HEIGHTS:
+        raise RingwearError(
+            f"punch.profile.kind = {kind!r} has no second reading, by which anchors check the "
+            "heights of the face: add a function of this kind to HEIGHTS in "
+            "studies/anchors/reading.py, as CONTRIBUTING.md describes"
+        )
+    table = profile | {"punch_radius": punch_radius}
+    return np.asarray(HEIGHTS[kind](table, radii), dtype=float)
+
+
+def _parabola(profile: TomlTable, radii: Array) -> Array:
+    return radii**2 / (2 * profile["curvature_radius"])
+
+
+def _ball(profile: TomlTable, radii: Array) -> Array:
+    ball = profile["ball_radius"]
+    # R (1 - cos(x)) = 2 R sin(x/2)^2, without cancellation
+    return np.asarray(2 * ball * np.sin(np.arcsin(radii / ball) / 2) ** 2)
+
+
+def _truncated_cone(profile: TomlTable, radii: Array) -> Array:
+    return profile["slope"] * np.maximum(radii - profile["flat_radius"], 0.0)
+
+
+def _truncated_paraboloid(profile: TomlTable, radii: Array) -> Array:
+    flat = profile["flat_radius"]
+    return np.where(radii > flat, radii**2 - flat**2, 0.0) / (2 * profile["curvature_radius"])
+
+
+def _concave(profile: TomlTable, radii: Array) -> Array:
+    return profile["depth"] * (1 - (radii / profile["punch_radius"]) ** 2)
+
+
+def _cone(profile: TomlTable, radii: Array) -> Array:
+    return profile["slope"] * radii
+
+
+def _power(profile: TomlTable, radii: Array) -> Array:
+    return profile["coefficient"] * (radii / profile["punch_radius"]) ** profile["exponent"]
+
+
+def _rounded_rim(profile: TomlTable, radii: Array) -> Array:
+    beyond = np.maximum(radii - profile["flat_radius"], 0.0)
+    return beyond**2 / (2 * profile["curvature_radius"])
+
+
+def _table(profile: TomlTable, radii: Array) -> Array:
     from scipy.interpolate import pchip_interpolate  # imported here: only tables need it
 
     return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
+
+
+# Functions that return the heights of a profile at radii, by its kind. Their arguments are the
+# table of the profile, to which `punch_radius` is added, and the radii. All lengths are in the
+# scene's unit.
+HEIGHTS: dict[str, Callable[[TomlTable, Array], Array]] = {
+    "parabola": _parabola,
+    "ball": _ball,
+    "truncated_cone": _truncated_cone,
+    "truncated_paraboloid": _truncated_paraboloid,
+    "concave": _concave,
+    "cone": _cone,
+    "power": _power,
+    "rounded_rim": _rounded_rim,
+    "table": _table,
+}
 
 
 def _edges(punch: TomlTable) -> Array:

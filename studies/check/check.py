@@ -17,9 +17,8 @@ from ..figures.style import in_style
 from ..methods.base import Method, Solution
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
-from ..outcome.scope import methods_of, refuse
+from ..outcome.scope import chosen_methods, methods_of, refuse
 from ..problem.problem import Problem
-from ..problem.unit_names import UnitNames
 from ..registry import METHODS
 from ..scene.keys import listed
 from ..scene.scene import Scene, Source
@@ -36,7 +35,7 @@ def write_check(result: CheckedOutcome, directory: Path) -> None:
     """Write the errors to `check.csv`, and draw those of a refinement over its sizes."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
     write_csv(rows, directory / "check.csv")
-    names = UnitNames.of(result.scene.units)
+    names = result.scene.unit_names
     curves = {
         f"{row.label(names)}, order {row.sequence.order:.2g}": row.sequence
         for row in result.refinements
@@ -105,11 +104,14 @@ def check_as(
         "output__field_times": None,
     }
     scene = scene.changed(**changes)
-    refuse(scene, methods_of(listed(methods) if methods else scene.methods))
-    # mdr-grid is the paper's own algorithm, of first order: not accurate enough for a reference
-    our_methods = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
+    ours = methods_of(listed(methods)) if methods else chosen_methods(scene)
+    refuse(scene, ours)
+    if not methods:
+        # mdr-grid is the paper's own algorithm, of first order: too inaccurate for a reference
+        accurate = {name: entry for name, entry in ours.items() if name != "mdr-grid"}
+        ours = accurate or methods_of(["mdr", "fem"])
     their_methods = [OtherProgram.from_table(name, table, scene) for name, table in tables.items()]
-    result = run(scene, [*(listed(methods) if methods else our_methods), *their_methods])
+    result = run(scene, [*ours.values(), *their_methods])
     values = {field.name: getattr(result, field.name) for field in fields(Outcome)}
     values["solutions"] = {
         name: solution if name in given else _with_prescribed_force(scene.problem, solution)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..outcome.outcome import Outcome
-from ..problem.unit_names import UnitNames
 from ..progress import LOG
 from ..sampling.field_differences import OVER_TIME
 from .diagnose import Comparison, Diagnosis, diagnose
@@ -123,7 +122,7 @@ class CheckedOutcome(Outcome):
     @property
     def lines(self) -> list[str]:
         """The verdict on the other programs in sentences."""
-        names, lines = UnitNames.of(self.scene.units), list[str]()
+        names, lines = self.scene.unit_names, list[str]()
         for name in self.judged:
             judged = [row for row in self.verdicts if row.solver == name]
             lines.append(f"{name}: {self._verdict_on(judged)}")

@@ -40,14 +40,19 @@ UNIT = re.compile(r"^(?P<name>[^\[(/]+?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|/\s*(?
 """A heading with a unit in brackets, in parentheses or after a slash."""
 
 
-def name_and_unit(heading: str) -> tuple[str, str]:
-    """Return our name of a column, and the unit in its heading; empty if there is none."""
+def split_heading(heading: str) -> tuple[str, str]:
+    """Return the name in a heading, in lower case, and the unit in it; empty if there is none."""
     matched = UNIT.match(heading.strip())
     name, unit = heading.strip(), ""
     if matched:
         name, unit = matched["name"], next(filter(None, matched.group("a", "b", "c")), "")
-    name = re.sub(r"\s+", "_", name.strip().lower())
-    return SYMBOLS.get(name, name), unit.strip()
+    return re.sub(r"\s+", "_", name.strip().lower()), unit.strip()
+
+
+def name_and_unit(heading: str) -> tuple[str, str]:
+    """Return our name of a column, and the unit in its heading; empty if there is none."""
+    name, unit = split_heading(heading)
+    return SYMBOLS.get(name, name), unit
 
 
 def read_csv_text(path: Path, text: str) -> pd.DataFrame:
@@ -88,7 +93,7 @@ def read_csv_text(path: Path, text: str) -> pd.DataFrame:
     if not any(cell == "" or _is_number(cell) for cell in rows[others[0]]):
         units = rows[others[0]]
         headings = [
-            f"{name_and_unit(heading)[0]} [{unit.strip('[]()')}]"
+            f"{split_heading(heading)[0]} [{unit.strip('[]()')}]"
             for heading, unit in zip(headings, units, strict=True)
         ]
         others = others[1:]

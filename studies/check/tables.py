@@ -18,12 +18,12 @@ from ..decks.reports import NO_RESULTS, READERS, differing_keys
 from ..predictions.memory import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
-from ..problem.unit_names import UnitNames, size_of_unit
+from ..problem.unit_names import UnitNames
 from ..problem.written import one_line, shown
 from ..progress import LOG
 from ..scene.explain import nearest
 from ..scene.scene import Scene
-from .csv_files import name_and_unit, read_csv_text, read_numbers
+from .csv_files import name_and_unit, read_csv_text, read_numbers, split_heading
 
 if TYPE_CHECKING:
     import xarray
@@ -101,16 +101,22 @@ def read(
         source = source[present].reset_coords(drop=True).to_dataframe()
     if source.index.names != [None]:
         source = source.reset_index()
-    source, heading_units = _rename_headings(source, columns, kinds)
-    frame = _select_columns(source, name, columns, list(kinds), wanted)
+    named = _columns_named(source, columns)
+    renamed, heading_units = _rename_headings(source, columns, named, kinds)
+    missing = [theirs for theirs, headings in named.items() if not headings]
+    headings = ", ".join(map(str, source))
+    frame = _select_columns(renamed, name, headings, missing, list(kinds), wanted)
     table = _validate(frame, f"{name}, {place}")
     _report_missing(frame, table, name)
-    scene_units = UnitNames.of(scene.units)
+    scene_units = scene.unit_names
     if units and scene_units.base is None:
         raise SceneError(f"--units {units}: the scene's numbers have none: give the scene's units")
+    table_units = scene_units
+    if units:
+        table_units = UnitNames.of(units, scene.load_.times_are_distances)
     for key in table:
         kind, unit = kinds[key], heading_units.get(key, "")
-        size = UnitNames.of(units or scene.units).size(kind)
+        size = table_units.size(kind) / scene_units.size(kind)
         if unit and scene_units.base is None:
             LOG.warning(
                 "%s: the unit of %s is ignored, because the numbers of the scene have no units",
@@ -118,8 +124,8 @@ def read(
                 key,
             )
         elif unit:
-            size = size_of_unit(unit, kind, f"{name}, the heading of {key}")
-        table[key] *= size / scene_units.size(kind)
+            size = scene_units.size_of(unit, kind, f"{name}, the heading of {key}")
+        table[key] *= size
     if "radius" in table:
         radius, rim = table["radius"], scene.punch.radius
         # a radius that roundoff of units has moved beyond the rim is at the rim
@@ -147,18 +153,47 @@ def read(
     return table
 
 
+def _columns_named(frame: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, list[object]]:
+    """Return the headings of a table that the user means by each name.
+
+    A name is a whole heading, or a heading without its unit in upper or lower case. The list is
+    empty if the table has no such column.
+    """
+    named = dict[str, list[object]]()
+    for theirs in columns:
+        exact = [heading for heading in frame if str(heading) == theirs]
+        without_unit = split_heading(theirs)[0]
+        named[theirs] = exact or [
+            heading for heading in frame if split_heading(str(heading))[0] == without_unit
+        ]
+    return named
+
+
 def _rename_headings(
-    frame: pd.DataFrame, columns: Mapping[str, str], kinds: Mapping[str, str]
+    frame: pd.DataFrame,
+    columns: Mapping[str, str],
+    named: Mapping[str, list[object]],
+    kinds: Mapping[str, str],
 ) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return a table whose known headings are replaced by our names, and the units in them.
 
-    Columns that the user has named, or that already have our name, are not renamed.
+    Columns that the user has named, or that already have our name, keep it.
+
+    Parameters
+    ----------
+    columns : our names by those of the user
+    named : the headings that the user means, by these names
     """
-    names, units = dict[object, str](), dict[str, str]()
-    taken_names = {columns.get(str(heading), str(heading)) for heading in frame}
+    names = {heading: columns[theirs] for theirs, headings in named.items() for heading in headings}
+    units = {
+        name: unit
+        for heading, name in names.items()
+        if (unit := split_heading(str(heading))[1]) and name in kinds
+    }
+    taken_names = {names.get(heading, str(heading)) for heading in frame}
     for heading in frame:
         name, unit = name_and_unit(str(heading))
-        if name not in kinds or str(heading) in columns:
+        if name not in kinds or heading in names:
             continue
         if str(heading) == name or name not in taken_names:
             names[heading] = name
@@ -251,24 +286,29 @@ def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
 def _select_columns(
     frame: pd.DataFrame,
     name: str,
-    columns: Mapping[str, str],
+    headings: str,
+    missing: list[str],
     our_names: list[str],
     wanted: Sequence[str],
 ) -> pd.DataFrame:
-    """Return the columns that we know, under our names.
+    """Return the columns that we know.
+
+    Parameters
+    ----------
+    frame : whose columns have our names, if we know them
+    name : of the table
+    headings : of the table itself, for messages
+    missing : names of columns that the user has given, but the table does not have
 
     Raises
     ------
     SceneError
         if a necessary column is missing, or if a column occurs twice
     """
-    headings = ", ".join(map(str, frame))
-    missing = [heading for heading in columns if heading not in frame]
-    frame = frame.rename(columns=columns)
     unknown = [str(key) for key in frame if key not in our_names]
     frame = frame[[key for key in frame if key in our_names]]
     needed = ["time", "radius"] if FIELDS.intersection(frame) else ["time"]
-    missing += [key for key in needed if key not in frame]
+    missing = missing + [key for key in needed if key not in frame]
     if not frame.columns.difference(["time", "radius"]).size:
         missing.append(wanted[0])
     if missing or not frame.columns.is_unique:

@@ -34,8 +34,11 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     SceneError
         if the scene has no times, or if it has layers
     """
-    problem, scene_units = scene.problem, UnitNames.of(scene.units)
-    file_units, rings = UnitNames.of(units or scene.units), problem.graded or problem.rings
+    problem, scene_units = scene.problem, scene.unit_names
+    file_units = scene_units
+    if units:
+        file_units = UnitNames.of(units, scene.load_.times_are_distances)
+    rings = problem.graded or problem.rings
     if not scene.wear.times:
         raise SceneError("the scene has no times at which results are sampled: give wear.times")
     if scene.half_space.layers:
@@ -76,6 +79,12 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
     ratio, modulus = scene.half_space.poisson_ratio, problem.units.modulus
     kinds = {"normal_force": "force", "mean_pressure": "pressure", "indentation": "displacement"}
     load = next(name for name in kinds if getattr(scene.load_, name) is not None)
+    sliding = write_load("sliding_speed", "speed")
+    if scene.load_.times_are_distances:
+        sliding = "times are sliding distances"
+    bodies = ""
+    if scene.half_space.punch_youngs_modulus is not None:
+        bodies = ", the combined modulus of two elastic bodies"
     lines = [
         scene.title or "Untitled scene",
         "",
@@ -91,13 +100,13 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
             )
         ),
         f"Half-space: elastic, E = {write(modulus * (1 - ratio**2), 'pressure')}, Poisson's ratio "
-        f"{ratio:g}, so that E* = {write(modulus, 'pressure')}; small strains. No radial "
+        f"{ratio:g}, so that E* = {write(modulus, 'pressure')}{bodies}; small strains. No radial "
         "displacement on the axis; no friction; p >= 0 and gap >= 0 under the punch, no traction "
         "beside it.",
         "If the half-space is clamped at a distance R from the centre, the relative error of the "
         "indentation is about -1.1 a/R; mesh.msh (x: radius, y: depth; meshio converts it) reaches "
         f"to R = {reach:g} a.",
-        f"Load: {write_load(load, kinds[load])}; {write_load('sliding_speed', 'wear_rate')}.",
+        f"Load: {write_load(load, kinds[load])}; {sliding}.",
         "Wear: df/dt = k p v, where f is the height that has been worn off the face.",
         "Fill in template.csv, and leave cells empty if you do not have the values: pressure p; "
         "displacement u of the surface, into the half-space; profile f, the height that is missing "

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
+from ..inside.interior import first_and_last_in_contact
 from ..outcome.run import run
 from ..output.folder import output_folder
 from ..problem.written import shown
@@ -49,8 +50,8 @@ class Choice:
     elements : `linear` (CAX4) or `quadratic` (CAX8)
     size : of the elements below the punch, away from ring edges, in punch radii
     reach : radius of the half-space that is modelled, in punch radii
-    times : of the worn faces, in the units of the scene; None for the last time of the scene; the
-        start is always added
+    times : of the worn faces, in the units of the scene; None for the last time of the scene at
+        which the punch is loaded; the start, or the first time with a load, is always added
     """
 
     program: str
@@ -92,8 +93,8 @@ def deck(
         Radius at which the modelled half-space is clamped, in punch radii; the relative error of
         the indentation by clamping is about 1.1 / `reach`.
     times : sequence of float, optional
-        Times of worn faces, in the units of the scene; by default the last time of the scene. The
-        start is always written.
+        Times of worn faces, in the units of the scene; by default the last time of the scene at
+        which the punch is loaded. The start, or the first time with a load, is always written.
 
     Returns
     -------
@@ -178,21 +179,33 @@ def refusal(scene: Scene, program: str) -> str:
 
 
 def _times(scene: Scene, chosen_times: tuple[float, ...] | None) -> list[float]:
-    """Return the start and the times of worn faces, increasing.
+    """Return the first time with a load and the times of worn faces, increasing.
 
     Raises
     ------
     SceneError
-        if a time is negative or not finite
+        if a time is negative or not finite, or if the force is zero then
     """
-    times = tuple(scene.wear.times[-1:]) if chosen_times is None else chosen_times
+    first, last = first_and_last_in_contact(scene)
+    times = (last,) if chosen_times is None else chosen_times
+    loading, unit = scene.problem.loading, scene.problem.units.time
+
+    def loaded(time: float) -> bool:
+        return bool(loading.at(np.array([time]) / unit).force[0] > 0)
+
     for time in times:
         if not 0 <= time < np.inf:
             raise SceneError(
                 f"--time {time:g}: give times since sliding began, 0 or later, in the units of "
                 "the scene"
             )
-    return sorted({0.0, *times})
+        if not loaded(time):
+            example = loading.times[loading.forces > 0][0] * unit
+            raise SceneError(
+                f"--time {time:g}: the load is zero then: give times at which the punch is loaded, "
+                f"such as {example:g}"
+            )
+    return sorted({*times, *([first] if loaded(first) else [])})
 
 
 def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
@@ -206,7 +219,7 @@ def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
     Raises
     ------
     SceneError
-        if the force is zero at one of the times
+        if the force has vanished at one of the times, under a given indentation
     """
     quantities = ["profile", "indentation", "normal_force"]
     sampled_scene = scene.changed(
@@ -221,7 +234,10 @@ def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
         forces = problem.loading.at(problem.times).force * problem.units.force
     for time, force in zip(times, forces, strict=True):
         if not force > 0:
-            raise SceneError(f"--time {time:g}: the force is zero then; give other times")
+            raise SceneError(
+                f"--time {time:g}: all of the overlap is worn off, and the force is zero then: "
+                "give earlier times"
+            )
     rows = zip(times, table["indentation"][1][0], forces, table["profile"][1][0], strict=True)
     return [
         State(time, float(depth), float(force), heights) for time, depth, force, heights in rows

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 
-from ..problem.unit_names import UnitNames
 from .keywords import Model
 from .states import State
 
@@ -28,7 +27,7 @@ def read_me(
     prescribed : whether there is a deck with prescribed displacements
     """
     scene, mesh = model.scene, model.mesh
-    names = UnitNames.of(scene.units)
+    names = scene.unit_names
     units = scene.units or "none: numbers are in any consistent units"
     ratio = scene.half_space.poisson_ratio
     results = f"prescribed{'.dat' if program == 'calculix' else '.rpt'}"

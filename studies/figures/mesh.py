@@ -112,6 +112,11 @@ def _note(fields: Interior, count: int) -> str:
         note += f"; states without contact, not drawn: {without_contact}"
     if in_contact > count:
         note += f"; more states in half_space.vtu: {in_contact - count}"
+    if len(fields.creases):
+        place = "the tip of the unworn face"
+        if fields.creases.any():
+            place = "radii at which the slope of the unworn face jumps"
+        note += f"\nerrors also leave out {place}, where stresses are singular"
     return note
 
 

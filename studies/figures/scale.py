@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from ...mdr.flat_punch import D0, P0
 from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
-from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
 from .style import (
     Look,
@@ -89,7 +88,7 @@ class Scale:
     """
 
     def __init__(self, scene: Scene, looks: Mapping[str, Look] | None = None) -> None:
-        self.names, self.problem = UnitNames.of(scene.units), scene.problem
+        self.names, self.problem = scene.unit_names, scene.problem
         self.looks = looks or looks_of(scene.methods)
         units, times = self.problem.units, [time for time in scene.wear.times if time] or [0.0]
         # the face may be higher than the indentation; the factor 100 below is for volumes, whose
@@ -165,6 +164,8 @@ class Scale:
     def label(self, name: str) -> str:
         """Return the label of an axis, such as ``pressure p (MPa)``."""
         quantity, kind = LABELS[name]
+        if name == "time" and self.names.distances:
+            quantity = "sliding distance t"
         _, unit = self.axes[kind]
         return f"{quantity} ({unit})" if unit else quantity
 

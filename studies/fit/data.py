@@ -11,7 +11,7 @@ import pandas as pd
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..check.tables import OthersResults, read
-from ..problem.unit_names import UnitNames, number_of
+from ..problem.unit_names import number_of
 from ..problem.written import shown
 from ..progress import LOG
 from ..scene.scene import Scene
@@ -252,7 +252,7 @@ def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> fl
             f"{key} = {shown(text)}: give a number, or a text such as '2 um'"
         ) from None
     except ValueError:
-        value = number_of(str(text), key, kind, UnitNames.of(scene.units))
+        value = number_of(str(text), key, kind, scene.unit_names)
     if not (value > 0 and np.isfinite(value)):
         raise SceneError(f"{key} = {text}: give a number above 0")
     return value

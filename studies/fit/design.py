@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 
 from ...meshes.radial import Array
-from ..problem.unit_names import UnitNames
 from .measurement import Measurement
 from .outcome import Outcome
 from .parameters import REACH
@@ -123,7 +122,7 @@ def _with_noise(fit: Outcome, measurements: list[Measurement]) -> list[Measureme
 
 def _candidates(fit: Outcome) -> Iterator[tuple[str, Measurement]]:
     """Yield further measurements within the times of the data, each with its description."""
-    names, scene = UnitNames.of(fit.scene.units), fit.scene
+    names, scene = fit.scene.unit_names, fit.scene
     times = np.concatenate([each.times for each in fit.measurements])
     first, last = float(times[times > 0].min()), float(times.max())
     depth_noise = _noise_of(fit, "indentation")

@@ -51,7 +51,7 @@ def draw_fit(fit: Outcome) -> Figure:
     quantities = list(dict.fromkeys(each.quantity for each in fit.measurements))
     figure = new_figure(PAGE, 4.2)
     panels = figure.subplots(2, len(quantities), squeeze=False, height_ratios=[2, 1])
-    names, table, bands = UnitNames.of(fit.scene.units), fit.residuals, fit.bands
+    names, table, bands = fit.scene.unit_names, fit.residuals, fit.bands
     rows = np.cumsum([0, *(len(each.values) for each in fit.measurements)])
     for column, quantity in enumerate(quantities):
         upper, lower = panels[:, column]
@@ -125,7 +125,7 @@ def draw_profiles(fit: Outcome) -> Figure:
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True).ravel()
     for axes in panels[len(numbers) :]:
         axes.set_visible(False)
-    names = UnitNames.of(fit.scene.units)
+    names = fit.scene.unit_names
     for axes, number in zip(panels, numbers, strict=False):
         estimate = fit.found[number]
         trace = dict([*fit.profiles.traces[number], fit.best_trace_point(number)])
@@ -207,7 +207,8 @@ def draw_design(fit: Outcome) -> Figure:
 
 def _abscissa(each: Measurement, names: UnitNames) -> tuple[Array, str]:
     """Return the times or radii over which a measurement is drawn, and the label with a unit."""
-    values, name, kind = each.times, "time t", "time"
+    values, kind = each.times, "time"
+    name = "sliding distance t" if names.distances else "time t"
     if each.radii is not None:
         values, name, kind = each.radii, "radius r", "length"
     unit, unit_name = names.readable(float(np.abs(values).max()), kind)

@@ -24,6 +24,7 @@ from .outcome import Estimate
 from .parameters import Parameter, find_parameters
 from .result import Fit
 from .statistics.likelihood import (
+    MAX_NUMERICAL_ERROR,
     Likelihood,
     Point,
     best_points,
@@ -40,8 +41,6 @@ if TYPE_CHECKING:
 CONFIDENCE = 0.95
 # tolerances of the model that are tried, until the next one changes the predictions by little
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
-# greatest allowed numerical error of a prediction, over the noise
-MAX_NUMERICAL_ERROR = 0.1
 # standard deviation of a logarithm above which the interval does not follow from the curvature
 MAX_QUADRATIC_DEVIATION = 0.05
 # a function that returns a predictor, given the scene, the parameters, the measurements, the

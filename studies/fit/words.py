@@ -25,7 +25,7 @@ MAX_DEVIATION_OF_MEAN = 0.25
 
 def conclude(fit: Outcome) -> tuple[str, ...]:
     """Return sentences on the estimates, on what the data do not determine, and on the model."""
-    names = UnitNames.of(fit.scene.units)
+    names = fit.scene.unit_names
     groups = (
         _estimates(fit, names),
         _combinations(fit, names),
@@ -187,12 +187,18 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
             yield f"the noise of {column}, estimated from the residuals, is {size}"
     yield f"chi-square is {fit.chi_square:.3g} for {fit.degrees_of_freedom} degrees of freedom"
     probability = combined(fit.tests)
-    if probability >= LEVEL:
+    if not fit.tests:
+        yield (
+            "whether Archard's law with constant wear coefficients holds cannot be tested: there "
+            "are too few values, or they agree with the model to within its numerical error; "
+            "measure more, or give the noise, such as --noise '0.2 um'"
+        )
+    elif probability >= LEVEL:
         yield (
             "the residuals do not contradict Archard's law with constant wear coefficients "
             f"(p = {probability:.2g} by {len(fit.tests)} tests)"
         )
-    elif fit.tests:
+    else:
         worst = min(fit.tests, key=fit.tests.__getitem__)
         yield (
             f"THE MODEL DOES NOT FIT: the test of the residuals '{worst}' has p = "

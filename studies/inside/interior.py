@@ -6,7 +6,9 @@ difference to a solution with one degree and one pole less on the same mesh, tim
 solutions compute their own contact pressures. On quadrilaterals, one more degree reduces the error
 by a factor of three or more, so that the difference is two to six times the error
 (`tests/physics/test_stresses.py`). Points within `NEAR` of an edge of the contact or of a ring are
-left out of the estimate, because stresses are infinite or jump there.
+left out of the estimate, because stresses are infinite or jump there. So are points within `NEAR`
+of a crease of the unworn face, such as the tip of a cone, except in the steady state, in which
+creases are worn off.
 
 If the contact opens, closes and spreads, the triangles are those of the march, with one degree
 more. The coarser solution has a degree and a pole less, and its pressures come from its own march
@@ -39,9 +41,11 @@ if TYPE_CHECKING:
 # Error of stresses, over the mean pressure, that is allowed per relative error `rtol` of the
 # indentation.
 STRESS_ERROR_PER_RTOL = 10
-# Distance from edges of the contact and of rings, in radii of the contact, beyond which the error
-# estimates are valid.
+# Distance from edges of the contact and of rings, and from creases of the unworn face, in radii of
+# the contact, beyond which the error estimates are valid.
 NEAR = 0.2
+# Name of the steady state among the states.
+STEADY_LABEL = "steady"
 # Grid of the far field beyond the mesh: ratio of neighbouring distances from the centre, number of
 # angles; and number of poles. At the smallest distance, 2.5 a, the poles that are left out
 # contribute 1e-10.
@@ -65,9 +69,11 @@ class Interior:
     reach : (states,) radius of the contact; 1 if nothing touches
     parts : for each state, (n, 2) inner and outer radii of the parts of the contact
     errors : for each field, by its name, (states,) estimates of its largest error farther than
-        `NEAR` from edges of contact and rings; displacements are relative to the indentation of a
-        flat punch as wide as the contact, stresses to the mean pressure
+        `NEAR` from edges of contact and rings, and from `creases`; displacements are relative to
+        the indentation of a flat punch as wide as the contact, stresses to the mean pressure
     layers : (n,) index of the layer that each point belongs to, 0 without layers
+    creases : (k,) radii at which the slope of the unworn face jumps, such as 0 for the tip of a
+        cone, and stresses are singular while something presses there
     """
 
     points: Array
@@ -80,6 +86,7 @@ class Interior:
     parts: tuple[Array, ...]
     errors: dict[str, Array]
     layers: Indices
+    creases: Array
 
     @cached_property
     def von_mises(self) -> Array:
@@ -115,7 +122,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     if times is None:
         # a flat start is in closed form, and the last time is near the steady state
         times = [0.0] if steady and full_contact else first_and_last_in_contact(scene)
-    labels = tuple(f"t={time:g}" for time in np.unique(times)) + ("steady",) * steady
+    labels = tuple(f"t={time:g}" for time in np.unique(times)) + (STEADY_LABEL,) * steady
     problem_inside = replace(problem, times=np.unique(times) / problem.units.time, steady=steady)
     # the truncation error of the poles is a share of the energy; that of stresses is its root
     accuracy = 1e-3 * min(STRESS_ERROR_PER_RTOL * problem.rtol, 1e-3) ** 2
@@ -239,11 +246,14 @@ def compare_half_spaces(
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
     parts = list[Array]()
     errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
+    creases = problem.profile.creases
     for state, pressure in enumerate(pressures[0]):
         in_contact = middles @ pressure > 0
         ends = space.breakpoints[np.diff(in_contact, prepend=False, append=False)]
         parts.append(ends.reshape(-1, 2))
         edges = np.union1d(problem.merged.ring_edges, ends)[1:]
+        if labels[state] != STEADY_LABEL:
+            edges = np.union1d(edges, creases)
         reaches[state] = reach = float(ends.max(initial=0.0)) or 1.0
         force = float(space.weights @ pressure) or 1.0
         far = np.hypot(r - edges[:, None], z).min(axis=0) > NEAR * reach
@@ -261,7 +271,7 @@ def compare_half_spaces(
         for estimate, difference in zip(errors.values(), differences, strict=True):
             estimate[state] = factor * np.abs(difference).max() + modelling_error
     layers = np.repeat(solid.layers, len(r) // solid.mesh.nelements)
-    return Interior(*fine, labels, solid.degree, reaches, tuple(parts), errors, layers)
+    return Interior(*fine, labels, solid.degree, reaches, tuple(parts), errors, layers, creases)
 
 
 def add_far_field(

@@ -14,7 +14,7 @@ from ..contact.fitted_press import CompliancesOn
 from ..contact.marched import Marched
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, COMPARED_MODES, DESCRIBED
-from ..problem.regimes import FIXED_INDENTATIONS, MOVING_CONTACT, Regime
+from ..problem.regimes import FIXED_INDENTATIONS, MOVING_CONTACT, Refusal, Regime
 from ..progress import Stages
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
@@ -174,10 +174,10 @@ class SystemSize(NamedTuple):
     pressures: int
 
 
-def flat_punches_only(name: str) -> dict[Regime, str]:
+def flat_punches_only(name: str) -> dict[Regime, Refusal]:
     """Return the refused regimes of a method that solves only flat punches under a force."""
-    reason = f"{name} solves only flat punches under a given force: leave it out of methods"
-    return dict.fromkeys((MOVING_CONTACT, *FIXED_INDENTATIONS), reason)
+    refusal = Refusal(f"{name} solves only flat punches under a given force")
+    return dict.fromkeys((MOVING_CONTACT, *FIXED_INDENTATIONS), refusal)
 
 
 class Method(ABC):
@@ -197,7 +197,7 @@ class Method(ABC):
     name: str
     what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
-    refused: ClassVar[Mapping[Regime, str] | None] = None
+    refused: ClassVar[Mapping[Regime, Refusal] | None] = None
     knows_layers: ClassVar[bool] = False
 
     @abstractmethod
@@ -225,12 +225,20 @@ class Method(ABC):
         """
         return self.solve(problem, stages)
 
+    def beyond(self, problem: Problem) -> Refusal | None:
+        """Return why problems of this kind are beyond the method; None if it can solve them.
+
+        Settings that only have to be changed are no such reason, but `refusal` names them, too.
+        """
+        if problem.ground is not None and not self.knows_layers:
+            return Refusal(f"{self.name} does not solve half_space.layers")
+        refused = flat_punches_only(self.name) if self.refused is None else self.refused
+        return next((refused[regime] for regime in problem.regimes if regime in refused), None)
+
     def refusal(self, problem: Problem) -> str:
         """Return why the method cannot solve the problem, with the remedy; empty if it can."""
-        if problem.ground is not None and not self.knows_layers:
-            return f"{self.name} does not solve half_space.layers: leave it out of methods"
-        reasons = flat_punches_only(self.name) if self.refused is None else self.refused
-        return next((reasons[regime] for regime in problem.regimes if regime in reasons), "")
+        beyond = self.beyond(problem)
+        return "" if beyond is None else str(beyond)
 
     def sizes_given(self, problem: Problem) -> bool:
         """Return whether the scene sets the sizes of the method, which are then not changed."""

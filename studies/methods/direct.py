@@ -10,7 +10,7 @@ from ...meshes.radial import Array, ring_of
 from ..problem.face import Face
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, STEADY
-from ..problem.regimes import FIXED_INDENTATIONS, WEAR_ALONG_RADIUS, Regime
+from ..problem.regimes import FIXED_INDENTATIONS, WEAR_ALONG_RADIUS, Refusal, Regime
 from ..progress import Stages
 from ..sampling.answers import steady_answers
 from ..sampling.norms import Results
@@ -24,16 +24,32 @@ class Direct(Method):
     knows_layers = True
     what = "the steady state by direct integration, in closed form"
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration gives the steady state only"}
-    refused: ClassVar[Mapping[Regime, str]] = {
-        WEAR_ALONG_RADIUS: "direct integration needs pressures that are constant on each ring, and "
-        "with punch.wear_coefficient along the radius they are not: leave direct out of methods, "
-        "or give steps, or many rings",
+    refused: ClassVar[Mapping[Regime, Refusal]] = {
+        WEAR_ALONG_RADIUS: Refusal(
+            "direct integration needs pressures that are constant on each ring, and with "
+            "punch.wear_coefficient along the radius they are not",
+            "leave direct out of methods, or give steps, or many rings",
+        ),
         **dict.fromkeys(
             FIXED_INDENTATIONS,
-            "direct gives the steady state only, and with load.indentation nothing presses in the "
-            "end: leave it out of methods",
+            Refusal(
+                "direct gives the steady state only, and with load.indentation nothing presses in "
+                "the end"
+            ),
         ),
     }
+
+    def beyond(self, problem: Problem) -> Refusal | None:
+        """Return why problems of this kind are beyond the method; None if it can solve them.
+
+        Without a force or without sliding in the end, there is no steady state.
+        """
+        if refusal := super().beyond(problem):
+            return refusal
+        end = problem.loading.final
+        if end.forces.all() and end.speeds.all():
+            return None
+        return Refusal(f"direct gives the steady state only, and {problem.reason_not_steady}")
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the steady state in closed form."""

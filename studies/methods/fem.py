@@ -10,12 +10,12 @@ from ...fem.condensation import solver
 from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, Refusal
 from ..problem.sections import DEGREES
 from ..progress import Stages
 from ..sizes import defaults
 from ..sizes.half_space_mesh import ChosenMesh, half_space_mesh
-from ..sizes.layers import why_layers_are_not_meshed
+from ..sizes.layers import layers_beyond_meshes, why_layers_are_not_meshed
 from ..sizes.ring_edges import compressibility
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
@@ -77,20 +77,24 @@ class Fem(ComplianceMethod):
         "condensed to the contact"
     )
 
-    def refusal(self, problem: Problem) -> str:
-        """Return why the method cannot solve the problem, with the remedy; empty if it can.
+    def beyond(self, problem: Problem) -> Refusal | None:
+        """Return why problems of this kind are beyond the method; None if it can solve them.
 
-        Besides the reasons common to every `ComplianceMethod`, rings narrower than `NARROWEST_RING`
-        cannot be meshed.
+        Rings narrower than `NARROWEST_RING` and some layers cannot be meshed.
         """
-        if reason := _refused_degree(problem) or why_layers_are_not_meshed(problem):
-            return reason
         narrowest = float(problem.merged.widths.min())
         if narrowest < NARROWEST_RING:
-            return (
-                f"rings narrower than {NARROWEST_RING:g} a cannot be meshed: the narrowest is "
-                f"{narrowest:.2g} a; merge it with a neighbour, or leave fem out of methods"
+            return Refusal(
+                f"rings narrower than {NARROWEST_RING:g} a cannot be meshed, and the narrowest has "
+                f"{narrowest:.2g} a",
+                "merge it with a neighbour, or leave fem out of methods",
             )
+        return layers_beyond_meshes(problem) or super().beyond(problem)
+
+    def refusal(self, problem: Problem) -> str:
+        """Return why the method cannot solve the problem, with the remedy; empty if it can."""
+        if reason := _refused_degree(problem) or why_layers_are_not_meshed(problem):
+            return reason
         return super().refusal(problem)
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:

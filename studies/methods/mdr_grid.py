@@ -13,7 +13,13 @@ from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, ring_areas
 from ..problem.problem import Problem
-from ..problem.regimes import FALLING_FORCE, VARYING_FORCE, WEAR_ALONG_RADIUS, Regime
+from ..problem.regimes import (
+    FALLING_FORCE,
+    VARYING_FORCE,
+    WEAR_ALONG_RADIUS,
+    Refusal,
+    Regime,
+)
 from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
@@ -33,27 +39,41 @@ class MdrGrid(Method):
     lacks: ClassVar[dict[str, str]] = {
         "steady state": "the paper's algorithm marches towards it, but never reaches it"
     }
-    refused: ClassVar[Mapping[Regime, str]] = {
-        WEAR_ALONG_RADIUS: "mdr-grid needs wear that is constant on each ring: leave it out of "
-        "methods, or give steps or many rings in place of punch.wear_coefficient along the radius",
+    refused: ClassVar[Mapping[Regime, Refusal]] = {
+        WEAR_ALONG_RADIUS: Refusal(
+            "mdr-grid needs wear that is constant on each ring",
+            "leave it out of methods, or give steps or many rings in place of "
+            "punch.wear_coefficient along the radius",
+        ),
         **dict.fromkeys(
             (VARYING_FORCE, FALLING_FORCE),
-            "mdr-grid needs a constant force and sliding speed: leave it out of methods, or give "
-            "load.normal_force and load.sliding_speed as numbers",
+            Refusal(
+                "mdr-grid needs a constant force and sliding speed",
+                "leave it out of methods, or give load.normal_force and load.sliding_speed as "
+                "numbers",
+            ),
         ),
         **flat_punches_only("mdr-grid"),
     }
 
+    def beyond(self, problem: Problem) -> Refusal | None:
+        """Return why problems of this kind are beyond the method; None if it can solve them.
+
+        It solves full flat discs under a constant force and sliding speed, with wear coefficients
+        that are constant on rings.
+        """
+        if problem.inner_radius:
+            return Refusal(
+                "mdr-grid solves full discs only",
+                "with punch.inner_radius leave it out of methods",
+            )
+        return super().beyond(problem)
+
     def refusal(self, problem: Problem) -> str:
         """Return why the method cannot solve the problem, with the remedy; empty if it can.
 
-        It solves full flat discs under a constant force and sliding speed, with wear coefficients
-        that are constant on rings, at given times, and in a limited number of steps.
+        It needs times, and the number of steps is limited.
         """
-        if problem.inner_radius:
-            return (
-                "mdr-grid solves full discs only: with punch.inner_radius leave it out of methods"
-            )
         if reason := super().refusal(problem):
             return reason
         if not len(problem.times):

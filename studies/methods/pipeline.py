@@ -27,7 +27,7 @@ from ..contact.fitted_press import fit_presses
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..problem.quantities import COMPARED_MODES
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Regime
+from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Refusal, Regime
 from ..progress import Stages
 from ..sampling.answers import merged_answers
 from ..sampling.norms import Results
@@ -60,7 +60,7 @@ class ComplianceMethod(Method):
     """
 
     # No regime is refused as such; `refusal` checks the march and the times.
-    refused: ClassVar[Mapping[Regime, str]] = {}
+    refused: ClassVar[Mapping[Regime, Refusal]] = {}
 
     @abstractmethod
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:

@@ -27,7 +27,6 @@ from ..problem.quantities import (
     error_name,
 )
 from ..problem.regimes import OPERATORS
-from ..problem.unit_names import UnitNames
 from ..problem.written import shown
 from ..progress import Stages
 from ..sampling.field_differences import (
@@ -40,7 +39,7 @@ from ..sampling.sampler import Sampler
 from ..scene.scene import Scene
 from ..versions import versions
 from .answer import ALSO, Answers, answer, answer_errors
-from .scope import left_out, modelled
+from .scope import beyond_the_model, left_out, modelled, outside
 from .table import Table, in_units, tabulate
 
 if TYPE_CHECKING:
@@ -122,19 +121,41 @@ class Outcome:
     @property
     def verdict_in_words(self) -> str:
         """The verdict in a sentence, with quantities left out and the number that agree."""
+        if not self.agreement:
+            return self._verdict_without_comparison
         verdicts = list(self.quantities.values())
         counts = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
         counts += [
             f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
         ]
         scene = self.scene
-        left_out = in_words(self.left_out_of_promise, scene.wear.times, UnitNames.of(scene.units))
+        left_out = in_words(self.left_out_of_promise, scene.wear.times, scene.unit_names)
         sentences = {
             AGREE: f"The methods agree{f' in all but {left_out}' if left_out else ''}",
             UNDECIDED: "Not all is decided",
             DISAGREE: "THE METHODS DISAGREE",
         }
         return f"{sentences[self.verdict]}: {', '.join(counts)}."
+
+    @property
+    def _verdict_without_comparison(self) -> str:
+        """The verdict in a sentence, if no two methods are compared."""
+        if self.verdict == DISAGREE:
+            return "AN ANCHOR DOES NOT HOLD, and no two methods are compared."
+        ours = [name for name in self.coordinates["solver"] if name not in self.of_others]
+        if len(ours) == 1:
+            return "One method alone is undecided: there is nothing to compare it with."
+        return "Nothing is decided: no two methods compute the same quantity."
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before the numbers are used: the model is not valid, or times miss it all.
+
+        These warnings follow from the scene; `notes` are those of the methods.
+        """
+        problem = self.scene.problem
+        slowest = float(self.first("running_in_time")) / problem.units.time
+        return tuple(beyond_the_model(self.scene) + outside(problem, slowest))
 
     @property
     def short_of(self) -> dict[str, float]:
@@ -341,7 +362,7 @@ def summary(result: Outcome) -> dict[str, Any]:
     """Return a summary of the run that can be written as JSON.
 
     It contains the verdict, the answer, cost and error estimates of each method, the agreement, the
-    anchors, the scope of the model and the notes.
+    anchors, the scope of the model, the warnings and the notes.
     """
     scene, rtol = result.scene, result.scene.accuracy.rtol
     methods = {
@@ -384,6 +405,7 @@ def summary(result: Outcome) -> dict[str, Any]:
         ],
         "modelled": modelled(scene, result.methods),
         "left_out": left_out(scene, result.methods) | result.left_out_operators,
+        "warnings": result.warnings,
         "notes": result.notes,
         "versions": versions(),
     }

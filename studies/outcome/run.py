@@ -19,11 +19,10 @@ from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
 from ..problem.regimes import OPERATORS
-from ..problem.unit_names import UnitNames
 from ..progress import Stages
 from ..scene.scene import Scene
 from .outcome import Outcome
-from .scope import methods_of, refuse
+from .scope import chosen_methods, methods_of, refuse
 
 Kind = TypeVar("Kind", bound=Outcome)
 
@@ -42,7 +41,8 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
     ----------
     kind : class of the result, such as `Result`, which can draw itself
     scene : the scene, with numbers in any consistent units
-    methods : names or objects of methods that replace those of the scene
+    methods : names or objects of methods that replace those of the scene; if neither gives any,
+        those of the default methods that can solve the scene
 
     Raises
     ------
@@ -50,7 +50,8 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
         if a method cannot solve the scene, or if a mesh or a linear system fails; the message
         contains a remedy
     """
-    by_name, problem = methods_of(methods or scene.methods), scene.problem
+    by_name = methods_of(methods) if methods else chosen_methods(scene)
+    problem = scene.problem
     refuse(scene, by_name)
     stages = {name: Stages(name) for name in by_name}
     # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
@@ -61,7 +62,7 @@ def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | Non
             for name, entry in by_name.items()
         }
         operators = tuple(compare_operators(problem, by_name, solutions))
-    units = UnitNames.of(scene.units)
+    units = scene.unit_names
     agreement = tuple(
         row
         for a, b in combinations(solutions, 2)

@@ -10,17 +10,59 @@ import numpy as np
 from ...meshes.errors import SceneError
 from ..methods.base import Method, method
 from ..problem.problem import Problem
-from ..problem.unit_names import UnitNames
+from ..problem.sections import LEAST_TRUNCATION
 from ..scene.scene import Scene
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
 Methods = Mapping[str, Method]
+# mean pressure over the plane strain modulus above which strains are not small
+MOST_STRAIN = 0.01
 
 
 def methods_of(entries: Sequence[str | Method]) -> Methods:
     """Return methods by their names, from a sequence of names or method objects."""
     methods = [method(entry) if isinstance(entry, str) else entry for entry in entries]
     return {entry.name: entry for entry in methods}
+
+
+def chosen_methods(scene: Scene) -> Methods:
+    """Return the methods that solve a scene, by their names.
+
+    They are those that the scene names. If it names none, they are those of the default methods
+    that can solve it and compute something that it asks for; all of them if none can, so that
+    `refuse` gives the reasons.
+    """
+    methods, unsuitable = methods_of(scene.methods), unsuitable_methods(scene)
+    return {name: entry for name, entry in methods.items() if name not in unsuitable} or methods
+
+
+def omitted_methods(scene: Scene, methods: Methods) -> dict[str, str]:
+    """Return the default methods that are left out of those that solve a scene, with reasons.
+
+    None are left out if the user has chosen the methods.
+    """
+    unsuitable = unsuitable_methods(scene)
+    return unsuitable if methods.keys() == set(scene.methods) - unsuitable.keys() else {}
+
+
+def unsuitable_methods(scene: Scene) -> dict[str, str]:
+    """Return the default methods that a scene without `methods` cannot use, with reasons."""
+    if scene.names_methods:
+        return {}
+    reasons = {
+        name: _why_omitted(entry, scene.problem)
+        for name, entry in methods_of(scene.methods).items()
+    }
+    return {name: reason for name, reason in reasons.items() if reason}
+
+
+def _why_omitted(entry: Method, problem: Problem) -> str:
+    """Return why a default method is of no use for a problem; empty if it is."""
+    if (beyond := entry.beyond(problem)) is not None:
+        return beyond.reason
+    wanted = {"history": len(problem.times) > 0, "steady state": problem.steady}
+    lacking = [entry.lacks[item] for item, asked in wanted.items() if asked and item in entry.lacks]
+    return lacking[0] if lacking and len(lacking) == sum(wanted.values()) else ""
 
 
 def modelled(scene: Scene, methods: Methods) -> list[str]:
@@ -64,7 +106,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     """Return what is not computed, with the reason of each item."""
     problem = scene.problem
     reasons = {
-        "friction and temperature": "not part of the model: the punch is rigid and frictionless",
+        "friction and temperature": "not part of the model: the contact is frictionless",
         **problem.contact.left_out,
         **problem.load_regime.left_out,
     }
@@ -85,6 +127,14 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     elif not problem.steady:
         reasons["steady state"] = (
             selection if scene.wear.steady else "the scene says steady = false"
+        )
+    reasons |= omitted_methods(scene, methods)
+    if "fem" in methods and len(creases := problem.profile.creases):
+        radii = creases * problem.units.length
+        written = ", ".join(scene.unit_names.write(radius, "length", 3) for radius in radii)
+        reasons[f"errors of stresses near r = {written}"] = (
+            "stresses are singular where the slope of the unworn face jumps, as at the tip of a "
+            "cone; their error estimates leave it out"
         )
     for name, entry in methods.items():
         lacks = {
@@ -113,9 +163,17 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
             "changes, which need a history: give wear.times, and ask for a quantity over time"
         )
     if problem.ground is not None and scene.output.depth is not None:
+        # triangles under contact that moves have a mesh of their own size
+        remedy = "leave it out: half_space.vtu has all of the mesh"
+        if problem.full_contact:
+            radius = max(scene.output.depth / problem.units.length, LEAST_TRUNCATION)
+            remedy = (
+                f"give accuracy.fem.truncation = {radius:.3g} in place of it, the radius of the "
+                "mesh in punch radii: half_space.vtu has all of the mesh"
+            )
         refused.append(
-            "output.depth adds the far field of a half-space without layers: do not combine it "
-            "with half_space.layers"
+            f"output.depth adds the far field of a half-space without layers: with "
+            f"half_space.layers {remedy}"
         )
     return [reason for reason in refused if reason]
 
@@ -132,6 +190,19 @@ def refuse(scene: Scene, methods: Methods) -> None:
         raise SceneError("; ".join(dict.fromkeys(reasons)))
 
 
+def beyond_the_model(scene: Scene) -> list[str]:
+    """Return a warning if the strains of a scene with units are not small."""
+    problem, units = scene.problem, scene.problem.units
+    strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
+    if scene.unit_names.base is None or strain <= MOST_STRAIN:
+        return []
+    return [
+        f"the mean pressure is {strain:.2g} of the plane strain modulus, more than "
+        f"{MOST_STRAIN:g}: strains are not small, and linear elasticity, which all methods assume, "
+        "is not valid"
+    ]
+
+
 def time_scale(scene: Scene) -> list[str]:
     """Return how long the running-in will take, and a note if the times do not show it."""
     problem = scene.problem
@@ -142,7 +213,7 @@ def time_scale(scene: Scene) -> list[str]:
         return [f"running-in: its duration is not estimated for more than {MOST_RINGS} rings"]
 
     def written(time: float) -> str:
-        return UnitNames.of(scene.units).write(time * problem.units.time, "time", 3)
+        return scene.unit_names.write(time * problem.units.time, "time", 3)
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     # the spreading of contact has another time scale
@@ -150,20 +221,20 @@ def time_scale(scene: Scene) -> list[str]:
     if not problem.full_contact and until is not None:
         start, end = map(written, spreading_times(problem))
         lines.append(f"contact spreads from about {start}{until.format(end=end)}")
-    return lines + outside(problem, slowest)
+    return lines + [f"note: {line}" for line in outside(problem, slowest)]
 
 
 def outside(problem: Problem, slowest: float) -> list[str]:
-    """Return a note if the times of a flat punch do not show its running-in; else an empty list.
+    """Return a warning if the times of a flat punch do not show its running-in.
 
     `slowest` is the slowest relaxation time, non-dimensional, or NaN if it is unknown; then there
-    is no note.
+    is no warning.
     """
     remedy = 'times = "running-in" covers all of it'
     if not (problem.full_contact and problem.earliest):
         return []
     if problem.distances[-1] < 0.01 * slowest:
-        return [f"note: all times are before the running-in, of which they show little: {remedy}"]
+        return [f"all times are before the running-in, of which they show little: {remedy}"]
     if problem.earliest > 5 * slowest:
-        return [f"note: all times are after the running-in, of which they show nothing: {remedy}"]
+        return [f"all times are after the running-in, of which they show nothing: {remedy}"]
     return []

@@ -21,7 +21,7 @@ from ..problem.quantities import (
     Quantity,
     error_name,
 )
-from ..problem.unit_names import NO_UNIT, UnitNames
+from ..problem.unit_names import NO_UNIT
 from ..sampling.norms import Results, common
 from ..scene.scene import Scene
 from ..versions import versions
@@ -48,7 +48,7 @@ def tabulate(
 ) -> Table:
     """Return all results and answers of methods; NaN if a method does not compute a quantity."""
     problem, reported = scene.problem, []
-    units, names = problem.units, UnitNames.of(scene.units)
+    units, names = problem.units, scene.unit_names
     for name, solution in solutions.items():
         results, march = solution.results, solution.march
         if scene.output.every_step and march is not None:
@@ -106,10 +106,11 @@ def tabulate(
         "k of df/dt = k p v0 on the ring, its harmonic mean by area", "wear_coefficient"
     )
     times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
+    about_times = describe("sliding distance" if names.distances else "time of sliding", "time")
     coordinates: Labelled = {
         "solver": (("solver",), np.array(list(solutions)), {}),
         "state": (("state",), np.array(STATES), {}),
-        "time": (("time",), times, describe("time of sliding", "time")),
+        "time": (("time",), times, about_times),
         "radius": (("radius",), np.asarray(radius), describe("distance from the axis", "length")),
         "ring_inner_radius": (("ring",), inner, describe("inner edge of the ring", "length")),
         "ring_outer_radius": (("ring",), outer, describe("outer edge of the ring", "length")),

@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..methods.base import method
 from ..methods.spaces import radial_space
+from ..outcome.scope import chosen_methods
 from ..scene.scene import Scene
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.defaults import mdr_sizes
@@ -31,8 +31,9 @@ def predict_memory(scene: Scene) -> float:
         space = graded_to_worn_layers(problem, cells_of(problem)).space()
     else:
         space = radial_space(problem, **mdr_sizes(problem))
-    numbers = sum(method(name).numbers_in_memory(problem, space.size) for name in scene.methods)
-    numbers += 6.0 * len(problem.times) * len(problem.radii) * len(scene.methods)
+    methods = chosen_methods(scene)
+    numbers = sum(entry.numbers_in_memory(problem, space.size) for entry in methods.values())
+    numbers += 6.0 * len(problem.times) * len(problem.radii) * len(methods)
     return LIBRARIES + float(8 * numbers / GIB)
 
 

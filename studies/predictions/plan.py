@@ -20,7 +20,7 @@ from ..crosscheck.accuracy import FINER, error_of_sizes
 from ..crosscheck.promise import allowed_error
 from ..methods.base import Method, Solution, SystemSize
 from ..methods.spaces import pressure_spaces
-from ..outcome.scope import methods_of, refusals
+from ..outcome.scope import chosen_methods, refusals
 from ..problem.problem import Problem
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..progress import Stages
@@ -205,7 +205,7 @@ def plan(source: Source) -> list[str]:
         Lines of text: sizes, seconds of one processor, GiB, refusals and notes.
     """
     scene = Scene.of(source)
-    methods = methods_of(scene.methods)
+    methods = chosen_methods(scene)
     if reasons := refusals(scene, methods):
         return [f"refused: {reason}" for reason in reasons]
     problem, probe = scene.problem, coarsen(scene).problem

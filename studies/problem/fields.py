@@ -52,7 +52,7 @@ class Unit:
     `values`. `kind` is a key of `SI` in `unit_names.py`.
     """
 
-    kind: Literal["length", "force", "pressure", "time", "wear_rate", "wear_coefficient"]
+    kind: Literal["length", "force", "pressure", "time", "speed", "wear_rate", "wear_coefficient"]
 
 
 def optional(description: str, **limits: Any) -> Any:

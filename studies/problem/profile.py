@@ -9,6 +9,7 @@ reported. Steps, tolerances and norms therefore do not depend on it.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -29,6 +30,9 @@ SMOOTH_RATIO = 0.1
 # greatest number of halvings of a window, and its width after them, over the first width, below
 # which it contains a kink
 MOST_HALVINGS, KINK_WIDTH = 40, 1e-3
+# distance from a radius at which slopes on both sides of it are computed, and the least jump of the
+# slope, over the range of heights per punch radius, that counts as a crease
+CREASE_STEP, LEAST_CREASE = 1e-5, 1e-2
 # residuals of whole and of halved windows, over the range of heights in the ring, that are roundoff
 ROUNDOFF_OF_WINDOWS, ROUNDOFF_OF_SMALL_WINDOWS = 1e-9, 1e-14
 
@@ -75,6 +79,33 @@ class InitialProfile:
         high = np.minimum(radii + step, self.ring_edges[ring + 1])
         rise = self.in_ring(high, ring) - self.in_ring(low, ring)
         return np.divide(rise, high - low, out=np.zeros_like(rise), where=high > low)
+
+    @cached_property
+    def creases(self) -> Array:
+        """(K,) radii at which the slope of the face jumps, apart from ring edges.
+
+        The axis is one of them if the face has a tip there, as a cone has. While the face is
+        unworn, pressures and stresses are infinite at a crease in contact.
+        """
+        if not self.heights:
+            return np.empty(0)
+        inner, rim, reach = self.ring_edges[0], self.ring_edges[-1], 4 * CREASE_STEP
+        kinks = np.array(self.kinks)
+        kinks = kinks[(kinks > inner + reach) & (kinks < rim - reach)]
+        outer_slopes, inner_slopes = (self._slopes_beside(kinks, side) for side in (1, -1))
+        jumps = outer_slopes - inner_slopes
+        if not inner:
+            # the face is symmetric about the axis
+            kinks = np.append(0.0, kinks)
+            jumps = np.append(2 * self._slopes_beside(np.zeros(1), 1), jumps)
+        least = LEAST_CREASE * float(np.ptp(self.sampled()[1]))
+        return np.asarray(kinks[np.abs(jumps) > least])
+
+    def _slopes_beside(self, radii: Array, side: int) -> Array:
+        """Return the slopes at radii, extrapolated from the side outside (1) or inside (-1)."""
+        ring, step = ring_of(self.ring_edges, radii), side * CREASE_STEP
+        near, middle, far = (self.in_ring(radii + count * step, ring) for count in (1, 2, 4))
+        return np.asarray((2 * (middle - near) - (far - middle) / 2) / step)
 
     @property
     def flat(self) -> bool:

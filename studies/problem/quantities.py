@@ -199,7 +199,7 @@ QUANTITIES = {
         (), "slope", "root mean square slope of the limiting profile (Eq. 18)"
     ),
     "steady_wear_rate": Quantity(
-        (), "wear_rate", "height lost per unit time, the same on every ring (Eq. 23)"
+        (), "wear_rate", "rate at which height is lost, the same on every ring (Eq. 23)"
     ),
 }
 
@@ -228,14 +228,19 @@ ANSWER = {
     "running_in_time": Quantity(
         (),
         "time",
-        "slowest relaxation time, in which the rest of the running-in falls to 1/e",
+        "slowest relaxation time of the full face: once all of it is in contact, the rest of the "
+        "running-in falls to 1/e in this time",
     ),
     "time_to_90": Quantity(
         (),
         "time",
         "time at which 90 % of the running-in is complete, by d(t) minus steady wear",
     ),
-    "time_to_99": Quantity((), "time", "the same for 99 %: the running-in is over"),
+    "time_to_99": Quantity(
+        (),
+        "time",
+        "time at which 99 % of the running-in is complete, by d(t) minus steady wear",
+    ),
     "pressure_min": Quantity(
         ("state", "ring"), "pressure", "least contact pressure on each ring", "each"
     ),
@@ -255,10 +260,17 @@ ANSWER = {
         (), "force", "normal force at the start, if the indentation is given", always=False
     ),
     "force_end": Quantity(
-        (), "force", "the same at the last of the times", "first force", always=False
+        (),
+        "force",
+        "normal force at the last of the times, if the indentation is given",
+        "first force",
+        always=False,
     ),
     "time_to_half_force": Quantity(
-        (), "time", "time at which that force has fallen to half of its first value", always=False
+        (),
+        "time",
+        "time at which the normal force has fallen to half of that at the start",
+        always=False,
     ),
     "contact_radius_start": Quantity(
         (), "length", "outermost radius of contact at the start", always=False

@@ -8,6 +8,7 @@ cannot solve is a table from regimes to reasons (`Method.refused`).
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from .quantities import ENERGIES, MOVING_CONTACT_QUANTITIES
 
@@ -147,6 +148,26 @@ class WearRegime:
 
 
 Regime = ContactRegime | LoadRegime | WearRegime
+
+
+class Refusal(NamedTuple):
+    """Why a method cannot solve a kind of problem, and what to write instead.
+
+    Parameters
+    ----------
+    reason : str
+        The reason, a clause.
+    remedy : str
+        What to write in the scene instead.
+    """
+
+    reason: str
+    remedy: str = "leave it out of methods"
+
+    def __str__(self) -> str:
+        """Return the reason and the remedy in one line."""
+        return f"{self.reason}: {self.remedy}"
+
 
 TIMES_OF_RUNNING_IN = frozenset({"time_to_90", "time_to_99", "time_to_half_force"})
 

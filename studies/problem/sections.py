@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from ...meshes.errors import SceneError
 from ...meshes.ground.ground import Ground
@@ -40,6 +40,8 @@ LAYERED = 4
 RUNNING_IN = [0.0, 0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0]
 
 
+# least radius of the mesh of the half-space, in punch radii
+LEAST_TRUNCATION = 2.0
 # least thickness of the first layer in punch radii; the energy matrix of a thinner one takes more
 # than a minute
 THINNEST_LAYER = 0.005
@@ -204,6 +206,21 @@ Varying = Annotated[
 ]
 
 
+def check_direction(speed: object) -> object:
+    """Refuse a sliding speed that is negative: a number, or one of the values of a table."""
+    values = [speed]
+    if isinstance(speed, dict) and isinstance(speed.get("values"), list):
+        values = speed["values"]
+    for value in values:
+        if isinstance(value, int | float) and value < 0:
+            raise ValueError(
+                f"{value:g} is negative, but wear does not depend on the direction of sliding: "
+                "give its absolute value"
+                + (", and a time of speed 0 where the direction changes" if len(values) > 1 else "")
+            )
+    return speed
+
+
 class LoadSection(Section):
     """The table `load` of the scene: force, mean pressure or indentation, and sliding speed."""
 
@@ -218,15 +235,21 @@ class LoadSection(Section):
     indentation: Annotated[Positive, Unit("length")] | None = optional(
         "the fixed indentation d of the unworn face plane; the force then decays during wear"
     )
-    sliding_speed: Annotated[Varying, Unit("wear_rate")] = Field(
+    sliding_speed: Annotated[Varying, BeforeValidator(check_direction), Unit("speed")] = Field(
         default=1.0,
-        description="the sliding speed, positive, or { times = [...], values = [...] }",
+        description="the sliding speed, positive, or { times = [...], values = [...] }; without "
+        "it, times are sliding distances",
     )
 
     @model_validator(mode="after")
     def _check_load(self) -> Self:
         self.check_one_of("normal_force", "mean_pressure", "indentation")
         return self
+
+    @property
+    def times_are_distances(self) -> bool:
+        """Whether times are sliding distances, because no sliding speed is given."""
+        return "sliding_speed" not in self.model_fields_set
 
     @property
     def load_over_time(self) -> OverTime:
@@ -324,7 +347,9 @@ class FemAccuracy(Sizes):
     )
     far_field: Literal["boussinesq", "fixed"] = "boussinesq"
     poles: int | None = optional("Boussinesq poles tied to the outer boundary, 1 to 8", ge=1, le=8)
-    truncation: float | None = optional("radius of the half-space in a, 2 to 1e6", ge=2, le=1e6)
+    truncation: float | None = optional(
+        "radius of the half-space in a, 2 to 1e6", ge=LEAST_TRUNCATION, le=1e6
+    )
     degree: int | None = optional("1 to 4 on triangles, 1 to 16 on quadrilaterals", ge=1, le=16)
     growth: float | None = optional("growth of the size with distance, 0.05 to 2", ge=0.05, le=2)
 

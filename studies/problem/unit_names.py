@@ -6,11 +6,14 @@ statement, its numbers have no units. Any number may also be written with a unit
 converted to the units of the scene, by default to SI. The package pint does the conversion and is
 loaded only when it is needed. The unit of each key is declared with its type (`Unit`), in the
 models of the scene's tables.
+
+If a scene gives no sliding speed, its times are sliding distances: they have units of length, and
+wear rates are heights per length.
 """
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple, get_args
@@ -48,12 +51,25 @@ SI: dict[str, dict[str, float]] = {
         "mm/s": 1e-3,
         "m/s": 1.0,
     },
+    "speed": {"µm/s": 1e-6, "mm/s": 1e-3, "m/s": 1.0},
+    "distance": {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0, "km": 1e3},
+    "wear_per_distance": {
+        "nm/km": 1e-12,
+        "µm/km": 1e-9,
+        "mm/km": 1e-6,
+        "mm/m": 1e-3,
+        "m/m": 1.0,
+    },
     "volume": {"µm³": 1e-18, "mm³": 1e-9, "cm³": 1e-6, "m³": 1.0},
     "wear_coefficient": {"mm³/(N m)": 1e-9},
     "mass": {"µg": 1e-9, "mg": 1e-6, "g": 1e-3, "kg": 1.0},
     "density": {"kg/m³": 1.0, "g/cm³": 1e3},
 }
 SI["displacement"] = SI["length"]
+# kinds of quantities instead of others, if the times of a scene are sliding distances
+OF_DISTANCES = {"time": "distance", "wear_rate": "wear_per_distance"}
+# ratio of two numbers above which they are not written in the unit of the smaller one
+FAR_APART = 1e4
 BASE = ("m", "N", "Pa", "s")
 # names of units for the number 1
 SINGULAR = {"days": "day", "years": "year"}
@@ -130,13 +146,16 @@ class UnitNames:
     ----------
     base : tuple of str, optional
         Names of the units of length, force, pressure and time; None for numbers without units.
+    distances : bool
+        Whether times are sliding distances, because the scene gives no sliding speed.
     """
 
     base: tuple[str, ...] | None = None
+    distances: bool = False
 
     @classmethod
     @lru_cache(maxsize=64)
-    def of(cls, stated: str) -> "UnitNames":
+    def of(cls, stated: str, distances: bool = False) -> "UnitNames":
         """Return the units that the `units` of a scene state.
 
         Raises
@@ -145,17 +164,17 @@ class UnitNames:
             if they are not units, or not consistent
         """
         if stated.strip() in ("", NO_UNIT):
-            return cls()
+            return cls(distances=distances)
         parts = tuple(part.strip() for part in stated.split(","))
         if parts == BASE or re.match(r"SI\b", stated.strip()):
-            return cls(BASE)
+            return cls(BASE, distances)
         if len(parts) != len(BASE):
             raise SceneError(
                 f"units = {stated!r}: give 'SI', or units of length, force, pressure and time that "
                 "are consistent, such as 'mm, N, MPa, s', or leave it out for numbers without units"
             )
-        names = cls(parts)
-        length, force, pressure, _ = map(names.size, ("length", "force", "pressure", "time"))
+        names = cls(parts, distances)
+        length, force, pressure, _ = map(cls(parts).size, ("length", "force", "pressure", "time"))
         ratio = force / length**2 / pressure
         if abs(ratio - 1) > 1e-9:
             raise SceneError(
@@ -174,6 +193,7 @@ class UnitNames:
         """
         if self.base in (None, BASE):
             return 1.0
+        kind = self._meant(kind)
         if (size := _size_in_si(self.name(kind), kind)) is None:
             unit = self.name(kind)
             raise SceneError(
@@ -189,9 +209,41 @@ class UnitNames:
             return NO_UNIT
         length, force, pressure, time = self.base
         names = {"length": length, "displacement": length, "force": force, "pressure": pressure}
-        names |= {"time": time, "wear_rate": f"{length}/{time}", "volume": f"{length}^3"}
-        names |= {"mass": f"{force}*{time}^2/{length}", "wear_coefficient": f"1/{pressure}"}
-        return (names | {"density": f"{names['mass']}/{length}^3"})[kind]
+        names |= {"time": time, "volume": f"{length}^3", "wear_coefficient": f"1/{pressure}"}
+        names |= dict.fromkeys(("wear_rate", "speed"), f"{length}/{time}")
+        names |= {"distance": length, "wear_per_distance": f"{length}/{length}"}
+        names |= {"mass": f"{force}*{time}^2/{length}"}
+        return (names | {"density": f"{names['mass']}/{length}^3"})[self._meant(kind)]
+
+    def _meant(self, kind: str) -> str:
+        """Return the kind of a quantity: that of a distance for a time that is a distance."""
+        return OF_DISTANCES.get(kind, kind) if self.distances else kind
+
+    def readings(self, kind: str) -> dict[str, "UnitNames"]:
+        """Return the kinds of units in which a quantity can be given, with the units of a scene.
+
+        A sliding distance can also be given as a time, at the sliding speed 1.
+        """
+        if self._meant(kind) == kind:
+            return {kind: self}
+        return {self._meant(kind): self, kind: UnitNames(self.base)}
+
+    def size_of(self, unit: str, kind: str, place: str) -> float:
+        """Return the size of a unit in the scene's unit of a kind of quantity.
+
+        Raises
+        ------
+        SceneError
+            if it is not a unit of that kind; the message names `place`, where the unit was found
+        """
+        for given_kind, names in self.readings(kind).items():
+            if (size := _size_in_si(unit, given_kind)) is not None:
+                return size / names.size(given_kind)
+        kind = self._meant(kind)
+        raise SceneError(
+            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: "
+            f"{nearest_unit(unit, kind)}give one such as {', '.join(list(SI[kind])[-3:])}"
+        )
 
     def readable(self, size: float, kind: str) -> tuple[float, str]:
         """Return a readable unit for numbers of this size: its size in the scene's unit, its name.
@@ -199,6 +251,7 @@ class UnitNames:
         If the scene is in SI units, the unit may have a prefix. Other units are kept, except some
         of time and wear rate.
         """
+        kind = self._meant(kind)
         choices = self._choices(kind)
         if not choices or not np.isfinite(size) or size == 0:
             name = self.name(kind)
@@ -224,12 +277,46 @@ class UnitNames:
         if kind == "wear_rate" and time == "s":
             metres = self.size("length")
             return {f"{length}/h": metres / 3600, f"{length}/s": metres}
+        if kind == "distance":
+            metres = self.size("length")
+            longer = {name: size for name, size in SI["distance"].items() if size > metres}
+            return {length: metres} | longer
+        if kind == "wear_per_distance":
+            metres = self.size("length")
+            per = {"km": metres / 1e3, "m": metres, length: 1.0}
+            return {f"{length}/{name}": size for name, size in per.items()}
         return {}
+
+    def readable_together(self, sizes: Iterable[float], kind: str) -> tuple[float, str]:
+        """Return one readable unit for several numbers: its size in the scene's unit, its name.
+
+        It is that of the smallest of them, or that of their mean magnitude if they are far apart.
+        """
+        magnitudes = np.abs([size for size in sizes if size and np.isfinite(size)])
+        if not len(magnitudes):
+            return self.readable(0.0, kind)
+        unit, name = self.readable(float(magnitudes.min()), kind)
+        if magnitudes.max() <= FAR_APART * unit:
+            return unit, name
+        mean_magnitude = float(np.sqrt(magnitudes.min()) * np.sqrt(magnitudes.max()))
+        return self.readable(mean_magnitude, kind)
+
+    def write_together(self, values: Sequence[float], kind: str, digits: int = 4) -> list[str]:
+        """Return values of one kind as texts, all in one readable unit."""
+        if len(values) == 1:
+            return [self.write(values[0], kind, digits)]
+        unit, name = self.readable_together(values, kind)
+        numbers = [float(f"{value / unit:.{digits}g}") for value in values]
+        return [
+            f"{number:g} {SINGULAR.get(name, name) if number == 1 else name}".rstrip()
+            for number in numbers
+        ]
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with a readable unit, as text."""
         if not np.isfinite(value):
             return "infinite" if np.isinf(value) else "not computed"
+        kind = self._meant(kind)
         unit, name = self.readable(value, kind)
         # round before formatting: 190 instead of 1.9e+02
         number = float(f"{value / unit:.{digits}g}")
@@ -272,7 +359,9 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
         that its key needs
     """
     stated, converted_keys = table.get("units", "SI"), list[str]()
-    names = UnitNames.of(stated) if isinstance(stated, str) else UnitNames()
+    load = table.get("load")
+    distances = isinstance(load, Mapping) and "sliding_speed" not in load
+    names = UnitNames.of(stated, distances) if isinstance(stated, str) else UnitNames()
 
     def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
         keys = keys_in(declared)
@@ -325,16 +414,24 @@ def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
     if "," in number:
         point = number.replace(",", ".")
         raise SceneError(f"{key} = {quantity!r}: give '{point} {unit}', with a decimal point")
-    try:
-        value = _registry().Quantity(quantity).to(UnitNames(BASE).name(kind)).magnitude
-    # text that is no expression fails in many ways
-    except Exception:
+    for given_kind, given_names in names.readings(kind).items():
+        if (value := _in_si(quantity, given_kind)) is not None:
+            return value / given_names.size(given_kind)
+    if kind == "speed" and _in_si(quantity, "frequency") is not None:
         raise SceneError(
-            f"{key} = {quantity!r} is no {kind.replace('_', ' ')}: {nearest_unit(unit, kind)}give "
-            f"a number with a unit of {kind.replace('_', ' ')}, such as "
-            f"{', '.join(list(SI[kind])[-3:])}, or a number alone"
-        ) from None
-    return float(value) / names.size(kind)
+            f"{key} = {quantity!r} is a rotation, not a speed: give omega times radius, such as "
+            "'0.1 m/s', with omega = 2 pi times the revolutions per second, and the distance of "
+            "the punch from the axis of rotation as radius"
+        )
+    meant = next(iter(names.readings(kind)))
+    why = ""
+    if meant != kind:
+        why = "; without load.sliding_speed, times are sliding distances"
+    raise SceneError(
+        f"{key} = {quantity!r} is no {meant.replace('_', ' ')}: {nearest_unit(unit, meant)}give "
+        f"a number with a unit of {meant.replace('_', ' ')}, such as "
+        f"{', '.join(list(SI[meant])[-3:])}, or a number alone{why}"
+    )
 
 
 def _split(quantity: str) -> tuple[str, str]:
@@ -360,30 +457,27 @@ def _digits(number: float) -> int:
     return len(f"{number:.15g}".replace(".", "").strip("0"))
 
 
-def size_of_unit(unit: str, kind: str, place: str) -> float:
-    """Return the size of a unit in the SI unit of a kind.
-
-    Raises
-    ------
-    SceneError
-        if it is not a unit of that kind; the message names `place`, where the unit was found
-    """
-    if (size := _size_in_si(unit, kind)) is None:
-        raise SceneError(
-            f"{place}: {unit!r} is no unit of {kind.replace('_', ' ')}: "
-            f"{nearest_unit(unit, kind)}give one such as {', '.join(list(SI[kind])[-3:])}"
-        )
-    return size
-
-
 @lru_cache(maxsize=64)
 def _size_in_si(unit: str, kind: str) -> float | None:
     """Return the size of a unit in the SI unit of a kind; None if it is not one of that kind."""
     try:
-        return float(_registry().Quantity(1.0, unit).to(UnitNames(BASE).name(kind)).magnitude)
+        return float(_registry().Quantity(1.0, unit).to(_name_in_si(kind)).magnitude)
     # text that is no unit fails in many ways
     except Exception:
         return None
+
+
+def _in_si(quantity: str, kind: str) -> float | None:
+    """Return the value of a text in the SI unit of a kind; None if it is not of that kind."""
+    try:
+        return float(_registry().Quantity(quantity).to(_name_in_si(kind)).magnitude)
+    # text that is no expression fails in many ways
+    except Exception:
+        return None
+
+
+def _name_in_si(kind: str) -> str:
+    return "1/s" if kind == "frequency" else UnitNames(BASE).name(kind)
 
 
 @lru_cache(maxsize=1)

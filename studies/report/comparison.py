@@ -6,7 +6,6 @@ import pandas as pd
 from ...meshes.errors import SceneError
 from ..outcome.outcome import Outcome
 from ..problem.quantities import ANSWER, QUANTITIES, error_name
-from ..problem.unit_names import UnitNames
 from ..sampling.field_differences import (
     IN_STEADY_STATE,
     OVER_TIME,
@@ -21,7 +20,7 @@ ROUNDOFF = 1e-12
 
 def refuse_other_units(a: Scene, b: Scene) -> None:
     """Raise a SceneError if the units of two scenes differ."""
-    if UnitNames.of(a.units) != UnitNames.of(b.units):
+    if a.unit_names.base != b.unit_names.base:
         raise SceneError(
             f"units = {a.units!r} and {b.units!r} differ: compare scenes in the same units"
         )
@@ -40,7 +39,7 @@ def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
     Further columns are `known`, the sum of both relative error estimates, `change`, the relative
     difference as a number, and `differs`, whether `change` is larger than `known`.
     """
-    names, rows = UnitNames.of(a.scene.units), []
+    names, rows = a.scene.unit_names, []
     for name, quantity in (ANSWER | QUANTITIES).items():
         if quantity.dims:
             continue

@@ -23,8 +23,11 @@ def print_answers(answers: Sequence[tuple[str, str, str]]) -> None:
             print(number, broken(meaning, " " * 6, " " * 6), sep="\n")
 
 
-def print_account(account: Account, verbose: bool) -> None:
-    """Print the answer, the verdict and the remarks; if `verbose`, the whole account of a run."""
+def print_account(account: Account, verbose: bool, page: bool = True) -> None:
+    """Print the answer, the verdict and the remarks; if `verbose`, the whole account of a run.
+
+    `page` is whether the page `report.html` is written, too.
+    """
     print_lines(["", account.title, *account.defaults, ""])
     if account.answers:
         print_answers(account.answers[:6])
@@ -34,7 +37,8 @@ def print_account(account: Account, verbose: bool) -> None:
     print_lines(["", account.verdict_line])
     if not verbose:
         print_lines(account.remarks)
-        print(f"Method: {account.answered_by}. More: --verbose, report.html, summary.json")
+        files = ("report.html", "summary.json") if page else ("summary.json",)
+        print(f"Method: {account.answered_by}. More: {', '.join(('--verbose', *files))}")
         return
     print(f"\nAll answers, by {account.answered_by}")
     print_answers(account.answers)

@@ -9,9 +9,8 @@ from ...meshes.radial import Array
 from ..crosscheck.agreement import DISAGREE, by_quantity
 from ..crosscheck.promise import allowed_error
 from ..outcome.outcome import Outcome
-from ..outcome.scope import left_out, modelled, outside
+from ..outcome.scope import Methods, left_out, modelled, omitted_methods
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
-from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
 
 Rows = list[dict[str, str]]
@@ -25,12 +24,12 @@ class Account:
 
     def __init__(self, result: Outcome) -> None:
         self.result, self.scene = result, result.scene
-        self.names = UnitNames.of(self.scene.units)
+        self.names = self.scene.unit_names
         self.title = self.scene.title or "Untitled scene"
         self.modelled = modelled(self.scene, result.methods)
         self.left_out = left_out(self.scene, result.methods)
-        self.defaults = defaults_taken(self.scene)
-        self.verdict = result.verdict if result.agreement else "one method"
+        self.defaults = defaults_taken(self.scene, result.methods)
+        self.verdict = result.verdict
         self.worst = list(by_quantity(result.agreement).values())
         timed = (name for name, solution in result.solutions.items() if solution.wear is not None)
         self.answered_by = next(timed, next(iter(result.methods)))
@@ -44,22 +43,34 @@ class Account:
             *("time_to_90", "time_to_99", "indentation_start", "indentation_steady"),
             *("steady_wear_rate", "steady_rms_slope", "running_in_time"),
         )
+        quantities = ANSWER | QUANTITIES
+        values = {key: float(self.result.first(key)) for key in keys}
+        values = {key: value for key, value in values.items() if np.isfinite(value)}
+        written = dict[str, str]()
+        # all numbers of a kind have the same unit, so that they can be compared at a glance
+        for kind in {quantities[key].unit for key in values}:
+            of_kind = {key: value for key, value in values.items() if quantities[key].unit == kind}
+            texts = self.names.write_together(list(of_kind.values()), kind)
+            written |= dict(zip(of_kind, texts, strict=True))
         lines = []
-        for key in keys:
-            value, quantity = float(self.result.first(key)), (ANSWER | QUANTITIES)[key]
-            if np.isfinite(value):
-                name = key.replace("_", " ").replace("rms", "RMS")
-                written, meaning = self.names.write(value, quantity.unit), quantity.definition
-                if key == "indentation_start" and self.scene.half_space.layers:
-                    # leave out F / (2 a E*), which is valid on a homogeneous half-space only
-                    meaning = meaning.partition(";")[0]
-                lines.append((name, written, meaning))
+        for key in values:
+            name = key.replace("_", " ").replace("rms", "RMS")
+            meaning = quantities[key].definition
+            if key == "indentation_start" and self.scene.half_space.layers:
+                # leave out F / (2 a E*), which is valid on a homogeneous half-space only
+                meaning = meaning.partition(";")[0]
+            lines.append((name, written[key], meaning))
         return lines
 
     @property
+    def warnings(self) -> list[str]:
+        """The warnings of the result, each in a line."""
+        return [f"warning: {warning}" for warning in self.result.warnings]
+
+    @property
     def brief(self) -> list[str]:
-        """The title, up to six lines of the answer, and the verdict in a sentence."""
-        return [self.title, *columns(self.answers[:6]), self.verdict_line]
+        """The title, up to six lines of the answer, the verdict in a sentence, and warnings."""
+        return [self.title, *columns(self.answers[:6]), self.verdict_line, *self.warnings]
 
     @cached_property
     def rings(self) -> Rows:
@@ -103,9 +114,7 @@ class Account:
         """The verdict on the methods, and the number of anchors that hold, in a sentence."""
         anchors = self.result.anchors
         holding = sum(anchor.holds for anchor in anchors)
-        line = "One method: nothing to compare it with"
-        if self.result.agreement:
-            line = self.result.verdict_in_words.rstrip(".")
+        line = self.result.verdict_in_words.rstrip(".")
         return f"{line}; {holding} of {len(anchors)} anchors (closed forms and balances) hold."
 
     @property
@@ -170,7 +179,7 @@ class Account:
         """Warnings, failed anchors, disagreements, undecided quantities, errors, and notes."""
         result, rtol = self.result, self.scene.accuracy.rtol
         allowed = 2 * allowed_error(self.scene.problem)
-        lines = beyond_the_model(self.scene) + [
+        lines = [*self.warnings] + [
             f"{anchor.method} fails the anchor '{anchor.name}': the difference is "
             f"{anchor.difference:.1e}, more than {anchor.tolerance:.1e}."
             for anchor in result.anchors
@@ -191,8 +200,6 @@ class Account:
             if beyond := solution.beyond(rtol):
                 listed = ", ".join(f"{quantity} {error:.1e}" for quantity, error in beyond.items())
                 lines.append(f"{name} states errors above rtol = {rtol:.0e}: {listed}")
-        problem = self.scene.problem
-        lines += outside(problem, float(result.first("running_in_time")) / problem.units.time)
         return lines + [f"note: {note}" for note in result.notes]
 
 
@@ -204,21 +211,14 @@ def _write_range(least: float, most: float) -> str:
     return f"{least:.4g}" if same else f"{least:.4g} to {most:.4g}"
 
 
-def beyond_the_model(scene: Scene) -> list[str]:
-    """Return a warning if the strains of a scene with units are not small."""
-    problem, units = scene.problem, scene.problem.units
-    strain = units.pressure / np.pi / units.modulus * (problem.indentation or 1.0)
-    if UnitNames.of(scene.units).base is None or strain <= 0.01:
-        return []
-    return [
-        f"warning: the mean pressure is {strain:.2g} of the plane strain modulus, more than 0.01: "
-        "strains are not small, and linear elasticity, which all methods assume, is not valid"
-    ]
-
-
-def defaults_taken(scene: Scene) -> list[str]:
-    """Return lines about keys that a scene leaves out and whose defaults affect the numbers."""
+def defaults_taken(scene: Scene, methods: Methods) -> list[str]:
+    """Return lines about keys that a scene leaves out and whose defaults affect the results."""
     lines = []
+    if omitted := omitted_methods(scene, methods):
+        lines.append(
+            f"methods is not given: using {', '.join(methods)}, without {', '.join(omitted)} "
+            "('left_out' in summary.json says why)"
+        )
     if not (scene.half_space.rigid or "poisson_ratio" in scene.half_space.model_fields_set):
         default = scene.half_space.poisson_ratio
         lines.append(f"half_space.poisson_ratio is not given: using {default}")
@@ -226,10 +226,10 @@ def defaults_taken(scene: Scene) -> list[str]:
         if "poisson_ratio" not in layer.model_fields_set:
             key = f"half_space.layers.{number}.poisson_ratio"
             lines.append(f"{key} is not given: using {layer.poisson_ratio}")
-    if "sliding_speed" not in scene.load_.model_fields_set:
+    if scene.load_.times_are_distances:
         lines.append(
             f"load.sliding_speed is not given: using {scene.load_.sliding_speed:g}, so that times "
-            "are sliding distances"
+            "are sliding distances, and wear rates are heights per distance"
         )
     return lines
 

@@ -22,8 +22,17 @@ LEAST_SIMILARITY, LEAST_SIMILARITY_ELSEWHERE = 0.6, 0.75
 KINDS_OF_PROFILES = [name for name, section in KINDS.items() if issubclass(section, ProfileSection)]
 
 ROTATION = (
-    "give sliding_speed of the rim, and a wear coefficient in proportion to the radius, as in the "
-    "scene pin_on_disc"
+    "give sliding_speed = omega times radius, the distance of the punch from the axis of rotation, "
+    "as in the scene pin_on_disc; if the punch turns about its own axis, give the speed of the rim "
+    "and a wear coefficient in proportion to the radius, as in the scene rotating_pin"
+)
+BONDED = (
+    "layers are bonded to each other and to the base, and no other interface is modelled: leave it "
+    "out, there is nothing to give"
+)
+BOTH_WEAR = (
+    "wear is that of the punch: if both bodies wear, give the sum of both coefficients as "
+    "punch.wear_coefficient, or for each ring as punch.wear_coefficients"
 )
 # advice by words in the names of unknown keys
 WORDS = {
@@ -60,6 +69,9 @@ WORDS = {
     "contact",
     "angular": ROTATION,
     "rotation": ROTATION,
+    "omega": ROTATION,
+    "rpm": ROTATION,
+    "revolution": ROTATION,
     "diameter": "give punch.radius, half of it",
     "shear_modulus": "give youngs_modulus = 2 G (1 + nu) with poisson_ratio = nu",
     "reduced_modulus": "give plane_strain_modulus, or youngs_modulus and punch_youngs_modulus",
@@ -85,10 +97,20 @@ OTHER_KEYS = {
     "tol": "rtol",
     "tolerance": "rtol",
 }
-# prefix of the keys of layers; these keys, and advice, by other names that users may write
+# prefix of the keys of layers, and these keys by other names that users may write
 LAYER = "half_space.layers.0."
 KEYS_OF_LAYERS = {"height": "thickness", "depth": "thickness", "h": "thickness", "t": "thickness"}
-OF_LAYERS = {"plane_strain_modulus": "give youngs_modulus = E* (1 - nu^2) with poisson_ratio = nu"}
+# advice by words in the names of unknown keys of a table, by the prefix of the table; it comes
+# before that of `WORDS`
+OF_GROUND = {
+    "wear": BOTH_WEAR,
+    **dict.fromkeys(("bond", "interface", "delamination", "slip"), BONDED),
+}
+WORDS_OF_TABLES = {
+    "half_space.": OF_GROUND,
+    LAYER: OF_GROUND
+    | {"plane_strain_modulus": "give youngs_modulus = E* (1 - nu^2) with poisson_ratio = nu"},
+}
 # advice by other names of kinds of profiles
 OTHER_KINDS = {
     "sphere": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than that "
@@ -105,9 +127,20 @@ OTHER_KINDS = {
 }
 
 
-def not_modelled(key: str) -> str | None:
-    """Return advice for a key of a feature that ringwear does not have; None if there is none."""
-    return next((advice for word, advice in WORDS.items() if word in key.lower()), None)
+def not_modelled(key: str, prefix: str = "") -> str | None:
+    """Return advice for a key of a feature that ringwear does not have; None if there is none.
+
+    Parameters
+    ----------
+    key : the unknown key, without the name of its table
+    prefix : of the table in which it is, such as ``half_space.``
+    """
+    names = key.lower(), OTHER_KEYS.get(key, "")
+    for words in (WORDS_OF_TABLES.get(prefix, {}), WORDS):
+        for word, advice in words.items():
+            if any(word in name for name in names):
+                return advice
+    return None
 
 
 def kind_instead(profile: object) -> str:
@@ -221,9 +254,7 @@ def _in_plain_words(fault: ErrorDetails) -> str:
 
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     """Return what to write instead of an unknown key, in its own table or in another one."""
-    advice = OF_LAYERS.get(unknown) if section.prefix == LAYER else None
-    if advice is None:
-        advice = not_modelled(unknown)
+    advice = not_modelled(unknown, section.prefix)
     # advice on layers is of no use within a layer
     if advice is not None and not (section.prefix == LAYER and "[[half_space.layers]]" in advice):
         return advice

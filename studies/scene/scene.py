@@ -28,7 +28,7 @@ from ..problem.sections import (
     OutputSection,
     WearSection,
 )
-from ..problem.unit_names import without_quantities
+from ..problem.unit_names import UnitNames, without_quantities
 from ..problem.written import shown
 from ..registry import METHODS
 from .explain import did_you_mean, explain, key_meant, keys_of, place_of
@@ -319,6 +319,16 @@ class Scene(Section, metaclass=SceneType):
         if kinks is not None:
             table["punch"]["kinks"] = [float(kink) for kink in kinks]
         return Scene(**table)
+
+    @property
+    def names_methods(self) -> bool:
+        """Whether the scene names methods; else those of the default ones solve it that can."""
+        return "methods" in self.model_fields_set
+
+    @property
+    def unit_names(self) -> UnitNames:
+        """The units of the scene's numbers; those of times are lengths if it has no speed."""
+        return UnitNames.of(self.units, self.load_.times_are_distances)
 
     def __getitem__(self, key: object) -> NoReturn:
         """Raise a TypeError that says what to write instead."""

@@ -7,6 +7,7 @@ between layers.
 from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ..problem.problem import Problem
+from ..problem.regimes import Refusal
 from ..problem.sections import LAYERED
 
 # Largest width of a pressure element over the thickness of the first layer, which is the length
@@ -31,32 +32,39 @@ def depths_of_interfaces(problem: Problem) -> tuple[float, ...]:
     return () if problem.ground is None else tuple(problem.ground.depths.tolist())
 
 
+def layers_beyond_meshes(problem: Problem) -> Refusal | None:
+    """Return why finite elements cannot solve the layers on any mesh; None if they can."""
+    ground = problem.ground
+    if ground is None:
+        return None
+    for number, thickness in enumerate(ground.thicknesses):
+        if thickness < MIN_MESHED_THICKNESS:
+            return Refusal(
+                f"half_space.layers.{number}.thickness is {thickness:.2g} a, and layers thinner "
+                f"than {MIN_MESHED_THICKNESS:g} a cannot be meshed",
+                "leave fem out of methods",
+            )
+    if ground.greatest_poisson_ratio > NEARLY_HALF and not problem.full_contact:
+        return Refusal(
+            f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem "
+            "under flat punches only, because triangles lock",
+            "leave fem out of methods, or use mdr and bem",
+        )
+    if problem.rtol < FINEST_RTOL_NEARLY_HALF and ground.greatest_poisson_ratio > NEARLY_HALF:
+        return Refusal(
+            f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem to "
+            f"accuracy.rtol = {FINEST_RTOL_NEARLY_HALF:g} at best",
+            "give that, or leave fem out of methods",
+        )
+    return None
+
+
 def why_layers_are_not_meshed(problem: Problem) -> str:
     """Return why finite elements cannot mesh the layers, with the remedy; empty if they can."""
-    ground, fem = problem.ground, problem.fem
-    if ground is None:
-        return ""
-    if fem.chosen_mesher != "quads":
+    if problem.ground is not None and problem.fem.chosen_mesher != "quads":
         return (
             "half_space.layers are meshed in quadrilaterals only: leave out accuracy.fem.mesher, "
             f"and give accuracy.fem.degree = {LAYERED} or more, or neither"
         )
-    for number, thickness in enumerate(ground.thicknesses):
-        if thickness < MIN_MESHED_THICKNESS:
-            return (
-                f"half_space.layers.{number}.thickness is {thickness:.2g} a, and layers thinner "
-                f"than {MIN_MESHED_THICKNESS:g} a cannot be meshed: leave fem out of methods"
-            )
-    if ground.greatest_poisson_ratio > NEARLY_HALF and not problem.full_contact:
-        return (
-            f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem "
-            "under flat punches only, because triangles lock: leave fem out of methods, or use "
-            "mdr and bem"
-        )
-    if problem.rtol < FINEST_RTOL_NEARLY_HALF and ground.greatest_poisson_ratio > NEARLY_HALF:
-        return (
-            f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem to "
-            f"accuracy.rtol = {FINEST_RTOL_NEARLY_HALF:g} at best: give that, or leave fem out of "
-            "methods"
-        )
-    return ""
+    beyond = layers_beyond_meshes(problem)
+    return "" if beyond is None else str(beyond)

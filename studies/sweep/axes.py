@@ -30,10 +30,12 @@ from typing import Self
 
 from ...meshes.errors import SceneError
 from ..methods.base import method
+from ..outcome.scope import unsuitable_methods
 from ..problem.fields import Height, TomlTable, read_table, refuse_device
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
 from ..problem.written import shown
+from ..progress import LOG
 from ..scene.explain import did_you_mean, nearest
 from ..scene.keys import with_key, without_alternatives
 from ..scene.scene import Scene
@@ -159,6 +161,18 @@ class Sweep:
         ]
         scenes = [sweep.scene(changes) for changes in tried_changes]
         problems = [scene.problem for scene in scenes]
+        # all scenes have the same methods: by default those that can solve every scene
+        unsuitable = dict[str, str]()
+        for scene in scenes:
+            unsuitable |= unsuitable_methods(scene)
+        chosen = [name for name in scenes[0].methods if name not in unsuitable]
+        if unsuitable and chosen:
+            for name, reason in unsuitable.items():
+                LOG.warning("   sweep  %s is left out: %s", name, reason)
+            base = base | {"methods": chosen}
+            table = table | {"base": base}
+            sweep = replace(sweep, table=table)
+            scenes = [scene.changed(methods=chosen) for scene in scenes]
         names = {column.name for column in columns.values()}
         if "keep" not in table:
             _refuse_all(problems, scenes[0].methods)

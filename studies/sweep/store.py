@@ -49,7 +49,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
         varied_values.get("punch.rings", []),
     )
     ring_count = max([len(first_scene.problem.rings.widths), *ring_counts, *map(len, edges)])
-    units = UnitNames.of("" if "units" in varied_values else first_scene.units)
+    units = UnitNames() if "units" in varied_values else first_scene.unit_names
 
     def described(text: str, kind: str = "number") -> dict[str, str]:
         return {"long_name": text, "units": units.name(kind)}

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from scipy.spatial import ConvexHull
 from skfem import MeshTri
 
-from ringwear import Scene
+from ringwear import Scene, run
 from ringwear.fem.stresses import von_mises
 from ringwear.mdr.flat_punch import D0, P0
 from ringwear.meshes.half_space import areas
@@ -51,21 +52,35 @@ def flat_punch(r, z, poisson_ratio):
     return (field.imag / (2 * np.pi) for field in potentials(r, z, poisson_ratio, 1.0))
 
 
-def sphere(r, z, poisson_ratio, contact):
-    """Return displacements and stresses under a sphere ``r^2 / 2`` in contact on a disc, E* = 1.
+def round_face(r, z, poisson_ratio, contact, depth_rate):
+    """Return displacements and stresses under a face in contact on a disc, E* = 1.
 
-    The contact is a sum of flat punches: the radius x adds the depth ``2 x dx`` and the force ``4
-    x^2 dx`` (Popov and Hess, Method of Dimensionality Reduction, chapter 3). The path of
+    The contact is a sum of flat punches: the radius x adds the depth ``g'(x) dx`` and the force ``2
+    x g'(x) dx`` (Popov and Hess, Method of Dimensionality Reduction, chapter 3). The path of
     integration is a half circle of complex radii, which avoids the singular rims of these punches.
+    `depth_rate` is g', the slope of the one-dimensional profile.
     """
     node, weight = np.polynomial.legendre.leggauss(60)
     turned = np.exp(1j * np.pi * (1 - node) / 2)
     radii, steps = contact * (1 + turned) / 2, -1j * np.pi * contact * turned / 4 * weight
     fields = [
-        [2 * radius * step / np.pi * field for field in potentials(r, z, poisson_ratio, radius)]
+        [
+            depth_rate(radius) * step / np.pi * field
+            for field in potentials(r, z, poisson_ratio, radius)
+        ]
         for radius, step in zip(radii, steps, strict=True)
     ]
     return (sum(parts).imag for parts in zip(*fields, strict=True))
+
+
+def sphere(r, z, poisson_ratio, contact):
+    """Return the fields under a sphere ``r^2 / 2``, for which ``g = x^2``."""
+    return round_face(r, z, poisson_ratio, contact, lambda x: 2 * x)
+
+
+def cone(r, z, poisson_ratio, contact):
+    """Return the fields under a cone ``f = r``, for which ``g = pi x / 2``."""
+    return round_face(r, z, poisson_ratio, contact, lambda _: np.pi / 2)
 
 
 def half_space_under(scene):
@@ -118,6 +133,67 @@ def test_stresses_under_a_sphere(force, poisson_ratio):
     assert errors["stress"] < (2e-2 if poisson_ratio == 0.5 else 1e-3)
     # at nu = 0.5, the estimate compares with a degree that locks and is therefore larger
     assert_estimated(fields, errors, most=100 if poisson_ratio == 0.5 else 50)
+
+
+@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3])
+def test_estimates_of_stresses_under_a_cone_leave_out_its_tip(poisson_ratio):
+    """There stresses are singular, and no estimate is valid; F = pi c^2 / 2."""
+    force = 0.3
+    contact = (2 * force / np.pi) ** 0.5
+    scene = Scene.load("sphere").changed(
+        load__normal_force=force,
+        punch__profile={"kind": "cone", "slope": 1.0},
+        half_space__poisson_ratio=poisson_ratio,
+        output__field_times=[0.0],
+        wear__times=[0.0],
+    )
+    fields = half_space_under(scene)
+    assert fields.creases.tolist() == [0.0]
+    r, z = fields.points
+    far = (np.hypot(r - contact, z) > NEAR * contact) & (np.hypot(r - 1, z) > NEAR * contact)
+    far &= np.hypot(r, z) > NEAR * contact
+    exact = (part / force for part in cone(r[far], z[far], poisson_ratio, contact))
+    errors = true_errors(fields, far, exact, 1 / (2 * contact), 1 / (np.pi * contact**2))
+    assert errors["stress"] < 1e-3
+    assert fields.errors["stress"][0] < 0.02
+    assert_estimated(fields, errors)
+
+
+@pytest.mark.parametrize(
+    ("profile", "creases"),
+    [
+        ({"kind": "cone", "slope": 1e-3}, [0.0]),
+        ({"kind": "truncated_cone", "flat_radius": 0.2, "slope": 0.5}, [0.2]),
+        ({"kind": "truncated_paraboloid", "flat_radius": 0.2, "curvature_radius": 0.5}, [0.2]),
+        ({"kind": "rounded_rim", "flat_radius": 0.2, "curvature_radius": 3.0}, []),
+        ({"kind": "parabola", "curvature_radius": 1.0}, []),
+        ({"kind": "power", "coefficient": 1.0, "exponent": 1.0}, [0.0]),
+        ({"kind": "power", "coefficient": 1.0, "exponent": 2.5}, []),
+        ({"kind": "table", "radii": [0, 0.3, 0.4, 1.0], "heights": [0, 0.1, 0.5, 0.6]}, []),
+    ],
+    ids=str,
+)
+def test_creases_are_radii_at_which_the_slope_jumps(profile, creases):
+    problem = Scene.load("sphere").changed(punch__profile=profile).problem
+    assert problem.profile.creases == pytest.approx(creases)
+
+
+def test_creases_of_functions_are_found():
+    scene = Scene.load("flat_punch").with_heights(lambda radii: np.maximum(radii - 0.37, 0))
+    assert scene.problem.profile.creases == pytest.approx([0.37], abs=1e-6)
+
+
+def test_the_singular_stresses_at_a_tip_are_said_in_the_scope_and_below_the_figure():
+    scene = Scene.load("cone").changed(methods=["fem"], wear__times=[0.0], wear__steady=False)
+    result = run(scene)
+    reason = result.summary["left_out"]["errors of stresses near r = 0"]
+    assert "singular where the slope of the unworn face jumps" in reason
+    figure = result.plot("stress")
+    texts = [text.get_text() for text in figure.findobj(Text)]
+    assert any("the tip of the unworn face, where stresses are singular" in text for text in texts)
+    # the title of the panel states the error
+    (title,) = [text for text in texts if "errors up to" in text]
+    assert float(title.split("errors up to ")[1].split(" %")[0]) < 5
 
 
 def test_stresses_under_a_worn_sphere_carry_the_pressure_of_mdr():

@@ -1,4 +1,4 @@
-"""Bad input of sixty kinds is refused with status 2, by a line that states what to write."""
+"""Bad input of eighty kinds is refused with status 2, by a line that states what to write."""
 
 import re
 import shlex
@@ -97,6 +97,46 @@ SCENES = [
     ("rings = 2", 'profile = { kind = "ball" }', "missing key punch.profile.ball_radius; give the"),
     ("modulus = 1.0", "modulus = 1.0\nlayers = [{ height = 0.1 }]", "did you mean thickness?"),
     ("[punch]", "methods = []\n[punch]", "should have at least 1 item, not 0; give a list of mdr"),
+    (
+        "normal_force = 2.0",
+        'normal_force = 2.0\nsliding_speed = "60 rpm"',
+        "load.sliding_speed = '60 rpm' is a rotation, not a speed: give omega times radius",
+    ),
+    ("force = 2.0", 'force = 2.0\nsliding_speed = "1 Hz"', "give omega times radius"),
+    ("force = 2.0", 'force = 2.0\nsliding_speed = "5 N"', "give a number with a unit of speed"),
+    ("force = 2.0", "force = 2.0\nomega = 6.28", "give sliding_speed = omega times radius"),
+    (
+        "force = 2.0",
+        "force = 2.0\nsliding_speed = -0.1",
+        "load.sliding_speed: -0.1 is negative, but wear does not depend on the direction of "
+        "sliding: give its absolute value",
+    ),
+    ("force = 2.0", 'force = 2.0\nsliding_speed = "-1 mm/s"', "give its absolute value"),
+    (
+        "force = 2.0",
+        "force = 2.0\nsliding_speed = { times = [0.0, 1.0], values = [-1.0, 1.0] }",
+        "give its absolute value, and a time of speed 0 where the direction changes",
+    ),
+    (
+        "modulus = 1.0",
+        "modulus = 1.0\nwear_coefficient = 1.0",
+        "unknown key half_space.wear_coefficient: wear is that of the punch: if both bodies wear, "
+        "give the sum of both coefficients as punch.wear_coefficient",
+    ),
+    ("modulus = 1.0", "modulus = 1.0\nk = 1.0", "if both bodies wear, give the sum"),
+    ("modulus = 1.0", "modulus = 1.0\nlayers = [{ wear_rate = 1.0 }]", "both bodies wear"),
+    (
+        "modulus = 1.0",
+        "modulus = 1.0\nlayers = [{ thickness = 0.1, youngs_modulus = 1.0, bonded = true }]",
+        "half_space.layers.0.bonded: layers are bonded to each other and to the base",
+    ),
+    (
+        "modulus = 1.0",
+        'modulus = 1.0\nlayers = [{ thickness = 1.0, youngs_modulus = 1.0, interface = "slip" }]',
+        "half_space.layers.0.interface: layers are bonded",
+    ),
+    ("modulus = 1.0", 'modulus = 1.0\ninterface = "free"', "layers are bonded to each other"),
+    ("times = [0.0, 1.0]", 'times = ["0 m", "2 N"]', "'2 N' is no distance"),
 ]
 
 

@@ -67,6 +67,35 @@ def test_a_table_is_read_in_any_form(kind, tmp_path):
     assert abs(row.error) <= row.stated + 1e-11
 
 
+@pytest.mark.parametrize(
+    ("headings", "columns"),
+    [
+        ("time [s],depth [um]", {"depth": "indentation"}),
+        ("time [s],Depth [um]", {"depth": "indentation"}),
+        ("time [s],sensor 1 (um)", {"Sensor 1": "indentation"}),
+        ("time [s],sensor/um", {"sensor/um": "indentation"}),
+        ("clock [s],depth [um]", {"clock": "time"}),
+        ("time,depth\ns,um", {"depth": "indentation"}),
+        ("time [s],indentation [mm],sensor [um]", {"indentation": "raw", "sensor": "indentation"}),
+    ],
+)
+def test_a_column_is_named_without_the_unit_in_its_heading(headings, columns, tmp_path):
+    """The unit in the heading counts, whatever the user calls the column."""
+    cells = ["0", *["7"] * (headings.split("\n")[0].count(",") - 1), f"{1e6 * DEPTH:.12g}"]
+    path = tmp_path / "theirs.csv"
+    path.write_text(f"{headings}\n{','.join(cells)}\n", "utf-8")
+    (row,) = check(SCENE, path, columns=columns).verdicts
+    assert row.quantity == "indentation"
+    assert abs(row.error) <= row.stated + 1e-11
+
+
+def test_a_column_that_a_table_does_not_have_is_named_with_its_headings(tmp_path):
+    path = tmp_path / "theirs.csv"
+    path.write_text("time [s],Depth [um]\n0,1\n", "utf-8")
+    with pytest.raises(SceneError, match=r"no column 'deep'; its columns are time \[s\], Depth"):
+        check(SCENE, path, columns={"deep": "indentation"})
+
+
 def test_a_table_without_headings_is_refused(tmp_path):
     path = tmp_path / "theirs.csv"
     path.write_text("0,0.1\n1,0.2\n", "utf-8")

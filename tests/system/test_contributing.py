@@ -3,6 +3,7 @@
 import re
 import sys
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -10,11 +11,13 @@ import pytest
 import xarray
 
 import ringwear.studies
-from ringwear import Scene, run, study
-from ringwear.studies.anchors import checks
+from ringwear import RingwearError, Scene, run, study
+from ringwear.studies.anchors import checks, reading
 from ringwear.studies.anchors.anchor import Row
 from ringwear.studies.cli import main
 from ringwear.studies.problem import quantities
+from ringwear.studies.problem.fields import KINDS, Positive, ProfileSection, optional
+from ringwear.studies.problem.punch import PunchSection
 from ringwear.studies.problem.quantities import Quantity
 from ringwear.studies.problem.regimes import FULL_CONTACT
 from ringwear.studies.sampling import sampler
@@ -81,6 +84,63 @@ def test_the_anchor_of_a_new_quantity_detects_a_wrong_value(monkeypatch):
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
     assert result.quantities["inner_force"] == "agree"
     assert result.verdict == "disagree"
+
+
+class Quartic(ProfileSection):
+    """Heights f = h r^4."""
+
+    kind: Literal["quartic"]
+    height: Positive
+
+    def height_over(self, punch_radius):
+        return lambda radii: self.height * radii**4
+
+
+class QuarticPunch(PunchSection):
+    """Punch with a new kind of profile."""
+
+    profile: Quartic | None = optional("a quartic")
+
+
+class QuarticScene(Scene):
+    """Scene of such a punch."""
+
+    punch: QuarticPunch
+
+
+def test_a_kind_of_profile_needs_a_class_and_a_second_reading(monkeypatch):
+    """Within the contact radius c, d = 8/3 h c^4 and F = 2 E* (d c - 8/15 h c^5) (Galin)."""
+    named = files_named_for("a kind of profile")
+    files = ("studies/problem/fields.py", "studies/problem/punch.py", "studies/anchors/reading.py")
+    assert set(files) <= set(named)
+    monkeypatch.setitem(KINDS, "quartic", Quartic)
+    height, radius = 0.1, 0.5
+    depth = 8 / 3 * height * radius**4
+    scene = QuarticScene(
+        methods=["mdr"],
+        punch={
+            "radius": 1.0,
+            "wear_coefficient": 1.0,
+            "profile": {"kind": "quartic", "height": height},
+        },
+        half_space={"plane_strain_modulus": 1.0},
+        load={"normal_force": 2 * (depth * radius - 8 / 15 * height * radius**5)},
+        wear={"times": [0.0], "steady": False},
+        accuracy={"rtol": 1e-3},
+    )
+    result = run(scene)
+    assert result["indentation"].item() == pytest.approx(depth, rel=1e-6)
+    # without the second reading, one line says where to add it
+    with pytest.raises(RingwearError, match=r"kind = 'quartic'.*HEIGHTS in .*CONTRIBUTING\.md"):
+        assert result.anchors
+    quartic = "quartic", lambda profile, radii: profile["height"] * radii**4
+    monkeypatch.setitem(reading.HEIGHTS, *quartic)
+    assert all(anchor.holds for anchor in run(scene).anchors)
+
+
+def test_every_kind_of_profile_has_a_second_reading():
+    kinds = {name for name, section in KINDS.items() if issubclass(section, ProfileSection)}
+    assert kinds == reading.HEIGHTS.keys()
 
 
 TRAPEZOIDS = '''

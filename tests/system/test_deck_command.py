@@ -74,6 +74,30 @@ def test_a_scene_without_a_deck_is_refused_in_one_line(tmp_path, capsys):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize(
+    ("flags", "rows"),
+    [
+        ([], ["100 ms | 400 N", "14.25 s | 1 kN"]),
+        (["--time", "4"], ["100 ms | 400 N", "4 s | 2 kN"]),
+        (["--time", "0.05"], ["50 ms | 200 N", "100 ms | 400 N"]),
+    ],
+)
+def test_a_brake_has_decks_of_times_at_which_it_is_applied(flags, rows, tmp_path, capsys):
+    """Its force rises from 0 to 2 kN in 0.5 s, and falls from 2 kN at 14 s to 0 at 14.5 s."""
+    call = ["deck", "duty_cycle", "--for", "calculix", "--size", "0.5", "--reach", "20"]
+    assert main([*call, *flags, "--out", str(tmp_path)]) == 0
+    table = re.findall(r"\| - \| (.*?) \|.*\| (.*?) \|$", capsys.readouterr().out, re.MULTILINE)
+    assert [f"{time} | {force}" for time, force in table] == rows
+
+
+def test_a_time_without_load_is_refused_before_anything_is_computed(tmp_path, capsys):
+    call = ["deck", "duty_cycle", "--for", "abaqus", "--time", "8", "--out", str(tmp_path / "a")]
+    assert main(call) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--time 8: the load is zero then: give times at which the punch is loaded" in line
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_submission_to_the_challenge(tmp_path, capsys):
     assert main(["challenge"]) == 0
     assert capsys.readouterr().out.count("\n") == 12

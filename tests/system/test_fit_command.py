@@ -81,6 +81,33 @@ def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path,
     assert "THE MODEL DOES NOT FIT" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("count", [5, 7, 9, 30])
+@pytest.mark.parametrize("noise", [None, "1 %"])
+def test_few_values_are_tested_against_archards_law(measured, tmp_path, capsys, count, noise):
+    """The worn volume is k F v t; one that grows faster than the time contradicts the law."""
+    times = np.geomspace(60.0, 40_000.0, count)
+    volumes = TRUTH * 100.0 * 0.1 * times
+    for faster, status in ((0.0, 0), (0.5, 3)):
+        worn = volumes * (1 + faster * times / times[-1])
+        table = pd.DataFrame({"time": times, "worn_volume": worn})
+        table.to_csv(tmp_path / "data.csv", index=False)
+        command = ["fit", str(measured / "pin.toml"), str(tmp_path / "data.csv")]
+        command += ["--for", "punch.wear_coefficient", "--out", str(tmp_path / "out")]
+        assert main([*command, *(["--noise", noise] if noise else [])]) == status
+        assert ("THE MODEL DOES NOT FIT" in capsys.readouterr().out) == bool(faster)
+        if not faster:
+            estimates = pd.read_csv(tmp_path / "out" / "estimates.csv")
+            assert estimates.value[0] == pytest.approx(TRUTH, rel=1e-6)
+
+
+def test_too_few_values_for_any_test_are_reported(measured):
+    weighed = pd.DataFrame({"time": [1e3, 5e3, 9e3], "worn_volume": [1.4e-11, 7e-11, 1.26e-10]})
+    result = ringwear.fit(measured / "pin.toml", weighed, "punch.wear_coefficient")
+    assert result.fits
+    (line,) = [line for line in result.conclusions if "cannot be tested" in line]
+    assert "measure more, or give the noise" in line
+
+
 @pytest.mark.parametrize(
     ("data", "options", "words"),
     [

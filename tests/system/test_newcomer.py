@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+from html import unescape
 
 import numpy as np
 import pytest
@@ -137,6 +138,54 @@ def test_strains_that_are_not_small_give_a_warning(capsys, tmp_path):
         out = ["--no-figures", "--out", str(tmp_path / "out")]
         assert main(["run", str(tmp_path / "mine.toml"), *out]) == 0
         assert ("strains are not small" in capsys.readouterr().out) == warned
+
+
+def test_a_result_carries_the_warnings_that_the_command_prints(tmp_path, capsys):
+    """The mean pressure of 1e12 N on 10 mm is 1.4e6 times the modulus; d of 1 s is not run in."""
+    scene = Scene(**SCENE).changed(methods=["mdr"], wear__times=[0.0, 1.0])
+    for changes, words in (
+        ({"load.normal_force": 1e12}, "linear elasticity, which all methods assume, is not valid"),
+        ({}, "all times are before the running-in"),
+    ):
+        result = run(scene.changed(changes))
+        assert any(words in warning for warning in result.warnings)
+        assert list(result.warnings) == list(result.summary["warnings"])
+        (tmp_path / "mine.toml").write_text(scene.changed(changes).to_toml(), "utf-8")
+        command = ["run", str(tmp_path / "mine.toml"), "--no-figures", "--out"]
+        assert main([*command, str(tmp_path / "out")]) == 0
+        printed = capsys.readouterr().out
+        for text in (printed, repr(result), unescape(result._repr_html_())):
+            assert all(f"warning: {warning}" in text for warning in result.warnings)
+        assert load(tmp_path / "out").warnings == result.warnings
+    assert main(["plan", str(tmp_path / "mine.toml")]) == 0
+    assert "all times are before the running-in" in capsys.readouterr().out
+    assert run("five_rings", methods=["direct"]).warnings == ()
+
+
+def test_one_method_alone_has_one_wording(tmp_path, capsys):
+    result = run("five_rings", methods=["mdr"], rtol=1e-2)
+    assert result.verdict == result.summary["verdict"] == "undecided"
+    sentence = "One method alone is undecided: there is nothing to compare it with"
+    assert result.verdict_in_words == f"{sentence}."
+    result.save(tmp_path / "saved")
+    page = (tmp_path / "saved" / "report.html").read_text("utf-8")
+    command = ["run", "five_rings", "--methods", "mdr", "--rtol", "1e-2", "--no-figures"]
+    assert main([*command, "--out", str(tmp_path / "out")]) == 0
+    for text in (repr(result), repr(load(tmp_path / "saved")), page, capsys.readouterr().out):
+        assert f"{sentence}; " in text
+        assert "0 of 0" not in text
+        assert "one method" not in text.replace(sentence, "").lower()
+    assert '<p class="verdict undecided">' in page
+
+
+@pytest.mark.parametrize(
+    ("flags", "named"), [([], True), (["--no-report"], False), (["--no-figures"], False)]
+)
+def test_the_page_is_named_only_if_it_is_written(flags, named, tmp_path, capsys):
+    command = ["run", "flat_punch", "--methods", "direct", "--out", str(tmp_path / "out"), *flags]
+    assert main(command) == 0
+    assert ("report.html" in capsys.readouterr().out) == named
+    assert (tmp_path / "out" / "report.html").exists() == named
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from ringwear import Scene, plan
+from ringwear.studies.cli import main
 from ringwear.studies.methods.base import method
 from ringwear.studies.progress import Stages
 from ringwear.studies.scene.sources import bundled
@@ -32,3 +33,16 @@ def test_a_plan_predicts_seconds_and_memory_of_any_punch(load):
     assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)
     assert re.match(r"in all: about [\d.]+ s", total)
     assert "GiB" in memory
+
+
+@pytest.mark.parametrize(
+    "command", ["plan mine.toml", "run mine.toml --no-figures --verbose --out out"]
+)
+def test_no_text_calls_an_elastic_punch_rigid(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    scene = Scene.load("pin_on_disc").changed(methods=["direct"])
+    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
+    assert main(command.split()) == 0
+    printed = capsys.readouterr().out
+    assert "two elastic bodies" in printed
+    assert "rigid" not in printed

@@ -93,3 +93,23 @@ def test_times_that_miss_the_running_in_give_a_note(times, words):
         missed = [line for line in lines if "the running-in, " in line]
         assert bool(missed) == bool(words)
         assert all(words in line for line in missed)
+
+
+def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own():
+    result = run(Scene.load("washer").changed(methods=["mdr"], accuracy__rtol=1e-2))
+    answers = {name: text for name, text, _ in Account(result).answers}
+    times = ("time to 90", "time to 99", "running in time")
+    assert len({answers[name].split()[1] for name in times}) == 1
+    assert len({answers[name].split()[1] for name in answers if "indentation" in name}) == 1
+    names = [long_name.attrs["long_name"] for long_name in result.dataset.values()]
+    assert not [name for name in names if "the same for" in name or "that force" in name]
+    assert "99 % of the running-in" in result.dataset.time_to_99.attrs["long_name"]
+
+
+def test_the_running_in_time_of_a_ball_is_said_to_be_that_of_the_full_face():
+    """Under a force a ball wears for ever; its contact does not reach the rim."""
+    result = run(Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 0.1]))
+    assert np.isnan(result.first("time_to_full_contact"))
+    (meaning,) = [text for name, _, text in Account(result).answers if name == "running in time"]
+    assert "slowest relaxation time of the full face" in meaning
+    assert meaning == result.dataset.running_in_time.attrs["long_name"]

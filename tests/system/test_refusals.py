@@ -1,9 +1,13 @@
 """Commands refuse a scene that a method cannot compute in the same words, before any work."""
 
+import json
+
+import numpy as np
 import pytest
 import tomli_w
 
-from ringwear import Scene
+from ringwear import Scene, run, sweep
+from ringwear.meshes.errors import SceneError
 from ringwear.studies.cli import main
 from ringwear.studies.outcome.scope import methods_of, refusals
 
@@ -104,3 +108,86 @@ def test_a_sweep_computes_the_scenes_that_methods_accept(tmp_path, monkeypatch, 
     printed = capsys.readouterr().out
     assert "1 scenes finished, 1 failed" in printed
     assert "mdr-grid solves full discs only: with punch.inner_radius leave it out" in printed
+
+
+# a scene without methods, the default method that cannot solve it, and words of the reason
+FORCE_ENDS = {"times": [0.0, 1.0], "values": [1.0, 0.0]}
+WITHOUT_METHODS = {
+    "fixed indentation": (FEATURES["fixed indentation"], "direct", "nothing presses in the end"),
+    "wear along the radius": (
+        FEATURES["wear along the radius"],
+        "direct",
+        "needs pressures that are constant on each ring",
+    ),
+    "the force ends": ({"load.normal_force": FORCE_ENDS}, "direct", "in the end the force is 0"),
+    "no steady state": ({"wear.steady": False}, "direct", "gives the steady state only"),
+    "a narrow ring": (
+        {"punch": {"radius": 1.0, "ring_edges": [1e-13, 1.0], "wear_coefficients": [1.0, 2.0]}},
+        "fem",
+        "cannot be meshed",
+    ),
+}
+
+
+def without_methods(changes):
+    table = SCENE.changed(accuracy__rtol=1e-2).changed(changes).table()
+    del table["methods"]
+    return Scene.from_table(table)
+
+
+@pytest.mark.parametrize("case", WITHOUT_METHODS)
+def test_a_scene_without_methods_is_solved_by_those_that_can(case, tmp_path, monkeypatch, capsys):
+    changes, omitted, words = WITHOUT_METHODS[case]
+    monkeypatch.chdir(tmp_path)
+    scene = without_methods(changes)
+    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
+    assert main(["run", "scene.toml", "--no-figures", "--out", "out"]) == 0
+    assert f"without {omitted}" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    assert {*summary["methods"]} == {"mdr", "direct", "fem"} - {omitted}
+    assert words in summary["left_out"][omitted]
+    assert "leave" not in summary["left_out"][omitted]
+    assert main(["plan", "scene.toml"]) == 0
+    printed = capsys.readouterr().out
+    assert f"{omitted}: " in printed.partition("Left out")[2].partition("By method")[0]
+    # a method that the scene names is refused, unless it only lacks what is not asked for
+    if case != "no steady state":
+        with pytest.raises(SceneError, match=r"leave .* out of methods"):
+            run(scene, methods=["mdr", omitted])
+
+
+def test_methods_that_solve_a_scene_are_left_out_of_nothing():
+    scene = without_methods({})
+    result = run(scene, methods=["mdr"])
+    assert "direct" not in result.summary["left_out"]
+    assert "fem" not in result.summary["left_out"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"punch.recess": [0.0, 0.1, 0.0], "wear.march": "explicit", "wear.step": 0.1},
+            "give 'implicit', or 'modal'",
+        ),
+        (
+            {
+                "half_space.layers": [{"thickness": 0.5, "youngs_modulus": 2.0}],
+                "accuracy.fem.mesher": "gmsh",
+            },
+            "leave out accuracy.fem.mesher",
+        ),
+    ],
+)
+def test_a_wrong_setting_is_refused_although_another_method_needs_none(changes, words):
+    with pytest.raises(SceneError, match=words):
+        run(without_methods(changes))
+
+
+def test_a_sweep_without_methods_has_those_that_solve_all_of_its_scenes():
+    scene = without_methods(FEATURES["fixed indentation"] | {"wear.times": [0.0, 0.1]})
+    dataset = sweep(scene, {"load.indentation": [0.25, 0.5]}, ["normal_force"])
+    assert dataset.solver.values.tolist() == ["mdr", "fem"]
+    # F = 2 a E* d of a flat punch
+    forces = dataset.normal_force.isel(time=0).transpose("indentation", "solver")
+    np.testing.assert_allclose(forces, [[0.5, 0.5], [1.0, 1.0]], rtol=1e-2)

@@ -52,7 +52,7 @@ def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
     [
         (lambda: study("convergance"), "give one of paper, convergence"),
         (lambda: study("march", "sphere"), "flat punches under a force"),
-        (lambda: study("elements", "pin_on_disc"), "one wear coefficient"),
+        (lambda: study("elements", "rotating_pin"), "one wear coefficient"),
         (lambda: study("march", meshes=["a.msh"]), "does not accept meshes"),
     ],
 )
@@ -62,7 +62,7 @@ def test_a_study_refuses_unknown_options(call, message):
 
 
 def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
-    results = study("march", "pin_on_disc", quick=True)
+    results = study("march", "rotating_pin", quick=True)
     assert results.orders["expected order"].tolist() == [1.0, 1.0]
     assert results.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
     assert "a full disc" in results.conclusions[-1]

@@ -30,6 +30,8 @@ MIN_COMPONENT = 1e-3
 STARTS, SCATTER = 4, 1.2
 # greatest number of iterations that estimate noises from the residuals
 NOISE_ROUNDS = 4
+# greatest allowed numerical error of a prediction, over the noise
+MAX_NUMERICAL_ERROR = 0.1
 
 
 class Point(NamedTuple):

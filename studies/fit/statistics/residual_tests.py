@@ -9,15 +9,19 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import gammaln
 from scipy.stats import chi2, norm
+from scipy.stats import t as student
 
-from ....meshes.radial import Array
-from .likelihood import Likelihood
+from ....meshes.radial import Array, Indices
+from .likelihood import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected
 LEVEL = 0.05
 # least number of values in a series that is tested for runs, and of times for a drift
-MIN_VALUES = 10
+MIN_VALUES = 5
+# least degrees of freedom that remain after a drift is fitted, if the noise is not known
+MIN_FREEDOM = 2
 # relative change of the times in the differences that estimate time derivatives
 TIME_CHANGE = 1e-4
 
@@ -26,8 +30,10 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     """Return the probabilities of the residuals at a point (m,), by the names of the tests.
 
     Chi-square is tested only if all noises were given. The number of runs of one sign and von
-    Neumann's ratio of successive differences detect that neighbouring residuals are alike. A score
-    test detects a wear coefficient whose logarithm drifts as ``t`` or as ``ln t``.
+    Neumann's ratio of successive differences detect that neighbouring residuals are alike; series
+    that agree with the model to within its numerical error are not tested for that. A score test
+    detects a wear coefficient whose logarithm drifts as ``t`` or as ``ln t``. The result is empty
+    if there are too few values for any test.
     """
     residuals, probabilities = likelihood.residuals(x), dict[str, float]()
     if all(each.noise_known for each in likelihood.measurements):
@@ -37,7 +43,9 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     for each in likelihood.measurements:
         series = residuals[row : row + len(each.values)]
         row += len(series)
-        if len(series) < MIN_VALUES:
+        # patterns of the numerical error of the model say nothing about the law of wear
+        within_numerical_error = series @ series <= MAX_NUMERICAL_ERROR**2 * len(series)
+        if len(series) < MIN_VALUES or within_numerical_error:
             continue
         suffix = "" if len(likelihood.measurements) == 1 else f" of {each.label}"
         while f"runs{suffix}" in probabilities:
@@ -45,42 +53,79 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
         probabilities[f"runs{suffix}"] = few_runs(series)
         probabilities[f"successive differences{suffix}"] = small_differences(series)
     for name, score in _drift_scores(likelihood, x, residuals):
-        probabilities[name] = float(2 * norm.sf(abs(score)))
+        probabilities[name] = _probability_of_score(likelihood, residuals, score)
     return probabilities
 
 
 def combined(tests: dict[str, float]) -> float:
     """Return the smallest probability of several tests times their number; 1 without any test."""
-    return min(1.0, len(tests) * min(tests.values(), default=1.0))
+    return min((1.0, *(len(tests) * probability for probability in tests.values())))
 
 
 def few_runs(series: Array) -> float:
-    """Return the probability of at most so many runs of one sign (Wald and Wolfowitz)."""
+    """Return the probability of at most so many runs of one sign, by the law of their number.
+
+    That law is exact for any number of values (Wald and Wolfowitz): the runs of each sign divide
+    its values into parts, and all orders of the signs are equally likely.
+    """
     above = series > 0
     positive, negative = int(above.sum()), int((~above).sum())
     if not positive or not negative:
         return float(0.5 ** (len(series) - 1))
-    runs = 1 + int(np.sum(above[1:] != above[:-1]))
-    mean = 1 + 2 * positive * negative / len(series)
-    variance = max((mean - 1) * (mean - 2) / (len(series) - 1), 1e-9)
-    return float(norm.cdf((runs + 0.5 - mean) / np.sqrt(variance)))
+    changes = int(np.sum(above[1:] != above[:-1]))
+    runs = np.arange(2, 2 + changes, dtype=np.int64)
+    # an odd number of runs has one more of the sign with which it begins and ends
+    fewer, more = runs // 2, (runs + 1) // 2
+    orders = np.logaddexp(
+        _log_partitions(positive, fewer) + _log_partitions(negative, more),
+        _log_partitions(positive, more) + _log_partitions(negative, fewer),
+    )
+    all_orders = gammaln(len(series) + 1) - gammaln(positive + 1) - gammaln(negative + 1)
+    return float(min(np.exp(orders - all_orders).sum(), 1.0))
+
+
+def _log_partitions(count: int, parts: Indices) -> Array:
+    """Return the logarithms of the numbers of ways to divide values in a row into parts."""
+    logarithms = np.full(len(parts), -np.inf)
+    possible = parts <= count
+    counts = parts[possible]
+    logarithms[possible] = gammaln(count) - gammaln(counts) - gammaln(count - counts + 1)
+    return logarithms
 
 
 def small_differences(series: Array) -> float:
-    """Return the probability of successive differences at most so large (von Neumann)."""
+    """Return the probability of successive differences at most so large (von Neumann).
+
+    For fewer than ten values, the normal approximation gives probabilities that are too large.
+    """
     ratio = np.sum(np.diff(series) ** 2) / max(float(series @ series), 1e-300)
     count = len(series)
     # the mean of the residuals is known to be zero
     return float(norm.cdf((ratio - 2 * (count - 1) / count) / np.sqrt(4 / count)))
 
 
+def _probability_of_score(likelihood: Likelihood, residuals: Array, score: float) -> float:
+    """Return the probability of a score at least so far from zero.
+
+    The score is standard normal if all noises were given. Otherwise its scale is that of the
+    residuals without the drift, and it has Student's distribution.
+    """
+    if all(each.noise_known for each in likelihood.measurements):
+        return float(2 * norm.sf(abs(score)))
+    freedom = likelihood.degrees_of_freedom - 1
+    variance = max(float(residuals @ residuals) - score**2, 0.0) / freedom
+    # no drift is seen that is smaller than the numerical error of the model
+    scale = max(np.sqrt(variance), MAX_NUMERICAL_ERROR)
+    return float(2 * student.sf(abs(score) / scale, freedom))
+
+
 def _drift_scores(
     likelihood: Likelihood, x: Array, residuals: Array
 ) -> Iterator[tuple[str, float]]:
-    """Yield the scores of drifting wear coefficients, standard normal if none drifts."""
+    """Yield the scores of drifting wear coefficients; in units of the noise if none drifts."""
     measurements = likelihood.measurements
     times = np.concatenate([each.times for each in measurements])
-    if len(np.unique(times)) < MIN_VALUES:
+    if len(np.unique(times)) < MIN_VALUES or likelihood.degrees_of_freedom <= MIN_FREEDOM:
         return
     later, earlier = (
         likelihood.predictor.for_measurements(

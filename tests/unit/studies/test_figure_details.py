@@ -50,7 +50,7 @@ def test_no_mark_of_the_challenge_is_cut_at_the_border():
         ("five_rings", {}, "5 rings"),
         ("five_rings", {"punch.inner_radius": 0.1}, "hollow, 5 rings"),
         ("flat_punch", {"punch.inner_radius": 0.1}, "hollow, punch"),
-        ("pin_on_disc", {}, "wear along the radius"),
+        ("rotating_pin", {}, "wear along the radius"),
     ],
 )
 def test_figures_of_the_refinement_study_name_the_punch(name, changes, title):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
@@ -22,7 +23,7 @@ from ringwear.studies.fit.statistics.likelihood import (
     fix_ineffective_parameters,
 )
 from ringwear.studies.fit.statistics.profiles import Profiles
-from ringwear.studies.fit.statistics.residual_tests import few_runs, small_differences
+from ringwear.studies.fit.statistics.residual_tests import combined, few_runs, small_differences
 
 SCENE = Scene(
     units="SI",
@@ -248,6 +249,25 @@ def test_residual_tests_detect_waves_but_not_noise(test):
     assert 0.01 < alarms < 0.05 + 2.5 * np.sqrt(0.05 * 0.95 / 400)
     waves = noise + 3 * np.sin(np.linspace(0, 4 * np.pi, 40))
     assert np.mean([test(series) < 0.05 for series in waves]) > 0.9
+
+
+@pytest.mark.parametrize(("positive", "negative"), [(1, 4), (2, 3), (4, 5), (6, 2)])
+def test_few_runs_have_their_share_of_all_orders(positive, negative):
+    """The probability is the share of the orders of these signs that have at most so many runs."""
+    count = positive + negative
+    orders = [
+        np.where(np.isin(np.arange(count), places), 1.0, -1.0)
+        for places in combinations(range(count), positive)
+    ]
+    runs = np.array([1 + np.sum(order[1:] != order[:-1]) for order in orders])
+    for order, number in zip(orders, runs, strict=True):
+        assert few_runs(order) == pytest.approx(np.mean(runs <= number), rel=1e-12)
+
+
+def test_no_test_rejects_nothing():
+    assert combined({}) == 1.0
+    assert combined({"one": 0.2}) == 0.2
+    assert combined({"one": 0.2, "other": 0.01}) == pytest.approx(0.02)
 
 
 def test_noise_in_the_offset_of_a_profile_is_projected_out():

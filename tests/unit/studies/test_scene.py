@@ -156,6 +156,16 @@ def test_bundled_scenes_round_trip(name):
     assert scene.title
 
 
+def test_a_pin_on_a_disc_has_one_speed_and_a_rotating_pin_that_of_its_radius():
+    """Beside the axis the speed is omega times the radius of the track, 2 pi * 1 Hz * 16 mm."""
+    pin, rotating = Scene.load("pin_on_disc"), Scene.load("rotating_pin")
+    assert pin.punch.table is None
+    assert pin.load.sliding_speed == pytest.approx(2 * np.pi * 0.016, rel=1e-3)
+    assert not pin.problem.inner_radius
+    table = rotating.punch.table
+    assert np.divide(table.values, table.radii) == pytest.approx(1e-13)
+
+
 @pytest.mark.parametrize(
     ("changes", "left_out"),
     [
