@@ -89,11 +89,7 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
             np.sqrt(np.sum(weights * field**2, axis=-1)) for field in (value - reference, reference)
         )
     else:
-        unit = np.ones(())
-        # largest depth so far, because it decreases under a force that falls
-        depth = np.asarray(against.get("depth", unit))
-        if depth.ndim:
-            depth = np.maximum.accumulate(depth)
+        unit, depth = np.ones(()), _greatest_depth(against, face)
         if name in WITHOUT_EVEN_WEAR and depth.ndim:
             return _difference_of_heights(name, results, against, depth, face)
         difference = np.abs(value - reference)
@@ -118,6 +114,18 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
     return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)
 
 
+def _greatest_depth(against: Results, face: Face) -> Array:
+    """Return the greatest depth so far (T,), because it decreases under a force that falls.
+
+    Without `depth`, even wear is not known apart. Without an indentation, the unit is returned.
+    """
+    if "depth" in against:
+        return np.maximum.accumulate(against["depth"])
+    if "indentation" in against:
+        return np.maximum.accumulate(against["indentation"] - face.standoff)
+    return np.ones(())
+
+
 def _difference_of_heights(
     name: str, results: Results, against: Results, depth: Array, face: Face
 ) -> Array:
@@ -135,8 +143,8 @@ def _difference_of_heights(
     depth : (T,) greatest depth so far, by `against`
     face : the face
     """
-    even_wear = against["even_wear"]
-    if "even_wear" in results:
+    even_wear = against.get("even_wear", np.zeros(len(depth)))
+    if results.keys() & against.keys() >= {"even_wear", WITHOUT_EVEN_WEAR[name]}:
         part = WITHOUT_EVEN_WEAR[name]
         even, rest = results["even_wear"] - even_wear, results[part] - against[part]
         # if contact is already full in one of them only, only the whole heights are comparable

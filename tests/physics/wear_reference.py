@@ -189,6 +189,7 @@ def _start(problem):
         "rms_slope": 0.0,
         **dict.fromkeys(("indentation", "displacement_centre", "displacement_max"), 0.5),
     }
+    values |= {"even_wear": 0.0, "depth": values["indentation"], "shape": values["profile"]}
     values = {name: np.asarray(value)[None] for name, value in values.items()}
     return values | {"time": np.zeros(1)}
 
@@ -206,7 +207,10 @@ def _later(problem, punch, times):
         "rms_slope": punch.rms_slopes(worn, problem.gradient_average),
         "ring_force": punch.ring_forces(pressure),
     }
-    return values | {"time": times}
+    # even wear, apart from which shapes are compared
+    even = times / np.sum(np.pi * np.diff(problem.ring_edges**2) / problem.wear_coefficients)
+    heights = {"even_wear": even, "depth": indentation - even, "shape": profile - even[:, None]}
+    return values | heights | {"time": times}
 
 
 def true_errors(result):
