@@ -176,6 +176,7 @@ def test_numbers_in_si_are_written_in_convenient_units(value, kind, text):
         ([1e-9, 1e-3], "displacement", ["0.001 µm", "1000 µm"]),
         ([0.0, 5e-6], "displacement", ["0 µm", "5 µm"]),
         ([0.0, 0.0], "time", ["0 s", "0 s"]),
+        ([np.nan, 120.0, np.inf], "time", ["not computed", "2 min", "infinite"]),
     ],
 )
 def test_numbers_of_one_kind_are_written_in_one_unit(values, kind, texts):
