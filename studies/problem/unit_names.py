@@ -306,11 +306,15 @@ class UnitNames:
         if len(values) == 1:
             return [self.write(values[0], kind, digits)]
         unit, name = self.readable_together(values, kind)
-        numbers = [float(f"{value / unit:.{digits}g}") for value in values]
-        return [
-            f"{number:g} {SINGULAR.get(name, name) if number == 1 else name}".rstrip()
-            for number in numbers
-        ]
+        texts = []
+        for value in values:
+            if not np.isfinite(value):
+                texts.append(self.write(value, kind))
+                continue
+            number = float(f"{value / unit:.{digits}g}")
+            one = SINGULAR.get(name, name) if number == 1 else name
+            texts.append(f"{number:g} {one}".rstrip())
+        return texts
 
     def write(self, value: float, kind: str, digits: int = 4) -> str:
         """Return a value with a readable unit, as text."""

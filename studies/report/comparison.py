@@ -50,11 +50,12 @@ def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
         estimates = [float(np.nan_to_num(side.first(error_name(name)))) for side in (a, b)]
         uncertainty = max(sum(estimates), ROUNDOFF)
         one_missing = bool(np.isnan([first, second]).any())
+        written = names.write_together([first, second], quantity.unit)
         rows.append(
             {
                 "quantity": name,
-                "A": names.write(first, quantity.unit),
-                "B": names.write(second, quantity.unit),
+                "A": written[0],
+                "B": written[1],
                 "B against A": f"{100 * change:+.3g} %" if np.isfinite(change) else "",
                 "known": f"{uncertainty:.1e}",
                 "change": change,

@@ -28,7 +28,7 @@ class Account:
         self.title = self.scene.title or "Untitled scene"
         self.modelled = modelled(self.scene, result.methods)
         self.left_out = left_out(self.scene, result.methods)
-        self.defaults = defaults_taken(self.scene, result.methods)
+        self.defaults = methods_taken(self.scene, result.methods) + defaults_taken(self.scene)
         self.verdict = result.verdict
         self.worst = list(by_quantity(result.agreement).values())
         timed = (name for name, solution in result.solutions.items() if solution.wear is not None)
@@ -211,14 +211,19 @@ def _write_range(least: float, most: float) -> str:
     return f"{least:.4g}" if same else f"{least:.4g} to {most:.4g}"
 
 
-def defaults_taken(scene: Scene, methods: Methods) -> list[str]:
-    """Return lines about keys that a scene leaves out and whose defaults affect the results."""
+def methods_taken(scene: Scene, methods: Methods) -> list[str]:
+    """Return a line about the default methods that cannot solve a scene; empty if all can."""
+    if not (omitted := omitted_methods(scene, methods)):
+        return []
+    return [
+        f"methods is not given: using {', '.join(methods)}, without {', '.join(omitted)} "
+        "('left_out' in summary.json says why)"
+    ]
+
+
+def defaults_taken(scene: Scene) -> list[str]:
+    """Return lines about keys that a scene leaves out and whose defaults affect the numbers."""
     lines = []
-    if omitted := omitted_methods(scene, methods):
-        lines.append(
-            f"methods is not given: using {', '.join(methods)}, without {', '.join(omitted)} "
-            "('left_out' in summary.json says why)"
-        )
     if not (scene.half_space.rigid or "poisson_ratio" in scene.half_space.model_fields_set):
         default = scene.half_space.poisson_ratio
         lines.append(f"half_space.poisson_ratio is not given: using {default}")

@@ -113,3 +113,42 @@ def test_the_running_in_time_of_a_ball_is_said_to_be_that_of_the_full_face():
     (meaning,) = [text for name, _, text in Account(result).answers if name == "running in time"]
     assert "slowest relaxation time of the full face" in meaning
     assert meaning == result.dataset.running_in_time.attrs["long_name"]
+
+
+WITHOUT_SPEED = {
+    "methods": ["mdr", "direct"],
+    "punch": {"radius": "10 mm", "wear_coefficient": "1e-6 mm^3/(N m)"},
+    "half_space": {"youngs_modulus": "2 GPa"},
+    "load": {"normal_force": "100 N"},
+    "wear": {"times": ["0 m", "0.5 km", "2000 m"]},
+    "accuracy": {"rtol": 1e-3},
+}
+
+
+@pytest.mark.parametrize(
+    ("units", "metre", "length", "rate"),
+    [("SI", 1.0, "m", "318.3 nm/km"), ("mm, N, MPa, s", 1e3, "mm", "0.0003183 mm/km")],
+)
+def test_without_a_sliding_speed_times_are_sliding_distances(units, metre, length, rate):
+    """The height lost per distance is k F / (pi a^2), and distances are speed times time."""
+    scene = Scene.from_table(WITHOUT_SPEED | {"units": units})
+    assert scene.wear.times == pytest.approx([0.0, 500.0 * metre, 2000.0 * metre])
+    result = run(scene)
+    answers = {name: value for name, value, _ in Account(result).answers}
+    assert answers["steady wear rate"] == rate
+    assert all(answers[name].endswith((" m", " km")) for name in ("time to 90", "time to 99"))
+    dataset = result.dataset
+    assert dataset.steady_wear_rate.attrs["units"] == f"{length}/{length}"
+    assert dataset.time.attrs == {"long_name": "sliding distance", "units": length}
+    assert dataset.time_to_90.attrs["units"] == length
+    times = ["0 s", "1000 s", "4000 s"]
+    with_speed = run(scene.changed(load__sliding_speed="0.5 m/s", wear__times=times))
+    assert with_speed.dataset.time.attrs["units"] == "s"
+    seconds = float(with_speed.first("time_to_90"))
+    assert float(result.first("time_to_90")) == pytest.approx(0.5 * metre * seconds, rel=1e-9)
+
+
+def test_a_sliding_distance_can_be_given_as_a_time_at_the_speed_1():
+    for units in ("SI", "mm, N, MPa, s"):
+        table = WITHOUT_SPEED | {"units": units, "wear": {"times": ["0 s", "1 h"]}}
+        assert Scene.from_table(table).wear.times == [0.0, 3600.0]

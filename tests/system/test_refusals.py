@@ -2,6 +2,7 @@
 
 import json
 
+import meshio
 import numpy as np
 import pytest
 import tomli_w
@@ -191,3 +192,28 @@ def test_a_sweep_without_methods_has_those_that_solve_all_of_its_scenes():
     # F = 2 a E* d of a flat punch
     forces = dataset.normal_force.isel(time=0).transpose("indentation", "solver")
     np.testing.assert_allclose(forces, [[0.5, 0.5], [1.0, 1.0]], rtol=1e-2)
+
+
+LAYERED = Scene(
+    units="SI",
+    punch={"radius": 0.005, "wear_coefficient": 1e-15},
+    half_space={
+        "youngs_modulus": 2e9,
+        "layers": [{"thickness": 0.001, "youngs_modulus": 3e8}],
+    },
+    load={"normal_force": 2.0, "sliding_speed": 1.0},
+    wear={"times": [0.0, 100.0]},
+)
+
+
+def test_a_depth_of_the_output_is_refused_with_what_works_on_layers(tmp_path):
+    """20 mm are 4 punch radii; the remedy writes all of a mesh of that radius."""
+    with pytest.raises(SceneError, match=r"give accuracy\.fem\.truncation = 4 in place of it"):
+        run(LAYERED.changed(output__depth="20 mm"))
+    shaped = {"output__depth": 0.02, "punch__profile": {"kind": "cone", "slope": 0.1}}
+    with pytest.raises(SceneError, match=r"half_space\.layers leave it out: half_space\.vtu has"):
+        run(LAYERED.changed(**shaped))
+    wide = LAYERED.changed(accuracy={"rtol": 1e-2, "fem": {"truncation": 4.0}}, methods=["fem"])
+    run(wide).save(tmp_path / "wide")
+    points = meshio.read(tmp_path / "wide" / "half_space.vtu").points
+    assert points[:, 0].max() == pytest.approx(0.02, rel=1e-6)

@@ -1,10 +1,9 @@
 """Layers in scenes: their keys, units and refusals, and meshes with interfaces."""
 
-import meshio
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
+from ringwear import Scene
 from ringwear.meshes.by_gmsh.outline import truncation_with_interfaces
 from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import areas
@@ -116,19 +115,6 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
         assert words in fem.refusal(pad(**changes).problem), changes
     with pytest.raises(SceneError, match="quadrilaterals"):
         half_space_mesh(pad(accuracy__fem={"mesher": "gmsh"}).problem)
-
-
-def test_a_depth_of_the_output_is_refused_with_what_works_on_layers(tmp_path):
-    """20 mm are 4 punch radii; the remedy writes all of a mesh of that radius."""
-    with pytest.raises(SceneError, match=r"give accuracy\.fem\.truncation = 4 in place of it"):
-        run(pad(output__depth="20 mm"))
-    shaped = {"output__depth": 0.02, "punch__profile": {"kind": "cone", "slope": 0.1}}
-    with pytest.raises(SceneError, match=r"half_space\.layers leave it out: half_space\.vtu has"):
-        run(pad(**shaped))
-    wide = pad(accuracy={"rtol": 1e-2, "fem": {"truncation": 4.0}}, methods=["fem"])
-    run(wide).save(tmp_path / "wide")
-    points = meshio.read(tmp_path / "wide" / "half_space.vtu").points
-    assert points[:, 0].max() == pytest.approx(0.02, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "elements", "extremes"])
