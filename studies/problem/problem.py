@@ -275,7 +275,8 @@ class Problem:
     @property
     def earliest(self) -> float:
         """The first positive sliding distance; 0 if there is none."""
-        return float(min(self.distances[self.distances > 0], default=0.0))
+        later = self.distances[self.distances > 0]
+        return float(later.min()) if len(later) else 0.0
 
     @property
     def edge_amplitude(self) -> EdgeAmplitude:
