@@ -69,10 +69,9 @@ def _run(options: argparse.Namespace) -> Status:
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
-    from .predictions.memory import beyond_memory, machine_memory, predict_memory
+    from .predictions.memory import refuse_beyond_memory
 
-    if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
-        raise SceneError(refusal)
+    refuse_beyond_memory(scene, limit=options.memory)
     pictures: tuple[Picture, ...] = ()
     if not options.no_figures:
         from .figures.catalogue import PICTURES
@@ -144,7 +143,8 @@ def _check(options: argparse.Namespace) -> Status:
         from .report.page import show
         from .report.words import Account
 
-        settings = {name: getattr(options, name) for name in ("within", "columns", "units")}
+        names = ("within", "columns", "units", "memory")
+        settings = {name: getattr(options, name) for name in names}
         result = check(scene, others, sizes=sizes, **settings)
         write_numbers(result, folder.hidden)
         write_check(result, folder.hidden)
@@ -178,17 +178,19 @@ def _plan(options: argparse.Namespace) -> Status:
         refuse,
         time_scale,
     )
+    from .predictions.memory import refuse_beyond_memory
     from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
     methods = chosen_methods(scene)
     refuse(scene, methods)
+    refuse_beyond_memory(scene, methods.values(), options.memory)
     warnings = [f"warning: {warning}" for warning in beyond_the_model(scene)]
     print_lines(["", scene.title or "Untitled scene", *time_scale(scene), *warnings, ""])
     print_scope(modelled(scene, methods), left_out(scene, methods))
     print("\nBy method", flush=True)
-    print_lines(f"  {line}" for line in plan(scene))
+    print_lines(f"  {line}" for line in plan(scene, options.memory))
     # compare the finite elements' multipliers with a compliance that resolves all their pressures
     for pair in run(scene.changed(methods=["mdr", "fem"])).operators if options.check else ():
         print(
@@ -323,7 +325,7 @@ COMMANDS = {
         _check,
         (
             *("scene", "files", "--out", "--within", "--columns", "--units", "--refinement"),
-            *("--sizes", "--template"),
+            *("--sizes", "--template", "--memory"),
         ),
     ),
     "fit": Command(
@@ -337,7 +339,7 @@ COMMANDS = {
     "plan": Command(
         "print what a scene models and what it will cost",
         _plan,
-        ("scene", "--check"),
+        ("scene", "--memory", "--check"),
     ),
     "mesh": Command(
         "mesh the half-space of a scene, and write it as a VTU file and a figure",

@@ -11,9 +11,11 @@ from .guesses import OF_RESULTS, missing_attribute
 from .methods.base import Method
 from .outcome.outcome import Outcome
 from .outcome.run import run_as
+from .outcome.scope import methods_of, refuse
 from .output import stored
 from .output.files import run_files, write_numbers
 from .output.folder import output_folder
+from .predictions.memory import refuse_beyond_memory
 from .problem.quantities import DESCRIBED
 from .problem.written import shown
 from .registry import METHODS
@@ -37,6 +39,7 @@ def run(
     methods: Sequence[str | Method] | str | None = None,
     rtol: float | None = None,
     quantities: Sequence[str] | str | None = None,
+    memory: float | None = None,
 ) -> "Result":
     """Compute everything that a scene asks for, by every method it names, and compare them.
 
@@ -90,6 +93,9 @@ def run(
         Relative tolerance, instead of the scene's.
     quantities : sequence of str, optional
         Names of quantities, or of groups of them, instead of the scene's.
+    memory : float, optional
+        Largest memory to use, in GiB; by default that of the machine. A run that is predicted to
+        need more is refused.
 
     Returns
     -------
@@ -117,8 +123,8 @@ def run(
     Raises
     ------
     SceneError
-        If a method cannot solve the scene; the message names the key and the remedy. This is
-        raised before anything is computed.
+        If a method cannot solve the scene, or if memory does not suffice; the message names the key
+        and the remedy. This is raised before anything is computed.
     MeshError
         If a mesh of the half-space cannot be generated.
     SolverError
@@ -167,7 +173,11 @@ def run(
         )
     named = all(isinstance(entry, str) for entry in entries)
     names = [str(entry) for entry in entries] if named and methods is not None else None
-    return run_as(Result, Scene.of(scene, names, rtol, quantities), entries or None)
+    scene = Scene.of(scene, names, rtol, quantities)
+    by_name = methods_of(entries or scene.methods)
+    refuse(scene, by_name)
+    refuse_beyond_memory(scene, by_name.values(), memory)
+    return run_as(Result, scene, entries or None)
 
 
 class Result(Outcome):
@@ -298,6 +308,7 @@ def check(
     columns: Mapping[str, str] | None = None,
     units: str = "",
     sizes: Sequence[float] = (),
+    memory: float | None = None,
 ) -> Checked:
     """Compare results of other programs with ours, at their times and radii.
 
@@ -311,11 +322,13 @@ def check(
     columns : our names by theirs, ``{"p": "pressure"}``
     units : of their results, such as ``"mm, N, MPa, s"``, if they differ from the scene's
     sizes : decreasing element sizes, if the results are those of one program from coarse to fine
+    memory : largest memory to use, in GiB; by default that of the machine
 
     Raises
     ------
     SceneError
-        if a table cannot be read; the message names the file, the line, the column and the remedy
+        if a table cannot be read; the message names the file, the line, the column and the remedy.
+        If there are so many times and radii that memory does not suffice, it says how many fit
 
     Examples
     --------
@@ -330,7 +343,7 @@ def check(
     if not (isinstance(within, float | int) and within > 0):
         raise SceneError(f"within = {shown(within)}: give a positive number, such as 0.01")
     programs, sizes = _by_program(given), numbers("sizes", sizes)
-    return check_as(Checked, scene, programs, methods, within, columns, units, sizes)
+    return check_as(Checked, scene, programs, methods, within, columns, units, sizes, memory)
 
 
 def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":

@@ -3,7 +3,7 @@
 The scene is solved at the times and radii of the other programs, so that nothing is interpolated.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -18,7 +18,10 @@ from ..methods.base import Method, Solution
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
 from ..outcome.scope import chosen_methods, methods_of, refuse
+from ..predictions.memory import refuse_beyond_memory, why_beyond_memory
 from ..problem.problem import Problem
+from ..problem.quantities import FIELDS
+from ..progress import LOG
 from ..registry import METHODS
 from ..scene.keys import listed
 from ..scene.scene import Scene, Source
@@ -29,6 +32,9 @@ from .other_program import OtherProgram
 from .tables import OthersResults, read
 
 Kind = TypeVar("Kind", bound=CheckedOutcome)
+# Copies of the fields of another program that are in memory at once, with their differences to
+# ours; and numbers that the verdict on one quantity at one time takes, with its texts. Measured.
+COPIES_OF_FIELDS, NUMBERS_OF_VERDICT = 8.0, 250.0
 
 
 def write_check(result: CheckedOutcome, directory: Path) -> None:
@@ -60,6 +66,7 @@ def check_as(
     columns: Mapping[str, str] | None = None,
     units: str = "",
     sizes: Sequence[float] = (),
+    memory: float | None = None,
 ) -> Kind:
     """Compare results of other programs with ours, at their times and radii.
 
@@ -74,12 +81,14 @@ def check_as(
     units : of the results, such as ``"mm, N, MPa, s"``, if not those of the scene
     sizes : decreasing sizes of elements or steps, one for each result, if all results are of one
         program, from coarse to fine
+    memory : largest memory to use, in GiB; by default that of the machine
 
     Raises
     ------
     SceneError
         if a table cannot be read, naming the file, the line, the column and the remedy; if a
-        program has the name of one of our methods; or if the sizes do not suit the results
+        program has the name of one of our methods; if the sizes do not suit the results; or if
+        there are so many times and radii that memory does not suffice
     """
     scene = Scene.of(scene)
     if taken_names := [name for name in given if name in METHODS]:
@@ -95,21 +104,24 @@ def check_as(
     tables = {
         name: read(source, name, scene, columns or {}, units) for name, source in given.items()
     }
-    all_rows = pd.concat(tables.values())
-    radii = scene.problem.radii * scene.problem.units.length
-    changes = {
-        "wear__times": np.unique(all_rows["time"]).tolist(),
-        "output__radii": np.union1d(radii, all_rows.get("radius", pd.Series()).dropna()).tolist(),
-        "output__quantities": ["all"],
-        "output__field_times": None,
-    }
-    scene = scene.changed(**changes)
+    scene = _scene_of_tables(scene, tables.values())
     ours = methods_of(listed(methods)) if methods else chosen_methods(scene)
     refuse(scene, ours)
     if not methods:
         # mdr-grid is the paper's own algorithm, of first order: too inaccurate for a reference
         accurate = {name: entry for name, entry in ours.items() if name != "mdr-grid"}
         ours = accurate or methods_of(["mdr", "fem"])
+    numbers = sum(_numbers_at_each_time(scene, table) for table in tables.values())
+    with_fields = any(map(_fields_of, tables.values()))
+    # our own fields are shown, but not needed to check numbers
+    if not with_fields and why_beyond_memory(scene, ours.values(), memory, numbers):
+        LOG.warning(
+            "%d times are too many for fields: ours are left out, because the results have none",
+            len(scene.wear.times),
+        )
+        scene = scene.changed(output__quantities=["history", "steady"])
+    how = {"without_fields": "tables without fields along the radius"} if with_fields else {}
+    refuse_beyond_memory(scene, ours.values(), memory, numbers, **how)
     their_methods = [OtherProgram.from_table(name, table, scene) for name, table in tables.items()]
     result = run(scene, [*ours.values(), *their_methods])
     values = {field.name: getattr(result, field.name) for field in fields(Outcome)}
@@ -120,6 +132,33 @@ def check_as(
     reaches = {name: reach_of_deck(source, scene) for name, source in given.items()}
     decks = {name: reach for name, reach in reaches.items() if reach is not None}
     return kind(**values, given=tuple(given), within=within, sizes=tuple(sizes), decks=decks)
+
+
+def _scene_of_tables(scene: Scene, tables: Iterable[pd.DataFrame]) -> Scene:
+    """Return a scene at the times and radii of tables, with the quantities that they have."""
+    rows = pd.concat(tables)
+    radii = scene.problem.radii * scene.problem.units.length
+    quantities = scene.output.quantities
+    if "all" not in quantities:
+        given = rows.columns.drop(["time", "radius"], errors="ignore")
+        quantities = [*dict.fromkeys([*quantities, *given])]
+    return scene.changed(
+        wear__times=np.unique(rows["time"]).tolist(),
+        output__radii=np.union1d(radii, rows.get("radius", pd.Series()).dropna()).tolist(),
+        output__quantities=quantities,
+        output__field_times=None,
+    )
+
+
+def _fields_of(table: pd.DataFrame) -> list[str]:
+    """Return the fields along the radius in a table."""
+    return [name for name in table if name in FIELDS]
+
+
+def _numbers_at_each_time(scene: Scene, table: pd.DataFrame) -> float:
+    """Return about how many numbers a check of a table needs at each time of the scene."""
+    fields, columns = len(_fields_of(table)), len(table.columns)
+    return COPIES_OF_FIELDS * fields * len(scene.problem.radii) + NUMBERS_OF_VERDICT * columns
 
 
 def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array
+from ...meshes.radial import Array, Indices
 from ..outcome.outcome import Outcome
 from ..sampling.field_differences import FieldComparison, FieldDifference
 from .scale import Scale, shown_times
@@ -38,6 +38,9 @@ PANEL_DECADES, MAP_DECADES = 8, 6
 # cells of a map along the radius, each about a pixel on a screen; a cell shows its greatest
 # difference
 CELLS = 160
+# greatest number of rows of a map, for the same reason; a row shows the greatest difference of its
+# times
+ROWS = 400
 # curves with fewer radii than this have marks
 FEW_RADII = 25
 
@@ -154,6 +157,10 @@ def _draw_map(
     cells = np.linspace(inner, outer, CELLS + 1)
     image = _greatest_in_cells(field.relative, radii, cells)
     rows = cell_edges(heights)
+    if len(heights) > ROWS:
+        starts = _starts_of_rows(heights)
+        image = np.fmax.reduceat(image, starts, axis=0)
+        rows = np.append(heights[starts], heights[-1])
     if not ticks:
         rows = rows.clip(heights[0], heights[-1])
     values = np.ma.masked_invalid(np.maximum(image, limits[0]))
@@ -220,6 +227,16 @@ def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
     nearest = filled[np.abs(middle[empty, None] - middle[filled]).argmin(axis=1)]
     greatest[:, empty] = greatest[:, nearest]
     return greatest
+
+
+def _starts_of_rows(heights: Array) -> Indices:
+    """Return the index of the first time of each row of a map, from the heights (T,) of all times.
+
+    At most `ROWS` rows are equally high; rows without times are left out.
+    """
+    ends = np.linspace(heights[0], heights[-1], ROWS + 1)
+    row = np.clip(np.searchsorted(ends, heights, side="right") - 1, 0, ROWS - 1)
+    return np.unique(row, return_index=True)[1]
 
 
 def _face(scale: Scale) -> tuple[float, float]:

@@ -273,6 +273,13 @@ class Method(ABC):
         """
         return 0.0
 
+    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers at each requested time it keeps besides its results.
+
+        The parameters are those of `numbers_in_memory`.
+        """
+        return 0.0
+
 
 def method(name: str) -> Method:
     """Return the method of that name; its module is only imported now."""

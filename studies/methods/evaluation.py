@@ -9,13 +9,13 @@ difference by a factor.
 from abc import ABC, abstractmethod
 from collections.abc import Set
 from functools import cached_property
-from math import inf, prod
+from math import prod
 from typing import ClassVar
 
 import numpy as np
 
 from ...meshes.compliance import Compliance
-from ...meshes.radial import Array
+from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..sampling.answers import flat_answers
@@ -25,17 +25,30 @@ from ..sizes.defaults import missing_layers
 from ..sizes.ring_edges import amplified_roundoff, root_of_unresolved_wear
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
-from ..wear.unilateral import Mask
 from .error_factors import error_factor
 
 # Indices of the first and of the last of the times.
 ENDS = np.array([0, -1])
 
 
-def near_in_time(times: Array, others: Array) -> Mask:
-    """Return which of other times (T, O) are so near each time that their errors are alike."""
+def near_in_time(times: Array, others: Array) -> tuple[Indices, Indices]:
+    """Return the range (T,), (T,) of other times whose errors are like that at each time.
+
+    The others (O,) increase. The range begins with the first index and ends before the second.
+    """
     factor = error_factor("nearby times")
-    return np.asarray((others >= times[:, None] / factor) & (others <= times[:, None] * factor))
+    first = np.searchsorted(others, times / factor, side="left")
+    return first, np.searchsorted(others, times * factor, side="right")
+
+
+def greatest_in_ranges(values: Array, first: Indices, last: Indices) -> Array:
+    """Return the greatest of values (O,), none negative, in each of the ranges; 0 in an empty one.
+
+    A range begins with `first` (T,) and ends before `last` (T,).
+    """
+    pairs = np.stack([first, np.maximum(first, last)], axis=1).ravel()
+    greatest = np.maximum.reduceat(np.append(values, 0.0), pairs)[::2]
+    return np.where(first < last, greatest, 0.0)
 
 
 def _growing_errors(errors: Array) -> Array:
@@ -54,8 +67,6 @@ class Evaluation(ABC):
     """The wear history on one compliance, and the quantities sampled from it."""
 
     wear: RunningIn | None = None
-    # Largest number of times whose fields are sampled at once.
-    times_at_once: float = inf
     # Quantities that are displacements at one place. Their differences cross zero now and then, so
     # that their error is at least a part of the error of the whole field.
     point_values: ClassVar[Set[str]] = frozenset()
@@ -68,6 +79,10 @@ class Evaluation(ABC):
     @abstractmethod
     def history(self) -> History:
         """The history at the requested times, by the requested march."""
+
+    def history_at(self, rows: Indices) -> History:
+        """Return the history at some of the requested times, given by their indices."""
+        return self.history[rows]
 
     @property
     @abstractmethod
@@ -125,15 +140,7 @@ class Evaluation(ABC):
     def results(self) -> Results:
         """The quantities at the requested times and radii."""
         results, count = self._time_independent(on_face=False), len(self.problem.times)
-        pieces = 1 + int(count // self.times_at_once)
-        sampled = [
-            self.sampler.history(self.history[piece])
-            for piece in np.array_split(np.arange(count), pieces)
-            if len(piece)
-        ]
-        for name in sampled[0] if sampled else ():
-            results[name] = np.concatenate([values[name] for values in sampled])
-        return results
+        return results | self.sampler.at_times(self.history_at, count) if count else results
 
     @cached_property
     def checked(self) -> Results:
@@ -144,7 +151,7 @@ class Evaluation(ABC):
         results = self._time_independent_on_face
         if len(self.problem.times):
             results = results | self.sampler.history(
-                self.history[self.problem.checked], on_face=True
+                self.history_at(self.problem.checked), on_face=True
             )
         return results
 
@@ -169,8 +176,6 @@ class FullContact(Evaluation):
     slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the whole face
     """
 
-    # fields at 1e5 times at once would fill the memory; marches have few times
-    times_at_once = 1024
     point_values = frozenset({"displacement_centre", "displacement_max"})
 
     def __init__(
@@ -199,6 +204,13 @@ class FullContact(Evaluation):
         """The history at the requested times, by the requested march and step."""
         problem = self.problem
         return self.wear.history(problem.times, problem.march, problem.step)
+
+    def history_at(self, rows: Indices) -> History:
+        """Return the history at some of the requested times, given by their indices."""
+        if self.problem.march == "modal" and len(self.problem.times) > self.sampler.times_at_once():
+            # the coefficients at all times would fill the memory
+            return self.wear.modal(self.problem.times[rows])
+        return self.history[rows]
 
     @property
     def exact_in_time(self) -> History:
@@ -234,7 +246,7 @@ class FullContact(Evaluation):
     @cached_property
     def answers(self) -> Results:
         """The numbers of the answer, by the requested march and step."""
-        return self._answers(self.history[ENDS] if len(self.problem.times) else None)
+        return self._answers(self.history_at(ENDS) if len(self.problem.times) else None)
 
     @property
     def answers_exact_in_time(self) -> Results:
@@ -274,7 +286,7 @@ class FullContact(Evaluation):
             error = error * (1 + self._missing_layers)
         if DESCRIBED[name].dims[:1] == ("time",):
             near = near_in_time(self.problem.times, self.problem.estimate_times)
-            error = np.where(near, error, 0.0).max(axis=1)
+            error = greatest_in_ranges(error, *near)
         return np.maximum(error, self._floor(name))
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:

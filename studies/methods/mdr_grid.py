@@ -13,6 +13,7 @@ from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, ring_areas
 from ..problem.problem import Problem
+from ..problem.quantities import GROUPS
 from ..problem.regimes import (
     FALLING_FORCE,
     VARYING_FORCE,
@@ -28,7 +29,7 @@ from ..sizes.marching import steps_between, why_too_many_steps
 from ..wear.history import History
 from .base import Method, Solution, SystemSize, flat_punches_only
 from .error_factors import error_factor
-from .pipeline import DENSE_MATRICES
+from .pipeline import COPIES_OF_STEPS, DENSE_MATRICES, NUMBERS_OF_STEPS
 
 
 class MdrGrid(Method):
@@ -100,6 +101,11 @@ class MdrGrid(Method):
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
         """Return about how many numbers its dense matrices contain."""
         return DENSE_MATRICES * float(problem.mdr.grid) ** 2
+
+    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers of the march, and of its error estimate, each time adds."""
+        on_face = len(problem.face.radii) * sum(map(problem.wants, GROUPS["fields"]))
+        return NUMBERS_OF_STEPS * problem.mdr.grid + COPIES_OF_STEPS * on_face
 
     def _steps(self, problem: Problem) -> float:
         return float(steps_between(problem.times, self._step(problem)).sum())

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from ...meshes.compliance import Compliance
-from ...meshes.radial import Array
+from ...meshes.radial import Array, Indices
 from ..contact.march import ContactMarch
 from ..contact.marched import Marched
 from ..contact.moments import moments, unresolved_height
@@ -16,9 +16,8 @@ from ..sampling.answers import moving_answers
 from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
-from ..wear.unilateral import Mask
 from .error_factors import error_factor
-from .evaluation import ENDS, Evaluation, near_in_time
+from .evaluation import ENDS, Evaluation, greatest_in_ranges, near_in_time
 from .spaces import load_of
 
 # Numbers of the answer that are a quantity at the first (0) or at the last (-1) of the times.
@@ -174,22 +173,23 @@ class MovingContact(Evaluation):
         times = self.estimate_times
         error = self.safety_factor(name) * difference
         later = (times > 0) | self._starts_on_cells
-        nearby = np.where(self._nearby & later, error, 0.0).max(axis=1)
+        nearby = greatest_in_ranges(np.where(later, error, 0.0), *self._nearby)
         error = np.where(later, nearby, error)
         return np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
 
     @cached_property
-    def _nearby(self) -> Mask:
-        """(T, T) which times of the march are near each other, so that their errors are alike.
+    def _nearby(self) -> tuple[Indices, Indices]:
+        """Range (T,), (T,) of the times of the march near each time, whose errors are like its own.
 
         If edges of the contact move, these are seven successive times. If layers of wear limit the
         accuracy, they are times of similar layers: those within a factor, and the adjacent ones.
         """
         times = self.estimate_times
-        apart = np.abs(np.subtract.outer(np.arange(len(times)), np.arange(len(times))))
+        row, count = np.arange(len(times)), len(times)
         if not self.in_layers:
-            return np.asarray(apart <= 3)
-        return near_in_time(times, times) | (apart <= 1)
+            return np.maximum(row - 3, 0), np.minimum(row + 4, count)
+        first, last = near_in_time(times, times)
+        return np.clip(row - 1, 0, first), np.clip(row + 2, last, count)
 
     @property
     def _starts_on_cells(self) -> bool:

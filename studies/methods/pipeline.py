@@ -26,14 +26,14 @@ from ..contact.edges import covers_face
 from ..contact.fitted_press import fit_presses
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
-from ..problem.quantities import COMPARED_MODES
+from ..problem.quantities import COMPARED_MODES, GROUPS
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Refusal, Regime
 from ..progress import Stages
 from ..sampling.answers import merged_answers
 from ..sampling.norms import Results
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.layers import narrowed_for_layers
-from ..sizes.marching import steps_between, why_too_many_steps
+from ..sizes.marching import least_steps, steps_between, why_too_many_steps
 from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
 from ..wear.tension import refuse_tension
@@ -50,6 +50,14 @@ from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 LARGEST_MODE_ERROR = 0.02
 # Number of dense matrices of the size of the compliance that are in memory at once.
 DENSE_MATRICES = 14.0
+# Numbers in memory for each pressure: at each time, of the histories by steps and by modes in full
+# contact; and of each state of a march of moving contact.
+NUMBERS_OF_STEPS, NUMBERS_OF_STATES = 6.0, 5.0
+# Copies of each field on the face at each time, for the error estimate: of those histories; and of
+# moving contact, after refinements (measured on spheres).
+COPIES_OF_STEPS, COPIES_OF_MARCH = 4.0, 6.0
+# Steps of a march for each end of a step that the scene requires, if there are many.
+STEPS_PER_END = 5.0
 
 
 class ComplianceMethod(Method):
@@ -81,11 +89,15 @@ class ComplianceMethod(Method):
                 f"wear.march = '{problem.march}' takes equal steps under a constant load: with a "
                 "load that varies give 'modal'"
             )
+        steps, remedy = 0.0, ""
         if problem.step and problem.march != "modal":
             steps = float(steps_between(problem.times, problem.step).sum())
-            remedy, most = "give a larger wear.step, or march = 'modal'", problem.contact.most_steps
-            if reason := why_too_many_steps(steps, remedy, most):
-                return reason
+            remedy = "give a larger wear.step, or march = 'modal'"
+        elif not problem.full_contact:
+            steps = least_steps(problem)
+            remedy = "a step ends at each of wear.times and of the times of the load: give fewer"
+        if reason := why_too_many_steps(steps, remedy, problem.contact.most_steps):
+            return reason
         if not len(problem.times) and (reason := problem.load_regime.refused_without_times):
             return reason
         if problem.march not in problem.contact.marches:
@@ -104,6 +116,19 @@ class ComplianceMethod(Method):
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
         """Return about how many numbers its dense matrices contain."""
         return DENSE_MATRICES * float(pressures) ** 2
+
+    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers of a march, and of its error estimate, each time adds.
+
+        Modes are evaluated at some times after the others, and add none.
+        """
+        if problem.full_contact and problem.march == "modal":
+            return 0.0
+        on_face = len(problem.face.radii) * sum(map(problem.wants, GROUPS["fields"]))
+        if problem.full_contact:
+            return NUMBERS_OF_STEPS * pressures + COPIES_OF_STEPS * on_face
+        steps_per_time = STEPS_PER_END * least_steps(problem) / max(len(problem.times), 1)
+        return NUMBERS_OF_STATES * pressures * steps_per_time + COPIES_OF_MARCH * on_face
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the solution: discretise, wear, sample, and estimate errors."""
@@ -205,7 +230,7 @@ def _solve_one(
     )
     may_need_tension = problem.ground is not None or problem.keeps_contact
     if may_need_tension and problem.earliest:
-        refuse_tension(problem, fine.compliance.space, fine.history)
+        refuse_tension(problem, fine.compliance.space, fine.history_at)
     return _solution(method.remedy(problem), discretisation, fine, coarse)
 
 

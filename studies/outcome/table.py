@@ -27,6 +27,8 @@ from ..scene.scene import Scene
 from ..versions import versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
 
+# the quantities of results, which are non-dimensional, and of the answer
+_SCALED = QUANTITIES | ANSWER | STEPS
 Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 
 
@@ -55,10 +57,15 @@ def tabulate(
             offsets = [0.0, problem.profile.standoff, 0.0, 0.0]
             results = results | dict(zip(STEPS, (march.path + offsets).T, strict=True))
         errors = {error_name(key): error for key, error in solution.errors.items()}
-        reported.append(in_units(problem, results) | errors | answers[name])
+        # with their units; scaled copies of all fields would take as much memory as the table
+        scales = {key: size_of_unit(problem, key) for key in results if key in _SCALED}
+        reported.append(
+            {key: (results[key], scale) for key, scale in scales.items()}
+            | {key: (values, 1.0) for key, values in (errors | answers[name]).items()}
+        )
 
     def longest(name: str) -> int:
-        return max((values[name].shape[-1] for values in reported if name in values), default=0)
+        return max((values[name][0].shape[-1] for values in reported if name in values), default=0)
 
     sizes = {
         "time": len(problem.times),
@@ -94,8 +101,9 @@ def tabulate(
         array = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
         for row, values in enumerate(reported):
             if name in values:
-                common_part = common(values[name].shape, array.shape[1:])
-                array[row, ...][common_part] = values[name][common_part]
+                own, scale = values[name]
+                common_part = common(own.shape, array.shape[1:])
+                array[row, ...][common_part] = own[common_part] * scale
         attributes = describe(quantity.definition, quantity.unit)
         variables[name] = (("solver", *quantity.dims), array, attributes)
     # take the radii from the scene, because scaling non-dimensional ones may change the last digit
@@ -139,9 +147,13 @@ def tabulate(
 
 def in_units(problem: Problem, results: Results) -> dict[str, Array]:
     """Return the quantities of non-dimensional results in the units of the scene."""
-    described = QUANTITIES | ANSWER | STEPS
     return {
-        name: value * getattr(problem.units, described[name].unit)
+        name: value * size_of_unit(problem, name)
         for name, value in results.items()
-        if name in described
+        if name in _SCALED
     }
+
+
+def size_of_unit(problem: Problem, name: str) -> float:
+    """Return the size of the unit of a quantity, in the units of the scene."""
+    return float(getattr(problem.units, _SCALED[name].unit))

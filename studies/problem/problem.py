@@ -61,6 +61,12 @@ LEAST_CHANGE = 0.01
 MOST_CHANGES_AT_ONCE = 1_000_000
 
 
+def _least_positive(values: Array) -> float:
+    """Return the least positive one of some values; 0 if there is none."""
+    positive = values[values > 0]
+    return float(positive.min()) if len(positive) else 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """The non-dimensional problem that methods solve. Vary it with `dataclasses.replace`.
@@ -310,7 +316,7 @@ class Problem:
     @property
     def earliest(self) -> float:
         """The least positive one of `worn_distances`; 0 if there is none."""
-        return float(min(self.worn_distances[self.worn_distances > 0], default=0.0))
+        return _least_positive(self.worn_distances)
 
     @property
     def shortest_decay(self) -> float:
@@ -318,8 +324,7 @@ class Problem:
 
         Modes that decay within a much shorter distance do not contribute to the history.
         """
-        decays = self._worn_since_changes[1]
-        return float(min(decays[decays > 0], default=0.0))
+        return _least_positive(self._worn_since_changes[1])
 
     @property
     def edge_amplitude(self) -> EdgeAmplitude:

@@ -17,6 +17,8 @@ OVER_TIME = ("pressure", "profile", "displacement")
 IN_STEADY_STATE = ("steady_pressure", "steady_profile")
 # Lower limit of the norm of a field, over its largest norm over time: a smaller norm is roundoff.
 ROUNDOFF = 1e-9
+# Relative difference up to which two times count as the same.
+SAME_TIME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +94,7 @@ def compare_fields(
     Norms are those of `studies/problem/quantities.py`, with integrals over the face by the
     trapezoidal rule between the radii of the report.
     """
-    same = np.isclose(reference["time"][:, None], other["time"], rtol=1e-9, atol=0)
-    rows, other_rows = np.nonzero(same)
+    rows, other_rows = _common_times(reference["time"], other["time"])
     radii = reference["radius"]
     interpolated = radii.shape != other["radius"].shape or not np.allclose(radii, other["radius"])
     fields: list[FieldDifference] = []
@@ -113,6 +114,14 @@ def compare_fields(
             fields += _difference(problem, name, reference, rows, values, other_values, estimates)
     edges = reference.get("contact_edge", np.empty((len(reference["time"]), 0)))[rows]
     return FieldComparison(*names, tuple(fields), edges, interpolated)
+
+
+def _common_times(times: Array, other_times: Array) -> tuple[Indices, Indices]:
+    """Return the indices of the times that two increasing sequences have in common, in both."""
+    nearest = np.searchsorted(other_times, times * (1 - SAME_TIME))
+    rows = np.flatnonzero(nearest < len(other_times))
+    rows = rows[other_times[nearest[rows]] <= times[rows] * (1 + SAME_TIME)]
+    return rows, nearest[rows]
 
 
 def _difference(

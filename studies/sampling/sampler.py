@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, ring_areas
+from ...meshes.radial import Array, Indices, ring_areas
 from ..contact.edges import worn_edges
 from ..contact.worn_face import WornFace
 from ..problem.problem import Problem
@@ -18,6 +18,9 @@ from ..wear.history import History
 from .norms import Results, radial_weight
 
 AVERAGES = ("line", "area")
+# numbers of a field, or of the coefficients of a history, that are computed at once: at more times
+# the intermediate results would fill the memory
+NUMBERS_AT_ONCE = 2**20
 Values = dict[str, Callable[[], Array]]
 
 
@@ -199,6 +202,10 @@ class Sampler:
             "rms_slope": lambda: self._rms_slope(slopes()),
         }
 
+    def times_at_once(self, on_face: bool = False) -> int:
+        """Return the number of times at which quantities are computed at once."""
+        return max(1, NUMBERS_AT_ONCE // max(len(self._radii(on_face)), self.space.size))
+
     def history(self, history: History, on_face: bool = False) -> Results:
         """Return the quantities that depend on time.
 
@@ -208,6 +215,30 @@ class Sampler:
         on_face : whether fields are at the radii of the face of the punch, not at those of the
             output; then quantities that cannot be compared are left out
         """
+        count = len(history.distances)
+        if count <= self.times_at_once(on_face):
+            return self._at_once(history, on_face)
+        return self.at_times(history.__getitem__, count, on_face)
+
+    def at_times(
+        self, history_at: Callable[[Indices], History], count: int, on_face: bool = False
+    ) -> Results:
+        """Return the quantities at many times, computed at some of them after the others.
+
+        Parameters
+        ----------
+        history_at : returns the history at some of the times, given by their indices
+        count : number of times
+        on_face : as for `history`
+        """
+        results = Results()
+        for rows in np.array_split(np.arange(count), -(-count // self.times_at_once(on_face))):
+            for name, values in self._at_once(history_at(rows), on_face).items():
+                results[name] = _with_rows(results.get(name), rows, values, count)
+        return results
+
+    def _at_once(self, history: History, on_face: bool) -> Results:
+        """Return the quantities that depend on time, as `history` does."""
         problem, radii, pressed = self.problem, self._radii(on_face), history.pressed
         values: Values = {
             "pressure": lambda: self.pressures(history, radii),
@@ -298,6 +329,24 @@ class Sampler:
             for name, value in values.items()
             if name in always or self.problem.wants(name)
         }
+
+
+def _with_rows(whole: Array | None, rows: Indices, values: Array, count: int) -> Array:
+    """Return an array of `count` times with the values (len(rows), ...) at some of them.
+
+    Times may have different numbers of values, such as edges of the contact; NaN fills the gaps.
+    """
+    if len(rows) == count:
+        return values
+    if whole is None:
+        whole = np.full((count, *values.shape[1:]), np.nan, values.dtype)
+    if values.ndim > 1 and (missing := values.shape[1] - whole.shape[1]) > 0:
+        whole = np.pad(whole, ((0, 0), (0, missing)), constant_values=np.nan)
+    if values.ndim == 1:
+        whole[rows] = values
+    else:
+        whole[rows, : values.shape[1]] = values
+    return whole
 
 
 # functions that sample the face, by the contact of the problem

@@ -16,6 +16,7 @@ from scipy.linalg.blas import dsymv
 from scipy.linalg.lapack import dtbtrs
 from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
+from scipy.special import dawsn, erfcx
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array, unit_gauss
@@ -23,6 +24,9 @@ from ..problem.loading import Loading, State
 
 # relative error of the history and of the slowest relaxation times by the Krylov projection
 KRYLOV_TOLERANCE = 1e-13
+# exponent of a decay from which on its mean is computed in closed form where the speed varies, and
+# number of Gauss points below it, which give all digits there
+LEAST_EXPONENT, POINTS_OF_LITTLE_DECAY = 0.1, 8
 # greatest number of relaxation times in results
 SHOWN_RELAXATION_TIMES = 20
 
@@ -175,20 +179,43 @@ def mean_decay(exponent: Array, bend: Array) -> Array:
     Notes
     -----
     With u the remaining fraction of the interval, ``tau_1 - tau = distance u (1 + bend (1 - u))``.
-    The integral is truncated where the integrand is below exp(-40); on the rest, 48 Gauss points
-    give all digits.
+    The mean is the integral over u from 0 to 1. It is ``(1 - exp(-exponent)) / exponent`` at a
+    constant speed, and otherwise a difference of Dawson functions or scaled error functions (Gauss
+    points for small exponents, for which that difference cancels).
     """
-    bend, roundoff = bend[:, None], 40.0
-    # u at which exponent (u (1 + bend) - bend u^2) = 40, by each of the two terms alone
-    with np.errstate(divide="ignore"):
-        linear = roundoff / (exponent * np.clip(1 + bend, 0.0, 1.0))
-        square = np.sqrt(roundoff / (exponent * np.maximum(-bend, 0.0)))
-    reach = np.minimum(np.minimum(linear, square), 1.0)
-    mean = np.zeros_like(exponent)
-    for point, weight in zip(*unit_gauss(48), strict=True):
-        remaining = reach * point
-        mean += weight * reach * np.exp(-exponent * remaining * (1 + bend * (1 - remaining)))
+    mean, constant = np.ones_like(exponent), bend == 0
+    decayed = exponent[constant]
+    mean[constant] = np.divide(
+        -np.expm1(-decayed), decayed, out=np.ones_like(decayed), where=decayed > 0
+    )
+    bends, small = np.broadcast_to(bend[:, None], exponent.shape), exponent < LEAST_EXPONENT
+    for selected, formula in (
+        ((bends != 0) & small, _mean_of_little_decay),
+        ((bends > 0) & ~small, _mean_at_rising_speed),
+        ((bends < 0) & ~small, _mean_at_falling_speed),
+    ):
+        if selected.any():
+            mean[selected] = formula(exponent[selected], bends[selected])
     return mean
+
+
+def _mean_of_little_decay(exponent: Array, bend: Array) -> Array:
+    points, weights = unit_gauss(POINTS_OF_LITTLE_DECAY)
+    paths = points * (1 + bend[:, None] * (1 - points))
+    return np.asarray(np.exp(-exponent[:, None] * paths) @ weights)
+
+
+def _mean_at_rising_speed(exponent: Array, bend: Array) -> Array:
+    # exponent (u (1 + bend) - bend u^2) = end^2 - (end - root u)^2
+    root, end = np.sqrt(exponent * bend), (1 + bend) * np.sqrt(exponent / bend) / 2
+    return np.asarray((dawsn(end) - np.exp(-exponent) * dawsn(end - root)) / root)
+
+
+def _mean_at_falling_speed(exponent: Array, bend: Array) -> Array:
+    # exponent (u (1 + bend) - bend u^2) = (start + root u)^2 - start^2
+    root, start = np.sqrt(-exponent * bend), (1 + bend) * np.sqrt(-exponent / bend) / 2
+    difference = erfcx(start) - np.exp(-exponent) * erfcx(start + root)
+    return np.asarray(np.sqrt(np.pi) / 2 * difference / root)
 
 
 def every_mode(

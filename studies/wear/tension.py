@@ -1,9 +1,12 @@
 """Refuse histories in which full contact would need tension."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ...meshes.errors import SolverError
 from ...meshes.pressure_space import PressureSpace
+from ...meshes.radial import Indices
 from ..problem.problem import Problem
 from .history import History
 
@@ -11,7 +14,9 @@ from .history import History
 MOST_TENSION = 10.0
 
 
-def refuse_tension(problem: Problem, space: PressureSpace, history: History) -> None:
+def refuse_tension(
+    problem: Problem, space: PressureSpace, history_at: Callable[[Indices], History]
+) -> None:
     """Raise if full contact takes tension during wear, which is not modelled.
 
     On a homogeneous half-space, pressures that are positive at the start stay positive under a
@@ -22,7 +27,7 @@ def refuse_tension(problem: Problem, space: PressureSpace, history: History) -> 
     ----------
     problem : a flat punch
     space : the space of the pressures
-    history : the history at the times of the problem
+    history_at : returns the history at some of the times of the problem, given by their indices
 
     Raises
     ------
@@ -30,7 +35,7 @@ def refuse_tension(problem: Problem, space: PressureSpace, history: History) -> 
         with the time and the remedy
     """
     later = problem.checked[problem.distances[problem.checked] > 0]
-    pressure = (space.matrix(problem.face.radii) @ history[later].pressure.T).T
+    pressure = (space.matrix(problem.face.radii) @ history_at(later).pressure.T).T
     allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
     if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:
         time = float(problem.times[later][lost_contact[0]]) * problem.units.time

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from ....meshes.radial import Array
 from ...problem.problem import Problem
@@ -19,6 +20,8 @@ from .table import Table
 # numbers of time steps in the longest interval between results, at which the error of first-order
 # steps is measured; integers, so that no step there is shorter than its nominal length
 STEP_COUNTS = np.array([64.0, 48, 40, 32, 25, 20, 16, 13, 10, 8, 6, 5, 4, 3, 2])
+# greatest number of times at which these steps end
+MAX_STEP_ENDS = 1000
 # part of the radius at which errors by large elements at the rim are predicted
 RIM_PART = 0.02
 # greatest relative difference of the tables to our results that is corrected by a factor
@@ -44,7 +47,7 @@ class Model:
     comparison: Comparison
     solve: Solve
     _tables: dict[object, Table] = field(default_factory=dict)
-    _interpolations: dict[float, Array] = field(default_factory=dict)
+    _interpolations: dict[float, csr_matrix] = field(default_factory=dict)
 
     @property
     def problem(self) -> Problem:
@@ -91,7 +94,7 @@ class Model:
         """Return fields (T, M) and numbers (T,) of a setting: `Histories.of`."""
         return self._histories.of(setting)
 
-    def _interpolation(self, factor: float) -> Array:
+    def _interpolation(self, factor: float) -> csr_matrix:
         """Return the matrix (R, M) that interpolates from the M radii of the tables to theirs.
 
         The radii of the other program are multiplied by the factor.
@@ -101,17 +104,21 @@ class Model:
             radii = np.clip(radii * factor, nodes[0], nodes[-1])
             right = np.clip(np.searchsorted(nodes, radii), 1, len(nodes) - 1)
             fraction = (radii - nodes[right - 1]) / (nodes[right] - nodes[right - 1])
-            matrix = np.zeros((len(radii), len(nodes)))
-            matrix[np.arange(len(radii)), right - 1] = 1 - fraction
-            matrix[np.arange(len(radii)), right] = fraction
-            self._interpolations[factor] = matrix
+            rows = np.arange(len(radii))
+            self._interpolations[factor] = csr_matrix(
+                (
+                    np.concatenate([1 - fraction, fraction]),
+                    (np.concatenate([rows, rows]), np.concatenate([right - 1, right])),
+                ),
+                shape=(len(radii), len(nodes)),
+            )
         return self._interpolations[factor]
 
     def _compared_numbers(self, histories: Results, factor: float) -> Array:
         """Return the numbers (T, K) that are compared, with radii times a factor."""
         means, columns = None, []
         if len(self.comparison.radii):
-            means = self.comparison.part_means @ self._interpolation(factor)
+            means = (self._interpolation(factor).T @ self.comparison.part_means.T).T
         for name in self.comparison.quantities:
             values = histories[name]
             reduced = values[:, None] if means is None or values.ndim < 2 else values @ means.T
@@ -283,17 +290,20 @@ class Model:
     def _time_step_errors(self) -> tuple[Array, Array]:
         """Lengths (L,) of implicit steps in the units of the scene; errors (L, S, K) over them.
 
-        A step ends at each time of the other program.
+        A step ends at each time of the other program, or at `MAX_STEP_ENDS` of them.
         """
         unit, comparison = self.problem.units.time, self.comparison
         _, wear = self._histories.solution
         assert wear is not None  # the solution of a flat punch has it
-        times = comparison.times / unit
+        count, compared = len(comparison.times), comparison.time_rows
+        spread = np.linspace(0, count - 1, min(count, MAX_STEP_ENDS)).round().astype(int)
+        ends = np.union1d(spread, compared)
+        times, rows = comparison.times[ends] / unit, np.searchsorted(ends, compared)
         lengths = float(np.diff(times, prepend=0.0).max()) / STEP_COUNTS
         sampler = Sampler(self._histories.problem, wear.compliance.space, wear.compliance)
-        force = {"normal_force": np.ones(len(comparison.time_rows))}
+        force = {"normal_force": np.ones(len(compared))}
         exact, *stepped = (
-            self._compared_numbers(force | sampler.history(history[comparison.time_rows]), 1.0)
+            self._compared_numbers(force | sampler.history(history[rows]), 1.0)
             for history in (
                 wear.modal(times),
                 *(wear.history(times, "implicit", length) for length in lengths.tolist()),
@@ -355,14 +365,13 @@ class Model:
         """Return the pressures (S, R) of a setting at their times and radii, over ours."""
         pressure_pair = []
         for each in (setting, Setting()):
-            interpolation = self._interpolation(each.table_radii / each.radius)
-            pressures = self.histories(each)["pressure"] @ interpolation.T
+            pressures = self.histories(each)["pressure"]
             table = Table(
                 self._histories.times, pressures, np.zeros(pressures.shape[1], dtype=bool)
             )
-            pressure_pair.append(
-                table.at(self.history_times(each, self.times)) * self.scales(each)[1]
-            )
+            at_times = table.at(self.history_times(each, self.times)) * self.scales(each)[1]
+            interpolation = self._interpolation(each.table_radii / each.radius)
+            pressure_pair.append((interpolation @ at_times.T).T)
         with np.errstate(all="ignore"):
             ratio = pressure_pair[0] / pressure_pair[1] * setting.pressure
         ratio *= self.factors_by_name(setting).get("pressure", 1.0)
