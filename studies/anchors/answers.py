@@ -4,8 +4,8 @@ import numpy as np
 
 from ...meshes.radial import Array
 from .anchor import Row, Rows
+from .many_rings import displace_by_many_rings
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
-from .steady import displace_by_many_rings
 
 # relative step in time of the difference quotient that gives the decay rate of the running-in
 RELATIVE_TIME_STEP = 1e-3
@@ -64,7 +64,7 @@ def _steady_displacement(report: Reported) -> tuple[Array, float]:
     """
     if not report.graded:
         return report.steady_displacement(report.face.radii), 0.0
-    displacement, _ = displace_by_many_rings(report, report.face.radii)
+    displacement, _ = displace_by_many_rings(report.reading, report.face.radii)
     return displacement.value, displacement.error
 
 

@@ -1,18 +1,13 @@
 """Check the steady state against direct integration (Eqs. 21 to 27)."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...mdr import direct
-from ...meshes.radial import Array, unit_gauss
 from ..sampling.norms import radial_weight
 from .anchor import Row, Rows
+from .many_rings import displace_by_many_rings
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
-# numbers of rings that approximate a wear coefficient along the radius, for an extrapolation: the
-# error is proportional to the inverse square of the number
-FEW_RINGS, MANY_RINGS = 100, 200
 # relative tolerance of the least and greatest steady pressure on a ring with a constant k
 PRESSURE_EXTREMES_TOLERANCE = 1e-9
 
@@ -71,7 +66,7 @@ def _compare_with_many_rings(report: Reported) -> Rows:
     Replacing the pressure by its means over rings is of second order in their width, which allows
     an extrapolation from two numbers of rings.
     """
-    displacement, greatest = displace_by_many_rings(report, report.radii)
+    displacement, greatest = displace_by_many_rings(report.reading, report.radii)
     value = report.take("steady_displacement_max")
     tolerance = report.rtol + greatest.error / greatest.value
     yield Row("steady_displacement_max by many rings", value, greatest.value, tolerance)
@@ -88,55 +83,3 @@ def _compare_with_many_rings(report: Reported) -> Rows:
         tolerance = report.rtol + REFERENCE_ERROR_FACTOR * abs(slope - less_accurate_slope) / slope
         value = report.take("steady_rms_slope")
         yield Row("steady RMS slope of the profile", value, slope, tolerance)
-
-
-class Extrapolated(NamedTuple):
-    """Values that are extrapolated from two numbers of rings, and a bound on their errors.
-
-    The bound is the difference of the two, which is much larger than the error.
-    """
-
-    value: Array
-    error: float
-
-
-def displace_by_many_rings(report: Reported, radii: Array) -> tuple[Extrapolated, Extrapolated]:
-    """Return the steady displacements (R,) at radii (R,), and the greatest steady displacement."""
-    coarse, fine = (_displace_by_rings(report, count, radii) for count in (FEW_RINGS, MANY_RINGS))
-    displacement, greatest = (
-        Extrapolated(last + (last - first) / 3, float(np.abs(last - first).max()))
-        for first, last in zip(coarse, fine, strict=True)
-    )
-    return displacement, greatest
-
-
-def _displace_by_rings(report: Reported, count: int, at_radii: Array) -> tuple[Array, Array]:
-    """Compute the steady displacements (R,) at radii (R,), and the greatest steady displacement.
-
-    The steady pressure is replaced by its mean on each ring. The rings are `count` rings of
-    `_even_edges`, divided at the ring edges of the scene.
-    """
-    scene_edges = report.problem.merged.ring_edges
-    edges = np.union1d(_even_edges(report, count), scene_edges[scene_edges >= report.inner_radius])
-    nodes, weights = unit_gauss(3)
-    widths = np.diff(edges)[:, None]
-    radii = edges[:-1, None] + widths * nodes
-    pressures = report.steady_wear_rate / report.reading.wear_at(radii)
-    means = np.sum(pressures * radii * weights * widths, axis=1) / (np.diff(edges**2) / 2)
-    if report.inner_radius:
-        edges, means = np.append(0.0, edges), np.append(0.0, means)
-    ground = report.reading.ground
-    displacement = direct.displacement(edges, means, at_radii, ground)
-    return displacement, direct.greatest_displacement(edges, means, ground)
-
-
-def _even_edges(report: Reported, count: int) -> Array:
-    """Return the edges (count + 1,) of rings across which the wear coefficient k changes little.
-
-    The width of a ring, in punch radii, plus the change of log k across it is the same for all
-    rings. So k changes little in any of them, and no ring is much wider than the others.
-    """
-    radii = np.linspace(report.inner_radius, 1, 4001)
-    changes = np.abs(np.diff(np.log(report.reading.wear_at(radii))))
-    measure = np.append(0.0, np.cumsum(np.diff(radii) + changes))
-    return np.interp(np.linspace(0, measure[-1], count + 1), measure, radii)

@@ -243,6 +243,20 @@ class Problem:
         means = (heights[1:] + heights[:-1]) / 2
         return float((heights.max() - means) / self.merged.at(between) @ areas)
 
+    @property
+    def least_steps(self) -> int:
+        """The number of steps that a march of a contact that moves needs at least.
+
+        Once all of the face is in contact, relaxation modes take the place of steps if the load is
+        constant.
+        """
+        if not len(self.times):
+            return 0
+        ends = self.loading.step_ends(self.times)
+        if self.loading.varies or self.indentation is not None:
+            return len(ends)
+        return int(np.count_nonzero(ends < self.time_to_wear_flat))
+
     @cached_property
     def reason_not_steady(self) -> str:
         """The reason why no steady state under a force is reported; empty if there is one."""
