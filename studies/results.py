@@ -54,7 +54,8 @@ def run(
         bundled scene, a file, or nested dictionaries. Its numbers are in any consistent units.
     methods : sequence of str or Method, optional
         Names of methods, or your own Method objects, instead of the scene's methods. Results and
-        figures are in this order.
+        figures are in this order. If neither gives any, those of 'mdr', 'direct' and 'fem' that can
+        solve the scene; ``summary["left_out"]`` names the others, with the reasons.
 
         ========  ========================  ========================  ==================  =======
         name      gives                     punches                   error falls         seconds
