@@ -12,7 +12,6 @@ import numpy as np
 
 from ...meshes.radial import Array
 from ..problem.quantities import FIELDS, QUANTITIES
-from ..problem.unit_names import UnitNames
 from .causes import mesh, modelling_mistakes, output_mistakes
 from .causes.cause import Cause
 from .causes.comparison import Comparison
@@ -309,7 +308,7 @@ def distinguishing_result(
     mistake : one of the mistakes of `hypothesis`
     rival : cause of one of the mistakes of `other`
     """
-    unit, names = model.problem.units, UnitNames.of(model.comparison.scene.units)
+    unit, names = model.problem.units, model.names
     last = float(model.times.max())
     times = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
     with_mistake, with_rival = (
