@@ -1,7 +1,8 @@
 """The results of a run as lines and tables of text, for the terminal and for the page."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..problem.unit_names import UnitNames
 from ..scene.scene import Scene
 
+if TYPE_CHECKING:
+    from ..figures.style import Picture
+
 Rows = list[dict[str, str]]
 
 
@@ -21,12 +25,20 @@ class Account:
     """All texts about a run: tables, lines and the verdict.
 
     Answers are those of the first method that computes them, with their units.
+
+    Attributes
+    ----------
+    template : template of the page
     """
+
+    template: ClassVar[str] = "run.html.j2"
 
     def __init__(self, result: Outcome) -> None:
         self.result, self.scene = result, result.scene
         self.names = UnitNames.of(self.scene.units)
         self.title = self.scene.title or "Untitled scene"
+        if result.of_others:
+            self.title = f"{', '.join(result.of_others)} checked against {self.title}"
         self.modelled = modelled(self.scene, result.methods)
         self.left_out = left_out(self.scene, result.methods)
         self.defaults = defaults_taken(self.scene)
@@ -58,8 +70,18 @@ class Account:
 
     @property
     def brief(self) -> list[str]:
-        """The title, up to six lines of the answer, and the verdict in a sentence."""
+        """The title, up to six lines of the answer, and the verdict in a sentence.
+
+        The verdict on results of other programs takes the place of the answer.
+        """
+        if self.result.about_others:
+            verdict = f"Our own methods: {self.verdict_line}"
+            return [self.title, "", *self.result.about_others, "", verdict]
         return [self.title, *columns(self.answers[:6]), self.verdict_line]
+
+    def first_figures(self, pictures: Iterable["Picture"]) -> list[str]:
+        """Return the files of the figures that the page shows before the answer: none for a run."""
+        return []
 
     @cached_property
     def rings(self) -> Rows:
