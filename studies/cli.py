@@ -111,7 +111,7 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
 
 
 def _check(options: argparse.Namespace) -> Status:
-    from .figures.catalogue import PICTURES
+    from .check.pictures import CHECK_PICTURES
     from .output.files import run_files, write_numbers
 
     scene = Scene.load(options.scene)
@@ -137,21 +137,21 @@ def _check(options: argparse.Namespace) -> Status:
     halved_sizes = [0.5**level for level in range(len(others))]
     sizes = options.sizes or (halved_sizes if options.refinement else [])
     out = _out(options, f"check_{Path(options.scene).stem}")
-    files = run_files(PICTURES) | {"check.csv", "refinement.png"}
+    files = run_files(CHECK_PICTURES) | {"check.csv"}
     with output_folder(out, "check", files) as folder:
         from .check.check import check, write_check
+        from .report.check_words import CheckAccount
         from .report.page import show
-        from .report.words import Account
 
         names = ("within", "columns", "units", "memory")
         settings = {name: getattr(options, name) for name in names}
         result = check(scene, others, sizes=sizes, **settings)
         write_numbers(result, folder.hidden)
         write_check(result, folder.hidden)
-        account = Account(result)
-        print_lines(["", account.title, "", *result.lines, f"Ours: {account.verdict_line}"])
+        account = CheckAccount(result)
+        print_lines(["", *account.brief])
         sys.stdout.flush()
-        failures = show(result, account, PICTURES, folder.hidden, page=True)
+        failures = show(result, account, CHECK_PICTURES, folder.hidden, page=True)
     _print_files(folder, failures)
     if failures:
         return Status.FAILED

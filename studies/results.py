@@ -190,7 +190,7 @@ class Result(Outcome):
 
     def __repr__(self) -> str:
         """Return the answer in a few lines, the verdict, and warnings."""
-        return "\n".join(Account(self).brief)
+        return "\n".join(self._account.brief)
 
     def _repr_html_(self) -> str:
         """Return the answer, the verdict and one figure as HTML, for notebooks."""
@@ -204,9 +204,19 @@ class Result(Outcome):
     @property
     def _pictures(self) -> "dict[str, Picture]":
         """The figures that can be drawn from the results, by their names."""
+        drawn = (picture for picture in self._catalogue() if picture.drawn_for(self))
+        return {Path(picture.file).stem: picture for picture in drawn}
+
+    def _catalogue(self) -> "Sequence[Picture]":
+        """Return the figures that such results may have."""
         from .figures.catalogue import PICTURES
 
-        return {Path(picture.file).stem: picture for picture in PICTURES if picture.drawn_for(self)}
+        return PICTURES
+
+    @property
+    def _account(self) -> Account:
+        """All texts about the results."""
+        return Account(self)
 
     def __getitem__(self, quantity: str) -> "DataArray":
         """Return a quantity or a coordinate of `dataset`.
@@ -268,12 +278,12 @@ class Result(Outcome):
         RingwearError
             if a figure cannot be drawn
         """
-        from .figures.catalogue import PICTURES
         from .report.page import show
 
-        with output_folder(folder, "run", run_files(PICTURES)) as out:
+        pictures = self._catalogue()
+        with output_folder(folder, "run", run_files(pictures)) as out:
             write_numbers(self, out.hidden)
-            if failures := show(self, Account(self), PICTURES, out.hidden, page=True):
+            if failures := show(self, self._account, pictures, out.hidden, page=True):
                 raise RingwearError("; ".join(failures))
         return out.written
 
@@ -296,8 +306,22 @@ def load(folder: str | Path) -> Stored:
 class Checked(Result, checked.CheckedOutcome):
     """A run together with results of other programs, which are compared with it.
 
-    `verdicts`, `diagnoses` and `passes` describe these results.
+    `verdicts`, `diagnoses` and `passes` describe these results. The texts and figures are about
+    these results first, and then about our own methods.
     """
+
+    def _catalogue(self) -> "Sequence[Picture]":
+        """Return the figures that a check may have, those of the checked results first."""
+        from .check.pictures import CHECK_PICTURES, shows_others
+
+        return sorted(CHECK_PICTURES, key=lambda picture: not shows_others(picture, self))
+
+    @property
+    def _account(self) -> Account:
+        """All texts about the results of other programs, and about ours."""
+        from .report.check_words import CheckAccount
+
+        return CheckAccount(self)
 
 
 @naming_arguments

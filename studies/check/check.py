@@ -13,7 +13,6 @@ import pandas as pd
 
 from ...meshes.errors import SceneError
 from ..decks.reports import reach_of_deck
-from ..figures.style import in_style
 from ..methods.base import Method, Solution
 from ..outcome.outcome import Outcome
 from ..outcome.run import run
@@ -25,7 +24,6 @@ from ..progress import LOG
 from ..registry import METHODS
 from ..scene.keys import listed
 from ..scene.scene import Scene, Source
-from ..study.errors_over_size import draw_errors
 from ..tables import write_csv
 from .checked import CheckedOutcome
 from .other_program import OtherProgram
@@ -38,18 +36,9 @@ COPIES_OF_FIELDS, NUMBERS_OF_VERDICT = 8.0, 250.0
 
 
 def write_check(result: CheckedOutcome, directory: Path) -> None:
-    """Write the errors to `check.csv`, and draw those of a refinement over its sizes."""
+    """Write the errors to `check.csv`."""
     rows = pd.DataFrame(asdict(row) for row in result.verdicts)
     write_csv(rows, directory / "check.csv")
-    names = result.scene.unit_names
-    curves = {
-        f"{row.label(names)}, order {row.sequence.order:.2g}": row.sequence
-        for row in result.refinements
-    }
-    if curves:
-        with in_style():
-            figure = draw_errors({"size": curves}, "error, relative to ours", result.scene.title)
-            figure.savefig(directory / "refinement.png")
 
 
 def check(scene: Source, given: Mapping[str, OthersResults], **how: Any) -> CheckedOutcome:

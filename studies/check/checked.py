@@ -3,16 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..figures.scale import Scale
 from ..outcome.outcome import Outcome
 from ..progress import LOG
 from ..sampling.field_differences import OVER_TIME
+from .causes.histories import PRINTED
 from .diagnose import Comparison, Diagnosis, diagnose
-from .verdict import Verdict, best, in_words, verdicts
+from .verdict import Verdict, best, quantity_errors, verdicts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +46,9 @@ class CheckedOutcome(Outcome):
         return tuple(
             row
             for name in self.given
-            for row in verdicts(self.scene, self.solutions, name, self.within)
+            for row in verdicts(
+                self.scene, self.solutions, name, self.within, "".join(self.compared_in_fields[:1])
+            )
         )
 
     @property
@@ -56,8 +59,19 @@ class CheckedOutcome(Outcome):
     @property
     def passes(self) -> bool:
         """Whether judged results are within the allowed error, and our methods do not disagree."""
-        all_within = all(row.within for row in self.verdicts if row.solver in self.judged)
-        return all_within and self.verdict != "disagree"
+        return all(map(self.is_within, self.judged)) and self.verdict != "disagree"
+
+    def is_within(self, name: str) -> bool:
+        """Return whether all results of a program are within the allowed error.
+
+        Those that cannot be compared do not count, but at least one must be compared.
+        """
+        rows = self.verdicts_on(name)
+        return bool(rows) and all(row.within for row in rows)
+
+    def verdicts_on(self, name: str) -> list[Verdict]:
+        """Return the verdicts on a program."""
+        return [row for row in self.verdicts if row.solver == name]
 
     @property
     def compared_in_fields(self) -> tuple[str, ...]:
@@ -93,8 +107,12 @@ class CheckedOutcome(Outcome):
         return tuple(refinements(self.verdicts, self.given, self.sizes)) if self.sizes else ()
 
     def compare(self, name: str) -> Comparison:
-        """Return the results of a program, and ours at its times and radii."""
-        dataset = self.dataset[list(self.solutions[name].results)].sel(solver=name)
+        """Return the results of a program, and ours at its times and radii.
+
+        Quantities on which mistakes have no known effect are left out.
+        """
+        printed = [key for key in self.solutions[name].results if key in PRINTED]
+        dataset = self.dataset[printed].sel(solver=name)
         for dim in list(dataset.dims):
             dataset = dataset.dropna(dim, how="all")
         theirs = {str(key): array.values for key, array in dataset.items()}
@@ -122,21 +140,33 @@ class CheckedOutcome(Outcome):
     @property
     def lines(self) -> list[str]:
         """The verdict on the other programs in sentences."""
-        names, lines = self.scene.unit_names, list[str]()
+        lines = list[str]()
         for name in self.judged:
-            judged = [row for row in self.verdicts if row.solver == name]
-            lines.append(f"{name}: {self._verdict_on(judged)}")
-            for _, rows in groupby(judged, lambda row: row.quantity):
-                lines.append(f"{name}: {in_words(list(rows), names)}")
-            lines += [
-                f"{name}: the error looks like {diagnosis.words} (confidence "
-                f"{diagnosis.confidence:.0%}). To confirm: {diagnosis.confirm}"
-                for diagnosis in self.diagnoses[name]
-            ]
-        return lines + [f"refinement: {row.in_words(names)}" for row in self.refinements]
+            errors = quantity_errors(self.verdicts_on(name), Scale.of(self))
+            sentences = [self.verdict_on(name), *map(str, errors), *self.mistakes_of(name)]
+            lines += [f"{name}: {sentence}" for sentence in sentences]
+        return lines + self.refinement_lines
 
-    def _verdict_on(self, judged: list[Verdict]) -> str:
+    @property
+    def refinement_lines(self) -> list[str]:
+        """The convergence of each quantity, in sentences; empty without a refinement."""
+        names = self.scene.unit_names
+        return [f"refinement: {row.in_words(names)}" for row in self.refinements]
+
+    def mistakes_of(self, name: str) -> list[str]:
+        """Return the mistakes that may explain the errors of a program, the likeliest first."""
+        mistakes = [
+            f"the error looks like {diagnosis.words} (confidence {diagnosis.confidence:.0%}). To "
+            f"confirm: {diagnosis.confirm}"
+            for diagnosis in self.diagnoses[name]
+        ]
+        if mistakes or self.is_within(name):
+            return mistakes
+        return ["no mistake that was tried explains the error"]
+
+    def verdict_on(self, name: str) -> str:
         """Return a sentence on whether all quantities of a program are within the allowed error."""
+        judged = self.verdicts_on(name)
         exceeding = dict.fromkeys(row.quantity for row in judged if not row.within)
         quantities = dict.fromkeys(row.quantity for row in judged)
         if not judged:
@@ -148,19 +178,22 @@ class CheckedOutcome(Outcome):
         return f"{counts} differ from ours by more than {self.within:.3g}: {names}"
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """The verdict on the results of other programs, then the notes of our methods."""
-        return (*self.lines, *super().notes)
+    def about_others(self) -> tuple[str, ...]:
+        """The verdict on the results of other programs, in sentences."""
+        return tuple(self.lines)
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The summary of the run, with the verdicts and diagnoses of the other programs' results.
+        """The summary of the run, with the verdict on the results of other programs in words.
 
-        There, numbers that are not finite are None, because JSON cannot express them.
+        It also contains their errors and the mistakes that may explain these.
+
+        Numbers that are not finite are None, because JSON cannot express them.
         """
         rows = [_json_row(row) for row in self.verdicts]
         looks = {name: [_json_row(row) for row in self.diagnoses[name]] for name in self.judged}
-        return super().summary | {"verdicts": rows, "diagnoses": looks}
+        check = {"passes": self.passes, "within": self.within, "lines": self.lines}
+        return super().summary | {"check": check, "verdicts": rows, "diagnoses": looks}
 
 
 def _json_row(row: Verdict | Diagnosis) -> dict[str, object]:

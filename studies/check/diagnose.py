@@ -308,7 +308,7 @@ def distinguishing_result(
     mistake : one of the mistakes of `hypothesis`
     rival : cause of one of the mistakes of `other`
     """
-    unit, names = model.problem.units, model.comparison.scene.unit_names
+    unit, names = model.problem.units, model.names
     last = float(model.times.max())
     times = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
     with_mistake, with_rival = (

@@ -58,9 +58,9 @@ class Refinement:
     def in_words(self, names: UnitNames) -> str:
         """Return a line on the order, the errors and the grid convergence index."""
         sequence, (limit, index) = self.sequence, self.estimate
-        orders = ", ".join(_order_in_words(order) for order in sequence.orders)
+        orders = ", ".join(order_in_words(order) for order in sequence.orders)
         line = (
-            f"{self.label(names)}: order {_order_in_words(sequence.order)} (between successive "
+            f"{self.label(names)}: order {order_in_words(sequence.order)} (between successive "
             f"sizes: {orders}), errors {sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
         )
         if not sequence.counted.all():
@@ -103,5 +103,7 @@ def refinements(
             yield Refinement(sequence, time)
 
 
-def _order_in_words(order: float) -> str:
-    return "unknown" if np.isnan(order) else f"{order:.2g}"
+def order_in_words(order: float) -> str:
+    """Return an order of convergence as text, with at most two decimals."""
+    # an order of -0.001 is 0
+    return "unknown" if np.isnan(order) else f"{round(order, 2) or 0.0:.2g}"

@@ -1,15 +1,17 @@
 """Measure the errors of another program's results in our norms, and put them into words."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
 
 import numpy as np
 
+from ..figures.scale import Scale
 from ..methods.base import Solution
 from ..problem.quantities import FIELDS
-from ..problem.unit_names import UnitNames
 from ..progress import LOG
+from ..sampling.field_differences import root_mean_square
 from ..sampling.norms import differences
 from ..scene.scene import Scene
 
@@ -32,8 +34,11 @@ class Verdict:
     error : relative, in the norm of the quantity; positive where the program's value is too high,
         but always positive for pressures, for which it is a root mean square
     stated : relative error estimate of our value
-    radius : radius at which a field is worst, in the units of the scene; NaN for other quantities
+    radius : radius at which the difference of a field is largest, in the units of the scene; NaN
+        for other quantities
     there : signed error at that radius; of pressures, relative to our pressure there
+    largest : largest difference at one radius, relative to the same as `error`; of pressures, to
+        the root mean square of our pressure
     """
 
     solver: str
@@ -44,6 +49,7 @@ class Verdict:
     stated: float
     radius: float
     there: float
+    largest: float
 
 
 def best(solutions: Solutions, quantity: str) -> str:
@@ -56,7 +62,9 @@ def best(solutions: Solutions, quantity: str) -> str:
     return min(errors, key=errors.__getitem__, default="")
 
 
-def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Iterator[Verdict]:
+def verdicts(
+    scene: Scene, solutions: Solutions, name: str, limit: float, reference: str = ""
+) -> Iterator[Verdict]:
     """Yield the error of every quantity of a program, at each of its times.
 
     Parameters
@@ -64,12 +72,16 @@ def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Ite
     solutions : of our methods and of the program
     name : of the program
     limit : relative error that is allowed
+    reference : our method that fields are compared with, as in the figure of the difference; if
+        empty, and for all other quantities, the method with the smallest error estimate
     """
     problem, results, times = scene.problem, solutions[name].results, scene.wear.times
     rings = problem.merged
     for quantity in filter(partial(best, solutions), results):
-        our_solution = solutions[best(solutions, quantity)]
-        is_field, our_values = quantity in FIELDS, our_solution.results[quantity]
+        is_field = quantity in FIELDS
+        method = reference if is_field and reference else best(solutions, quantity)
+        our_solution = solutions[method]
+        our_values = our_solution.results[quantity]
         compared = np.isfinite(results[quantity] - our_values)
         if quantity == "pressure":
             # the pressure jumps at ring edges and has no value there
@@ -87,51 +99,136 @@ def verdicts(scene: Scene, solutions: Solutions, name: str, limit: float) -> Ite
             else np.where(compared, values, 0.0)
             for values in (results[quantity], our_values)
         )
-        reference = our_solution.results | {quantity: ours}
-        errors = differences({quantity: theirs}, reference, face)[quantity]
+        reference_values = our_solution.results | {quantity: ours}
+        errors = differences({quantity: theirs}, reference_values, face)[quantity]
         gaps = (theirs - ours).reshape(len(times), -1)
         # where nothing presses, there is no value to which an error could be relative
         unbounded = (errors == 0) & (np.abs(gaps) > 1e-9 * np.abs(ours).max()).any(axis=1)
         errors = np.where(unbounded, np.inf, errors)
-        sizes = np.abs(gaps) * (np.sqrt(face.wear) if quantity == "pressure" else 1.0)
+        sizes = np.abs(gaps)
+        if quantity == "pressure":
+            unworn = problem.distances[:, None] == 0
+            root_weights = np.where(unworn, np.sqrt(face.edge_weights), 1.0)
+            weights = face.weights * compared[:, columns]
+            scale = root_mean_square(ours * root_weights, weights)[:, None]
+            sizes = sizes * root_weights
+            infinite = np.where(sizes > 0, np.inf, 0.0)
+            sizes = np.divide(sizes, scale, out=infinite, where=scale > 0)
         worst = np.arange(len(times)), sizes.argmax(axis=1)
         local = np.copysign(errors, gaps[worst])
-        signed = local
+        signed, largest = local, errors
         if quantity == "pressure":
             signed, local = errors, gaps[worst] / np.where(ours[worst], ours[worst], np.nan)
+            largest = np.where(np.isinf(errors), np.inf, sizes[worst])
         for row in np.flatnonzero(compared.reshape(len(times), -1).any(axis=1)):
             radius = radii[worst[1][row]] * problem.units.length if is_field else np.nan
             stated = our_solution.errors[quantity][row]
-            numbers = map(float, (times[row], signed[row], stated, radius, local[row]))
-            yield Verdict(name, quantity, bool(errors[row] <= max(limit, stated)), *numbers)
+            numbers = times[row], signed[row], stated, radius, local[row], largest[row]
+            within = bool(errors[row] <= max(limit, stated))
+            yield Verdict(name, quantity, within, *map(float, numbers))
 
 
-def in_words(rows: Sequence[Verdict], names: UnitNames) -> str:
-    """Return a line on the errors of one quantity of a program, from its verdicts at all times."""
-    worst = max(rows, key=lambda row: abs(row.error) - row.stated)
-    quantity, time = worst.quantity, f"t = {names.write(worst.time, 'time', 3)}"
-    line = f"{quantity.replace('_', ' ')}: "
-    estimate = "(our value is given by the scene)"
-    if worst.stated:
-        estimate = f"(our error estimate: {worst.stated:.0e})"
-    if np.isinf(worst.error):
-        return f"{line}not zero although nothing presses, at {time}"
-    if abs(worst.error) <= worst.stated:
-        return f"{line}no error found {estimate}"
-    if quantity in FIELDS:
-        place, size = f" r = {names.write(worst.radius, 'length', 3)}", _percent(worst.error)
-        line += f"{_sign(worst.error)} by {size} of the indentation {estimate}"
-        if quantity == "pressure":
-            # there is no relative error where our pressure is 0
-            if np.isfinite(worst.there):
-                place += f": {_percent(worst.there)} {_sign(worst.there)}"
-            line = f"pressure: root mean square error of {size} {estimate}"
-        return f"{line}, worst at {time},{place}"
-    line += f"{_percent(worst.error)} {_sign(worst.error)} {estimate}"
-    spread = np.ptp([row.error for row in rows])
-    if len(rows) > 1 and spread <= 0.1 * abs(worst.error):
-        return f"{line}, at all times"
-    return f"{line}, {'worst ' if len(rows) > 1 else ''}at {time}"
+@dataclass(frozen=True)
+class QuantityError:
+    """The errors of one quantity of a program, over all times, as texts.
+
+    Parameters
+    ----------
+    rows : the verdicts on the quantity, at each of its times
+    scale : writes times and radii as the figures do
+    """
+
+    rows: Sequence[Verdict]
+    scale: Scale
+
+    @property
+    def quantity(self) -> str:
+        """The name of the quantity in words."""
+        return self.rows[0].quantity.replace("_", " ")
+
+    @property
+    def within(self) -> bool:
+        """Whether the error is within the allowed error at all times."""
+        return all(row.within for row in self.rows)
+
+    @property
+    def worst(self) -> Verdict:
+        """The verdict at the time at which the error exceeds our error estimate most."""
+        return max(self.rows, key=lambda row: abs(row.error) - row.stated)
+
+    @property
+    def largest(self) -> Verdict:
+        """The verdict at the time at which the difference at one radius is largest."""
+        significant = [row for row in self.rows if abs(row.error) > row.stated]
+        return max(significant or self.rows, key=lambda row: row.largest)
+
+    @property
+    def found(self) -> bool:
+        """Whether the error is larger than our error estimate at some time."""
+        return abs(self.worst.error) > self.worst.stated
+
+    @property
+    def error(self) -> str:
+        """The greatest error, and its norm."""
+        row = self.worst
+        if not self.found:
+            return "no error found"
+        if np.isinf(row.error):
+            return "not zero although nothing presses"
+        if row.quantity == "pressure":
+            return f"root mean square error of {_percent(row.error)}"
+        if row.quantity in FIELDS:
+            return f"{_sign(row.error)} by {_percent(row.error)} of the indentation"
+        return f"{_percent(row.error)} {_sign(row.error)}"
+
+    @property
+    def place(self) -> str:
+        """When, and at which radius, the error is largest; empty if there is none."""
+        row, errors = self.worst, [row.error for row in self.rows]
+        if not self.found:
+            return ""
+        when = self.scale.when(row.time)
+        if row.quantity in FIELDS and row.quantity != "pressure" and np.isfinite(row.error):
+            return f"{when}, {self.scale.where(row.radius)}"
+        # a norm over the face has no radius
+        constant = row.quantity not in FIELDS and np.ptp(errors) <= 0.1 * abs(row.error)
+        return "all times" if constant and len(errors) > 1 else when
+
+    @property
+    def at_one_radius(self) -> str:
+        """The largest difference of pressures at one radius; empty for other quantities."""
+        row = self.largest
+        if row.quantity != "pressure" or not self.found or np.isinf(self.worst.error):
+            return ""
+        text = f"{self.scale.when(row.time)}, {self.scale.where(row.radius)}: "
+        # there is no relative error where our pressure is 0
+        if np.isfinite(row.there):
+            text += f"{_percent(row.there)} {_sign(row.there)}, "
+        return f"{text}{_percent(row.largest)} of the root mean square pressure"
+
+    @property
+    def estimate(self) -> str:
+        """Our own error estimate at the time of the greatest error."""
+        if not self.worst.stated:
+            return "our value is given by the scene"
+        return f"our error estimate: {self.worst.stated:.0e}"
+
+    def __str__(self) -> str:
+        """Return all of this in one line."""
+        line = f"{self.quantity}: {self.error} ({self.estimate})"
+        if self.place == "all times":
+            line += ", at all times"
+        elif self.place:
+            line += f", {'largest ' if len(self.rows) > 1 else ''}at {self.place}"
+        if self.at_one_radius:
+            line += f"; at one radius largest at {self.at_one_radius}"
+        return line
+
+
+def quantity_errors(rows: Iterable[Verdict], scale: Scale) -> list[QuantityError]:
+    """Return the errors of each quantity, from the verdicts on one program."""
+    groups = groupby(rows, lambda row: row.quantity)
+    return [QuantityError(tuple(group), scale) for _, group in groups]
 
 
 def _percent(error: float) -> str:

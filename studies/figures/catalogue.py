@@ -1,6 +1,7 @@
 """List the figures of a run: file name, caption, drawing function, and required data."""
 
 from ..outcome.outcome import Outcome
+from ..sampling.field_differences import OVER_TIME
 from .contact import draw_contact
 from .difference import draw_result_difference
 from .history import draw_history
@@ -23,6 +24,7 @@ PICTURES = (
         "times.",
         draw_states,
         lambda result: result.gives("profile", "pressure"),
+        ("profile", "pressure"),
     ),
     Picture(
         "history.png",
@@ -30,6 +32,7 @@ PICTURES = (
         "methods.",
         draw_history,
         _has_history,
+        ("displacement_max", "indentation", "normal_force", "rms_slope"),
     ),
     Picture(
         "contact.png",
@@ -51,6 +54,7 @@ PICTURES = (
         "differences over radius and time, with the largest one marked.",
         draw_result_difference,
         lambda result: bool(result.field_comparisons),
+        OVER_TIME,
     ),
     Picture(
         "operator_difference.png",

@@ -286,10 +286,9 @@ def _largest_in_words(field: FieldDifference, scale: Scale) -> str:
     row, index = field.largest
     if not field.relative[row, index]:
         return "no difference"
-    unit = scale.axes["length"][1]
-    radius = f"{scale.shown('radius', field.radii[index]):.4g} {unit}".rstrip()
     time = f", {scale.when(field.times[row])}" if np.isfinite(field.times[row]) else ""
-    return f"largest {one_digit(float(field.relative[row, index]))} at r = {radius}{time}"
+    size = one_digit(float(field.relative[row, index]))
+    return f"largest {size} at {scale.where(field.radii[index])}{time}"
 
 
 def _note(comparison: FieldComparison, others: Sequence[FieldComparison]) -> str:

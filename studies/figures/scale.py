@@ -210,6 +210,11 @@ class Scale:
             return f"t = {number:g} {name}".rstrip()
         return f"t = {self.names.write(time, 'time', 3)}"
 
+    def where(self, radius: float) -> str:
+        """Return a radius as text, in the unit of the axis."""
+        _, unit = self.axes["length"]
+        return f"r = {self.shown('radius', radius):.4g} {unit}".rstrip()
+
     def height(self, value: float) -> str:
         """Return a height of the face as text."""
         unit, name = self.names.readable(value, "displacement")

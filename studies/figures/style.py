@@ -100,12 +100,15 @@ class Picture(NamedTuple):
         Function that draws the figure.
     drawn_for : Result -> bool
         Function that returns whether a result has the data of the figure.
+    quantities : tuple of str
+        Quantities that the figure shows by every method and by every other program.
     """
 
     file: str
     caption: str
     draw: Callable[[Any], Figure]
     drawn_for: Callable[[Any], bool]
+    quantities: tuple[str, ...] = ()
 
     def figure(self, result: Any) -> Figure:
         """Return the figure of a result."""

@@ -54,8 +54,9 @@ DENSE_MATRICES = 14.0
 # contact; and of each state of a march of moving contact.
 NUMBERS_OF_STEPS, NUMBERS_OF_STATES = 6.0, 5.0
 # Copies of each field on the face at each time, for the error estimate: of those histories; and of
-# moving contact, after refinements (measured on spheres).
-COPIES_OF_STEPS, COPIES_OF_MARCH = 4.0, 6.0
+# moving contact, after refinements (measured on spheres). Fields of each state at the radii of the
+# output.
+COPIES_OF_STEPS, COPIES_OF_MARCH, COPIES_OF_STATES = 4.0, 6.0, 8.0
 # Steps of a march for each end of a step that the scene requires, if there are many.
 STEPS_PER_END = 5.0
 
@@ -128,7 +129,9 @@ class ComplianceMethod(Method):
         if problem.full_contact:
             return NUMBERS_OF_STEPS * pressures + COPIES_OF_STEPS * on_face
         steps_per_time = STEPS_PER_END * problem.least_steps / max(len(problem.times), 1)
-        return NUMBERS_OF_STATES * pressures * steps_per_time + COPIES_OF_MARCH * on_face
+        # states after each step, and their fields, which figures show
+        states = NUMBERS_OF_STATES * pressures + COPIES_OF_STATES * len(problem.radii)
+        return states * steps_per_time + COPIES_OF_MARCH * on_face
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the solution: discretise, wear, sample, and estimate errors."""

@@ -258,6 +258,11 @@ class Outcome:
         return ()
 
     @property
+    def about_others(self) -> tuple[str, ...]:
+        """The verdict on the results of other programs, in sentences; empty if there are none."""
+        return ()
+
+    @property
     def compared_in_fields(self) -> tuple[str, ...]:
         """Methods that compute the same fields: the reference, the one drawn, and the others.
 

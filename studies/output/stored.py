@@ -59,6 +59,11 @@ class StoredOutcome(Outcome):
         )
 
     @property
+    def about_others(self) -> tuple[str, ...]:
+        """The verdict on the results of other programs, in sentences; empty if there are none."""
+        return tuple(self.stored_summary.get("check", {}).get("lines", ()))
+
+    @property
     def verdict(self) -> str:
         """The verdict in `summary.json`: `agree`, `disagree` or `undecided`."""
         return str(self.stored_summary["verdict"])

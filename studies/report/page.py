@@ -1,6 +1,6 @@
 """Draw the figures of a run and write its page (report.html)."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,7 +31,7 @@ def show(
 
 
 def write_report(
-    result: Outcome, account: Account, pictures: Iterable["Picture"], path: Path
+    result: Outcome, account: Account, pictures: Sequence["Picture"], path: Path
 ) -> None:
     """Write the page of a run, with those of the pictures whose files are in the same folder."""
     from .slides import slides  # imported here: it loads matplotlib, which other runs do not need
@@ -42,6 +42,17 @@ def write_report(
             "stress.png is not drawn: nothing presses at the times of the fields inside the "
             "half-space. Give output.field_times at which the force is not 0."
         )
-    context = {"account": account, "title": account.title, "missing": missing}
-    captions = {picture.file: picture.caption for picture in pictures}
-    write_page(path, "run.html.j2", result.scene, captions, slides=slides(result), **context)
+    captions = {
+        picture.file: picture.caption
+        for picture in pictures
+        if (path.parent / picture.file).exists()
+    }
+    first = [file for file in account.first_figures(pictures) if file in captions]
+    context = {
+        "account": account,
+        "title": account.title,
+        "missing": missing,
+        "first_figures": first,
+        "other_figures": [file for file in captions if file not in first],
+    }
+    write_page(path, account.template, result.scene, captions, slides=slides(result), **context)

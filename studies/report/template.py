@@ -2,7 +2,7 @@
 
 import base64
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
@@ -10,10 +10,20 @@ from ..scene.scene import Scene
 from ..versions import versions
 
 
+class Shown(NamedTuple):
+    """A figure on a page: the image, in base 64, and its caption."""
+
+    image: str
+    caption: str
+
+
 def write_page(
     path: Path, template: str, scene: Scene, captions: dict[str, str], **context: Any
 ) -> None:
-    """Write a page from a template, with the captioned figures that are in the same folder."""
+    """Write a page from a template, with the captioned figures that are in the same folder.
+
+    The template gets them as `pictures`, by the names of their files.
+    """
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -21,11 +31,11 @@ def write_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    pictures = [
-        (base64.b64encode(file.read_bytes()).decode(), caption)
+    pictures = {
+        name: Shown(base64.b64encode(file.read_bytes()).decode(), caption)
         for name, caption in captions.items()
         if (file := path.parent / name).exists()
-    ]
+    }
     page = environment.get_template(template).render(
         pictures=pictures, scene=scene.to_toml(), versions=versions(), **context
     )

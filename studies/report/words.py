@@ -1,7 +1,8 @@
 """The results of a run as lines and tables of text, for the terminal and for the page."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from ..outcome.scope import Methods, left_out, modelled, omitted_methods
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..scene.scene import Scene
 
+if TYPE_CHECKING:
+    from ..figures.style import Picture
+
 Rows = list[dict[str, str]]
 
 
@@ -20,12 +24,20 @@ class Account:
     """All texts about a run: tables, lines and the verdict.
 
     Answers are those of the first method that computes them, with their units.
+
+    Attributes
+    ----------
+    template : template of the page
     """
+
+    template: ClassVar[str] = "run.html.j2"
 
     def __init__(self, result: Outcome) -> None:
         self.result, self.scene = result, result.scene
         self.names = self.scene.unit_names
         self.title = self.scene.title or "Untitled scene"
+        if result.of_others:
+            self.title = f"{', '.join(result.of_others)} checked against {self.title}"
         self.modelled = modelled(self.scene, result.methods)
         self.left_out = left_out(self.scene, result.methods)
         self.defaults = methods_taken(self.scene, result.methods) + defaults_taken(self.scene)
@@ -69,8 +81,18 @@ class Account:
 
     @property
     def brief(self) -> list[str]:
-        """The title, up to six lines of the answer, the verdict in a sentence, and warnings."""
+        """The title, up to six lines of the answer, the verdict in a sentence, and warnings.
+
+        The verdict on results of other programs takes the place of the answer.
+        """
+        if self.result.about_others:
+            verdict = f"Our own methods: {self.verdict_line}"
+            return [self.title, "", *self.result.about_others, "", verdict, *self.warnings]
         return [self.title, *columns(self.answers[:6]), self.verdict_line, *self.warnings]
+
+    def first_figures(self, pictures: Iterable["Picture"]) -> list[str]:
+        """Return the files of the figures that the page shows before the answer: none for a run."""
+        return []
 
     @cached_property
     def rings(self) -> Rows:

@@ -173,7 +173,7 @@ def _difference(
             root_weights = np.where(unworn[:, None], np.sqrt(face.edge_weights), 1.0)
             gaps, values = gaps * root_weights, np.where(compared, values, 0.0) * root_weights
         weights = face.weights * compared
-        scale = _root_mean_square(values, weights)
+        scale = root_mean_square(values, weights)
     elif over_time:
         scale = _depth(problem, reference)[rows][times_compared]
     else:
@@ -183,7 +183,7 @@ def _difference(
     # if nothing presses, only roundoff is left
     relative = gaps / np.maximum(scale, ROUNDOFF * scale.max())[:, None]
     if "pressure" in name:
-        norms = _root_mean_square(relative, weights)
+        norms = root_mean_square(relative, weights)
     else:
         norms = np.nanmax(relative, axis=1)
     errors = (error[times_compared] for error in estimates)
@@ -236,7 +236,7 @@ def _difference_in_even_wear(
     return np.asarray(_least_worn_depth(problem, reference)[rows] * ratios)
 
 
-def _root_mean_square(values: Array, weights: Array) -> Array:
+def root_mean_square(values: Array, weights: Array) -> Array:
     """Return the weighted root mean square (T,) of values (T, R), by weights (T, R)."""
     squares = np.where(weights > 0, values, 0.0) ** 2
     return np.asarray(np.sqrt((weights * squares).sum(axis=1) / weights.sum(axis=1)))

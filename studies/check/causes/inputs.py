@@ -87,8 +87,9 @@ class WearRatio(WrongInput):
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
         value = wear_values(model.comparison.scene)[self.material]
+        wear = model.names.write(value, "wear_coefficient")
         return (
-            f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g} is "
+            f"a wrong ratio of wear coefficients: that of the material with k = {wear} is "
             f"{sizes[0]:.4g} times ours"
         )
 
@@ -151,8 +152,10 @@ class ExchangedMaterials(WrongInput):
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
         values = wear_values(model.comparison.scene)
-        first, second = (values[material] for material in self.materials)
-        return f"swapped wear coefficients of two materials, {first:.4g} and {second:.4g}"
+        first, second = (
+            model.names.write(values[material], "wear_coefficient") for material in self.materials
+        )
+        return f"swapped wear coefficients of two materials, {first} and {second}"
 
 
 class LayerInput(WrongInput):

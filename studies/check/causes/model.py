@@ -10,6 +10,7 @@ from scipy.sparse import csr_matrix
 from ....meshes.radial import Array
 from ...problem.problem import Problem
 from ...problem.quantities import QUANTITIES
+from ...problem.unit_names import UnitNames
 from ...sampling.norms import Results
 from ...sampling.sampler import Sampler
 from .comparison import Comparison
@@ -53,6 +54,11 @@ class Model:
     def problem(self) -> Problem:
         """The problem of the scene."""
         return self.comparison.scene.problem
+
+    @property
+    def names(self) -> UnitNames:
+        """The units of the scene, in which numbers are written."""
+        return self.comparison.scene.unit_names
 
     @property
     def flat(self) -> bool:

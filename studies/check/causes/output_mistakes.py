@@ -288,7 +288,9 @@ class LateStart(Cause):
 
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
-        return f"a history that starts too late, at about t = {sizes[0]:.3g}"
+        return (
+            f"a history that starts too late, at about t = {model.names.write(sizes[0], 'time', 3)}"
+        )
 
 
 class FirstOrderStep(Cause):
@@ -320,7 +322,8 @@ class FirstOrderStep(Cause):
     def sentence(self, model: Model, setting: Setting, sizes: Sizes) -> str:
         """Return what the error looks like, with its number, as a noun phrase."""
         kind = "implicit" if sizes[0] > 0 else "explicit"
-        return f"{kind} time steps of first order, about {abs(sizes[0]):.3g} long"
+        length = model.names.write(abs(sizes[0]), "time", 3)
+        return f"{kind} time steps of first order, about {length} long"
 
 
 def known_factor(model: Model, size: float) -> str:

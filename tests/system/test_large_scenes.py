@@ -1,0 +1,281 @@
+"""Scenes and tables with a great many times or radii: computed in parts, or refused at once.
+
+Extremes are tested by what is predicted, not by filling the memory.
+"""
+
+import resource
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import QuadMesh
+
+from ringwear import Scene, check, plan, run
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.cli import main
+from ringwear.studies.figures.difference import ROWS, draw_difference
+from ringwear.studies.figures.scale import Scale
+from ringwear.studies.methods.error_factors import error_factor
+from ringwear.studies.methods.evaluation import greatest_in_ranges, near_in_time
+from ringwear.studies.predictions.memory import memory_need, predict_memory
+from ringwear.studies.sampling import sampler
+from ringwear.studies.sampling.field_differences import compare_fields
+
+FIVE = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
+SPHERE = Scene.load("sphere").changed(methods=["mdr"], accuracy__rtol=1e-2)
+
+
+def with_times(scene, count, last=2.0):
+    """Return a scene with evenly spaced times."""
+    return scene.changed(wear__times=np.linspace(0, last, count).tolist())
+
+
+def seconds(call, *arguments):
+    """Return the processor seconds of a call."""
+    start = time.process_time()
+    call(*arguments)
+    return time.process_time() - start
+
+
+def count_that_fits(error):
+    """Return the number of times that a refusal says would fit."""
+    text = str(error.value)
+    return int(text.partition("give at most ")[2].partition(" of the ")[0])
+
+
+def test_a_million_times_are_refused_with_the_number_that_fits():
+    limit = 8.0
+    scene = with_times(FIVE, 1_000_000)
+    with pytest.raises(SceneError, match="GiB are needed, and 8 are allowed") as error:
+        run(scene, memory=limit)
+    fitting = count_that_fits(error)
+    assert "of the 1000000 times" in str(error.value)
+    assert "['history', 'steady']" in str(error.value)
+    # three fields at 321 radii need at least this
+    assert fitting * 321 * 3 * 8 < limit * 2**30
+    assert predict_memory(with_times(FIVE, fitting)) <= limit
+    assert predict_memory(with_times(FIVE, int(1.2 * fitting))) > limit
+    # without fields the run fits
+    histories = scene.changed(output__quantities=["history", "steady"])
+    assert predict_memory(histories) < limit
+
+
+@pytest.mark.parametrize(
+    ("count", "changes", "words"),
+    [
+        (1000, {"output__radii": np.linspace(0, 1, 1_000_000).tolist()}, "1000000 output.radii"),
+        (1000, {"punch__rings": 100_000}, "give fewer punch.rings"),
+        (100_000, {"wear__march": "implicit", "wear__step": 1e-3}, "of the 100000 times"),
+    ],
+    ids=["radii", "rings", "steps"],
+)
+def test_other_extremes_are_refused_at_once(count, changes, words):
+    scene, lines = with_times(FIVE, count).changed(**changes), []
+    assert seconds(lambda: lines.extend(plan(scene, 8.0))) < 3
+    (line,) = lines
+    assert line.startswith("refused: ")
+    assert words in line
+    with pytest.raises(SceneError) as error:
+        run(scene, memory=8.0)
+    assert line.removeprefix("refused: ") == str(error.value)
+
+
+def test_commands_refuse_in_one_line_and_write_nothing(tmp_path, capsys):
+    (tmp_path / "scene.toml").write_text(with_times(FIVE, 20_000).to_toml(), "utf-8")
+    table = pd.DataFrame({"time": np.linspace(0, 2, 20_000), "radius": 0.3, "pressure": 1.0})
+    table.to_csv(tmp_path / "theirs.csv", index=False)
+    scene, out = str(tmp_path / "scene.toml"), ["--out", str(tmp_path / "out")]
+    limit = ["--memory", "0.5"]
+    for call in (
+        ["run", scene, *out, *limit],
+        ["plan", scene, *limit],
+        ["check", scene, str(tmp_path / "theirs.csv"), *out, *limit],
+    ):
+        assert main(call) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "GiB are needed, and 0.5 are allowed: give at most " in line
+        assert "of the 20000 times" in line
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("memory", [0, -1, "8 GB"])
+def test_a_memory_that_is_no_positive_number_is_refused(memory):
+    with pytest.raises(SceneError, match="give GiB as a positive number"):
+        run("flat_punch", memory=memory)
+
+
+def test_a_march_with_too_many_ends_of_steps_is_refused_before_it_begins():
+    """A step ends at each time, so that 300 000 times need as many steps."""
+    scene = with_times(SPHERE, 300_000, 1.0).changed(output__quantities=["history"])
+    with pytest.raises(SceneError, match="3e\\+05 steps are needed") as error:
+        run(scene)
+    assert "a step ends at each of wear.times" in str(error.value)
+
+
+def million_rows(kind):
+    """Return a table with a million rows, and as many different times."""
+    count = 1_000_000
+    table = pd.DataFrame({"time": np.linspace(0, 2, count)})
+    if kind == "depths":
+        return table.assign(indentation=1 + table["time"])
+    # each time has its own radius, or one of five
+    radii = (np.arange(count) * 0.618) % 0.99 if kind == "radii" else np.resize([0.1, 0.5], count)
+    return table.assign(radius=radii, pressure=1.0)
+
+
+@pytest.mark.parametrize("kind", ["times", "radii", "depths"])
+def test_a_table_of_a_million_times_is_refused_with_the_number_that_fits(kind):
+    """The limit is far below what a million times need, and no array of that size is made."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(SceneError, match="of the 1000000 times") as error:
+        check(FIVE, {"theirs": million_rows(kind)}, memory=2.0)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2**20  # 1 GiB
+    # at each time at least the numbers of the table, and our three fields at all radii
+    numbers = {"times": 4 * 323, "radii": 4 * 1_000_321, "depths": 2}[kind]
+    assert 0 < count_that_fits(error) * numbers * 8 < 2.0 * 2**30
+    assert ("tables without fields" in str(error.value)) == (kind != "depths")
+
+
+def test_our_fields_are_left_out_of_a_check_that_does_not_need_them(caplog):
+    depths = pd.DataFrame({"time": np.linspace(0, 2, 4000)})
+    depths["indentation"] = run(with_times(FIVE, 4000)).dataset.indentation.values[0]
+    with caplog.at_level("WARNING", logger="ringwear"):
+        checked = check(FIVE, {"theirs": depths}, memory=0.35)
+    assert "4000 times are too many for fields" in caplog.text
+    assert "pressure" not in checked.dataset
+    assert max(abs(row.error) for row in checked.verdicts) < 1e-10
+    # fields are there if memory suffices
+    assert "pressure" in check(FIVE, {"theirs": depths[:10]}).dataset
+
+
+def test_a_check_computes_the_quantities_of_its_scene_and_of_its_tables():
+    scene = FIVE.changed(output__quantities=["indentation"])
+    table = pd.DataFrame({"time": [0.0], "radius": [0.5], "profile": [0.0]})
+    checked = check(scene, {"theirs": table})
+    assert {"indentation", "profile"} <= set(checked.dataset)
+    assert "rms_slope" not in checked.dataset
+
+
+@pytest.mark.parametrize("scene", [FIVE, SPHERE], ids=["full", "moving"])
+def test_fields_that_are_computed_in_parts_are_the_same(scene, monkeypatch):
+    scene = with_times(scene, 40)
+    whole = run(scene).dataset
+    monkeypatch.setattr(sampler, "NUMBERS_AT_ONCE", 5000)
+    parts = run(scene).dataset
+    for name, values in whole.items():
+        if name.endswith("_error"):
+            continue
+        scale = float(np.abs(values.where(np.isfinite(values))).max()) or 1.0
+        np.testing.assert_allclose(parts[name], values, rtol=1e-11, atol=1e-12 * scale)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="the peak of the memory is read from /proc")
+def test_the_predicted_memory_is_that_of_a_run():
+    """The memory that each time adds is measured in two runs of their own processes."""
+    code = (
+        "import sys, numpy as np; from ringwear import Scene, run;"
+        "scene = Scene.load('five_rings').changed(methods=['mdr', 'bem'], accuracy__rtol=1e-3,"
+        "wear__times=np.linspace(0, 2, int(sys.argv[1])).tolist());"
+        "result = run(scene); result.summary; result.field_comparisons;"
+        "status = open('/proc/self/status').read();"
+        "print(1024 * int(status.partition('VmHWM:')[2].split()[0]))"
+    )
+    counts = 3000, 12_000
+    peaks = [
+        float(
+            subprocess.run(
+                [sys.executable, "-c", code, str(count)], capture_output=True, check=True, text=True
+            ).stdout.split()[-1]
+        )
+        for count in counts
+    ]
+    measured = (peaks[1] - peaks[0]) / (counts[1] - counts[0])
+    scene = with_times(FIVE, counts[1]).changed(methods=["mdr", "bem"])
+    predicted = memory_need(scene).over_time * 2**30 / counts[1]
+    assert 0.7 * measured < predicted < 2.5 * measured
+
+
+CYCLES = 2000
+
+
+def cycling(low, **changes):
+    """Return five rings under a force that goes up and down in 2000 cycles."""
+    times = np.linspace(0, 2, 2 * CYCLES + 1)
+    values = np.where(np.arange(len(times)) % 2, low, 1.0) * 2.0
+    force = {"times": times.tolist(), "values": values.tolist()}
+    return FIVE.changed(load__normal_force=force, **changes)
+
+
+@pytest.mark.parametrize("low", [0.99, 0.5, 0.0])
+def test_a_plan_of_thousands_of_load_cycles_is_quick(low):
+    """In full contact the run itself is quick; otherwise its steps are counted, not taken."""
+    scene = cycling(low)
+    lines = []
+    assert seconds(lambda: lines.extend(plan(scene))) < 3
+    assert lines[0].startswith("mdr: ")
+    # a step ends at each of the 4000 changes of the load, and takes at least a millisecond
+    if low < 0.99:
+        predicted = float(lines[0].partition("pressures, ")[2].split()[0])
+        assert predicted > 2 * CYCLES * 1e-3
+
+
+def test_speeds_that_go_up_and_down_are_quick_and_right():
+    """Wear depends on the sliding distance only, under a constant force."""
+    times = np.linspace(0, 2, 2 * CYCLES + 1)
+    speeds = np.where(np.arange(len(times)) % 2, 0.0, 2.0)
+    speed = {"times": times.tolist(), "values": speeds.tolist()}
+    scene = FIVE.changed(load__sliding_speed=speed, wear__times=[0.0, 0.5, 2.0], wear__steady=False)
+    results, exact = [], run(FIVE.changed(wear__times=[0.0, 0.5, 2.0]))
+    assert seconds(lambda: results.append(run(scene))) < 6
+    # the mean speed is 1, at the ends of cycles
+    depths, exact_depths = (result.dataset.indentation for result in (*results, exact))
+    allowed = results[0].error("indentation") + exact.error("indentation")
+    np.testing.assert_allclose(depths, exact_depths, rtol=allowed)
+
+
+def test_ranges_of_nearby_times_are_those_of_all_pairs():
+    generator = np.random.default_rng(1)
+    times, others = (np.sort(np.append(0.0, 10 ** generator.uniform(-6, 6, n))) for n in (50, 80))
+    values = generator.random(len(others))
+    factor = error_factor("nearby times")
+    near = (others >= times[:, None] / factor) & (others <= times[:, None] * factor)
+    expected = np.where(near, values, 0.0).max(axis=1)
+    np.testing.assert_array_equal(
+        greatest_in_ranges(values, *near_in_time(times, others)), expected
+    )
+
+
+def test_common_times_of_two_reports_are_those_of_all_pairs():
+    generator, radii = np.random.default_rng(2), np.linspace(0, 1, 5)
+    times = np.sort(generator.choice(1000, 300, replace=False)) / 7.0
+    others = np.sort(generator.choice(1000, 300, replace=False)) / 7.0 * (1 + 3e-10)
+    first, second = (
+        {"time": each, "radius": radii, "indentation": np.ones(len(each)),
+         "profile": np.outer(each, np.ones(5))}
+        for each in (times, others)
+    )  # fmt: skip
+    (field,) = compare_fields(FIVE.problem, ("A", "B"), first, second).fields
+    same = np.isclose(times[:, None], others, rtol=1e-9, atol=0).any(axis=1)
+    np.testing.assert_array_equal(field.times, times[same])
+    assert field.relative.max() < 1e-6
+
+
+def test_a_map_of_many_times_has_few_rows_and_shows_the_largest_difference():
+    """Its rows are about pixels; each shows the greatest difference of its times."""
+    count, radii = 3000, np.linspace(0, 1, 9)
+    scene = with_times(FIVE, count)
+    times = np.array(scene.wear.times)
+    ours = {"time": times, "radius": radii, "indentation": np.ones(count),
+            "profile": np.zeros((count, 9))}  # fmt: skip
+    theirs = ours | {"profile": np.full((count, 9), 1e-4)}
+    theirs["profile"][1234, 5] = 0.03
+    comparison = compare_fields(scene.problem, ("mdr", "fem"), ours, theirs)
+    figure = draw_difference(Scale(scene), "", (comparison,))
+    (mesh,) = [each for each in figure.axes[1].collections if isinstance(each, QuadMesh)]
+    drawn = np.asarray(mesh.get_array())
+    assert drawn.shape[0] <= ROWS
+    assert drawn.max() == pytest.approx(0.03)
