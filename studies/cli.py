@@ -69,7 +69,8 @@ def _run(options: argparse.Namespace) -> Status:
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
-    from .predictions.memory import beyond_memory, machine_memory, predict_memory
+    from .predictions.machine import machine_memory
+    from .predictions.memory import beyond_memory, predict_memory
 
     if refusal := beyond_memory(predict_memory(scene), options.memory or machine_memory()):
         raise SceneError(refusal)

@@ -1,19 +1,12 @@
 """Prediction of the memory of a run, before anything is meshed or a library is loaded."""
 
-import os
-from pathlib import Path
-from typing import TYPE_CHECKING
-
 from ..methods.base import method
 from ..methods.spaces import radial_space
 from ..scene.scene import Scene
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.defaults import mdr_sizes
+from .machine import GIB
 
-if TYPE_CHECKING:
-    import xarray
-
-GIB = 2.0**30
 # Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 
@@ -45,27 +38,3 @@ def beyond_memory(needed: float, limit: float) -> str:
         "punch.rings, wear.times and output.radii, or a greater accuracy.rtol, or give --memory "
         "GIB if there is more"
     )
-
-
-def machine_memory() -> float:
-    """Return the memory of this machine, in GiB."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
-
-
-def refuse_large(path: Path, data: "xarray.Dataset") -> None:
-    """Raise if a dataset would not fit into memory; it is opened, but not loaded yet.
-
-    A compressed file may be far smaller than its contents.
-
-    Raises
-    ------
-    ValueError
-        with the size of the dataset and the limit
-    """
-    # the data are copied a few times after reading
-    max_bytes = machine_memory() * GIB / 8
-    if data.nbytes > max_bytes:
-        raise ValueError(
-            f"its contents are {data.nbytes / 1e9:.3g} GB by its header (the file has "
-            f"{path.stat().st_size / 1e6:.3g} MB); give at most {max_bytes / 1e9:.2g} GB"
-        )

@@ -1,5 +1,6 @@
 """Write values of users in messages as they would write them."""
 
+import re
 from collections.abc import Mapping
 
 # greatest number of characters of a value in messages
@@ -15,7 +16,7 @@ def shown(value: object) -> str:
 def one_line(error: Exception) -> str:
     """Return the first sentence of the message of another package, in one line, without a path."""
     text = str(getattr(error, "strerror", None) or error)
-    return next(iter(text.splitlines()), "").split(". ")[0].rstrip(".:")
+    return re.split(r"[.;] ", next(iter(text.splitlines()), ""))[0].rstrip(".:")
 
 
 def plain(value: object) -> object:

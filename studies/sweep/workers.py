@@ -19,7 +19,8 @@ import xarray
 from ...meshes.errors import SceneError, SolverError
 from ...meshes.radial import Array
 from ..output.signals import signals_wait
-from ..predictions.memory import LIBRARIES, machine_memory
+from ..predictions.machine import machine_memory
+from ..predictions.memory import LIBRARIES
 from ..progress import LOG
 from ..versions import computed_with, stamp
 from .axes import Sweep
