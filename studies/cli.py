@@ -14,7 +14,6 @@ import argparse
 import atexit
 import gc
 import shutil
-import sys
 import textwrap
 from collections.abc import Callable
 from contextlib import suppress
@@ -24,11 +23,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..meshes.errors import RingwearError, SceneError
 from .arguments import EXAMPLES, OF_STUDIES, Parser, add_arguments
 from .exchange import COMMANDS as EXCHANGE
-from .output.folder import Folder, output_folder
+from .output.folder import Folder, default_folder, output_folder
+from .output.log import show_progress
 from .output.signals import ending_on_signals
-from .progress import show_progress
 from .registry import INTERRUPTED
-from .report.terminal import print_lines
+from .report.terminal import print_error, print_lines
 from .scene.scene import Scene
 from .scene.sources import bundled, text_of
 from .status import Status
@@ -52,13 +51,13 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt as stop:
         message = str(stop) or "stopped; no incomplete files are left"
     except SceneError as error:
-        print(f"ringwear: {error}", file=sys.stderr)
+        print_error(str(error))
         return Status.BAD_INPUT
     except RingwearError as error:
         message = str(error)
     except OSError as error:
         message = f"{error.filename or 'a file'} could not be written: {error.strerror or error}"
-    print(f"ringwear: {message}", file=sys.stderr)
+    print_error(message)
     return Status.FAILED
 
 
@@ -92,7 +91,6 @@ def _run(options: argparse.Namespace) -> Status:
         # print the answer before drawing the figures
         with suppress(BrokenPipeError):
             print_account(account, options.verbose)
-            sys.stdout.flush()
         page = not (options.no_figures or options.no_report)
         failures = show(result, account, pictures, folder.hidden, page)
     _print_files(folder, failures)
@@ -101,15 +99,16 @@ def _run(options: argparse.Namespace) -> Status:
     return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
 
 
-def _out(options: argparse.Namespace, name: str) -> Path:
-    return options.out or Path("results") / Path(name).stem
+def _out(options: argparse.Namespace, name: str, prefix: str = "") -> Path:
+    """Return the output folder: that of `--out`, or one that is named after a scene or study."""
+    return options.out or default_folder(name, prefix)
 
 
 def _print_files(folder: Folder, failures: list[str]) -> None:
     files = ", ".join(folder.written)
     print_lines(["", f"{len(folder.written)} files in {folder.out}: {files}"])
     for failure in failures:
-        print(f"ringwear: {failure}", file=sys.stderr)
+        print_error(failure)
 
 
 def _check(options: argparse.Namespace) -> Status:
@@ -122,7 +121,7 @@ def _check(options: argparse.Namespace) -> Status:
 
         files = {"template.csv", "scene.txt", "unworn.csv", "mesh.msh"}
         with output_folder(options.template, "template", files) as folder:
-            print(*write_template(scene, options.units, folder.hidden), sep="\n")
+            print_lines(write_template(scene, options.units, folder.hidden))
         _print_files(folder, [])
         return Status.DONE
     if not options.files:
@@ -138,7 +137,7 @@ def _check(options: argparse.Namespace) -> Status:
     # in a refinement each size is half of the previous one, unless sizes are given
     halved_sizes = [0.5**level for level in range(len(others))]
     sizes = options.sizes or (halved_sizes if options.refinement else [])
-    out = _out(options, f"check_{Path(options.scene).stem}")
+    out = _out(options, options.scene, "check_")
     files = run_files(PICTURES) | {"check.csv", "refinement.png"}
     with output_folder(out, "check", files) as folder:
         from .check.check import check, write_check
@@ -151,7 +150,6 @@ def _check(options: argparse.Namespace) -> Status:
         write_check(result, folder.hidden)
         account = Account(result)
         print_lines(["", account.title, "", *result.lines, f"Ours: {account.verdict_line}"])
-        sys.stdout.flush()
         failures = show(result, account, PICTURES, folder.hidden, page=True)
     _print_files(folder, failures)
     if failures:
@@ -162,7 +160,7 @@ def _check(options: argparse.Namespace) -> Status:
 def _fit(options: argparse.Namespace) -> Status:
     from .fit.command import conduct
 
-    folder, failures, fits = conduct(options, _out(options, f"fit_{Path(options.scene).stem}"))
+    folder, failures, fits = conduct(options, _out(options, options.scene, "fit_"))
     _print_files(folder, failures)
     if failures:
         return Status.FAILED
@@ -221,7 +219,7 @@ def _compare(options: argparse.Namespace) -> Status:
     with output_folder(_out(options, "compare"), "compare", FILES) as folder:
         comparison = compare(options.A, options.B)
         comparison.write(folder.hidden)
-    print(f"A: {options.A}\nB: {options.B}")
+    print_lines([f"A: {options.A}", f"B: {options.B}"])
     for table in (comparison.scenes, comparison.shown):
         print()
         print_table(table.to_dict("records"))

@@ -34,7 +34,7 @@ def print_account(account: Account, verbose: bool) -> None:
     print_lines(["", account.verdict_line])
     if not verbose:
         print_lines(account.remarks)
-        print(f"Method: {account.answered_by}. More: --verbose, report.html, summary.json")
+        print_lines([f"Method: {account.answered_by}. More: --verbose, report.html, summary.json"])
         return
     print(f"\nAll answers, by {account.answered_by}")
     print_answers(account.answers)
@@ -54,7 +54,7 @@ def print_table(table: Rows) -> None:
     lines = columns([*map(list, table[:1]), *(list(row.values()) for row in table)])
     width = terminal_width()
     if not width or max(map(len, lines), default=0) <= width:
-        print(*lines, sep="\n")
+        print_lines(lines)
         return
     for row in table:
         (_, first), *others = row.items()
