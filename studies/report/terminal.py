@@ -30,11 +30,6 @@ def print_markdown(lines: Iterable[str]) -> None:
     print(*map(visible, lines), sep="\n")
 
 
-def print_error(message: str) -> None:
-    """Print a message in one line on standard error."""
-    print(f"ringwear: {visible(message)}", file=sys.stderr)
-
-
 def broken(line: str, indent: str, later_indent: str) -> str:
     """Return a line broken between words at the width of the terminal.
 
