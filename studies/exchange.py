@@ -4,7 +4,8 @@ import argparse
 from importlib import import_module
 from pathlib import Path
 
-from .output.folder import output_folder
+from .output.folder import default_folder, output_folder
+from .report.terminal import print_lines, print_markdown
 from .scene.scene import Scene
 from .status import Status
 
@@ -28,11 +29,11 @@ def deck(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
     times = tuple(options.times) if options.times else None
     choice = decks.Choice(options.program, options.elements, options.size, options.reach, times)
-    out = options.out or Path("results") / f"deck_{Path(options.scene).stem}"
+    out = options.out or default_folder(options.scene, "deck_")
     with output_folder(out, "deck", ["README.md"]) as folder:
         lines = decks.write_decks(scene, choice, folder.hidden)
-    print(*lines, sep="\n")
-    print(f"\n{len(folder.written)} files in {out}: {', '.join(folder.written)}")
+    print_markdown(lines)
+    print_lines(["", f"{len(folder.written)} files in {out}: {', '.join(folder.written)}"])
     return Status.DONE
 
 
@@ -43,13 +44,13 @@ def challenge(options: argparse.Namespace) -> Status:
     match options.words:
         case []:
             for path in problems():
-                print(f"{path.stem:<24}{Scene.load(path).title.partition(': ')[2]}")
+                print_lines([f"{path.stem:<24}{Scene.load(path).title.partition(': ')[2]}"])
         case [word] if not Path(word).is_file():
             print(problem_named(word).read_text("utf-8"), end="")
         case [*names, file] if len(names) < 2:
             path = problem_named(names[0]) if names else problem_of_file(Path(file))
             measuring = import_module("ringwear.studies.challenge.draw")
-            print(*measuring.submission(path, Path(file)), sep="\n")
+            print_markdown(measuring.submission(path, Path(file)))
         case _:
             from ..meshes.errors import SceneError
 

@@ -291,14 +291,22 @@ class Result(Outcome):
 class Stored(Result, stored.StoredOutcome):
     """Results from a folder: all numbers, and the figures that need only these."""
 
+    def __repr__(self) -> str:
+        """Return the answer in a few lines, the verdict, and remarks on the files."""
+        return "\n".join([super().__repr__(), *self.remarks_on_files])
+
 
 def load(folder: str | Path) -> Stored:
     """Read the results that ``ringwear run --out folder``, or `Result.save`, has written.
 
+    Both files are compared with the checksums in `summary.json`. Results that were saved without
+    checksums are read, too, with the remark that they could not be checked.
+
     Raises
     ------
     SceneError
-        if the folder contains no results that can be read
+        if the folder contains no results that can be read, or if they do not match their
+        checksums; the message names what does not match
     """
     return stored.load(folder, Stored)
 

@@ -47,8 +47,6 @@ Examples
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING
 
-from ringwear.studies.scene.scene import Scene
-
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.comparison import Comparison, compare
@@ -56,6 +54,7 @@ if TYPE_CHECKING:
     from ringwear.studies.fit.fit import fit
     from ringwear.studies.predictions.plan import plan
     from ringwear.studies.results import Result, check, load, run
+    from ringwear.studies.scene.scene import Scene
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.conduct import sweep
@@ -81,11 +80,13 @@ __all__ = [
     "sweep",
 ]
 
-# names that are imported at their first use, because they load the numerics
+# names that are imported at their first use, because they load other packages; the command line
+# can handle an interruption meanwhile
 _LATER = {
     "Comparison": "ringwear.studies.comparison",
     "compare": "ringwear.studies.comparison",
     "Result": "ringwear.studies.results",
+    "Scene": "ringwear.studies.scene.scene",
     "Study": "ringwear.studies.study.study",
     "run": "ringwear.studies.results",
     "check": "ringwear.studies.results",

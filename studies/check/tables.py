@@ -15,7 +15,10 @@ import pandas as pd
 
 from ...meshes.errors import MeshError, SceneError
 from ..decks.reports import NO_RESULTS, READERS, differing_keys
-from ..predictions.memory import refuse_large
+from ..output.checksums import CHECKSUMS
+from ..output.netcdf import RESULTS, SUMMARY
+from ..output.saved_files import has_checksums, read_folder
+from ..predictions.machine import refuse_large
 from ..problem.fields import refuse_device
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..problem.unit_names import UnitNames
@@ -226,8 +229,12 @@ def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset":
         if path.suffix == ".nc":
             import xarray
 
+            if path.name == RESULTS and has_checksums(path.parent):
+                return xarray.Dataset(*read_folder(path.parent)[0])
             with xarray.open_dataset(path) as data:
-                refuse_large(path, data)
+                refuse_large(path, data.nbytes)
+                if CHECKSUMS in data.attrs:
+                    LOG.warning("%s could not be checked: %s is not beside it", path, SUMMARY)
                 return data.load()
         refuse_device(path)
         text = path.read_text("utf-8-sig")

@@ -51,10 +51,13 @@ class Model:
 
 
 def heading(model: Model, description: str) -> list[str]:
-    """Return the heading: the title of the scene, a description, and the units."""
-    title = model.scene.title.encode("ascii", "replace").decode() or "Untitled scene"
+    """Return the heading: the title of the scene, a description, and the units.
+
+    A line that began with the title could be a keyword, because titles may begin with an asterisk.
+    """
+    title = model.scene.title.encode("ascii", "replace").decode() or "untitled"
     units = model.scene.units or "none: any consistent units"
-    return ["*HEADING", f"{title[:70]}: {description}", f"** units: {units}"]
+    return ["*HEADING", f"Scene {title[:70]}: {description}", f"** units: {units}"]
 
 
 def notes(model: Model, states: Sequence[State], scale: float, lowest: float) -> list[str]:

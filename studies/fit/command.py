@@ -4,6 +4,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from ..output.folder import Folder, output_folder
+from ..report.terminal import print_lines
 from ..scene.scene import Scene
 from .fit import fit
 from .result import FILES
@@ -30,6 +31,6 @@ def conduct(options: Namespace, out: Path) -> tuple[Folder, list[str], bool]:
             options.columns,
             options.units,
         )
-        print(f"\n{result}", flush=True)
+        print_lines(["", *repr(result).split("\n")])
         failures = result.write(folder.hidden)
     return folder, failures, result.fits

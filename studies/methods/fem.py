@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...fem.condensation import solver
+from ...fem.condensation import solver, unloadable
 from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
@@ -207,7 +207,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         settings,
         # so that displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
-        chosen.notes,
+        (*chosen.notes, *filter(None, [unloadable()])),
         safety=error_factor(_factor_name(chosen)),
         smallest=_smallest_size(problem, chosen),
         slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
@@ -284,6 +284,7 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
         coarser,
         half_space.unknowns,
         half_space=half_space,
+        notes=tuple(filter(None, [unloadable()])),
         # if the scene sets the degree, its elements also solve the start, instead of others of high
         # degree
         fitted=None

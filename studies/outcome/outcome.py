@@ -39,8 +39,9 @@ from ..sampling.sampler import Sampler
 from ..scene.scene import Scene
 from ..versions import versions
 from .answer import ALSO, Answers, answer, answer_errors
+from .arrays import Table
 from .scope import beyond_the_model, left_out, modelled, outside
-from .table import Table, in_units, tabulate
+from .table import in_units, tabulate
 
 if TYPE_CHECKING:
     import xarray

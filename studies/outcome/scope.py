@@ -11,6 +11,7 @@ from ...meshes.errors import SceneError
 from ..methods.base import Method, method
 from ..problem.problem import Problem
 from ..problem.sections import LEAST_TRUNCATION
+from ..problem.written import check_one_line
 from ..scene.scene import Scene
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
@@ -20,9 +21,18 @@ MOST_STRAIN = 0.01
 
 
 def methods_of(entries: Sequence[str | Method]) -> Methods:
-    """Return methods by their names, from a sequence of names or method objects."""
+    """Return methods by their names, from a sequence of names or method objects.
+
+    Raises
+    ------
+    SceneError
+        if the name of a method, or of a program whose results are one, is not one line of text
+    """
     methods = [method(entry) if isinstance(entry, str) else entry for entry in entries]
-    return {entry.name: entry for entry in methods}
+    try:
+        return {check_one_line(entry.name): entry for entry in methods}
+    except ValueError as error:
+        raise SceneError(f"the name of a method or a program: {error}") from None
 
 
 def chosen_methods(scene: Scene) -> Methods:

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,21 +25,10 @@ from ..sampling.norms import Results, common
 from ..scene.scene import Scene
 from ..versions import versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
+from .arrays import Labelled, Table
 
 # the quantities of results, which are non-dimensional, and of the answer
 _SCALED = QUANTITIES | ANSWER | STEPS
-Labelled = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
-
-
-class Table(NamedTuple):
-    """Arguments of `xarray.Dataset`: dimensions, values and attributes of each array, by its name.
-
-    Most runs need no xarray, whose import takes as long as some runs.
-    """
-
-    variables: Labelled
-    coordinates: Labelled
-    attributes: dict[str, str]
 
 
 def tabulate(

@@ -10,57 +10,43 @@ from ...meshes.errors import RingwearError
 from ..problem.unit_names import NO_UNIT
 from ..progress import LOG
 from ..tables import write_csv
+from .checksums import CHECKSUMS, FILE, Json, checksums, digest_of_file
+from .netcdf import RESULTS, SUMMARY, write_netcdf
 from .one_file import make
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray
 
     from ..figures.style import Picture
     from ..outcome.outcome import Outcome
-    from ..outcome.table import Table
 
 INSIDE = "half_space.vtu"
 
 
 def run_files(pictures: Iterable["Picture"]) -> set[str]:
     """Return the names of the files that a run with these pictures may write."""
-    numbers = {"results.nc", "summary.json", "report.html", INSIDE}
+    numbers = {RESULTS, SUMMARY, "report.html", INSIDE}
     return numbers | {picture.file for picture in pictures}
 
 
 def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> None:
     """Write `results.nc` and `summary.json` of a run, and CSV tables if `tables`."""
     LOG.info("  output  writing ...")
+    entries = result.summary
+    # before anything is written, so that they are those of the results in memory
+    recorded: Json = {**checksums(result.table, entries)}
     try:
-        write_netcdf(result.table, directory / "results.nc")
+        write_netcdf(result.table, directory / RESULTS)
     except RuntimeError as error:
         # netCDF raises a RuntimeError if the disk is full
         raise RingwearError(
             f"results.nc could not be written ({error}): is the disk full?"
         ) from error
-    summary = json.dumps(result.summary, indent=1, allow_nan=False)
-    (directory / "summary.json").write_text(summary + "\n", "utf-8")
+    recorded[FILE] = digest_of_file(directory / RESULTS)
+    summary = json.dumps(entries | {CHECKSUMS: recorded}, indent=1, allow_nan=False)
+    (directory / SUMMARY).write_text(summary + "\n", "utf-8")
     if tables:
         write_tables(result.dataset, directory)
-
-
-def write_netcdf(table: "Table", path: Path) -> None:
-    """Write a table as netCDF-4, readable by `xarray.load_dataset`."""
-    from netCDF4 import Dataset
-
-    # coordinates that are not dimensions must be listed in an attribute
-    labels = [name for name, (dims, *_) in table.coordinates.items() if name not in dims]
-    with Dataset(path, "w") as file:
-        file.setncatts(table.attributes | {"coordinates": " ".join(labels)})
-        for name, (dims, values, attributes) in (table.coordinates | table.variables).items():
-            for dim, size in zip(dims, values.shape, strict=True):
-                if dim not in file.dimensions:
-                    file.createDimension(dim, size)
-            kind: type | np.dtype = str if values.dtype.kind == "U" else values.dtype
-            variable = file.createVariable(name, kind, dims)
-            variable[:] = values.astype(object) if kind is str else values
-            variable.setncatts(attributes)
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:

@@ -128,6 +128,14 @@ def _files_of_ringwear(folder: Path) -> set[str]:
     return set[str]().union(*_files_by_command(folder).values())
 
 
+def default_folder(source: str, prefix: str = "") -> Path:
+    """Return the folder within `results` that is named after a scene, its file, or a study.
+
+    Dots at the ends are left out: ``..`` would be a folder outside of `results`.
+    """
+    return Path("results") / f"{prefix}{Path(source).stem.strip('.') or 'scene'}"
+
+
 def named_folder(out: object) -> Path:
     """Return a folder by its name.
 

@@ -1,4 +1,7 @@
-"""Handle Ctrl-C (SIGINT) and SIGTERM, with which a batch system ends a job."""
+"""Handle Ctrl-C (SIGINT), SIGTERM, by which batch systems end jobs, and SIGHUP.
+
+A terminal that is closed sends SIGHUP.
+"""
 
 import signal
 import threading
@@ -12,7 +15,7 @@ STOPPED = threading.Event()
 
 @contextmanager
 def ending_on_signals() -> Iterator[None]:
-    """Raise a KeyboardInterrupt at either signal, which ends the work."""
+    """Raise a KeyboardInterrupt at each of these signals, which ends the work."""
 
     def stop(*_: object) -> None:
         STOPPED.set()
@@ -40,7 +43,10 @@ def _handled_by(handler: Callable[[int, FrameType | None], object]) -> Iterator[
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    numbers = (signal.SIGINT, signal.SIGTERM)
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    # `nohup` lets a job ignore the end of its terminal
+    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        numbers.append(signal.SIGHUP)
     earlier_handlers = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield

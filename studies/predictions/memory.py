@@ -1,10 +1,7 @@
 """Prediction of the memory of a run, before anything is meshed or a library is loaded."""
 
-import os
 from collections.abc import Collection
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +15,8 @@ from ..problem.written import shown
 from ..scene.scene import Scene
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.defaults import mdr_sizes
+from .machine import GIB, machine_memory
 
-if TYPE_CHECKING:
-    import xarray
-
-GIB = 2.0**30
 # Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 # Copies of the results over time of each method that are in memory at once: its own, the one in the
@@ -201,27 +195,3 @@ def _rounded_down(count: float) -> int:
     """Return the greatest number with at most two digits other than 0 that is at most `count`."""
     unit = 10 ** max(0, int(np.log10(count)) - 1)
     return int(count // unit) * unit
-
-
-def machine_memory() -> float:
-    """Return the memory of this machine, in GiB."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
-
-
-def refuse_large(path: Path, data: "xarray.Dataset") -> None:
-    """Raise if a dataset would not fit into memory; it is opened, but not loaded yet.
-
-    A compressed file may be far smaller than its contents.
-
-    Raises
-    ------
-    ValueError
-        with the size of the dataset and the limit
-    """
-    # the data are copied a few times after reading
-    max_bytes = machine_memory() * GIB / 8
-    if data.nbytes > max_bytes:
-        raise ValueError(
-            f"its contents are {data.nbytes / 1e9:.3g} GB by its header (the file has "
-            f"{path.stat().st_size / 1e6:.3g} MB); give at most {max_bytes / 1e9:.2g} GB"
-        )

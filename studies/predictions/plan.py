@@ -250,5 +250,5 @@ def plan(source: Source, memory: float | None = None) -> list[str]:
         ),
         f"in all: {total_text}, plus a few seconds for loading, files and figures",
         f"memory: about {predict_memory(scene):.2g} GiB",
-        *(f"note: {note}" for note in notes if note.startswith("meshed by")),
+        *(f"note: {note}" for note in notes if note.startswith(("meshed by", "factorised by"))),
     ]

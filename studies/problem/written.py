@@ -1,9 +1,31 @@
-"""Write values of users in messages as they would write them."""
+"""Write values and texts of users in messages, as they would write them and in one line."""
 
+import re
 from collections.abc import Mapping
 
 # greatest number of characters of a value in messages
 MOST_CHARACTERS = 60
+# ASCII and Latin-1 controls, line and paragraph separators, controls of the direction of writing,
+# and halves of surrogate pairs, which stand for bytes that are not UTF-8
+CONTROL_CHARACTER = re.compile("[\0-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+
+
+def check_one_line(text: str) -> str:
+    """Refuse a text with control characters, such as the end of a line.
+
+    In a file of another program it could be a command, and on a terminal an escape sequence.
+    """
+    if found := CONTROL_CHARACTER.search(text):
+        raise ValueError(
+            f"{shown(text)} has the control character {shown(found[0])}: give one line of text "
+            "without such characters"
+        )
+    return text
+
+
+def visible(text: str) -> str:
+    """Return a text in which escape sequences such as ``\\n`` stand for control characters."""
+    return CONTROL_CHARACTER.sub(lambda found: ascii(found[0])[1:-1], text)
 
 
 def shown(value: object) -> str:
@@ -15,7 +37,7 @@ def shown(value: object) -> str:
 def one_line(error: Exception) -> str:
     """Return the first sentence of the message of another package, in one line, without a path."""
     text = str(getattr(error, "strerror", None) or error)
-    return next(iter(text.splitlines()), "").split(". ")[0].rstrip(".:")
+    return re.split(r"[.;] ", next(iter(text.splitlines()), ""))[0].rstrip(".:")
 
 
 def plain(value: object) -> object:

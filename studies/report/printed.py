@@ -38,7 +38,8 @@ def print_account(account: Account, verbose: bool, page: bool = True) -> None:
     if not verbose:
         print_lines(account.remarks)
         files = ("report.html", "summary.json") if page else ("summary.json",)
-        print(f"Method: {account.answered_by}. More: {', '.join(('--verbose', *files))}")
+        more = ", ".join(("--verbose", *files))
+        print_lines([f"Method: {account.answered_by}. More: {more}"])
         return
     print(f"\nAll answers, by {account.answered_by}")
     print_answers(account.answers)
@@ -58,7 +59,7 @@ def print_table(table: Rows) -> None:
     lines = columns([*map(list, table[:1]), *(list(row.values()) for row in table)])
     width = terminal_width()
     if not width or max(map(len, lines), default=0) <= width:
-        print(*lines, sep="\n")
+        print_lines(lines)
         return
     for row in table:
         (_, first), *others = row.items()

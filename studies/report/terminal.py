@@ -1,11 +1,15 @@
 """Print lines on a terminal, broken between words at its width.
 
-Lines are not broken if the output is no terminal but, for example, a file or a pipe.
+Lines are not broken if the output is no terminal but, for example, a file or a pipe. Control
+characters in texts of users, such as names of files, are shown as escape sequences.
 """
 
 import shutil
+import sys
 import textwrap
 from collections.abc import Iterable
+
+from ..problem.written import visible
 
 
 def terminal_width() -> int:
@@ -14,10 +18,16 @@ def terminal_width() -> int:
 
 
 def print_lines(lines: Iterable[str]) -> None:
-    """Print lines, each broken between words at the width of the terminal."""
-    for line in lines:
+    """Print lines at once, each broken between words at the width of the terminal."""
+    for line in map(visible, lines):
         start = len(line) - len(line.lstrip())
         print(broken(line, "", " " * (start + 2)))
+    sys.stdout.flush()
+
+
+def print_markdown(lines: Iterable[str]) -> None:
+    """Print lines of Markdown, which are not broken because rows of tables are single lines."""
+    print(*map(visible, lines), sep="\n")
 
 
 def broken(line: str, indent: str, later_indent: str) -> str:

@@ -44,7 +44,7 @@ class Account:
         self.verdict = result.verdict
         self.worst = list(by_quantity(result.agreement).values())
         timed = (name for name, solution in result.solutions.items() if solution.wear is not None)
-        self.answered_by = next(timed, next(iter(result.methods)))
+        self.answered_by = next(timed, str(result.coordinates["solver"][0]))
 
     @property
     def answers(self) -> list[tuple[str, str, str]]:

@@ -29,7 +29,7 @@ from ..problem.sections import (
     WearSection,
 )
 from ..problem.unit_names import UnitNames, without_quantities
-from ..problem.written import shown
+from ..problem.written import check_one_line, shown
 from ..registry import METHODS
 from .explain import did_you_mean, explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
@@ -106,8 +106,8 @@ class Scene(Section, metaclass=SceneType):
     ('SI', 0.005, 2000000000.0)
     """
 
-    title: str = ""
-    units: str = Field(
+    title: Annotated[str, AfterValidator(check_one_line)] = ""
+    units: Annotated[str, AfterValidator(check_one_line)] = Field(
         default="",
         description="'SI', or consistent units of length, force, pressure and time, such as "
         "'mm, N, MPa, s'",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...meshes.errors import SceneError
 from ..figures.style import in_style
-from ..problem.written import shown
+from ..problem.written import check_one_line, shown
 from ..scene.calls import naming_arguments
 from ..scene.explain import nearest
 from ..scene.keys import numbers
@@ -93,9 +93,13 @@ def study(
                 "{'mean p': lambda result: float(result.dataset.pressure.mean())}"
             )
         quantities = {function.__name__: function for function in quantities}
+    try:
+        quantities = {check_one_line(name): each for name, each in (quantities or {}).items()}
+    except ValueError as error:
+        raise SceneError(f"the name of a quantity: {error}") from None
     options = Options(
         quick,
-        dict(quantities or {}),
+        quantities,
         (methods,) if isinstance(methods, str) else tuple(methods or ()),
         tuple(_meshes(meshes)),
         degree,

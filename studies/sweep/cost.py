@@ -5,7 +5,8 @@ import time
 import numpy as np
 
 from ...meshes.errors import SceneError
-from ..predictions.memory import machine_memory, predict_memory
+from ..predictions.machine import machine_memory
+from ..predictions.memory import predict_memory
 from ..problem.fields import TomlTable
 from .axes import Sweep
 from .compute import compute_block

@@ -19,7 +19,8 @@ import xarray
 from ...meshes.errors import SceneError, SolverError
 from ...meshes.radial import Array
 from ..output.signals import signals_wait
-from ..predictions.memory import LIBRARIES, machine_memory
+from ..predictions.machine import machine_memory
+from ..predictions.memory import LIBRARIES
 from ..progress import LOG
 from ..versions import computed_with, stamp
 from .axes import Sweep
@@ -321,8 +322,12 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
         "memory_limit": int(worker_memory(workers, memory) * 2**30),
         "dashboard_address": ":0",
         "silence_logs": logging.CRITICAL,
-        # only this process reacts to Ctrl-C
-        "preload": ["import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)"],
+        # only this process reacts to Ctrl-C and to the end of the terminal
+        "preload": [
+            "import signal\n"
+            "for number in (signal.SIGINT, signal.SIGHUP):\n"
+            "    signal.signal(number, signal.SIG_IGN)"
+        ],
     }
     try:
         with dask.config.set(limits):

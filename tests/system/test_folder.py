@@ -188,7 +188,7 @@ def test_a_killed_run_leaves_the_old_or_the_new_folder(foreign, tmp_path):
     assert new in seen[:-1]
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
     publish = folder_module.Folder.publish
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
+from ringwear import Scene, load, run
 from ringwear.meshes.compliance import Compliance
 from ringwear.studies.crosscheck.agreement import by_quantity
 from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.methods.base import Discretised
 from ringwear.studies.methods.pipeline import ComplianceMethod
 from ringwear.studies.methods.spaces import pressure_spaces
-from ringwear.studies.output.files import draw
+from ringwear.studies.output.files import draw, write_numbers
 from ringwear.studies.report.words import Account
 
 
@@ -49,6 +49,13 @@ def test_own_method(name, tmp_path):
     assert "winkler" in str(Account(result).methods)
     assert not draw(result, PICTURES, tmp_path)
     assert (tmp_path / "history.png").exists()
+
+
+def test_saved_results_of_an_own_method_are_read_back(tmp_path):
+    """The class of the method is not known then."""
+    result = run(Scene.load("flat_punch").changed(accuracy__rtol=1e-2), methods=[Winkler()])
+    write_numbers(result, tmp_path)
+    assert repr(load(tmp_path)) == repr(result)
 
 
 def test_springs_relax_independently():

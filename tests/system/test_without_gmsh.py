@@ -49,3 +49,37 @@ def test_the_plan_has_the_mesher_of_the_run(mesher, monkeypatch):
     assert (settings["mesher"], settings["solver"]) == ("bisection", "superlu")
     counted = f"fem: {result.solutions['fem'].unknowns} unknowns, "
     assert any(line.startswith(counted) for line in lines)
+
+
+BROKEN_KVXOPT = {
+    "a library that is missing": "raise ImportError('libblas.so.3: cannot open shared object')",
+    "a file that cannot be read": "raise OSError('libgomp.so.1: invalid ELF header')",
+    "another numpy": "raise ValueError('numpy.dtype size changed')",
+    "modules that are missing": "",
+}
+
+
+@pytest.mark.parametrize("reason", BROKEN_KVXOPT)
+@pytest.mark.parametrize("name", ["flat_punch", "cone"])
+def test_cholmod_that_is_installed_but_cannot_be_loaded_is_replaced(
+    name, reason, monkeypatch, tmp_path
+):
+    """The same numbers follow by SuperLU, and one note of the plan and of the run says so."""
+    (tmp_path / "kvxopt").mkdir()
+    (tmp_path / "kvxopt" / "__init__.py").write_text(BROKEN_KVXOPT[reason], "utf-8")
+    loaded = [each for each in sys.modules if each.partition(".")[0] == "kvxopt"]
+    for each in loaded:
+        monkeypatch.delitem(sys.modules, each)
+    monkeypatch.syspath_prepend(tmp_path)
+    scene = Scene.load(name).changed(
+        methods=["mdr", "fem"], accuracy={"rtol": 1e-2}, output__quantities=["indentation"]
+    )
+    lines, result = plan(scene), run(scene)
+    for each in [each for each in sys.modules if each.partition(".")[0] == "kvxopt"]:
+        del sys.modules[each]
+    assert result.verdict == "agree"
+    (note,) = [note for note in result.notes if "kvxopt" in note]
+    assert "SuperLU" in note
+    assert "cannot be loaded" in note
+    assert note.endswith("install it again, or uninstall it")
+    assert lines.count(f"note: {note}") == 1

@@ -1,0 +1,30 @@
+"""The memory of this machine, and the refusal of files whose contents would not fit into it."""
+
+import os
+from pathlib import Path
+
+GIB = 2.0**30
+
+
+def machine_memory() -> float:
+    """Return the memory of this machine, in GiB."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
+
+
+def refuse_large(path: Path, size: float) -> None:
+    """Raise if the contents of a netCDF file, `size` in bytes by its header, are too large.
+
+    A compressed file may be far smaller than its contents.
+
+    Raises
+    ------
+    ValueError
+        with the size of the dataset and the limit
+    """
+    # the data are copied a few times after reading
+    max_bytes = machine_memory() * GIB / 8
+    if size > max_bytes:
+        raise ValueError(
+            f"its contents are {size / 1e9:.3g} GB by its header (the file has "
+            f"{path.stat().st_size / 1e6:.3g} MB); give at most {max_bytes / 1e9:.2g} GB"
+        )

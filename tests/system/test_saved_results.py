@@ -1,0 +1,337 @@
+"""Saved results are read back as they were, or refused in one sentence: never altered or mixed.
+
+Checksums in `summary.json` cover each array of `results.nc` and each other entry.
+"""
+
+import copy
+import json
+import os
+import random
+import shutil
+import signal
+
+import netCDF4
+import numpy as np
+import pytest
+
+from ringwear import Scene, load, run
+from ringwear.meshes.errors import RingwearError, SceneError
+from ringwear.studies.cli import main
+from ringwear.studies.output import files
+from ringwear.studies.output import folder as folder_module
+
+FILES = ("results.nc", "summary.json")
+SCENE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-2)
+
+
+@pytest.fixture(scope="module")
+def result():
+    return run(SCENE)
+
+
+@pytest.fixture(scope="module")
+def saved(result, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saved")
+    files.write_numbers(result, folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def of_twice_the_force(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("twice")
+    files.write_numbers(run(SCENE.changed(load__normal_force=4.0)), folder)
+    return folder
+
+
+@pytest.fixture
+def copied(saved, tmp_path):
+    """Return a copy of the saved results, which a test may change."""
+    return shutil.copytree(saved, tmp_path / "copied")
+
+
+def edit_summary(folder, change):
+    """Let a function change the content of `summary.json` or return another one."""
+    entries = json.loads((folder / "summary.json").read_text("utf-8"))
+    changed = change(entries)
+    text = json.dumps(entries if changed is None else changed)
+    (folder / "summary.json").write_text(text, "utf-8")
+
+
+def without_checksums(folder):
+    """Make results like those that were saved before there were checksums."""
+    edit_summary(folder, lambda entries: entries.pop("checksums") and None)
+    with netCDF4.Dataset(folder / "results.nc", "a") as file:
+        file.delncattr("checksums")
+
+
+def save(result, out):
+    """Put the numbers of a result into a folder like the command `run`, without figures."""
+    with folder_module.output_folder(out, "run") as folder:
+        files.write_numbers(result, folder.hidden)
+
+
+def refusal(folder):
+    """Return the error message for a folder that is refused: one sentence with a remedy."""
+    with pytest.raises(SceneError) as error:
+        load(folder)
+    message = str(error.value)
+    assert "\n" not in message
+    assert message.startswith(f"{folder} cannot be read as results of ringwear: ")
+    assert message.count("; ") == 1
+    return message
+
+
+def read_or_refusal(folder):
+    """Return the results in a folder and an empty text, or None and the refusal in one line."""
+    try:
+        return load(folder), ""
+    except RingwearError as error:
+        message = str(error)
+    assert message
+    assert "\n" not in message
+    return None, message
+
+
+def test_saved_results_are_read_back_exactly(result, saved):
+    read = load(saved)
+    assert read.dataset.identical(result.dataset)
+    assert read.summary == json.loads(json.dumps(result.summary))
+    assert repr(read) == repr(result)
+
+
+def test_each_array_and_each_entry_has_a_checksum(saved):
+    entries = json.loads((saved / "summary.json").read_text("utf-8"))
+    recorded = entries.pop("checksums")
+    with netCDF4.Dataset(saved / "results.nc") as file:
+        assert recorded["coordinates"].keys() | recorded["variables"].keys() == set(file.variables)
+    assert recorded["summary"].keys() == entries.keys()
+    # results that are read and saved again have the same checksums
+    files.write_numbers(load(saved), saved)
+    again = json.loads((saved / "summary.json").read_text("utf-8"))["checksums"]
+    del recorded["results.nc"], again["results.nc"]
+    assert again == recorded
+
+
+def scaled(factor):
+    return lambda array: (array[0], array[1] * factor, array[2])
+
+
+def reversed_rings(array):
+    dims, values, attributes = array
+    return dims, np.flip(values, dims.index("ring")), attributes
+
+
+# an array, and what happens to it on its way into the file
+ALTERATIONS = {
+    "pressure + 10 %": ("pressure", scaled(1.1)),
+    "one bit of the times": ("time", scaled(np.nextafter(1.0, 2.0))),
+    "times * 1.1": ("time", scaled(1.1)),
+    "rings reversed": ("ring_force", reversed_rings),
+    "radii reversed": ("profile", lambda array: (array[0], array[1][..., ::-1], array[2])),
+    "single precision": ("indentation", lambda of: (of[0], of[1].astype(np.float32), of[2])),
+    "another unit": ("indentation", lambda of: (of[0], of[1], of[2] | {"units": "mm"})),
+    "methods exchanged": ("solver", lambda array: (array[0], array[1][::-1], array[2])),
+}
+
+
+@pytest.mark.parametrize("alteration", ALTERATIONS)
+def test_an_array_that_is_altered_while_it_is_written_is_noticed(
+    alteration, result, tmp_path, monkeypatch
+):
+    name, alter = ALTERATIONS[alteration]
+    write = files.write_netcdf
+
+    def write_altered(table, path):
+        arrays = {
+            key: alter(array) if key == name else array
+            for key, array in (table.variables | table.coordinates).items()
+        }
+        variables, coordinates = (
+            {key: arrays[key] for key in each} for each in (table.variables, table.coordinates)
+        )
+        write(table._replace(variables=variables, coordinates=coordinates), path)
+
+    monkeypatch.setattr(files, "write_netcdf", write_altered)
+    files.write_numbers(result, tmp_path)
+    assert f"{name!r} of results.nc does not match its checksum" in refusal(tmp_path)
+
+
+def test_an_entry_that_is_altered_is_named(copied):
+    edit_summary(copied, lambda entries: entries.update(verdict="undecided"))
+    assert "entry 'verdict' of summary.json does not match its checksum" in refusal(copied)
+
+
+def test_an_array_that_is_altered_later_is_named(copied):
+    with netCDF4.Dataset(copied / "results.nc", "a") as file:
+        file["rms_slope"][:] = 0.5
+    assert "variable 'rms_slope' of results.nc does not match its checksum" in refusal(copied)
+
+
+@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("old", [False, True])
+def test_files_of_two_runs_are_not_mixed(name, old, copied, of_twice_the_force):
+    shutil.copy(of_twice_the_force / name, copied / name)
+    if old:
+        without_checksums(copied)
+    message = refusal(copied)
+    assert "results.nc" in message
+    assert "summary.json" in message
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_damaged_files_are_refused(name, copied, result):
+    """Bits are flipped, parts overwritten and ends cut off, at places drawn at random."""
+    draw, content = random.Random(5), (copied / name).read_bytes()
+    refused = 0
+    for number in range(120):
+        damaged, place = bytearray(content), draw.randrange(len(content))
+        if number % 3 == 0:
+            damaged[place] ^= 1 << draw.randrange(8)
+        elif number % 3 == 1:
+            damaged[place : place + 16] = draw.randbytes(16)
+        else:
+            del damaged[place:]
+        (copied / name).write_bytes(damaged)
+        read, refusal_of_it = read_or_refusal(copied)
+        if refusal_of_it:
+            refused += 1
+            continue
+        assert read.dataset.identical(result.dataset)
+        assert read.summary == json.loads(json.dumps(result.summary))
+    # a part of a netCDF file is unused, and blanks in JSON may be cut off
+    assert refused >= 100
+
+
+def entries_within(value, place=()):
+    """Yield the places of a few values at each level of nested dictionaries and lists."""
+    yield place
+    if isinstance(value, dict):
+        for key in list(value)[:2]:
+            yield from entries_within(value[key], (*place, key))
+    elif isinstance(value, list):
+        for index in range(min(len(value), 1)):
+            yield from entries_within(value[index], (*place, index))
+
+
+def replaced(entries, place, value):
+    """Return nested dictionaries and lists with another value at a place; missing if `...`."""
+    if not place:
+        return value
+    entries = copy.deepcopy(entries)
+    inner = entries
+    for key in place[:-1]:
+        inner = inner[key]
+    if value is ...:
+        del inner[place[-1]]
+    else:
+        inner[place[-1]] = value
+    return entries
+
+
+WRONG = (..., [], {}, "x", [[1, 2], [3]])
+DEEP = 100_000
+
+
+@pytest.mark.parametrize("old", [False, True])
+def test_entries_of_a_wrong_type_are_refused(old, copied, result):
+    """Entries that results are not rebuilt from may have any type if they have no checksum."""
+    if old:
+        without_checksums(copied)
+    entries = json.loads((copied / "summary.json").read_text("utf-8"))
+    entries.pop("checksums", None) if old else None
+    for key in ("verdict", "methods", "answer", "agreement", "anchors", "notes", "checksums"):
+        for place in entries_within(entries.get(key, {})):
+            for value in WRONG:
+                if value is ... and not place:
+                    continue
+                changed = entries | {key: replaced(entries.get(key, {}), place, value)}
+                (copied / "summary.json").write_text(json.dumps(changed), "utf-8")
+                read, _ = read_or_refusal(copied)
+                if read is None:
+                    continue
+                # it can be used, too
+                assert repr(read)
+                assert read.answers
+                assert read.dataset.identical(result.dataset)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[]", "no entries"),
+        ("3", "no entries"),
+        ("", "Expecting value"),
+        ("[" * DEEP, "recursion"),
+        ("{}", "no checksums"),
+        ('{"a": ' + "9" * 5000 + "}", "digits"),
+    ],
+)
+def test_a_summary_that_is_none_is_refused(text, words, copied):
+    (copied / "summary.json").write_text(text, "utf-8")
+    assert words in refusal(copied)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_missing_file_or_a_folder_in_its_place_is_refused(name, copied):
+    (copied / name).unlink()
+    assert f"it has no {name}" in refusal(copied)
+    (copied / name).mkdir()
+    assert name in refusal(copied) or "directory" in refusal(copied)
+
+
+def test_results_without_checksums_are_read_with_a_remark(copied, result, caplog, capsys):
+    without_checksums(copied)
+    read = load(copied)
+    assert read.dataset.identical(result.dataset)
+    (record,) = caplog.records
+    remark = "without checksums"
+    assert remark in record.getMessage()
+    assert remark in repr(read)
+    assert any(remark in note for note in read.notes)
+    out = str(copied.parent / "out")
+    assert main(["compare", str(copied), "flat_punch", "--out", out]) == 0
+    assert remark in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["compare {} flat_punch", "check flat_punch {}/results.nc"])
+def test_commands_refuse_altered_results(command, copied, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    with netCDF4.Dataset(copied / "results.nc", "a") as file:
+        file["indentation"][:] *= 1.01
+    assert main(command.format(copied).split()) == 2
+    printed = capsys.readouterr()
+    (line,) = printed.err.splitlines()
+    assert "'indentation' of results.nc does not match its checksum in summary.json; run" in line
+    assert not (tmp_path / "results").exists()
+
+
+def test_a_process_that_is_killed_while_it_moves_files_leaves_no_mixture(
+    result, of_twice_the_force, tmp_path
+):
+    """After kill -9 between any two moves, the old or the new results are read, or none."""
+    twice, seen = load(of_twice_the_force), set()
+    for moves in range(4):
+        out = tmp_path / str(moves)
+        save(result, out)
+        child = os.fork()
+        if child == 0:
+            left, move = iter(range(moves)), os.replace
+
+            def kill_after(*paths, left=left, move=move):
+                if next(left, None) is None:
+                    os.kill(os.getpid(), signal.SIGKILL)
+                move(*paths)
+
+            folder_module.os.replace = kill_after
+            save(twice, out)
+            os._exit(0)
+        os.waitpid(child, 0)
+        read, message = read_or_refusal(out)
+        if read is None:
+            assert ".complete" in message
+            # what the message says to do
+            save(twice, out)
+            read = load(out)
+        seen.add(bool(message))
+        assert read.dataset.identical(twice.dataset)
+    assert seen == {True, False}
