@@ -320,9 +320,9 @@ class Checked(Result, checked.CheckedOutcome):
 
     def _catalogue(self) -> "Sequence[Picture]":
         """Return the figures that a check may have, those of the checked results first."""
-        from .check.pictures import CHECK_PICTURES, shows_others
+        from .check.pictures import CHECK_PICTURES
 
-        return sorted(CHECK_PICTURES, key=lambda picture: not shows_others(picture, self))
+        return sorted(CHECK_PICTURES, key=lambda picture: not self.shows_others(picture))
 
     @property
     def _account(self) -> Account:

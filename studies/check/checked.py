@@ -18,6 +18,7 @@ from .verdict import Verdict, best, quantity_errors, verdicts
 if TYPE_CHECKING:
     import pandas as pd
 
+    from ..figures.style import Picture
     from .refinement import Refinement
 
 
@@ -163,6 +164,11 @@ class CheckedOutcome(Outcome):
         if mistakes or self.is_within(name):
             return mistakes
         return ["no mistake that was tried explains the error"]
+
+    def shows_others(self, picture: "Picture") -> bool:
+        """Return whether a figure shows the results of other programs."""
+        given = {name for program in self.judged for name in self.solutions[program].results}
+        return picture.file == "refinement.png" or bool(given.intersection(picture.quantities))
 
     def verdict_on(self, name: str) -> str:
         """Return a sentence on whether all quantities of a program are within the allowed error."""

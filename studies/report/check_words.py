@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ..check.pictures import shows_others
 from ..check.verdict import quantity_errors
 from ..crosscheck.agreement import DISAGREE
 from ..figures.scale import Scale
@@ -89,4 +88,4 @@ class CheckAccount(Account):
 
     def first_figures(self, pictures: Iterable["Picture"]) -> list[str]:
         """Return the files of the figures that show the checked results."""
-        return [picture.file for picture in pictures if shows_others(picture, self.result)]
+        return [picture.file for picture in pictures if self.result.shows_others(picture)]

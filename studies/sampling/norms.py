@@ -131,9 +131,9 @@ def _difference_of_heights(
 ) -> Array:
     """Return the relative difference (T,) of two profiles, or of two indentations.
 
-    Even wear grows without bound, and the shape of the face does not. Therefore a difference in the
-    even wear is relative to the whole height, and the rest of the difference to the depth without
-    even wear; the greater one counts.
+    Even wear grows without bound, and the shape of the face does not. Therefore differences of the
+    whole heights and of the even wear are relative to the whole height, and the rest of the
+    difference is relative to the depth without even wear; the greatest one counts.
 
     Parameters
     ----------
@@ -160,12 +160,21 @@ def _difference_of_heights(
         ratio = np.divide(mean_difference, mean, out=np.zeros_like(mean), where=even_wear > 0)
         even = even_wear * ratio
         rest = (rest.T - even).T
-    rest = np.abs(rest.reshape(len(rest), -1)).max(axis=1)
-    return np.asarray(
-        np.maximum(
-            *(
-                np.divide(np.abs(values), scale, out=np.zeros(len(scale)), where=scale > 0)
-                for values, scale in ((rest, depth), (even, depth + even_wear))
-            )
+    whole = results[name] - against[name]
+    height = depth + even_wear
+    if "indentation" in against:
+        height = np.maximum.accumulate(against["indentation"] - face.standoff)
+    relative = [
+        np.divide(_largest(values), scale, out=np.zeros(len(scale)), where=scale > 0)
+        for values, scale in (
+            (rest, depth),
+            (even, height),
+            (whole, height),
         )
-    )
+    ]
+    return np.asarray(np.max(relative, axis=0))
+
+
+def _largest(values: Array) -> Array:
+    """Return the largest absolute value (T,) at each time of values (T, ...)."""
+    return np.abs(values.reshape(len(values), -1)).max(axis=1)
