@@ -10,6 +10,7 @@ import pytest
 from ringwear import Scene, run
 from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
 from ringwear.studies.methods.base import Solution
+from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.scene.sources import bundled
 
 FLAT = [name for name in bundled() if Scene.load(name).problem.full_contact]
@@ -93,6 +94,9 @@ def flat():
 def compare(flat, factors, errors=None):
     """Compare MDR with finite elements whose results are scaled or whose estimates are replaced."""
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
+    # a height is stored with and without even wear
+    pairs = ((WITHOUT_EVEN_WEAR.get(name, name), factor) for name, factor in factors.items())
+    factors = factors | dict(pairs)
     wrong, answers = (
         part | {name: factors[name] * part[name] for name in factors.keys() & part.keys()}
         for part in (fem.checked, fem.answers)
