@@ -55,8 +55,8 @@ SIZES_PER_OCTAVE = 4
 SLOPE_AMPLITUDE = 3
 # Relative error of pressures where the wear coefficient varies, over the tolerance.
 POLE_SHARE = 0.05
-# Lowest degree where the wear coefficient varies. Relaxed degrees and finite elements have up to one
-# less, and the coarser solution another one less: linear displacements there would have wrong
+# Lowest degree where the wear coefficient varies. Relaxed degrees and finite elements have up to
+# one less, and the coarser solution another one less: linear displacements there would have wrong
 # slopes, which are greatest where the wear coefficient is least.
 LOWEST_POLE_DEGREE = 4
 # Size ratio of neighbouring elements to which amplitudes where the wear coefficient varies belong:
