@@ -53,12 +53,9 @@ SIZES_PER_OCTAVE = 4
 # Factor on the amplitude of the slope, relative to that of the pressure. The slope is needed only
 # to the square root of the tolerance (physics/test_size_rules.py).
 SLOPE_AMPLITUDE = 3
-# Relative error of pressures where the wear coefficient varies, over the tolerance.
-POLE_SHARE = 0.05
-# Lowest degree where the wear coefficient varies. Relaxed degrees and finite elements have up to
-# one less, and the coarser solution another one less: linear displacements there would have wrong
-# slopes, which are greatest where the wear coefficient is least.
-LOWEST_POLE_DEGREE = 4
+# Degrees that are added where the wear coefficient varies: relaxed degrees and finite elements have
+# up to one less, and the coarser solution another one.
+SPARE_POLE_DEGREES = 2
 # Size ratio of neighbouring elements to which amplitudes where the wear coefficient varies belong:
 # the largest one in use, with which they are largest.
 POLE_GRADING = 0.25
@@ -305,10 +302,8 @@ class EdgeAmplitude:
         amplitude = np.maximum(np.maximum(pressure_amplitude, slope_amplitude), distance)
         if self.wear_gradients is not None:
             # wear coefficients at most double on a ring
-            gradient = self.wear_gradients[edge]
-            rise = np.minimum(gradient * distance, 1.0)
-            graded = np.where(gradient > 0, pole_amplitude(rise, self.tolerance), 0.0)
-            amplitude = np.maximum(amplitude, graded)
+            rise = np.minimum(self.wear_gradients[edge] * distance, 1.0)
+            amplitude = np.maximum(amplitude, pole_amplitude(rise, self.tolerance))
         return np.asarray(amplitude)
 
 
@@ -327,14 +322,15 @@ def pole_amplitude(rise: Array, tolerance: float) -> Array:
     -----
     With x = 1 + 2 / rise the pole is at the distance x from the middle of the element, whose
     half-width is 1. A polynomial of degree p has the relative error ``r^-p / (x + 1)`` with ``r = x
-    + sqrt(x^2 - 1)``. Amplitudes belong to the error ``rho^-p`` beside a singular point
-    (`convergence`), with rho of POLE_GRADING: the amplitude is such that both need the same degree
-    for POLE_SHARE times the tolerance. This degree is at least LOWEST_POLE_DEGREE. Shown by
+    + sqrt(x^2 - 1)``. SPARE_POLE_DEGREES are added to the degree at which this is the tolerance.
+    Amplitudes belong to the error ``rho^-p`` beside a singular point (`convergence`), with rho of
+    POLE_GRADING: the amplitude is such that both need the same degree. Shown by
     physics/test_graded.py.
     """
     x = 1 + 2 / np.maximum(rise, np.finfo(float).eps)
     rate = np.log(x + np.sqrt((x - 1) * (x + 1)))
-    degree = np.maximum(-np.log((x + 1) * POLE_SHARE * tolerance) / rate, LOWEST_POLE_DEGREE)
+    digits = -np.log((x + 1) * tolerance)
+    degree = np.where(digits > 0, digits / rate + SPARE_POLE_DEGREES, 0.0)
     return np.asarray(tolerance * np.exp(degree * convergence(POLE_GRADING)))
 
 
