@@ -24,6 +24,8 @@ from .radial import Array, Indices
 LOWERED_DEGREE_PREFIX = "degree -"
 # subdomain in which fields are smoothest: away from every ring edge and below the surface
 DEEP_SUBDOMAIN = "deep"
+# greatest roundoff of the sum of the angles at a vertex
+ANGLE_ROUNDOFF = 1e-3
 
 
 @dataclass(repr=False)
@@ -219,6 +221,33 @@ def _check(mesh: Mesh, ring_edges: Array) -> None:
             f"an element at r = {r:.3g} a, depth {z:.3g} a is degenerate (quality "
             f"{shape.min():.1e}): use less extreme sizes"
         )
+    if _is_folded(mesh):
+        raise MeshError("elements overlap: the mesh is folded")
+
+
+def _is_folded(mesh: Mesh) -> bool:
+    """Return whether elements overlap, or leave a gap, at any vertex.
+
+    The angles of the elements at a vertex sum to 2 pi inside the mesh and to pi on its straight
+    boundaries. Areas do not show folds of elements that are far smaller than the mesh.
+    """
+    angles = np.bincount(mesh.t.ravel(), corner_angles(mesh).ravel())
+    r, z = mesh.p
+    on_line = (r == 0).astype(int) + (z == 0)
+    if "base" in mesh.boundaries:
+        on_line += z == z[mesh.facets[0, mesh.boundaries["base"]]].max()
+    expected = 2 * np.pi / 2.0**on_line
+    curved = np.zeros(len(r), dtype=bool)
+    curved[mesh.facets[:, mesh.boundaries["far"]]] = True
+    return bool((np.abs(angles - expected) > ANGLE_ROUNDOFF)[~curved].any())
+
+
+def corner_angles(mesh: Mesh) -> Array:
+    """Return the angles (corners, m) at the corners of each element, which must be convex."""
+    corners = corner_offsets(mesh)
+    following, preceding = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
+    cross = following[0] * preceding[1] - following[1] * preceding[0]
+    return np.asarray(np.arctan2(np.abs(cross), (following * preceding).sum(axis=0)))
 
 
 def truncation(mesh: Mesh) -> float:

@@ -53,6 +53,12 @@ SIZES_PER_OCTAVE = 4
 # Factor on the amplitude of the slope, relative to that of the pressure. The slope is needed only
 # to the square root of the tolerance (physics/test_size_rules.py).
 SLOPE_AMPLITUDE = 3
+# Degrees that are added where the wear coefficient varies: relaxed degrees and finite elements have
+# up to one less, and the coarser solution another one.
+SPARE_POLE_DEGREES = 2
+# Size ratio of neighbouring elements to which amplitudes where the wear coefficient varies belong:
+# the largest one in use, with which they are largest.
+POLE_GRADING = 0.25
 
 
 @dataclass(frozen=True)
@@ -241,6 +247,8 @@ class EdgeAmplitude:
         and the default is 1 for all edges
     narrower_width : (N,) width of the narrower ring at each edge; without it, the influence of
         narrow rings on their neighbours is not included
+    wear_gradients : (N,) greatest ``|dk/dr| / k`` of the wear coefficient beside each edge;
+        without it, wear coefficients are constant on rings
     """
 
     tolerance: float
@@ -249,6 +257,7 @@ class EdgeAmplitude:
     time_ratio: float = 1.0
     kinks: Array | None = None
     narrower_width: Array | None = None
+    wear_gradients: Array | None = None
 
     @property
     def worn_length_fast(self) -> Array:
@@ -290,7 +299,39 @@ class EdgeAmplitude:
         # The squared slope is integrated, so the slope may err by sqrt(tolerance). Its amplitude is
         # scaled so that it can be compared with the tolerance, too.
         slope_amplitude = SLOPE_AMPLITUDE * np.sqrt(self.tolerance * slope_amplitude) * kink
-        return np.asarray(np.maximum(np.maximum(pressure_amplitude, slope_amplitude), distance))
+        amplitude = np.maximum(np.maximum(pressure_amplitude, slope_amplitude), distance)
+        if self.wear_gradients is not None:
+            # wear coefficients at most double on a ring
+            rise = np.minimum(self.wear_gradients[edge] * distance, 1.0)
+            amplitude = np.maximum(amplitude, pole_amplitude(rise, self.tolerance))
+        return np.asarray(amplitude)
+
+
+def pole_amplitude(rise: Array, tolerance: float) -> Array:
+    """Return the amplitude (n,) of 1 / k on elements along which k is linear.
+
+    Pressures tend to this function, and small areas where k is least have the greatest slopes and
+    pressures. The error is therefore relative to the pressure on the element.
+
+    Parameters
+    ----------
+    rise : (n,) change of k along each element over the least k on it
+    tolerance : required relative accuracy
+
+    Notes
+    -----
+    With x = 1 + 2 / rise the pole is at the distance x from the middle of the element, whose
+    half-width is 1. A polynomial of degree p has the relative error ``r^-p / (x + 1)`` with ``r = x
+    + sqrt(x^2 - 1)``. SPARE_POLE_DEGREES are added to the degree at which this is the tolerance.
+    Amplitudes belong to the error ``rho^-p`` beside a singular point (`convergence`), with rho of
+    POLE_GRADING: the amplitude is such that both need the same degree. Shown by
+    physics/test_graded.py.
+    """
+    x = 1 + 2 / np.maximum(rise, np.finfo(float).eps)
+    rate = np.log(x + np.sqrt((x - 1) * (x + 1)))
+    digits = -np.log((x + 1) * tolerance)
+    degree = np.where(digits > 0, digits / rate + SPARE_POLE_DEGREES, 0.0)
+    return np.asarray(tolerance * np.exp(degree * convergence(POLE_GRADING)))
 
 
 def convergence(grading: float) -> float:

@@ -13,12 +13,15 @@ x^n`` of Eq. 3. With the contact radius a,
 
 A sphere of radius R has n = 2 and c = 1/(2 R); a cone has n = 1, and c is its slope. All functions
 have the plane strain modulus 1. The annulus and the worn sphere have no exact closed form, only
-the limits that are given here.
+the limits that are given here. The steady state of wear along the radius is an integral.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1, gamma, hyp2f1
 
@@ -214,3 +217,114 @@ def disc_energies(discs):
     complement = (outer - inner) * (outer + inner)
     second = complement * ellipkm1(np.maximum(complement / outer**2, np.finfo(float).tiny))
     return 8 / 3 * outer * ((outer**2 + inner**2) * ellipe(square) - second)
+
+
+@dataclass(frozen=True, eq=False)
+class GradedSteadyState:
+    """Steady state of wear under the force 1 if k is linear between radii, and jumps at equal ones.
+
+    The wear rate ``w = k p`` is constant, so that ``1 / w = int dA / k``. The pressure is a sum of
+    discs under uniform pressures: ``p(1)`` on the whole punch, ``-p'(c) dc`` on each radius c, and
+    the jumps of p. Displacement and slope of a disc are known (`direct` has them, too), and the sum
+    is an integral over c. Gauss's rule is used between points that approach the ends of intervals
+    and the radius of the result geometrically, and between which k grows by at most half.
+
+    Parameters
+    ----------
+    radii, values : k along the radius, from 0 (or from the hole) to 1
+    """
+
+    radii: np.ndarray
+    values: np.ndarray
+
+    @property
+    def intervals(self):
+        """Intervals (inner radius, outer radius, k at both) in which k is linear."""
+        rows = zip(pairwise(self.radii), pairwise(self.values), strict=True)
+        return [(*ends, *wear) for ends, wear in rows if ends[1] > ends[0]]
+
+    @property
+    def jumps(self):
+        """Radii of uniformly loaded discs of finite pressure, and these pressures times w."""
+        discs = {1.0: 1 / self.intervals[-1][3]}
+        for left, right in pairwise(self.intervals):
+            discs[left[1]] = 1 / left[3] - 1 / right[2]
+        if self.radii[0] > 0:
+            discs[self.radii[0]] = -1 / self.intervals[0][2]
+        return np.array(list(discs)), np.array(list(discs.values()))
+
+    @cached_property
+    def wear_rate(self):
+        rows = [(interval, *quadrature(*interval)) for interval in self.intervals]
+        areas = (2 * np.pi * np.sum(w * c / wear_in(interval, c)) for interval, c, w in rows)
+        return 1 / sum(areas)
+
+    def displacement(self, radii):
+        """Return the displacement of the surface at radii."""
+        return np.array([self._sum(radius, displacement_of_disc) for radius in radii])
+
+    def rms_slope(self, average="line"):
+        """Return the root mean square slope of the face, over the radius or over its area."""
+        square = 0.0
+        for interval in self.intervals:
+            radii, lengths = quadrature(*interval)
+            slopes = np.array([self._sum(radius, slope_of_disc) for radius in radii])
+            square += lengths @ (slopes**2 * (1 if average == "line" else 2 * radii))
+        hole = self.radii[0]
+        return float(np.sqrt(square / (1 - (hole if average == "line" else hole**2))))
+
+    def _sum(self, radius, of_disc):
+        discs, pressures = self.jumps
+        total = pressures @ of_disc(radius, discs)
+        for interval in self.intervals:
+            inner, outer, first, last = interval
+            if first != last:
+                c, lengths = quadrature(*interval, towards=radius)
+                falls = (last - first) / (outer - inner) / wear_in(interval, c) ** 2
+                total += lengths @ (falls * of_disc(radius, c))
+        return self.wear_rate * total
+
+
+def wear_in(interval, radii):
+    """Return k at radii of an interval in which it is linear."""
+    inner, outer, first, last = interval
+    return first + (last - first) * (radii - inner) / (outer - inner)
+
+
+def quadrature(inner, outer, first, last, towards=None):
+    """Return Gauss points and weights of an interval in which k is linear."""
+    width, count = outer - inner, int(np.ceil(abs(np.log(last / first)) / np.log(1.5)))
+    points = [np.array([inner, outer])]
+    if count > 1:
+        wear = np.geomspace(first, last, count + 1)[1:-1]
+        points.append(inner + width * (wear - first) / (last - first))
+    distances = width * 0.3 ** np.arange(40.0)
+    distances = distances[distances > 1e-14]
+    for place in (inner, outer, towards):
+        if place is not None and inner <= place <= outer:
+            points += [place - distances, [place], place + distances]
+    ends = np.unique(np.concatenate(points))
+    ends = ends[(ends >= inner) & (ends <= outer)]
+    node, weight = leggauss(12)
+    half = np.diff(ends)[:, None] / 2
+    return (ends[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
+
+
+def displacement_of_disc(radius, discs):
+    """Return the displacement at a radius under the pressure 1 on discs (n,)."""
+    inner, outer = np.minimum(radius, discs), np.maximum(radius, discs)
+    complement = (outer - inner) * (outer + inner) / outer**2
+    whole, second = ellipe(1 - complement), ellipkm1(np.maximum(complement, np.finfo(float).tiny))
+    outside = radius * (whole - complement * second)
+    return 4 / np.pi * np.where(radius < discs, discs * whole, outside)
+
+
+def slope_of_disc(radius, discs):
+    """Return the derivative of `displacement_of_disc` in the radius."""
+    inner, outer = np.minimum(radius, discs), np.maximum(radius, discs)
+    complement = (outer - inner) * (outer + inner) / outer**2
+    second = ellipkm1(np.maximum(complement, np.finfo(float).tiny))
+    difference = ellipe(1 - complement) - second
+    # E - K = -pi m / 4 - ..., which cancels for small m
+    difference = np.where(complement > 1 - 1e-8, np.pi / 4 * (complement - 1), difference)
+    return 4 / np.pi * difference * np.where(radius < discs, discs / radius, 1.0)

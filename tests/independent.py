@@ -3,10 +3,12 @@
 It extends `physics/wear_reference.py` and shares no code with any method. With ``s = 1 - r^2`` the
 line density of the MDR is Abel's integral of the pressure, which has a closed form for Legendre
 polynomials. The energy is the integral of its square, by Gauss's rule. Elements become smaller
-towards every ring edge, every kink of k(r) and the rim, and their degree rises with the distance
-from these. In the inner product with weight k, the law of wear is one singular value problem, so
-the history is exact in time: each mode decays exponentially, and a force that varies enters as an
-integral of its rate times this decay.
+towards every ring edge, every kink of k(r) and the rim. Their degree rises with the distance from
+these, but is the highest one wherever k varies, because the steady pressure 1/k has a pole there
+beside the interval. Worn heights are projected without k: k times a polynomial cannot be constant,
+and has wrong slopes where k is steep. In the inner product with weight k, the law of wear is one
+singular value problem, so the history is exact in time: each mode decays exponentially, and a force
+that varies enters as an integral of its rate times this decay.
 
 The contact must stay full. `Punch.least_pressure` shows whether it does while a force falls.
 """
@@ -15,7 +17,7 @@ from itertools import pairwise
 
 import numpy as np
 from independent_load import Load
-from numpy.polynomial.legendre import legder, leggauss, legval
+from numpy.polynomial.legendre import legder, leggauss, legroots, legval
 from scipy.linalg import solve_triangular, svd
 from scipy.optimize import brentq
 
@@ -69,6 +71,8 @@ def elements(pieces: Pieces, smallest: Array, degree: int) -> list[tuple]:
             elements_made = []
             for layer, (low, high) in enumerate(pairwise(ends)):
                 order = int(min(degree, 4 + np.ceil(rise * layer) + nearest))
+                if pieces.slope[count - 1 - number]:
+                    order = degree
                 ends_of = (low, high) if edge == left else (-high, -low)
                 elements_made.append((edge, *ends_of, count - 1 - number, order))
             rows += elements_made if edge == left else elements_made[::-1]
@@ -104,13 +108,9 @@ class Punch:
                 for lower, width in zip(self.orthogonal, self.width, strict=True)
             ]
         )
-        # int k phi dA; worn volume = these times the coefficients of worn heights
-        self.volumes = np.concatenate(
-            [
-                np.sqrt(np.pi * width) * lower.T[:, 0]
-                for lower, width in zip(self.orthogonal, self.width, strict=True)
-            ]
-        )
+        # int P dA; worn volume = these times the coefficients of worn heights
+        self.volumes = np.zeros(self.first[-1])
+        self.volumes[self.first[:-1]] = np.sqrt(np.pi * self.width)
         self.triangle = self._triangular_energy()
         self._solve()
 
@@ -130,7 +130,6 @@ class Punch:
         self.local, self.distance, self.square, self.length = others
         self.radius = np.sqrt(self.square)
         self.wear = self.pieces.at(self.piece[self.owner], self.radius)
-        self.slope_of_wear = self.pieces.slope[self.piece[self.owner]]
 
     def _legendre(self, number: int, local: Array, derivative: bool = False) -> Array:
         """Return (points, n) Legendre polynomials, orthonormal by area, or derivatives in `s`."""
@@ -204,62 +203,77 @@ class Punch:
         return pressures @ self.moments + self.wear_rate * load.at(times)[2]
 
     def worn(self, depths: Array, pressures: Array) -> Array:
-        """Return coefficients (T, n) of the worn heights d - u, divided by k."""
-        moved = (pressures @ self.triangle.T) @ self.triangle
-        return depths[:, None] * self.weights - moved
+        """Return coefficients (T, n) of the worn heights d - u in Legendre polynomials."""
+        moments = depths[:, None] * self.weights - (pressures @ self.triangle.T) @ self.triangle
+        for number, lower in enumerate(self.orthogonal):
+            columns = slice(self.first[number], self.first[number + 1])
+            moments[:, columns] = moments[:, columns] @ lower.T
+        return moments
 
-    def fields(self, radii: Array) -> tuple[Array, Array]:
-        """Return values (R, n) of the functions, and k (R,), at radii."""
-        s = (1 - radii) * (1 + radii)
-        number = np.clip(np.searchsorted(self.edge + self.low, s) - 1, 0, len(self.edge) - 1)
-        values = np.zeros((len(radii), self.first[-1]))
+    def fields(self, radii: Array) -> tuple[Array, Array, Array]:
+        """Return pressures and heights (R, n) of the functions, and k (R,), at radii."""
+        s, square = (1 - radii) * (1 + radii), radii**2
+        # near the axis, only the squares of the radii resolve the elements
+        from_rim = np.searchsorted(self.edge + self.low, s) - 1
+        from_axis = np.searchsorted(-((1 - self.edge) - self.low), -square) - 1
+        number = np.clip(np.where(s < 0.5, from_rim, from_axis), 0, len(self.edge) - 1)
+        pressures, heights = np.zeros((2, len(radii), self.first[-1]))
         for each in np.unique(number):
             on = number == each
-            within = (s[on] - self.edge[each]) - self.low[each]
+            from_edge = np.where(s < 0.5, s - self.edge[each], (1 - self.edge[each]) - square)
+            within = from_edge[on] - self.low[each]
             local = (2 * within / self.width[each] - 1).clip(-1, 1)
             functions = self._legendre(each, local)
             columns = slice(self.first[each], self.first[each + 1])
             lower = self.orthogonal[each]
-            values[on, columns] = solve_triangular(lower, functions.T, lower=True).T
-        return values, self.pieces.at(self.piece[number], radii)
+            heights[on, columns] = functions
+            pressures[on, columns] = solve_triangular(lower, functions.T, lower=True).T
+        return pressures, heights, self.pieces.at(self.piece[number], radii)
 
-    def _on_points(self, coefficients: Array, derivative: bool = False) -> Array:
-        """Return values (T, points), or derivatives in s, at the Gauss points of all elements."""
-        values = np.empty((len(coefficients), len(self.owner)))
+    def _pressures_on_points(self, pressures: Array) -> Array:
+        """Return pressures (T, points) at the Gauss points of all elements."""
+        values = np.empty((len(pressures), len(self.owner)))
         for number, lower in enumerate(self.orthogonal):
             on = self.owner == number
             columns = slice(self.first[number], self.first[number + 1])
-            functions = self._legendre(number, self.local[on], derivative)
-            of_legendre = solve_triangular(lower, coefficients[:, columns].T, lower=True, trans="T")
+            functions = self._legendre(number, self.local[on])
+            of_legendre = solve_triangular(lower, pressures[:, columns].T, lower=True, trans="T")
             values[:, on] = (functions @ of_legendre).T
         return values
 
     def rms_slopes(self, worn: Array, average: str) -> Array:
         """Return the root mean square slope (T,) of the worn face."""
-        over_k, rise = self._on_points(worn), self._on_points(worn, derivative=True)
-        slopes = self.slope_of_wear * over_k - 2 * self.radius * self.wear * rise
+        slopes = np.empty((len(worn), len(self.owner)))
+        for number in range(len(self.order)):
+            on = self.owner == number
+            columns = slice(self.first[number], self.first[number + 1])
+            rise = self._legendre(number, self.local[on], derivative=True)
+            slopes[:, on] = worn[:, columns] @ rise.T
+        slopes *= -2 * self.radius
         measure = 1 / (2 * self.radius) if average == "line" else 1.0
         return np.sqrt(slopes**2 @ (self.length * measure))
 
     def least(self, worn: Array) -> Array:
-        """Return the least worn height (T,), by samples and a parabola through the least three."""
+        """Return the least worn height (T,), by samples and the bends of the polynomials there."""
         samples = np.cos(np.pi * np.linspace(1, 0, 80))
-        lowest = np.full(len(worn), np.inf)
-        for number, lower in enumerate(self.orthogonal):
-            columns = slice(self.first[number], self.first[number + 1])
-            of_legendre = solve_triangular(lower, worn[:, columns].T, lower=True, trans="T")
-            s = self.edge[number] + self.low[number] + self.width[number] * (1 + samples) / 2
-            wear = self.pieces.at(self.piece[number], np.sqrt(np.maximum(1 - s, 0)))
-            heights = ((self._legendre(number, samples) @ of_legendre).T) * wear
-            for row, height in enumerate(heights):
-                at = int(height.argmin())
-                low = height[at]
-                if 0 < at < len(samples) - 1:
-                    near = slice(at - 1, at + 2)
-                    a, b, c = np.polyfit(samples[near] - samples[at], height[near] - low, 2)
-                    low += c - b * b / (4 * a) if a > 0 else 0.0
-                lowest[row] = min(lowest[row], low)
-        return lowest
+        columns = [slice(*ends) for ends in pairwise(self.first)]
+        lowest = np.array(
+            [
+                (worn[:, of_element] @ self._legendre(number, samples).T).min(axis=1)
+                for number, of_element in enumerate(columns)
+            ]
+        )
+        least = lowest.min(axis=0)
+        for row, number in enumerate(lowest.argmin(axis=0)):
+            for near in range(max(number - 1, 0), min(number + 2, len(columns))):
+                scale = np.sqrt(
+                    (2 * np.arange(self.order[near] + 1) + 1) / (np.pi * self.width[near])
+                )
+                series = worn[row, columns[near]] * scale
+                roots = legroots(legder(series))
+                roots = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1)]
+                least[row] = min(least[row], *legval(roots, series), np.inf)
+        return least
 
     def by_ring(self, parts: Array, ring_edges: Array) -> Array:
         """Return sums (T, N) over each ring of contributions (T, n) of the functions."""
@@ -271,7 +285,7 @@ class Punch:
 
     def least_pressure(self, pressures: Array) -> float:
         """Return the least ratio, over time, of the least pressure to the greatest pressure."""
-        values = self._on_points(pressures)
+        values = self._pressures_on_points(pressures)
         return float((values.min(axis=1) / values.max(axis=1)).min())
 
     def left(self, distance: float) -> float:
@@ -363,15 +377,15 @@ def _history(problem, punch: Punch, load: Load, times: Array, average: str) -> d
     pressures = punch.pressures(load, later)
     depths = punch.depths(load, later, pressures)
     worn = punch.worn(depths, pressures)
-    functions, wear = punch.fields(face.radii)
-    centre, wear_centre = punch.fields(np.zeros(1))
-    profile = (worn @ functions.T) * wear
+    of_pressures, of_heights, _ = punch.fields(face.radii)
+    _, at_centre, _ = punch.fields(np.zeros(1))
+    profile = worn @ of_heights.T
     values = {
-        "pressure": pressures @ functions.T,
+        "pressure": pressures @ of_pressures.T,
         "profile": profile,
         "displacement": depths[:, None] - profile,
         "indentation": depths,
-        "displacement_centre": depths - (worn @ centre.T)[:, 0] * wear_centre,
+        "displacement_centre": depths - (worn @ at_centre.T)[:, 0],
         "displacement_max": depths - punch.least(worn),
         "rms_slope": punch.rms_slopes(worn, average),
         "ring_force": punch.by_ring(pressures * punch.weights, edges),
@@ -404,11 +418,11 @@ def _history(problem, punch: Punch, load: Load, times: Array, average: str) -> d
 
 
 def _steady(problem, punch: Punch, average: str) -> dict[str, Array]:
-    functions, wear = punch.fields(problem.face.radii)
+    _, of_heights, wear = punch.fields(problem.face.radii)
     # u = A p_s; the steady profile max(u) - u has the minimum 0
     moved = punch.worn(np.zeros(1), punch.steady[None])
     greatest = -punch.least(moved)[0]
-    profile = greatest + (moved @ functions.T)[0] * wear
+    profile = greatest + (moved @ of_heights.T)[0]
     return {
         "steady_pressure": punch.wear_rate / wear,
         "steady_profile": np.maximum(profile, 0.0),

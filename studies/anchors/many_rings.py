@@ -60,7 +60,9 @@ def _even_edges(reading: Reading, count: int) -> Array:
     The width of a ring, in punch radii, plus the change of log k across it is the same for all
     rings. So k changes little in any of them, and no ring is much wider than the others.
     """
-    radii = np.linspace(reading.edges[0], 1, 4001)
+    even_radii = np.linspace(reading.edges[0], 1, 4001)
+    radii = np.union1d(even_radii, reading.radii_of_even_wear())
+    radii = radii[radii >= reading.edges[0]]
     changes = np.abs(np.diff(np.log(reading.wear_at(radii))))
     measure = np.append(0.0, np.cumsum(np.diff(radii) + changes))
     return np.interp(np.linspace(0, measure[-1], count + 1), measure, radii)

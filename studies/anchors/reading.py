@@ -26,6 +26,8 @@ STEP_OFFSET = 1e-12
 # relative change of the wear coefficient along a segment below which a closed form loses digits, so
 # that a Gauss rule integrates instead, and the points of that rule, which gives all digits
 SMALL_CHANGE, GAUSS_POINTS = 0.5, 24
+# number of radii in each interval of a table between which k changes by equal factors
+RADII_PER_INTERVAL = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +188,20 @@ class Reading:
             least.append(values.min())
             greatest.append(values.max())
         return np.array(least), np.array(greatest)
+
+    def radii_of_even_wear(self) -> Array:
+        """Return radii (over the punch radius) between which a graded k changes by small factors.
+
+        They are those of the table, and others between them.
+        """
+        radii = np.array(self.table["radii"]) / self.units.length
+        values, places = np.array(self.table["values"]), [radii]
+        for number in np.flatnonzero((np.diff(values) != 0) & (np.diff(radii) > 0)):
+            ends = slice(number, number + 2)
+            wear = np.geomspace(*values[ends], RADII_PER_INTERVAL)
+            order = np.argsort(values[ends])
+            places.append(np.interp(wear, values[ends][order], radii[ends][order]))
+        return np.unique(np.concatenate(places).clip(0.0, 1.0))
 
     def unworn(self, radii: Array) -> Array:
         """Return the heights of the unworn face at radii (over the punch radius), non-dimensional.

@@ -18,6 +18,8 @@ from ...meshes.radial import Array, Indices, alternating_edges, gauss, ring_of, 
 
 # Gauss points in each element of a face
 POINTS = 8
+# narrowest interval of a table of wear coefficients, in punch radii; narrower ones count as steps
+NARROWEST_INTERVAL = 1e-9
 
 
 class Rings(NamedTuple):
@@ -68,11 +70,13 @@ class Rings(NamedTuple):
             places = np.searchsorted(radii, new_edges)
             values = np.insert(values, places, np.interp(new_edges, radii, values))
             radii = np.insert(radii, places, new_edges)
+            widths = np.diff(radii)
             # narrower intervals count as steps
-            wide_enough = np.diff(radii) > 1e-9
+            wide_enough = widths > NARROWEST_INTERVAL
             # a slope on the axis is a conical point, near which the pressure is logarithmic
             steep = np.abs(np.diff(np.log2(values))) > np.where(radii[:-1] > 0, 1.0, 0.1)
-            new_edges = (radii[:-1] + np.diff(radii) / 2)[wide_enough & steep]
+            halves_are_wide_enough = widths > 2 * NARROWEST_INTERVAL
+            new_edges = (radii[:-1] + widths / 2)[halves_are_wide_enough & steep]
             if not len(new_edges):
                 break
         # omit what lies in the hole
@@ -124,6 +128,19 @@ class Rings(NamedTuple):
         # square root: with layers chosen from it, the error estimate detects part of the effect
         strengths = np.sqrt(np.minimum(np.append(changes, 1.0), 1.0))
         return np.where(self.smooth, strengths, 1.0)
+
+    @property
+    def wear_gradients(self) -> Array:
+        """(N,) greatest ``|dk/dr| / k`` on the rings beside each edge but the centre.
+
+        The steady pressure is proportional to 1 / k. If k is linear, 1 / k has a pole at the
+        distance ``1 / gradient`` from the end of the ring with the smaller k.
+        """
+        inner, outer = self.ends
+        in_hole = np.isinf(inner)
+        rises = np.abs(np.subtract(outer, inner, out=np.zeros(inner.shape), where=~in_hole))
+        gradients = rises / np.minimum(inner, outer) / self.widths
+        return np.maximum(gradients, np.append(gradients[1:], 0.0))
 
     @property
     def widths(self) -> Array:

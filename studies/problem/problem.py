@@ -352,7 +352,10 @@ class Problem:
         span = float(self.distances[-1] / earliest) if self.earliest else 1.0
         worn_length_slow = np.where(self.merged.smooth, np.inf, slower * earliest)
         kinks, widths = self.merged.kinks, self.merged.widths_at_edges
-        return EdgeAmplitude(self.rtol, worn_length_slow, faster / slower, span, kinks, widths)
+        gradients = self.merged.wear_gradients if self.merged.linear else None
+        return EdgeAmplitude(
+            self.rtol, worn_length_slow, faster / slower, span, kinks, widths, gradients
+        )
 
     def with_quantities(self, quantities: frozenset[str]) -> "Problem":
         """Return the problem of these quantities, with times and steady state only if needed.

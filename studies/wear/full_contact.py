@@ -17,6 +17,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags
+from scipy.sparse.linalg import SuperLU, splu
 
 from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
@@ -94,7 +95,7 @@ class RunningIn:
         wear_rate = float(1 / (space.weights @ pressure))
         pressure = wear_rate * pressure
         moments = self.compliance.factor.T @ (self.compliance.factor @ pressure)
-        displacement = self._profiles_from_rates(self._reduce(moments))
+        displacement = self._project_profiles(self._reduce(moments))
         return SteadyState(pressure, displacement, moments, wear_rate)
 
     @cached_property
@@ -111,13 +112,9 @@ class RunningIn:
         return diags(1 / space.at_vertices(self.wear_coefficients)).tocsr()
 
     @cached_property
-    def _rates_to_profiles(self) -> csr_matrix | Array:
+    def _rates_to_profiles(self) -> csr_matrix:
         """(size, n) matrix from unknowns of the wear rate to coefficients of worn profiles."""
         space = self.compliance.space
-        if self.continuous and self.wear_coefficients.ndim == 2:
-            # k p has one degree more than p: project it, which preserves the worn volume of rings
-            worn = space.mass(self.wear_coefficients) @ self._rates_to_pressures
-            return BandedCholesky(space.mass()).solve(worn.toarray())
         return space.joined() if self.continuous else diags(np.ones(space.size)).tocsr()
 
     @cached_property
@@ -137,9 +134,28 @@ class RunningIn:
         """Return pressures (..., size) from wear rates in orthonormal coordinates (..., n)."""
         return np.asarray(self._mass.backward(rates.T).T @ self._rates_to_pressures.T)
 
-    def _profiles_from_rates(self, rates: Array) -> Array:
-        """Return worn profiles (..., size) from wear rates in orthonormal coordinates (..., n)."""
-        return np.asarray(self._mass.backward(rates.T).T @ self._rates_to_profiles.T)
+    @cached_property
+    def _continuous_mass(self) -> SuperLU:
+        """Triangular factors of the mass matrix of continuous profiles against pressures, (n, n).
+
+        The pressures are those whose product with the wear coefficient is continuous.
+        """
+        space = self.compliance.space
+        mass = self._rates_to_pressures.T @ space.mass() @ self._rates_to_profiles
+        return splu(mass.tocsc(), permc_spec="NATURAL", diag_pivot_thresh=0.0)
+
+    def _project_profiles(self, moments: Array) -> Array:
+        """Return worn profiles (..., size) from their moments (..., n) in orthonormal coordinates.
+
+        If k is constant on rings, the profile is k times a pressure of the space. If k is linear,
+        it is the continuous function of the space with these moments: k times a polynomial would
+        not contain constants, and its slope would be wrong by far where k is steep.
+        """
+        if self.continuous and self.wear_coefficients.ndim == 2:
+            coefficients = self._continuous_mass.solve(self._mass.multiply(moments.T))
+        else:
+            coefficients = self._mass.backward(moments.T)
+        return np.asarray(coefficients.T @ self._rates_to_profiles.T)
 
     def _profiles_from_moments(self, moments: Array) -> Array:
         """Return worn profiles (T, size) from their moments (T, n) in orthonormal coordinates.
@@ -149,7 +165,7 @@ class RunningIn:
         """
         uniform_rate = self._weights
         mean_depths = moments @ uniform_rate / (uniform_rate @ uniform_rate)
-        varying = self._profiles_from_rates(moments - np.outer(mean_depths, uniform_rate))
+        varying = self._project_profiles(moments - np.outer(mean_depths, uniform_rate))
         return varying + np.outer(mean_depths, self.compliance.space.uniform)
 
     @cached_property

@@ -66,6 +66,14 @@ class BandedCholesky:
         solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
         return np.asarray(solution).reshape(right.shape)
 
+    def multiply(self, right: Array) -> Array:
+        """Return ``L`` times a vector or a matrix."""
+        columns = right.reshape(len(right), -1)
+        product = self._band[0, :, None] * columns
+        for below in range(1, len(self._band)):
+            product[below:] += self._band[below, :-below, None] * columns[:-below]
+        return np.asarray(product.reshape(right.shape))
+
     def backward(self, right: Array) -> Array:
         """Return ``L^-T`` times a vector or a matrix."""
         return self.forward(right, "T")

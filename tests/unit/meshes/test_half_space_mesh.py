@@ -194,6 +194,19 @@ def fold(mesh):
     return MeshTri(points, mesh.t)
 
 
+def fold_smallest(mesh):
+    """Return the mesh with the inner vertex nearest to the rim moved across an opposite side.
+
+    The triangles there are so small that the sum of all areas hardly changes.
+    """
+    points, inner = mesh.p.copy(), mesh.interior_nodes()
+    vertex = inner[np.linalg.norm(points[:, inner].T - [1, 0], axis=1).argmin()]
+    triangle = mesh.t[:, (mesh.t == vertex).any(axis=0)][:, 0]
+    middle = points[:, triangle[triangle != vertex]].mean(axis=1)
+    points[:, vertex] = middle + 0.5 * (middle - points[:, vertex])
+    return MeshTri(points, mesh.t)
+
+
 def flatten(mesh):
     points, vertex = mesh.p.copy(), mesh.interior_nodes()[0]
     triangle = mesh.t[:, (mesh.t == vertex).any(axis=0)][:, 0]
@@ -208,6 +221,7 @@ def flatten(mesh):
         (lambda mesh: mesh.scaled(1.001), "no vertex"),
         (lambda mesh: MeshTri(mesh.p, mesh.t[:, [0, *range(mesh.nelements)]]), "facet|overlap"),
         (fold, "overlap|degenerate"),
+        (fold_smallest, "overlap"),
         (flatten, "degenerate"),
     ],
 )
