@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..meshes.errors import SceneError
 from .arguments import EXAMPLES, OF_STUDIES, Parser, add_arguments
 from .exchange import COMMANDS as EXCHANGE
-from .output.folder import Folder, default_folder, output_folder
+from .output.folder import Folder, default_folder, named_folder, output_folder
 from .output.log import show_progress
 from .output.streams import print_error
 from .registry import INTERRUPTED
@@ -75,7 +75,7 @@ def _run(options: argparse.Namespace) -> Status:
 
 def _out(options: argparse.Namespace, name: str, prefix: str = "") -> Path:
     """Return the output folder: that of `--out`, or one that is named after a scene or study."""
-    return options.out or default_folder(name, prefix)
+    return named_folder(options.out or default_folder(name, prefix))
 
 
 def _print_files(folder: Folder, failures: list[str]) -> None:

@@ -400,7 +400,13 @@ def summary(result: Outcome) -> dict[str, Any]:
             for name, values in result.answers.items()
         },
         "methods": methods,
-        "agreement": [asdict(row) | {"agrees": row.agrees} for row in result.agreement],
+        "agreement": [
+            asdict(row)
+            # JSON has no number for infinity, which a missing error estimate counts as
+            | {name: min(getattr(row, name), 1e99) for name in ("difference", "uncertainty")}
+            | {"agrees": row.agrees}
+            for row in result.agreement
+        ],
         "agrees": result.verdict == AGREE,
         "left_out_of_promise": [
             asdict(row) | {"times": list(row.times)} for row in result.left_out_of_promise

@@ -142,10 +142,14 @@ def named_folder(out: object) -> Path:
     Raises
     ------
     SceneError
-        if it is not a name
+        if it is not a name, or if it is not UTF-8, which the netCDF library needs
     """
     if not isinstance(out, str | Path):
         raise SceneError(f"{shown(out)} is no folder: give its name, such as 'results/mine'")
+    try:
+        str(out).encode()
+    except UnicodeEncodeError:
+        raise SceneError(f"--out {out}: the name is not UTF-8; give another directory") from None
     return Path(out)
 
 

@@ -23,6 +23,7 @@ from pydantic import BaseModel
 
 from ...meshes.errors import SceneError
 from .fields import TomlTable, Unit
+from .written import TOO_DEEP
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
@@ -359,8 +360,8 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
     Raises
     ------
     SceneError
-        if the units are not units or not consistent, or if a text is not a quantity of the kind
-        that its key needs
+        if the units are not units or not consistent, if a text is not a quantity of the kind that
+        its key needs, or if lists or tables are nested too deeply
     """
     stated, converted_keys = table.get("units", "SI"), list[str]()
     load = table.get("load")
@@ -389,7 +390,10 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
             return number_of(value, path, declared.kind, names)
         return value
 
-    converted = convert_all(table, "", Key(tables=(scene,)))
+    try:
+        converted = convert_all(table, "", Key(tables=(scene,)))
+    except RecursionError:
+        raise SceneError(TOO_DEEP) from None
     return {"units": "SI"} | converted if converted_keys else converted
 
 

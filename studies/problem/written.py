@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 # greatest number of characters of a value in messages
 MOST_CHARACTERS = 60
+TOO_DEEP = "lists or tables are nested too deeply; give those that studies/reference.md describes"
 # ASCII and Latin-1 controls, line and paragraph separators, controls of the direction of writing,
 # and halves of surrogate pairs, which stand for bytes that are not UTF-8
 CONTROL_CHARACTER = re.compile("[\0-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -30,7 +31,13 @@ def visible(text: str) -> str:
 
 def shown(value: object) -> str:
     """Return a value as text, shortened to `MOST_CHARACTERS`; numbers of numpy as plain ones."""
-    text = " ".join(repr(plain(value)).split())
+    try:
+        text = " ".join(repr(plain(value)).split())
+    # Python does not write such numbers
+    except ValueError:
+        return "a number of thousands of digits"
+    except RecursionError:
+        return "a value that is nested too deeply"
     return text if len(text) <= MOST_CHARACTERS else f"{text[: MOST_CHARACTERS - 4]} ..."
 
 

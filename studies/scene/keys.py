@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from ...meshes.errors import SceneError
 from ..problem.fields import TomlTable
-from ..problem.written import plain, shown
+from ..problem.written import TOO_DEEP, plain, shown
 
 Entry = TypeVar("Entry")
 # groups of keys of a section that are alternatives to each other
@@ -101,7 +101,10 @@ def with_key(table: TomlTable, key: str, value: object) -> TomlTable:
     SceneError
         if the key leads into a value that is not a table, or to a table that a list does not have
     """
-    return _with_value(table, key.split("."), 0, value)
+    try:
+        return _with_value(table, key.split("."), 0, value)
+    except RecursionError:
+        raise SceneError(f"{shown(key)}: {TOO_DEEP}") from None
 
 
 def _with_value(table: TomlTable, path: list[str], depth: int, value: object) -> TomlTable:

@@ -33,7 +33,7 @@ from ..problem.written import check_one_line, shown
 from ..registry import METHODS
 from .explain import did_you_mean, explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
-from .sources import line_of, text_of
+from .sources import line_of, tables_of, text_of
 
 # the right call, by names of attributes and methods that users may guess
 OTHER_CALLS = {
@@ -201,11 +201,13 @@ class Scene(Section, metaclass=SceneType):
                 f"{shown(text)} is not the text of a scene: write Scene.load(file) to read a file"
             )
         try:
-            table = tomllib.loads(text)
+            table = tables_of(text)
         except tomllib.TOMLDecodeError as error:
             # a key as in TOML, not as a tuple of Python
             reason = re.sub(r"\('(\w+)',\)", r"[\1]", str(error))
             raise SceneError(f"{name} is not TOML: {reason}{line_of(error, text)}") from error
+        except ValueError as error:
+            raise SceneError(f"{name}: {error}") from None
         # no file is read without a folder, or if the profile has none
         with suppress(KeyError, TypeError):
             profile = table["punch"]["profile"]

@@ -6,8 +6,8 @@ from importlib.resources import files
 from pathlib import Path
 
 from ...meshes.errors import SceneError
-from ..problem.fields import refuse_device
-from ..problem.written import shown
+from ..problem.fields import TomlTable, refuse_device
+from ..problem.written import TOO_DEEP, shown
 from .explain import nearest
 
 
@@ -38,6 +38,26 @@ def text_of(source: str | Path) -> str:
             f"{source}: {str(error.strerror).lower()}; {suggestion}give a scene "
             f"file, or one of {', '.join(bundled())}"
         ) from None
+
+
+def tables_of(text: str) -> TomlTable:
+    """Return the tables of a TOML text.
+
+    Raises
+    ------
+    ValueError
+        if the text is not TOML, or if it has a value that no scene can have; a TOMLDecodeError has
+        the place in the text
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    # Python's limit on the digits of whole numbers
+    except ValueError:
+        raise ValueError("a number has thousands of digits; give numbers such as 1e6") from None
+    except RecursionError:
+        raise ValueError(TOO_DEEP) from None
 
 
 def line_of(error: tomllib.TOMLDecodeError, text: str) -> str:

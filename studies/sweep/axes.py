@@ -17,7 +17,6 @@ A dimension is named after the last part of its key, or after the last two parts
 use.
 """
 
-import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -39,7 +38,7 @@ from ..progress import LOG
 from ..scene.explain import did_you_mean, nearest
 from ..scene.keys import with_key, without_alternatives
 from ..scene.scene import Scene
-from ..scene.sources import bundled
+from ..scene.sources import bundled, tables_of
 from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep
@@ -97,7 +96,7 @@ class Sweep:
         file = path if path.exists() else folder / f"{source}.toml"
         try:
             refuse_device(file)
-            table = tomllib.loads(file.read_text("utf-8"))
+            table = tables_of(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
             raise SceneError(_explain_unreadable(str(source), error)) from error
         return cls.of(table, path.parent)
@@ -262,7 +261,7 @@ class Sweep:
 
 
 def _name_of(changes: TomlTable) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in changes.items())
+    return ", ".join(f"{key} = {shown(value)}" for key, value in changes.items())
 
 
 def _refuse_all(problems: Iterable[Problem], methods: Iterable[str]) -> None:

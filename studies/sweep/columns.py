@@ -57,10 +57,11 @@ def read_columns(table: TomlTable, base: TomlTable) -> dict[str, Column]:
     axes, zip_columns = table.get("axes", {}), table.get("zip", {})
     random_columns = dict(table.get("random", {}))
     count, seed = random_columns.pop("count", 0), random_columns.pop("seed", None)
-    if random_columns and not (isinstance(count, int) and count > 0 and isinstance(seed, int)):
+    counted = isinstance(count, int) and count > 0
+    if random_columns and not (counted and isinstance(seed, int) and seed >= 0):
         raise SceneError(
-            f"random.count = {count} and random.seed = {seed}: give the number of draws, and a "
-            "whole number as the seed of the random generator"
+            f"random.count = {shown(count)} and random.seed = {shown(seed)}: give the number of "
+            "draws, and a whole number, 0 or more, as the seed of the random generator"
         )
     sections = {"axes": axes, "zip": zip_columns, "random": random_columns}
     for first, second in combinations(sections, 2):
@@ -175,7 +176,8 @@ def _nest(key: str, value: object) -> TomlTable:
 def _refuse_too_many(key: str, count: int) -> None:
     if count > MOST_VALUES:
         raise SceneError(
-            f"{key} has {count} values: give at most {MOST_VALUES}, or split the sweep into several"
+            f"{key} has {shown(count)} values: give at most {MOST_VALUES}, or split the sweep into "
+            "several"
         )
 
 

@@ -1,10 +1,12 @@
 """Bad input of eighty kinds is refused with status 2, by a line that states what to write."""
 
+import os
 import re
 import shlex
 
 import pytest
 
+from ringwear import Scene, SceneError
 from ringwear.studies.cli import main
 
 SCENE = """[punch]
@@ -137,6 +139,12 @@ SCENES = [
     ),
     ("modulus = 1.0", 'modulus = 1.0\ninterface = "free"', "layers are bonded to each other"),
     ("times = [0.0, 1.0]", 'times = ["0 m", "2 N"]', "'2 N' is no distance"),
+    ("radius = 1.0", f"radius = {5000 * '9'}", "a number has thousands of digits; give numbers"),
+    ("radius = 1.0", f"radius = 0x{5000 * '9'}", "give the punch radius, a positive length"),
+    ("[punch]", f"title = 0x{5000 * '9'}\n[punch]", "give a text, in quotes"),
+    ("[1.0, 10.0]", f"{5000 * '['}1.0{5000 * ']'}", "nested too deeply; give those that"),
+    ("[1.0, 10.0]", f"{400 * '['}1.0{400 * ']'}", "give"),
+    ("radius = 1.0", f"radius{5000 * '.a'} = 1.0", "nested too deeply; give those that"),
 ]
 
 
@@ -209,6 +217,73 @@ def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
     # the line has no path of the installation
     assert "studies/" not in line
     assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
+
+
+SWEEP = 'base = "flat_punch"\nkeep = ["indentation"]\n'
+SWEEPS = [
+    ('[random]\ncount = 3\nseed = -1\n"punch.radius" = [1.0]', "random.seed = -1: give"),
+    ('[random]\ncount = -3\nseed = 1\n"punch.radius" = [1.0]', "random.count = -3 and"),
+    ('[random]\ncount = 3\nseed = 1.5\n"punch.radius" = [1.0]', "random.seed = 1.5: give"),
+    ('[random]\ncount = 3\n"punch.radius" = [1.0]', "random.seed = None: give"),
+    (f"[axes]\n'punch.radius' = {5000 * '['}1.0{5000 * ']'}", "nested too deeply; give those"),
+    (f"[axes]\n'punch{5000 * '.a'}' = [1.0]", "nested too deeply; give those"),
+    (f"[axes]\n'punch.radius' = [{5000 * '9'}]", "a number has thousands of digits; give numbers"),
+    (f"[axes]\n'punch.radius' = [0x{5000 * '9'}]", "give"),
+    (
+        f"[random]\nseed = 1\ncount = 0x{5000 * '9'}\n'punch.radius' = [1.0]",
+        "punch.radius has a number of thousands of digits values: give at most",
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), SWEEPS)
+def test_a_bad_sweep_is_refused(text, words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").write_text(SWEEP + text, "utf-8")
+    for option in ("--dry-run", "--workers 1"):
+        line = refused(f"sweep mine.toml {option}", capsys)
+        assert words in line
+        assert len(line) < 700
+    assert [file.name for file in tmp_path.iterdir()] == ["mine.toml"]
+
+
+FOLDERS = [
+    "run flat_punch --out {}",
+    "mesh flat_punch --out {}",
+    "deck flat_punch --for abaqus --out {}",
+    "compare flat_punch flat_punch --out {}",
+    "study truncation --quick --out {}",
+    "fit flat_punch data.csv --for punch.wear_coefficients --out {}",
+    "check flat_punch data.csv --out {}",
+    "check flat_punch --template {}",
+    "sweep running_in --out {}",
+    "run {}.toml",
+]
+
+
+@pytest.mark.parametrize("call", FOLDERS)
+def test_a_folder_whose_name_is_not_utf_8_is_refused(call, tmp_path, monkeypatch, capsys):
+    """Python has such bytes in texts as halves of surrogate pairs."""
+    monkeypatch.chdir(tmp_path)
+    name = os.fsdecode(b"out\xff")
+    (tmp_path / f"{name}.toml").write_text(SCENE, "utf-8")
+    (tmp_path / "data.csv").write_text("time,indentation\n0.1,1.068\n1,1.639\n", "utf-8")
+    before = set(tmp_path.iterdir())
+    line = refused(call.format(name), capsys)
+    assert "the name is not UTF-8; give another directory" in line
+    assert r"out\udcff" in line
+    assert set(tmp_path.iterdir()) == before
+
+
+def test_values_of_python_that_cannot_be_written_are_refused():
+    deep = 1.0
+    for _ in range(5000):
+        deep = {"a": deep}
+    for radius in (10**5000, deep, [10**5000]):
+        with pytest.raises(SceneError, match=r"punch.radius = a|nested too deeply"):
+            Scene.load("flat_punch").changed({"punch.radius": radius})
+    with pytest.raises(SceneError, match="nested too deeply"):
+        Scene.load("flat_punch").changed({f"punch{5000 * '.a'}": 1.0})
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])

@@ -1,5 +1,7 @@
 """A method of the user in a script has results, figures and a verdict like any other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,8 @@ from ringwear import Scene, load, run
 from ringwear.meshes.compliance import Compliance
 from ringwear.studies.crosscheck.agreement import by_quantity
 from ringwear.studies.figures.catalogue import PICTURES
-from ringwear.studies.methods.base import Discretised
+from ringwear.studies.methods.base import Discretised, Method
+from ringwear.studies.methods.mdr import METHOD
 from ringwear.studies.methods.pipeline import ComplianceMethod
 from ringwear.studies.methods.spaces import pressure_spaces
 from ringwear.studies.output.files import draw, write_numbers
@@ -54,6 +57,26 @@ def test_own_method(name, tmp_path):
 def test_saved_results_of_an_own_method_are_read_back(tmp_path):
     """The class of the method is not known then."""
     result = run(Scene.load("flat_punch").changed(accuracy__rtol=1e-2), methods=[Winkler()])
+    write_numbers(result, tmp_path)
+    assert repr(load(tmp_path)) == repr(result)
+
+
+class WithoutEstimate(Method):
+    """Dimensionality reduction whose indentation has no error estimate."""
+
+    name = "without"
+
+    def solve(self, problem, stages):
+        solution = METHOD.solve(problem, stages)
+        errors = {key: error for key, error in solution.errors.items() if key != "indentation"}
+        return replace(solution, errors=errors)
+
+
+def test_results_of_a_method_without_an_error_estimate_are_saved(tmp_path):
+    scene = Scene.load("flat_punch").changed(accuracy__rtol=1e-2)
+    result = run(scene, methods=["mdr", WithoutEstimate()])
+    assert result.verdict == "undecided"
+    assert by_quantity(result.agreement)["indentation"].uncertainty == np.inf
     write_numbers(result, tmp_path)
     assert repr(load(tmp_path)) == repr(result)
 
