@@ -309,14 +309,15 @@ class Checked(Result, checked.CheckedOutcome):
 
     def _catalogue(self) -> "Sequence[Picture]":
         """Return the figures that a check may have, those of the checked results first."""
-        from .check.pictures import CHECK_PICTURES, shows_others
+        from .check.account import shows_others
+        from .check.pictures import CHECK_PICTURES
 
         return sorted(CHECK_PICTURES, key=lambda picture: not shows_others(picture, self))
 
     @property
     def _account(self) -> Account:
         """All texts about the results of other programs, and about ours."""
-        from .report.check_words import CheckAccount
+        from .check.account import CheckAccount
 
         return CheckAccount(self)
 

@@ -93,11 +93,11 @@ def check_as(
     tables = {
         name: read(source, name, scene, columns or {}, units) for name, source in given.items()
     }
+    scene = _scene_of_tables(scene, tables.values())
+    refuse(scene, methods_of(listed(methods) if methods else scene.methods))
     # mdr-grid is the paper's own algorithm, of first order: not accurate enough for a reference
     our_names = [name for name in scene.methods if name != "mdr-grid"] or ["mdr", "fem"]
     our_methods = methods_of(listed(methods) if methods else our_names)
-    scene = _scene_of_tables(scene, tables.values())
-    refuse(scene, our_methods)
     numbers = sum(_numbers_at_each_time(scene, table) for table in tables.values())
     with_fields = any(map(_fields_of, tables.values()))
     # our own fields are shown, but not needed to check numbers

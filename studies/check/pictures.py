@@ -40,9 +40,3 @@ CHECK_PICTURES = (
         lambda result: bool(result.refinements),
     ),
 )
-
-
-def shows_others(picture: Picture, result: CheckedOutcome) -> bool:
-    """Return whether a figure shows the results of other programs."""
-    given = {name for program in result.judged for name in result.solutions[program].results}
-    return picture.file == "refinement.png" or bool(given.intersection(picture.quantities))

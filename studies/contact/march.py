@@ -14,7 +14,7 @@ from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
 from ..problem.regimes import MOVING_CONTACT
-from ..sizes.marching import step_ends, steps_between
+from ..sizes.marching import steps_between
 from ..wear.history import History, Instant, Steps
 from ..wear.unilateral import Load
 from .full_face import FullFace
@@ -101,7 +101,7 @@ class ContactMarch:
         negligible_force = NEGLIGIBLE_FORCE * current.press.force if load.force is None else 0.0
         # `instants`: after each step; `watched`: at the requested times and after some steps
         instants, watched, iterations = [current], list[Instant](), list[int]()
-        events = step_ends(times, loading)
+        events = loading.step_ends(times)
         distances = loading.at(events).distance
         control = StepControl(tolerance, float(distances[-1]), slope_tolerance)
 

@@ -32,7 +32,7 @@ from ..progress import Stages
 from ..sampling.answers import merged_answers
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.layers import narrowed_for_layers
-from ..sizes.marching import least_steps, steps_between, why_too_many_steps
+from ..sizes.marching import steps_between, why_too_many_steps
 from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
 from ..wear.tension import refuse_tension
@@ -91,7 +91,7 @@ class ComplianceMethod(Method):
             steps = float(steps_between(problem.times, problem.step).sum())
             remedy = "give a larger wear.step, or march = 'modal'"
         elif not problem.full_contact:
-            steps = least_steps(problem)
+            steps = problem.least_steps
             remedy = "a step ends at each of wear.times and of the times of the load: give fewer"
         if reason := why_too_many_steps(steps, remedy, problem.contact.most_steps):
             return reason
@@ -124,7 +124,7 @@ class ComplianceMethod(Method):
         on_face = len(problem.face.radii) * sum(map(problem.wants, GROUPS["fields"]))
         if problem.full_contact:
             return NUMBERS_OF_STEPS * pressures + COPIES_OF_STEPS * on_face
-        steps_per_time = STEPS_PER_END * least_steps(problem) / max(len(problem.times), 1)
+        steps_per_time = STEPS_PER_END * problem.least_steps / max(len(problem.times), 1)
         # states after each step, and their fields, which figures show
         states = NUMBERS_OF_STATES * pressures + COPIES_OF_STATES * len(problem.radii)
         return states * steps_per_time + COPIES_OF_MARCH * on_face

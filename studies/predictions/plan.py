@@ -30,7 +30,7 @@ from ..progress import Stages
 from ..scene.calls import naming_arguments
 from ..scene.scene import Scene, Source
 from ..sizes.cells import tolerance_range
-from ..sizes.marching import least_steps, steps_between
+from ..sizes.marching import steps_between
 from .memory import predict_memory, why_beyond_memory
 
 # Predicted work up to which a method is solved at once, and predicted seconds up to which it is
@@ -93,7 +93,7 @@ def _work_of_modes(problem: Problem, order: float) -> float:
 def _work_of_steps(problem: Problem, order: float) -> float:
     # the number of adaptive steps grows as rtol^(-1/3), by a few for each end of a step that the
     # scene requires
-    steps = 0.15 * problem.rtol ** (-1 / 3) + 0.1 * least_steps(problem)
+    steps = 0.15 * problem.rtol ** (-1 / 3) + 0.1 * problem.least_steps
     return float(steps * order**2)
 
 
@@ -151,7 +151,7 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
     the probe, which is the same problem at a coarse tolerance. A march through many load changes is
     not probed.
     """
-    if not problem.full_contact and least_steps(problem) > MOST_PROBE_STEPS:
+    if not problem.full_contact and problem.least_steps > MOST_PROBE_STEPS:
         size = method.system_size(problem)
         work = predict_work(method, problem, size)
         return Cost(size, work, refinement_known=method.sizes_given(problem))

@@ -128,6 +128,13 @@ class Loading:
         force_at_stop = np.where(state.distance > 0, self.forces[stop_knot], 0.0)
         return np.where(distances[stop_knot] == state.distance, state.force - force_at_stop, 0.0)
 
+    def step_ends(self, times: Array) -> Array:
+        """Return the times (E,) at which a step of a march through this load always ends.
+
+        They are the requested times (T,), and the knots until the last of these.
+        """
+        return np.union1d(times, self.times[self.times < times[-1]])
+
     def time_at(self, distance: float, knot: int) -> float:
         """Return the time at which a sliding distance is reached between a knot and the next."""
         speed, slid = self.speeds[knot], distance - self._integrals[0][knot]

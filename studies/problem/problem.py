@@ -279,6 +279,20 @@ class Problem:
         return float(later.min()) if len(later) else 0.0
 
     @property
+    def least_steps(self) -> int:
+        """The number of steps that a march of a contact that moves needs at least.
+
+        Once all of the face is in contact, relaxation modes take the place of steps if the load is
+        constant.
+        """
+        if not len(self.times):
+            return 0
+        ends = self.loading.step_ends(self.times)
+        if self.loading.varies or self.indentation is not None:
+            return len(ends)
+        return int(np.count_nonzero(ends < self.time_to_wear_flat))
+
+    @property
     def edge_amplitude(self) -> EdgeAmplitude:
         """Amplitude of high polynomial degrees near ring edges, from which sizes are chosen.
 

@@ -3,15 +3,14 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ..check.pictures import shows_others
-from ..check.verdict import quantity_errors
 from ..crosscheck.agreement import DISAGREE
 from ..figures.scale import Scale
-from .words import Account, Rows
+from ..report.words import Account, Rows
+from .verdict import quantity_errors
 
 if TYPE_CHECKING:
-    from ..check.checked import CheckedOutcome
     from ..figures.style import Picture
+    from .checked import CheckedOutcome
 
 
 class Banner(NamedTuple):
@@ -90,3 +89,9 @@ class CheckAccount(Account):
     def first_figures(self, pictures: Iterable["Picture"]) -> list[str]:
         """Return the files of the figures that show the checked results."""
         return [picture.file for picture in pictures if shows_others(picture, self.result)]
+
+
+def shows_others(picture: "Picture", result: "CheckedOutcome") -> bool:
+    """Return whether a figure shows the results of other programs."""
+    given = {name for program in result.judged for name in result.solutions[program].results}
+    return picture.file == "refinement.png" or bool(given.intersection(picture.quantities))
