@@ -114,8 +114,8 @@ def _check(options: argparse.Namespace) -> Status:
     out = _out(options, options.scene, "check_")
     files = run_files(CHECK_PICTURES) | {"check.csv"}
     with output_folder(out, "check", files) as folder:
+        from .check.account import CheckAccount
         from .check.check import check, write_check
-        from .report.check_words import CheckAccount
         from .report.page import show
 
         names = ("within", "columns", "units", "memory")

@@ -327,7 +327,7 @@ class Checked(Result, checked.CheckedOutcome):
     @property
     def _account(self) -> Account:
         """All texts about the results of other programs, and about ours."""
-        from .report.check_words import CheckAccount
+        from .check.account import CheckAccount
 
         return CheckAccount(self)
 

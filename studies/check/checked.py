@@ -70,6 +70,11 @@ class CheckedOutcome(Outcome):
         rows = self.verdicts_on(name)
         return bool(rows) and all(row.within for row in rows)
 
+    def undecided_on(self, name: str) -> list[str]:
+        """Return the quantities whose errors are above the allowed one, but within our estimate."""
+        rows = (row for row in self.verdicts_on(name) if row.within)
+        return [*dict.fromkeys(row.quantity for row in rows if abs(row.error) > self.within)]
+
     def verdicts_on(self, name: str) -> list[Verdict]:
         """Return the verdicts on a program."""
         return [row for row in self.verdicts if row.solver == name]
@@ -156,6 +161,8 @@ class CheckedOutcome(Outcome):
 
     def mistakes_of(self, name: str) -> list[str]:
         """Return the mistakes that may explain the errors of a program, the likeliest first."""
+        if not self.verdicts_on(name):
+            return []
         mistakes = [
             f"the error looks like {diagnosis.words} (confidence {diagnosis.confidence:.0%}). To "
             f"confirm: {diagnosis.confirm}"
@@ -178,7 +185,9 @@ class CheckedOutcome(Outcome):
         if not judged:
             return "none of its results could be compared"
         if not exceeding:
-            return f"all {len(quantities)} quantities are within {self.within:.3g} of ours"
+            line = f"all {len(quantities)} quantities are within {self.within:.3g} of ours"
+            unsure = ", ".join(each.replace("_", " ") for each in self.undecided_on(name))
+            return f"{line}, or within our own error estimate: {unsure}" if unsure else line
         names = ", ".join(name.replace("_", " ") for name in exceeding)
         counts = f"{len(exceeding)} of {len(quantities)} quantities"
         return f"{counts} differ from ours by more than {self.within:.3g}: {names}"

@@ -1,7 +1,7 @@
 """The results of all methods as a table of named arrays, in the scene's units."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -27,9 +27,6 @@ from ..versions import versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
 from .arrays import Labelled, Table
 
-# the quantities of results, which are non-dimensional, and of the answer
-_SCALED = QUANTITIES | ANSWER | STEPS
-
 
 def tabulate(
     scene: Scene,
@@ -46,11 +43,9 @@ def tabulate(
             results = results | dict(zip(STEPS, (march.path + offsets).T, strict=True))
         errors = {error_name(key): error for key, error in solution.errors.items()}
         # with their units; scaled copies of all fields would take as much memory as the table
-        scales = {key: size_of_unit(problem, key) for key in results if key in _SCALED}
-        reported.append(
-            {key: (results[key], scale) for key, scale in scales.items()}
-            | {key: (values, 1.0) for key, values in (errors | answers[name]).items()}
-        )
+        scaled = {key: (results[key], size) for key, size in unit_sizes(problem, results).items()}
+        final = {key: (values, 1.0) for key, values in (errors | answers[name]).items()}
+        reported.append(scaled | final)
 
     def longest(name: str) -> int:
         return max((values[name][0].shape[-1] for values in reported if name in values), default=0)
@@ -135,13 +130,14 @@ def tabulate(
 
 def in_units(problem: Problem, results: Results) -> dict[str, Array]:
     """Return the quantities of non-dimensional results in the units of the scene."""
+    return {name: results[name] * size for name, size in unit_sizes(problem, results).items()}
+
+
+def unit_sizes(problem: Problem, names: Iterable[str]) -> dict[str, float]:
+    """Return the sizes of the units of those names that are quantities, in the scene's units."""
+    described = QUANTITIES | ANSWER | STEPS
     return {
-        name: value * size_of_unit(problem, name)
-        for name, value in results.items()
-        if name in _SCALED
+        name: float(getattr(problem.units, described[name].unit))
+        for name in names
+        if name in described
     }
-
-
-def size_of_unit(problem: Problem, name: str) -> float:
-    """Return the size of the unit of a quantity, in the units of the scene."""
-    return float(getattr(problem.units, _SCALED[name].unit))

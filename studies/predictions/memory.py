@@ -20,9 +20,9 @@ from .machine import GIB, machine_memory
 # Memory of the loaded libraries, in GiB.
 LIBRARIES = 0.23
 # Copies of the results over time of each method that are in memory at once: its own, the one in the
-# table, and differences. Measured on five rings at thousands of times: 2 for one method, 3.1 for
-# each of two.
-COPIES = 3.5
+# table, and differences to other methods. Measured on five rings at thousands of times: 2 for one
+# method alone, 3.1 for each of two.
+COPIES_ALONE, COPIES = 2.5, 3.5
 # Memory of a time in lists, texts and figures, in numbers. Measured on five rings, without fields.
 NUMBERS_OF_LISTS = 200.0
 # Least number of pressures on a ring, and number of pressures from which on the memory is predicted
@@ -82,9 +82,8 @@ def memory_need(
     else:
         space = radial_space(problem, **mdr_sizes(problem))
     marching = [entry for entry in entries if "history" not in entry.lacks]
-    in_fields, in_others = (
-        COPIES * len(marching) * numbers for numbers in _results_at_each_time(problem)
-    )
+    copies = len(marching) * (COPIES if len(marching) > 1 else COPIES_ALONE)
+    in_fields, in_others = (copies * numbers for numbers in _results_at_each_time(problem))
     in_others += NUMBERS_OF_LISTS + others
     in_others += sum(entry.numbers_at_each_time(problem, space.size) for entry in marching)
     at_all_times = 8 * len(problem.times) / GIB

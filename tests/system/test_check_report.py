@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene, check, load, run
+from ringwear.studies.check.account import CheckAccount
 from ringwear.studies.check.checked import CheckedOutcome
 from ringwear.studies.cli import main
 from ringwear.studies.figures.difference import draw_result_difference
@@ -177,5 +178,17 @@ def test_results_that_cannot_be_compared_do_not_pass():
     """Pressures jump at ring edges, where there is nothing to compare."""
     table = pd.DataFrame({"time": [1e4], "radius": [0.005], "pressure": [1.0]})
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": table})
-    assert checked.lines[0] == "abaqus: none of its results could be compared"
+    assert checked.lines == ["abaqus: none of its results could be compared"]
     assert not checked.passes
+    (banner,) = CheckAccount(checked).banners
+    assert (banner.colour, banner.word, banner.mistake) == ("undecided", "not compared", "")
+
+
+def test_errors_below_our_own_estimate_are_undecided():
+    """A tolerance far below our error estimate cannot be checked."""
+    checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": start(1.0)}, within=1e-15)
+    (row,) = checked.verdicts
+    assert 1e-15 < abs(row.error) <= row.stated
+    assert checked.lines[0].endswith("or within our own error estimate: indentation")
+    (banner,) = CheckAccount(checked).banners
+    assert (banner.colour, banner.word) == ("undecided", "undecided")

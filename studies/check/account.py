@@ -3,14 +3,14 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ..check.verdict import quantity_errors
 from ..crosscheck.agreement import DISAGREE
 from ..figures.scale import Scale
-from .words import Account, Rows
+from ..report.words import Account, Rows
+from .verdict import quantity_errors
 
 if TYPE_CHECKING:
-    from ..check.checked import CheckedOutcome
     from ..figures.style import Picture
+    from .checked import CheckedOutcome
 
 
 class Banner(NamedTuple):
@@ -45,17 +45,20 @@ class CheckAccount(Account):
         """The verdict on each program whose results are judged."""
         banners, result = [], self.result
         for name in result.judged:
-            within = result.is_within(name)
+            within, mistakes = result.is_within(name), result.mistakes_of(name)
             colour, word = "disagree", f"not within {self.allowed}"
-            if within:
+            if not result.verdicts_on(name):
+                colour, word = "undecided", "not compared"
+            elif within:
                 colour, word = "agree", f"within {self.allowed}"
             sentence, mistake = f"{name}: {result.verdict_on(name)}.", ""
+            if within and result.undecided_on(name):
+                colour, word = "undecided", "undecided"
             if within and result.verdict == DISAGREE:
                 colour = "undecided"
                 sentence += " But our own methods disagree, so that this proves nothing."
-            if not within:
-                mistake, *_ = result.mistakes_of(name)
-                mistake = f"{mistake[0].upper()}{mistake[1:].rstrip('.')}."
+            if mistakes and not within:
+                mistake = f"{mistakes[0][0].upper()}{mistakes[0][1:].rstrip('.')}."
             banners.append(Banner(colour, word, sentence, mistake))
         return banners
 
