@@ -75,7 +75,7 @@ def check_output(report: Reported) -> Rows:
         reference, interpolation_error = report.face.interpolate(values, report.radii[inside])
         reported = report.take(name, on_face=False)[rows][:, inside]
         if name == "profile":
-            reported = reported - even_wear[:, None]
+            reported = reported - report.first_touch - even_wear[:, None]
         # root mean square over the radii, because pressures have kinks between elements
         difference, interpolation_error = (
             np.sqrt((error**2).mean(axis=1)) / np.maximum(scale, np.finfo(float).tiny)

@@ -99,11 +99,18 @@ class Reported:
         """(T, R) profile over the face, from the first touch, less the even wear."""
         return self.solution.checked["shape"][self.in_contact]
 
+    @property
+    def first_touch(self) -> float:
+        """Indentation at the first touch, from which depths and shapes are measured.
+
+        `take` subtracts it from the heights of a flat face, so that it is 0 in full contact.
+        """
+        return 0.0 if self.full_contact else self.problem.profile.standoff
+
     @cached_property
     def depth(self) -> Array:
         """(T,) reported indentation, from the first touch, less the even wear."""
-        touch = 0.0 if self.full_contact else self.problem.profile.standoff
-        return self.take("indentation") - touch - self.even_wear
+        return self.take("indentation") - self.first_touch - self.even_wear
 
     @cached_property
     def depth_scale(self) -> Array:

@@ -37,7 +37,7 @@ def covering(problems: Sequence[Problem]) -> Problem:
         rtol,
         np.min([edge.worn_length_slow for edge in amplitudes], axis=0),
         np.max([edge.ratio for edge in amplitudes], axis=0),
-        max(edge.span for edge in amplitudes),
+        max(edge.time_ratio for edge in amplitudes),
         np.max([problem.merged.kinks for problem in problems], axis=0),
         amplitudes[0].narrower_width,
     )
