@@ -47,6 +47,9 @@ Examples
 from importlib import import_module as _import_module
 from typing import TYPE_CHECKING
 
+# from now on, edits of the package's files are noticed
+from ringwear.studies import STARTED as _STARTED  # noqa: F401
+
 if TYPE_CHECKING:
     from ringwear.meshes.errors import RingwearError, SceneError
     from ringwear.studies.comparison import Comparison, compare

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..figures.scale import Scale
 from ..outcome.outcome import Outcome
 from ..progress import LOG
 from ..sampling.field_differences import OVER_TIME
@@ -148,6 +147,8 @@ class CheckedOutcome(Outcome):
         """The verdict on the other programs in sentences."""
         lines = list[str]()
         for name in self.judged:
+            from ..figures.scale import Scale  # imported here, because it loads matplotlib
+
             errors = quantity_errors(self.verdicts_on(name), Scale.of(self))
             sentences = [self.verdict_on(name), *map(str, errors), *self.mistakes_of(name)]
             lines += [f"{name}: {sentence}" for sentence in sentences]

@@ -4,16 +4,19 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..figures.scale import Scale
 from ..methods.base import Solution
 from ..problem.quantities import FIELDS
 from ..progress import LOG
 from ..sampling.field_differences import root_mean_square
 from ..sampling.norms import differences
 from ..scene.scene import Scene
+
+if TYPE_CHECKING:
+    from ..figures.scale import Scale
 
 Solutions = Mapping[str, Solution]
 # relative error from which on it is written as a multiple, not in per cent
@@ -139,7 +142,7 @@ class QuantityError:
     """
 
     rows: Sequence[Verdict]
-    scale: Scale
+    scale: "Scale"
 
     @property
     def quantity(self) -> str:
@@ -225,7 +228,7 @@ class QuantityError:
         return line
 
 
-def quantity_errors(rows: Iterable[Verdict], scale: Scale) -> list[QuantityError]:
+def quantity_errors(rows: Iterable[Verdict], scale: "Scale") -> list[QuantityError]:
     """Return the errors of each quantity, from the verdicts on one program."""
     groups = groupby(rows, lambda row: row.quantity)
     return [QuantityError(tuple(group), scale) for _, group in groups]

@@ -29,7 +29,7 @@ def report(**changed):
         "time": np.array(TIMES),
         "radius": RADII,
         "pressure": np.full(shape, 3e5),
-        "profile": np.full(shape, 1e-5),
+        "profile": np.full(shape, 1e-5) * (RADII > 0),
         "displacement": np.full(shape, 2e-5),
         "indentation": np.array([2e-4, 1e-4, 3e-4, 3e-4]),
         "pressure_error": np.full(len(TIMES), 1e-6),

@@ -113,12 +113,16 @@ def test_values_that_a_method_does_not_compute_are_nan(results):
     assert np.isnan(direct.worn_volume).all()
     for name, dims in VARIABLES.items():
         assert bool(np.isnan(direct[name]).all()) == ("time" in dims or "mode" in dims)
-        assert not np.isnan(others[name]).any(), name
+        values = others[name]
+        if name == "relaxation_time":
+            # faster ones are reported as far as they are resolved
+            values = values.isel(mode=slice(8))
+        assert not np.isnan(values).any(), name
     # zero at the lowest point, which may lie between two radii
     lowest = results.steady_profile.min("radius")
     assert ((lowest >= 0) & (lowest <= 1e-4 * results.steady_profile.max("radius"))).all()
     assert (others.indentation_error > 0).all()
-    assert (np.diff(others.relaxation_time, axis=1) <= 0).all()
+    assert (np.diff(others.relaxation_time.isel(mode=slice(8)), axis=1) <= 0).all()
 
 
 @pytest.mark.gmsh
