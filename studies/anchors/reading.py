@@ -198,7 +198,7 @@ class Reading:
         values, places = np.array(self.table["values"]), [radii]
         for number in np.flatnonzero((np.diff(values) != 0) & (np.diff(radii) > 0)):
             ends = slice(number, number + 2)
-            wear = np.geomspace(*values[ends], RADII_PER_INTERVAL)
+            wear = np.geomspace(values[number], values[number + 1], RADII_PER_INTERVAL)
             order = np.argsort(values[ends])
             places.append(np.interp(wear, values[ends][order], radii[ends][order]))
         return np.unique(np.concatenate(places).clip(0.0, 1.0))

@@ -29,8 +29,8 @@ def check_wear(report: Reported) -> Rows:
     force = report.take("normal_force") if report.fixed_indentation else report.forces
     if not report.fixed_indentation:
         even_wear = report.steady_wear_rate * work[rows]
-        tolerance = max(ROUNDOFF_TOLERANCE, report.graded * report.rtol)
-        yield Row("even wear, w F v0 t", report.even_wear[rows], even_wear, tolerance)
+        exact = max(ROUNDOFF_TOLERANCE, report.graded * report.rtol)
+        yield Row("even wear, w F v0 t", report.even_wear[rows], even_wear, exact)
         indentation = report.take("indentation")
         worn, quadrature_error = report.integrate(report.take("profile"), 1 / report.wear)
         # the error of the profile is relative to the indentation

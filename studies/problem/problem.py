@@ -313,9 +313,10 @@ class Problem:
             layers.append((decayed / np.where(matters, parts, 1.0) ** 2).min(axis=1))
             decays.append(decayed.min(axis=1))
         # at times without sliding there is no finite distance
-        return tuple(
+        worn, since_change = (
             np.where(self.distances > 0, np.concatenate(rows), 0.0) for rows in (layers, decays)
         )
+        return worn, since_change
 
     @property
     def worn_distances(self) -> Array:
