@@ -233,7 +233,7 @@ class Sampler:
         """
         results = Results()
         for rows in np.array_split(np.arange(count), -(-count // self.times_at_once(on_face))):
-            for name, values in self.history(history_at(rows), on_face).items():
+            for name, values in self.history(history_at(rows), on_face=on_face).items():
                 results[name] = _with_rows(results.get(name), rows, values, count)
         return results
 
