@@ -151,7 +151,8 @@ def predict_cost(method: Method, problem: Problem, probe: Problem) -> Cost:
     the probe, which is the same problem at a coarse tolerance. A march through many load changes is
     not probed.
     """
-    if not problem.full_contact and problem.least_steps > MOST_PROBE_STEPS:
+    marches = not problem.full_contact and "history" not in method.lacks
+    if marches and problem.least_steps > MOST_PROBE_STEPS:
         size = method.system_size(problem)
         work = predict_work(method, problem, size)
         return Cost(size, work, refinement_known=method.sizes_given(problem))
