@@ -305,6 +305,7 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
       triangles of degree 2 may miss the same relaxation modes
     """
     from ...fem.half_space import HalfSpace, pressure_space
+    from ...meshes.half_space import truncation
 
     if chosen.halved:
         # a mesh that is halved once less is coarse enough
@@ -313,10 +314,12 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
         solid = replace(fine.solid, degree=fine.solid.degree - 1, mesh=chosen.coarser())
     else:
         solid = replace(fine.solid, degree=3)
-    fixed = problem.fem.far_field == "fixed"
-    poles = fine.poles if fixed else defaults.coarser_pole_orders(fine.poles)
-    if problem.ground is not None and problem.ground.rigid and len(fine.poles) < 2:
-        # above a rigid base, the field beyond the mesh hardly matters
+    poles = defaults.coarser_pole_orders(fine.poles)
+    wanted_poles = defaults.pole_orders(problem, truncation(fine.solid.mesh))
+    if problem.fem.far_field == "fixed" or len(fine.poles) < min(2, len(wanted_poles)):
+        poles = fine.poles
+    elif problem.ground is not None and problem.ground.rigid and len(fine.poles) < 2:
+        # the scene gives one pole, and above a rigid base a second one may depend on it
         poles = ()
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles

@@ -174,5 +174,5 @@ def test_punches_on_thin_layers(changed):
 
 @pytest.mark.parametrize("thickness", [0.0099, 0.006])
 def test_layers_that_are_too_thin_are_refused(thickness):
-    with pytest.raises(SceneError, match="thinner than 0.01 a cannot be meshed: leave fem out"):
+    with pytest.raises(SceneError, match=r"thinner than 0\.01 a cannot be meshed: leave fem out"):
         run(on_a_rigid_base(thickness, 0.3))
