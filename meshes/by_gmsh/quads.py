@@ -38,10 +38,11 @@ from .session import QUADRILATERAL, TRIANGLE, Band, elements, session, set_sizes
 # Largest half-width of a patch, relative to the thickness of the first elastic layer. The patches
 # then lie within that layer.
 PATCH_TO_LAYER_RATIO = 0.6
-# Largest size of quadrilaterals beyond the face over the thickness of the first layer, if sizes
-# under the face are limited. With 20, gmsh leaves degenerate elements in one of 60 meshes, with 40
-# in 9 of 60 (unit/meshes/test_half_space_mesh.py::test_thin_layers_have_no_degenerate_elements).
-FLATTEST_IN_THIN_LAYER = 10.0
+# Largest size of quadrilaterals over the thickness of their layer, if sizes under the face are
+# limited, or if gmsh fails without this limit. With 20, gmsh leaves degenerate elements in one of
+# 60 meshes, with 40 in 9 of 60
+# (unit/meshes/test_half_space_mesh.py::test_thin_layers_are_divided_into_upright_columns).
+FLATTEST = 10.0
 # Least length of a part of the first layer that is divided into columns, over their width.
 LEAST_COLUMNS = 1.0
 
@@ -225,10 +226,16 @@ def graded(
     edge_amplitude = edge_amplitude or EdgeAmplitude(
         0.0, np.zeros(len(widths)), np.ones(len(widths))
     )
+    flattest = [FLATTEST] if np.isfinite(under_face).any() else [np.inf]
+    if outline.interfaces and flattest == [np.inf]:
+        flattest.append(FLATTEST)
     candidates: list[tuple[float, GradedQuads]] = []
-    for algorithm_pair in algorithms:
+    for flatness, algorithm_pair in itertools.product(flattest, algorithms):
+        if flatness != flattest[0] and candidates:
+            break
+        sizes_between = SizesBetween(growth, under_face, flatness)
         try:
-            between = _between(ring_edges, widths, growth, outline, under_face, algorithm_pair)
+            between = _between(ring_edges, widths, sizes_between, outline, algorithm_pair)
             graded = GradedQuads(
                 ring_edges,
                 widths,
@@ -250,12 +257,26 @@ def graded(
     return max(candidates, key=itemgetter(0))[1]
 
 
+class SizesBetween(NamedTuple):
+    """Sizes of the quadrilaterals between the patches.
+
+    Parameters
+    ----------
+    growth : increase of the size per distance from the patches
+    under_face : (N,) largest size in the first layer under each ring
+    flattest : largest size over the thickness of a layer above the lowest interface
+    """
+
+    growth: float
+    under_face: Array
+    flattest: float
+
+
 def _between(
     ring_edges: Array,
     widths: Array,
-    growth: float,
+    sizes: SizesBetween,
     outline: Outline,
-    under_face: Array,
     algorithm_pair: tuple[int, int],
 ) -> tuple[Array, Indices]:
     """Return the points and quadrilaterals between the patches and the arc.
@@ -271,7 +292,7 @@ def _between(
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.Algorithm", algorithm_pair[0])
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", algorithm_pair[1])
-        _geometry(gmsh, ring_edges, widths, growth, outline, under_face)
+        _geometry(gmsh, ring_edges, widths, sizes, outline)
         # gmsh divides every curve into an even number of sides, except curves that have only one
         # side
         gmsh.model.mesh.generate(1)
@@ -291,18 +312,15 @@ def _geometry(
     gmsh: ModuleType,
     ring_edges: Array,
     widths: Array,
-    growth: float,
+    sizes: SizesBetween,
     outline: Outline,
-    under_face: Array,
 ) -> None:
     geometry = gmsh.model.geo
     corners = add_corners(geometry, outline)
-    thickness, sizes = outline.bottoms[0], adjacent_sizes(widths)
-    columns = columns_under_face(ring_edges, widths, sizes, growth, under_face)
-    blocks = None
+    columns, blocks = columns_under_face(ring_edges, widths, sizes), None
     if columns:
         axis = geometry.addLine(corners.axis_ends[0], corners.origin)
-        blocks = Blocks(geometry, thickness, corners.axis_ends[0], axis)
+        blocks = Blocks(geometry, outline.bottoms[0], corners.axis_ends[0], axis)
     curves, previous, at_patches, end = [], corners.origin, [], 0.0
     for number, (inside, outside) in enumerate(widths):
         centre, start = ring_edges[number + 1], previous
@@ -329,8 +347,8 @@ def _geometry(
     add_surfaces(geometry, outline, corners, curves, blocks)
     geometry.synchronize()
     largest = LARGEST_QUADRILATERAL * outline.outer
-    bands = _bands_of_first_layer(ring_edges, under_face, thickness, largest)
-    set_sizes(gmsh, np.array(at_patches), sizes, growth, largest, bands)
+    bands = _bands(ring_edges, sizes, outline, largest)
+    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), sizes.growth, largest, bands)
 
 
 class Columns(NamedTuple):
@@ -347,9 +365,7 @@ class Columns(NamedTuple):
     columns: int
 
 
-def columns_under_face(
-    ring_edges: Array, widths: Array, sizes: Array, growth: float, under_face: Array
-) -> dict[int, Columns]:
+def columns_under_face(ring_edges: Array, widths: Array, sizes: SizesBetween) -> dict[int, Columns]:
     """Return the columns of quadrilaterals in the first layer, by the number of the ring.
 
     Between two patches gmsh would make sheared quadrilaterals in a thin layer, with which some
@@ -360,15 +376,13 @@ def columns_under_face(
     ----------
     ring_edges : (N+1,) ring edges
     widths : (N, 2) half-widths of the patch at each edge except the centre
-    sizes : (N,) sizes of elements next to each patch
-    growth : increase of the size per distance from the patches
-    under_face : (N,) largest size under each ring; infinite without a limit
+    sizes : sizes between the patches; there are columns only where `under_face` is finite
     """
     columns = {}
-    for ring, limit in enumerate(under_face):
+    for ring, limit in enumerate(sizes.under_face):
         if not np.isfinite(limit):
             continue
-        distances = np.maximum(limit - sizes, 0.0) / growth
+        distances = np.maximum(limit - adjacent_sizes(widths), 0.0) / sizes.growth
         inner = ring_edges[ring] + widths[ring - 1, 1] + distances[ring - 1] if ring else 0.0
         outer = ring_edges[ring + 1] - widths[ring, 0] - distances[ring]
         if outer - inner > LEAST_COLUMNS * limit:
@@ -378,17 +392,19 @@ def columns_under_face(
     return columns
 
 
-def _bands_of_first_layer(
-    ring_edges: Array, under_face: Array, thickness: float, largest: float
-) -> list[Band]:
-    """Return the limits on sizes in the first layer; empty if there are none under the face."""
+def _bands(ring_edges: Array, sizes: SizesBetween, outline: Outline, largest: float) -> list[Band]:
+    """Return the limits on sizes in layers; `largest` is the largest size anywhere."""
     bands = [
-        Band(0.0, thickness, float(size), float(inner), float(outer))
-        for size, inner, outer in zip(under_face, ring_edges[:-1], ring_edges[1:], strict=True)
+        Band(0.0, outline.bottoms[0], float(size), float(inner), float(outer))
+        for size, inner, outer in zip(
+            sizes.under_face, ring_edges[:-1], ring_edges[1:], strict=True
+        )
         if size < largest
     ]
-    if bands:
-        # in the rest of the layer, no element is too flat
-        flattest = max(FLATTEST_IN_THIN_LAYER * thickness, *(band.largest for band in bands))
-        bands.append(Band(0.0, thickness, min(largest, flattest)))
+    for top, bottom in itertools.pairwise((0.0, *outline.interfaces)):
+        flattest = sizes.flattest * (bottom - top)
+        if top == 0.0:
+            flattest = max([flattest, *(band.largest for band in bands)])
+        if flattest < largest:
+            bands.append(Band(top, bottom, flattest))
     return bands
