@@ -4,9 +4,8 @@ import numpy as np
 
 from ...mdr import direct
 from ...meshes.radial import Array, unit_gauss
-from ..sampling.norms import radial_weight
 from .anchor import Row, Rows
-from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
+from .reported import ROUNDOFF_TOLERANCE, Reported
 
 # numbers of rings that approximate a wear coefficient along the radius, for an extrapolation: the
 # error is proportional to the inverse square of the number
@@ -80,16 +79,11 @@ def _compare_with_many_rings(report: Reported) -> Rows:
     error += np.abs(fine[1] - coarse[1]).max()
     value, tolerance = report.take("steady_profile"), report.rtol + error / greatest
     yield Row("steady_profile by many rings", value, greatest - displacement, tolerance, greatest)
-    face = report.face
-    weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
-    profile = report.steady_profile_on_face[None]
-    slope, less_accurate_slope = (
-        np.sqrt(slopes[0] ** 2 @ weights) for slopes in face.slopes(profile)
-    )
-    if slope > 0:
-        tolerance = report.rtol + REFERENCE_ERROR_FACTOR * abs(slope - less_accurate_slope) / slope
+    (square,), (square_error,) = report.mean_square_slopes(report.steady_profile_on_face[None])
+    if square > 0:
+        tolerance = report.rtol + square_error / (2 * square)
         value = report.take("steady_rms_slope")
-        yield Row("steady RMS slope of the profile", value, slope, tolerance)
+        yield Row("steady RMS slope of the profile", value, np.sqrt(square), tolerance)
 
 
 def _displace_by_rings(report: Reported, count: int) -> tuple[float, Array]:
