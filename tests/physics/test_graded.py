@@ -203,13 +203,3 @@ def test_early_pressures_in_a_steep_ramp():
         for name, error in differences(solution.checked, exact, problem.face).items():
             stated = solution.checked_error(problem, name)
             assert (error <= np.maximum(stated, rtol)).all(), name
-
-
-def test_the_worn_face_and_the_displacement_add_up_under_steep_wear():
-    """Profiles were k times polynomials, which do not contain constants if k varies."""
-    problem = scene(**along(1.0, 1.0, 0.01, 0.01, radii=(0.0, 0.5, 0.50001, 1.0))).problem
-    space, wear_coefficients = pressure_spaces(problem)[0], problem.merged.wear_coefficients
-    wear = RunningIn(energy.compliance(space), wear_coefficients)
-    late = wear.modal(100 * wear.relaxation_times[:1])
-    gap = late.profile[0] + wear.steady.displacement - late.indentation[0] * space.uniform
-    assert np.abs(space.matrix(problem.face.radii) @ gap).max() < 1e-9 * late.indentation[0]
