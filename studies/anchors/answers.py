@@ -23,26 +23,14 @@ def check_times_of_running_in(report: Reported) -> Rows:
     integration. The method's own total change may differ from it by the errors that the method
     states for the start and for the steady state.
     """
-    running_in, problem = report.solution.wear, report.problem
-    if running_in is None or not report.full_contact:
+    running_in, fractions = report.solution.wear, report.problem.load_regime.remaining_fractions
+    # the verdict is undecided if such a number is missing
+    reported = {name: part for name, part in fractions.items() if report.has(name)}
+    if running_in is None or not report.full_contact or not reported:
         return
-    for name, remaining_part in problem.load_regime.remaining_fractions.items():
-        if not report.has(name):
-            # the verdict is undecided if such a number is missing
-            continue
+    total_change, error = _total_change(report)
+    for name, remaining_part in reported.items():
         time = float(report.take(name))
-        if report.fixed_indentation:
-            total_change, error = report.flat.indentation, 0.0
-        else:
-            displacement, displacement_error = _steady_displacement(report)
-            pressure = report.steady_wear_rate / report.wear
-            steady, errors = report.integrate(displacement[None], pressure)
-            start = report.flat.indentation
-            # the steady pressure, as the weight of a mean, carries the force 1
-            total_change = float(steady[0]) - start
-            error = float(errors[0]) + displacement_error
-            error += report.stated_error("indentation_start") * start
-            error += report.stated_error("indentation_steady") * float(steady[0])
         remaining = running_in.modes.remaining_change(
             time * np.array([1 - RELATIVE_TIME_STEP, 1.0, 1 + RELATIVE_TIME_STEP])
         )
@@ -55,6 +43,20 @@ def check_times_of_running_in(report: Reported) -> Rows:
             remaining_part,
             tolerance,
         )
+
+
+def _total_change(report: Reported) -> tuple[float, float]:
+    """Return the total change during running-in, and a bound on its difference to the method's."""
+    if report.fixed_indentation:
+        return report.flat.indentation, 0.0
+    displacement, displacement_error = _steady_displacement(report)
+    # the steady pressure, as the weight of a mean, carries the force 1
+    pressure = report.steady_wear_rate / report.wear
+    means, errors = report.integrate(displacement[None], pressure)
+    steady, start = float(means[0]), report.flat.indentation
+    error = float(errors[0]) + displacement_error
+    error += report.stated_error("indentation_start") * start
+    return steady - start, error + report.stated_error("indentation_steady") * steady
 
 
 def _steady_displacement(report: Reported) -> tuple[Array, float]:

@@ -42,7 +42,7 @@ class ContactMarch:
     >>> r = np.linspace(0, 1, 21)
     >>> space = PressureSpace(r, np.ones(20, dtype=int), ring_edges=r[[0, -1]])
     >>> march = ContactMarch(energy.compliance(space), np.ones(1), space.mass() @ r**2, Load(0.1))
-    >>> march.adaptive(np.array([0.0, 1.0, 2.0]), 1e-3).history.shape @ space.weights
+    >>> march.adaptive(np.array([0.0, 1.0, 2.0]), 1e-3).history.profile @ space.weights
     array([0. , 0.1, 0.2])
 
     Parameters

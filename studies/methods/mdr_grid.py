@@ -9,9 +9,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from ...mdr.direct import steady_pressures
 from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, ring_areas
+from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import GROUPS
 from ..problem.regimes import (
@@ -153,8 +154,9 @@ def _march(problem: Problem, count: int, step: float) -> tuple[Sampler, History]
     grid = UniformGrid(*problem.merged, count)
     space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
     pressure, profile, indentation = grid.march(problem.times, step)
-    rings = problem.merged
-    even_wear = problem.times / np.sum(ring_areas(rings.ring_edges) / rings.wear_coefficients)
+    # k p of the steady state, which is the same on every ring
+    rates = problem.merged.wear_coefficients * steady_pressures(*problem.merged)
+    even_wear = rates[0] * problem.times
     history = History.in_full_contact(
         problem.times,
         pressure,

@@ -53,11 +53,9 @@ from .sections import (
 MOST_TIME_TO_WEAR_FLAT = 1e3
 # greatest numbers of times at which fields are compared, and at which errors are estimated
 MOST_COMPARED_TIMES, MOST_ESTIMATE_TIMES = 40, 60
-
-
-# Part of rtol below which a change of the force, over the force, has no effect on the results.
+# part of rtol below which a change of the force, over the force, has no effect on the results
 LEAST_CHANGE = 0.01
-# Greatest number of pairs of a time and a change of the load that are considered at once.
+# greatest number of pairs of a time and a change of the load that are considered at once
 MOST_CHANGES_AT_ONCE = 1_000_000
 
 

@@ -143,6 +143,7 @@ def _difference_of_heights(
     depth : (T,) greatest depth so far, by `against`
     face : the face
     """
+    whole = results[name] - against[name]
     even_wear = against.get("even_wear", np.zeros(len(depth)))
     if results.keys() & against.keys() >= {"even_wear", WITHOUT_EVEN_WEAR[name]}:
         part = WITHOUT_EVEN_WEAR[name]
@@ -152,25 +153,19 @@ def _difference_of_heights(
         rest = (rest.T + np.where(one_is_full, even, 0.0)).T
         even = np.where(one_is_full, 0.0, even)
     else:
-        rest = results[name] - against[name]
-        weights = face.areas / face.areas.sum() if rest.ndim > 1 else np.ones(1)
+        weights = face.areas / face.areas.sum() if whole.ndim > 1 else np.ones(1)
         mean, mean_difference = (
-            values.reshape(len(values), -1) @ weights for values in (against[name], rest)
+            values.reshape(len(values), -1) @ weights for values in (against[name], whole)
         )
         ratio = np.divide(mean_difference, mean, out=np.zeros_like(mean), where=even_wear > 0)
         even = even_wear * ratio
-        rest = (rest.T - even).T
-    whole = results[name] - against[name]
+        rest = (whole.T - even).T
     height = depth + even_wear
     if "indentation" in against:
         height = np.maximum.accumulate(against["indentation"] - face.standoff)
     relative = [
         np.divide(_largest(values), scale, out=np.zeros(len(scale)), where=scale > 0)
-        for values, scale in (
-            (rest, depth),
-            (even, height),
-            (whole, height),
-        )
+        for values, scale in ((rest, depth), (even, height), (whole, height))
     ]
     return np.asarray(np.max(relative, axis=0))
 
