@@ -21,8 +21,8 @@ def covering(problems: Sequence[Problem]) -> Problem:
 
     It is the first problem, with the smallest tolerance of all, the sliding distances of all, and
     amplitudes at ring edges that bound those of all: at each edge the shortest length over which
-    wear has smoothed the pressure on the slower side, and the largest ratio of the lengths on the
-    two sides.
+    wear has smoothed the pressure on the slower side, the largest ratio of the lengths on the two
+    sides, and the steepest wear coefficient.
 
     Parameters
     ----------
@@ -33,6 +33,7 @@ def covering(problems: Sequence[Problem]) -> Problem:
     first, rtol = problems[0], min(problem.rtol for problem in problems)
     # at constant force and speed, times are sliding distances
     combined = replace(first, rtol=rtol, times=distances, loading=Loading())
+    gradients = [edge.wear_gradients for edge in amplitudes if edge.wear_gradients is not None]
     amplitude = EdgeAmplitude(
         rtol,
         np.min([edge.worn_length_slow for edge in amplitudes], axis=0),
@@ -40,6 +41,7 @@ def covering(problems: Sequence[Problem]) -> Problem:
         max(edge.time_ratio for edge in amplitudes),
         np.max([problem.merged.kinks for problem in problems], axis=0),
         amplitudes[0].narrower_width,
+        np.max(gradients, axis=0) if gradients else None,
     )
     return replace(combined, shared_amplitude=amplitude)
 

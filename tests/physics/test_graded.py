@@ -12,6 +12,7 @@ from ringwear.studies.methods.base import method as method_named
 from ringwear.studies.methods.spaces import pressure_spaces
 from ringwear.studies.progress import Stages
 from ringwear.studies.sampling.norms import differences
+from ringwear.studies.sizes.shared import covering
 from ringwear.studies.wear.full_contact import RunningIn
 
 SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}
@@ -139,3 +140,13 @@ def test_estimates_bound_the_errors_at_an_edge_with_almost_no_kink():
     wrong = differences(solution.checked, exact, problem.face)
     for name in names:
         assert (wrong[name] <= solution.checked_error(problem, name)).all(), name
+
+
+def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone():
+    steep = scene(**along(1e-3, 1.0)).changed(accuracy__rtol=1e-2)
+    problems = [steep.changed(wear__times=[0.0, time]).problem for time in (1.0, 2.0)]
+    shared = pressure_spaces(covering(problems))[0]
+    for problem in problems:
+        alone = pressure_spaces(problem)[0]
+        assert shared.size >= alone.size
+        assert shared.degrees.min() >= alone.degrees.min()
