@@ -49,25 +49,27 @@ def _total_change(report: Reported) -> tuple[float, float]:
     """Return the total change during running-in, and a bound on its difference to the method's."""
     if report.fixed_indentation:
         return report.flat.indentation, 0.0
-    displacement, displacement_error = _steady_displacement(report)
+    displacement, change = _steady_displacement(report)
     # the steady pressure, as the weight of a mean, carries the force 1
     pressure = report.steady_wear_rate / report.wear
-    means, errors = report.integrate(displacement[None], pressure)
+    means, errors = report.integrate(np.array([displacement, change]), pressure)
     steady, start = float(means[0]), report.flat.indentation
-    error = float(errors[0]) + displacement_error
+    error = float(errors[0]) + abs(float(means[1]))
     error += report.stated_error("indentation_start") * start
     return steady - start, error + report.stated_error("indentation_steady") * steady
 
 
-def _steady_displacement(report: Reported) -> tuple[Array, float]:
-    """Return the steady displacement (R,) on the face, and a bound on its error.
+def _steady_displacement(report: Reported) -> tuple[Array, Array]:
+    """Return the steady displacement (R,) on the face, and a change (R,) that bounds its error.
 
-    It has a closed form if the wear coefficient is constant on rings.
+    It has a closed form if the wear coefficient is constant on rings. Otherwise, the change is that
+    of the extrapolation. The error of a mean is bounded by the mean of the change.
     """
+    radii = report.face.radii
     if not report.graded:
-        return report.steady_displacement(report.face.radii), 0.0
-    displacement, _ = displace_by_many_rings(report.reading, report.face.radii)
-    return displacement.value, displacement.error
+        return report.steady_displacement(radii), np.zeros(len(radii))
+    displacement, _ = displace_by_many_rings(report.reading, radii)
+    return displacement.value, displacement.change
 
 
 def check_repeated_numbers(report: Reported) -> Rows:

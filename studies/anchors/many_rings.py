@@ -14,20 +14,25 @@ FEW_RINGS, MANY_RINGS = 100, 200
 
 
 class Extrapolated(NamedTuple):
-    """Values that are extrapolated from two numbers of rings, and a bound on their errors.
+    """Values that are extrapolated from two numbers of rings, and the change between the two.
 
-    The bound is the difference of the two, which is much larger than the error.
+    The change is much larger than the error of the value, so that it bounds the error.
     """
 
     value: Array
-    error: float
+    change: Array
+
+    @property
+    def error(self) -> float:
+        """Return a bound on the error of each value."""
+        return float(np.abs(self.change).max())
 
 
 def displace_by_many_rings(reading: Reading, radii: Array) -> tuple[Extrapolated, Extrapolated]:
     """Return the steady displacements (R,) at radii (R,), and the greatest steady displacement."""
     coarse, fine = (_displace_by_rings(reading, count, radii) for count in (FEW_RINGS, MANY_RINGS))
     displacement, greatest = (
-        Extrapolated(last + (last - first) / 3, float(np.abs(last - first).max()))
+        Extrapolated(last + (last - first) / 3, np.asarray(last - first))
         for first, last in zip(coarse, fine, strict=True)
     )
     return displacement, greatest
