@@ -132,18 +132,21 @@ def patch_widths(ring_edges: Array) -> Array:
 
     Notes
     -----
-    The half-width is half the width of the narrower of the two rings that meet at the edge. If two
-    neighbouring patches leave a gap that a stretch by at most ``MAX_PATCH_STRETCH`` can close, both
-    are widened until they meet inside the ring between them. Tested by
-    unit/meshes/test_half_space_mesh.py::test_meshes_cover_the_quarter_disc.
+    The half-width is half the width of the narrower of the two rings that meet at the edge. Two
+    neighbouring patches that leave a gap in the ring between them are widened to meet in its
+    middle, if a stretch by at most ``MAX_PATCH_STRETCH`` is enough for both. No patch reaches
+    beyond the middle of a ring, because the degree that the modes of a ring require
+    (`studies/sizes/degrees.py`) is that of elements within half of the ring. Tested by
+    unit/meshes/test_half_space_mesh.py::test_meshes_cover_the_quarter_disc and
+    physics/test_hollow.py::test_relaxation_times_beside_a_narrow_hole.
     """
     rings = np.diff(ring_edges)
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
-    stretch = rings[1:] / (half[:-1] + half[1:])
-    stretch[stretch > MAX_PATCH_STRETCH] = 1.0
-    widths[:-1, 1] *= stretch
-    widths[1:, 0] *= stretch
+    middle = rings[1:] / 2
+    meet = middle <= MAX_PATCH_STRETCH * np.minimum(half[:-1], half[1:])
+    widths[:-1, 1] = np.where(meet, middle, half[:-1])
+    widths[1:, 0] = np.where(meet, middle, half[1:])
     return widths
 
 

@@ -79,6 +79,19 @@ def test_methods_agree(inner_radius):
     assert not result.summary["left_out_of_promise"]
 
 
+@pytest.mark.gmsh
+@pytest.mark.parametrize("inner_radius", [0.22, 0.3])
+def test_relaxation_times_beside_a_narrow_hole(inner_radius):
+    """Elements beside a hole are no wider than half of the face, so that they resolve its modes."""
+    result = run(hollow(inner_radius, rtol=1e-6, wear_coefficient=1.0))
+    assert result.verdict == "agree"
+    times, errors = (
+        result.dataset[name].values[:, :8] for name in ("relaxation_time", "relaxation_time_error")
+    )
+    assert (errors <= 1e-6).all()
+    assert (np.abs(times[1] / times[0] - 1) <= errors.sum(axis=0)).all()
+
+
 def test_a_small_hole_hardly_changes_the_results():
     """The effect of a hole is of the order of its area."""
     punch = {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 3.0]}
