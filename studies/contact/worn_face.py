@@ -22,6 +22,7 @@ from ..problem.profile import InitialProfile
 from ..wear.history import History
 from ..wear.unilateral import Mask
 from .moments import moments
+from .slope_integrals import SlopeIntegrals
 
 # number of cells between an edge of the contact and the cells whose face is computed from the
 # displacement; the projection of u on linear functions oscillates over about that many cells
@@ -124,15 +125,21 @@ class WornFace:
         below = self.history.depth[:, None] - (at_radii @ self.displacement.T).T
         return np.where(follows, below, worn)
 
-    def slopes(self, at_points: csr_matrix, radii: Array) -> Array:
-        """Return the slopes of the face (T, E Q) at Q points in each of E cells.
+    def mean_square_slopes(self, unworn: SlopeIntegrals) -> Array:
+        """Return the mean square (T,) of the slope of the face; infinite if that is not finite.
 
-        `at_points` is the matrix of the slopes of the basis functions at these points, and `radii`
-        (E, Q) are their radii.
+        `unworn` are the integrals of the slope of the unworn face over the E cells, with the weight
+        of the mean.
         """
-        worn = self.profile.slope(radii.ravel()) + (at_points @ self.history.shape.T).T
-        follows = np.repeat(self.follows_half_space, radii.shape[1], axis=1)
-        return np.where(follows, -(at_points @ self.displacement.T).T, worn)
+        slope_of = self.space.on_elements(np.zeros(1), derivative=True)
+        worn, displaced = (
+            (slope_of @ functions.T).T for functions in (self.history.shape, self.displacement)
+        )
+        # of f' + w', with the slope w' of the worn depth, which is the same in all of a cell
+        squares = unworn.square + 2 * worn * unworn.slope + worn**2 * unworn.weight
+        followed = displaced**2 * unworn.weight
+        squares = np.where(self.follows_half_space, followed, squares)
+        return np.asarray(np.maximum(squares.sum(axis=1), 0.0))
 
     def displacements(self, at_radii: csr_matrix, radii: Array, carries: Mask) -> Array:
         """Return displacements (T, R) at radii (R,); `carries` (T, R) says which are in contact.

@@ -90,7 +90,7 @@ class Difference(NamedTuple):
 
     def over_bound(self, allowed: float) -> Array:
         """Return the differences (n,) over the bound above which the methods disagree."""
-        over = self.size / np.maximum(self.uncertainty, 2 * allowed)
+        over = self.size / np.fmax(self.uncertainty, 2 * allowed)
         return np.where(np.isfinite(self.size), over, np.inf)
 
     def doubtful(self, allowed: float) -> NDArray[np.bool_]:
@@ -198,6 +198,8 @@ def _judge(
     sizes, first, second = difference
     allowed, uncertainty = allowed_error(problem), difference.uncertainty
     over_bound, doubtful = difference.over_bound(allowed), difference.doubtful(allowed)
+    # values that are not finite have no estimates (NaN)
+    uncertainty = np.nan_to_num(uncertainty)
     # a time without agreement; of several, the one with the largest uncertainty, then difference
     worst = int(np.lexsort((sizes, uncertainty, doubtful))[-1])
     verdict, remark, times_in_words, promised = AGREE, "", "", True

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..methods.base import Solution
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
+from ..problem.quantities import ANSWER, DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.unit_names import UnitNames
 from ..sizes.degrees import field_accuracy
 from ..sizes.ring_edges import (
@@ -40,6 +40,12 @@ AT_EDGES = (
 # quantities of single rings, which cells with an edge of the contact limit: they are refined, but
 # not promised if the contact has edges within the face
 BY_CELLS = ("ring_force", "ring_worn_volume", "force_share", "worn_volume")
+# why an RMS slope is not a number
+SLOPE_IS_INFINITE = (
+    "the slope of the unworn part of the face is infinite at a ring edge, at the rim or at a kink, "
+    "and its root mean square has no finite value; choose times at which that part has worn, or "
+    "another profile"
+)
 # number of quantities that the verdict names, of those that are left out at the same times
 MOST_NAMES = 4
 
@@ -77,6 +83,10 @@ def unresolved(
     solutions : solutions by the names of the methods, whose smallest elements count
     at : index of the compared time, if the quantity has times
     """
+    if quantity == "rms_slope" and not all(
+        np.isfinite(solution.checked[quantity][at]) for solution in solutions.values()
+    ):
+        return SLOPE_IS_INFINITE
     if not problem.full_contact:
         return _limit_of_cells(problem, solutions) if quantity in (*AT_EDGES, *BY_CELLS) else ""
     # earlier times, which need smaller elements, have no influence
@@ -163,7 +173,11 @@ def left_out_of_promise(
             if quantity in solution.errors
         ]
         count = min(map(len, estimates))
-        beyond = np.any([error[:count] > allowed for error in estimates], axis=0)
+        estimates = [error[:count] for error in estimates]
+        beyond = np.any([error > allowed for error in estimates], axis=0)
+        if quantity not in ANSWER:
+            # values that are not finite; numbers of the answer are NaN if they are not computed
+            beyond |= np.isnan(estimates).any(axis=0)
         reasons = {
             int(at): reason
             for at in np.flatnonzero(beyond)

@@ -12,7 +12,8 @@ from .style import Picture
 
 
 def _has_history(result: Outcome) -> bool:
-    return result.scene.problem.earliest > 0 and result.gives("displacement_max", "rms_slope")
+    problem = result.scene.problem
+    return problem.earliest > 0 and problem.wants("rms_slope") and result.gives("displacement_max")
 
 
 # quantities that the figure of a contact with moving edges needs

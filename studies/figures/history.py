@@ -28,6 +28,7 @@ LABEL_WIDTH, LABEL_HEIGHT = 0.12, 0.09
 def draw_history(result: Outcome) -> Figure:
     """Draw displacement and RMS slope over time, and the differences of methods from the first.
 
+    The RMS slope is left out if it has no finite value at any time.
     Values are marked at the times of the scene. The force is drawn instead of the displacement if
     the scene prescribes the indentation, and the indentation if more methods compute it.
     Differences are drawn in panels below, relative to the value.
@@ -37,11 +38,14 @@ def draw_history(result: Outcome) -> Figure:
     times = result.coordinates["time"][after_start]
     # results of other programs may contain the indentation only
     candidates = result.scene.problem.load_regime.running_in_quantity, "indentation"
-    names = max(candidates, key=lambda name: len(result.by_method(name))), "rms_slope"
+    names = [max(candidates, key=lambda name: len(result.by_method(name)))]
+    if result.gives("rms_slope"):
+        names.append("rms_slope")
     method_between, values_between = result.between
-    rows = min(2, len(result.by_method("rms_slope")))
-    ratios = [2.2, 1][:rows]
-    figure, panels = new_panels(PAGE, 2.6 + 0.6 * rows, rows, 2, sharex=True, height_ratios=ratios)
+    rows = min(2, len(result.by_method(names[-1])))
+    figure, panels = new_panels(
+        PAGE, 2.6 + 0.6 * rows, rows, len(names), sharex=True, height_ratios=[2.2, 1][:rows]
+    )
     for name, (values, *below) in zip(names, panels.T, strict=True):
         methods = result.by_method(name, after_start)
         scale.suit(name, np.array(list(methods.values())))

@@ -13,7 +13,7 @@ from ...meshes.radial import Array
 from ..contact.fitted_press import CompliancesOn
 from ..contact.marched import Marched
 from ..problem.problem import Problem
-from ..problem.quantities import ANSWER, COMPARED_MODES, DESCRIBED
+from ..problem.quantities import COMPARED_MODES, DESCRIBED
 from ..problem.regimes import FIXED_INDENTATIONS, MOVING_CONTACT, Refusal, Regime
 from ..progress import Stages
 from ..sampling.norms import Results
@@ -98,14 +98,11 @@ class Solution:
         """Return the largest error of a quantity over all times.
 
         For relaxation times it is the largest error of the slowest ones, which are compared between
-        methods. Numbers of the answer that the method does not compute (NaN) are left out.
+        methods. Values that the method does not compute or that are not finite (NaN) are left out.
         """
         compared = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
         errors = self.errors[name][compared]
-        if name in ANSWER:
-            # parts of the answer that the method does not compute
-            errors = errors[~np.isnan(errors)]
-        return float(np.max(errors, initial=0.0))
+        return float(np.max(errors[~np.isnan(errors)], initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

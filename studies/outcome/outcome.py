@@ -356,7 +356,8 @@ class Outcome:
                 f"there is no error estimate of {shown(quantity)}: {hint}give one of those in "
                 f"dataset: {', '.join(with_estimate)}"
             )
-        return float(np.nanmax(estimates[1]))
+        # NaN where a method has no value
+        return float(np.fmax.reduce(estimates[1], axis=None))
 
     @property
     def summary(self) -> dict[str, Any]:

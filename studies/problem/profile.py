@@ -72,14 +72,6 @@ class InitialProfile:
             total = total + height(radii)
         return np.asarray(np.broadcast_to(total, np.shape(radii)), dtype=float)
 
-    def slope(self, radii: Array) -> Array:
-        """Return the slope within rings by central differences, without steps at ring edges."""
-        ring, step = ring_of(self.ring_edges, radii), 1e-5
-        low = np.maximum(radii - step, self.ring_edges[ring])
-        high = np.minimum(radii + step, self.ring_edges[ring + 1])
-        rise = self.in_ring(high, ring) - self.in_ring(low, ring)
-        return np.divide(rise, high - low, out=np.zeros_like(rise), where=high > low)
-
     @cached_property
     def creases(self) -> Array:
         """(K,) radii at which the slope of the face jumps, apart from ring edges.

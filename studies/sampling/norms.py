@@ -111,7 +111,13 @@ def _difference(name: str, results: Results, against: Results, face: Face) -> Ar
         }[norm]
         if norm == "slope":
             scale = np.maximum(scale, LEAST_SLOPE * depth)
-    return np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)
+    relative = np.divide(difference, scale, out=np.zeros(difference.shape), where=scale > 0)
+    if norm == "slope":
+        # no value: the slope is infinite, which differs by all of it from any finite value
+        infinite, other_infinite = np.isnan(value), np.isnan(reference)
+        relative = np.where(infinite & other_infinite, 0.0, relative)
+        relative = np.where(infinite != other_infinite, 1.0, relative)
+    return relative
 
 
 def _greatest_depth(against: Results, face: Face) -> Array:

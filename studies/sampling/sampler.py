@@ -1,7 +1,7 @@
 """Sampling of all quantities of a problem from a wear history. Non-dimensional."""
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -10,8 +10,10 @@ from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, ring_areas
 from ..contact.edges import worn_edges
+from ..contact.slope_integrals import SlopeIntegrals, slope_integrals
 from ..contact.worn_face import WornFace
 from ..problem.problem import Problem
+from ..problem.profile import InitialProfile
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..wear.flat_contact import SteadyState
 from ..wear.history import History
@@ -38,6 +40,14 @@ def _ring_forces(space: PressureSpace, ring_edges: bytes) -> Array:
 @lru_cache(maxsize=8)
 def _slopes(space: PressureSpace) -> csr_matrix:
     return space.on_elements(space.quadrature[2], derivative=True)
+
+
+@lru_cache(maxsize=8)
+def _unworn_slopes(
+    profile: InitialProfile, space: PressureSpace, average: str, inner_radius: float
+) -> SlopeIntegrals:
+    weight = partial(radial_weight, average=average, inner_radius=inner_radius)
+    return slope_integrals(profile, space.breakpoints, weight)
 
 
 @lru_cache(maxsize=8)
@@ -191,15 +201,20 @@ class Sampler:
             carries = self.pressures(history, places) > 0
             return face.displacements(_matrix(self.space, places.tobytes()), places, carries)
 
-        def slopes() -> Array:
-            return face.slopes(_slopes(self.space), self.space.quadrature[0])
+        def rms_slopes() -> Array:
+            average = self.problem.gradient_average, self.problem.inner_radius
+            squares = face.mean_square_slopes(
+                _unworn_slopes(self.problem.profile, self.space, *average)
+            )
+            # no value where the mean square is infinite
+            return np.sqrt(np.where(np.isfinite(squares), squares, np.nan))
 
         return {
             "shape": lambda: face.heights(_matrix(self.space, radii.tobytes()), radii),
             "displacement": lambda: displacements(radii),
             "displacement_centre": lambda: displacements(centre)[:, 0],
             "displacement_max": lambda: self._greatest(face.displacement),
-            "rms_slope": lambda: self._rms_slope(slopes()),
+            "rms_slope": rms_slopes,
         }
 
     def times_at_once(self, on_face: bool = False) -> int:

@@ -1,0 +1,96 @@
+"""RMS slopes of faces whose slope is infinite, or nearly so, at a point."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ringwear import Scene, run
+from ringwear.studies.contact.slope_integrals import slope_integrals
+from ringwear.studies.problem.profile import InitialProfile
+from ringwear.studies.sampling.norms import radial_weight
+
+BREAKPOINTS = np.concatenate([np.linspace(0, 0.99, 34), [0.995, 0.998, 0.999, 1.0]])
+
+
+def ball(radius, times, average="line", methods=("mdr",)):
+    return run(
+        Scene.from_table(
+            {
+                "punch": {
+                    "radius": 1.0,
+                    "wear_coefficient": 1.0,
+                    "profile": {"kind": "ball", "ball_radius": radius},
+                },
+                "half_space": {"plane_strain_modulus": 1.0},
+                "load": {"normal_force": 1e-4},
+                "wear": {"times": list(times), "steady": False},
+                "accuracy": {"rtol": 1e-3},
+                "output": {"gradient_average": average},
+            }
+        ),
+        methods=list(methods),
+    )
+
+
+def mean_square_of_ball(radius, average):
+    """Return the mean of ``r^2 / (R^2 - r^2)`` over the radius or the area."""
+    if average == "line":
+        return radius / 2 * np.log((radius + 1) / (radius - 1)) - 1
+    return radius**2 * np.log(radius**2 / ((radius - 1) * (radius + 1))) - 1
+
+
+@pytest.mark.gmsh
+def test_a_ball_as_wide_as_the_punch_has_no_rms_slope(tmp_path):
+    result = ball(1.0, [0.0, 6.4, 106.0], methods=("mdr", "fem"))
+    assert result.verdict == "agree"
+    assert np.isnan(result.dataset.rms_slope).all()
+    assert np.isnan(result.dataset.rms_slope_error).all()
+    result.save(tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
+    (row,) = (row for row in summary["left_out_of_promise"] if row["quantity"] == "rms_slope")
+    assert row["times"] == [0.0, 6.4, 106.0]
+    assert "no finite value" in row["reason"]
+    assert "no finite value" in str(result)
+
+
+@pytest.mark.parametrize("average", ["line", "area"])
+@pytest.mark.parametrize("excess", [1e-7, 1e-3, 1.0])
+def test_unworn_balls_have_the_slope_in_closed_form(excess, average):
+    """At later times only the part in contact has worn; its slope is that of small angles."""
+    result = ball(1 + excess, [0.0, 6.4], average)
+    slope, error = (result.dataset[name].values[0] for name in ("rms_slope", "rms_slope_error"))
+    exact = np.sqrt(mean_square_of_ball(1 + excess, average))
+    assert abs(slope[0] / exact - 1) <= error[0]
+    assert abs(slope[1] - exact) <= 0.2**2 * exact
+    assert result.verdict != "disagree"
+
+
+@pytest.mark.parametrize("exponent", [0.3, 0.5, 0.51, 0.6, 0.9, 1.0, 1.5, 4.0])
+@pytest.mark.parametrize("average", ["line", "area"])
+def test_integrals_of_powers(exponent, average):
+    """The mean of ``(n r^(n-1))^2`` is infinite over the radius if n is at most 1/2."""
+    profile = InitialProfile(np.array([0.0, 1.0]), np.zeros(1), (lambda radii: radii**exponent,))
+    integrals = slope_integrals(
+        profile, BREAKPOINTS, lambda radii: radial_weight(radii, average, 0.0)
+    )
+    exact = exponent
+    if average == "line":
+        exact = exponent**2 / (2 * exponent - 1) if exponent > 0.5 else np.inf
+        assert integrals.slope.sum() == pytest.approx(1.0, rel=1e-5)
+    assert integrals.square.sum() == pytest.approx(exact, rel=1e-7)
+    assert integrals.weight.sum() == pytest.approx(1.0, rel=1e-14)
+
+
+def test_integrals_do_not_count_steps_and_are_broken_at_kinks():
+    """A truncated cone on a recessed ring: slope 0.3 beyond the kink, zero elsewhere."""
+    profile = InitialProfile(
+        np.array([0.0, 0.31, 1.0]),
+        np.array([0.0, 7.0]),
+        (lambda radii: 0.3 * np.maximum(radii - 0.777, 0.0),),
+        kinks=(0.777,),
+    )
+    integrals = slope_integrals(
+        profile, BREAKPOINTS, lambda radii: radial_weight(radii, "line", 0.0)
+    )
+    assert integrals.square.sum() == pytest.approx(0.09 * 0.223, rel=1e-9)
