@@ -1,8 +1,7 @@
 """Find the intervals of radii in contact, and refine the cells where contact begins."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -22,6 +21,12 @@ GROWTH_INSIDE, GROWTH_OUTSIDE = 0.4, 0.1
 # greatest number of free edges at which cells are refined; on rough faces, which have many, the
 # refinement would not end
 MOST_FREE_EDGES = 4
+# power of the distance from an edge with which the worn depth rises there, between 1 (wear that is
+# fast and uniform) and 3/2 (an edge that moves slowly under a pressure that vanishes as a root); in
+# random punches the edge is then known to a fifth of a cell
+WORN_DEPTH_POWER = 1.25
+# smallest size of cells on narrow parts of the contact, in punch radii
+SMALLEST_REFINED_CELL = 1e-9
 # greatest number of refinements at free edges, each of which quarters the size, and greatest number
 # of cells after them, over that before
 MOST_REFINEMENTS, MOST_CELLS_RATIO = 12, 4
@@ -244,15 +249,30 @@ def _refine_narrow_parts(
         Limit on the number of cells.
     """
     while cells.spread < 0.3:
-        refinements = tuple(
-            (inner, outer, max(cells.spread * (outer - inner), 1e-9))
-            for inner, outer in narrow_parts
-        )
-        with_refinements = replace(cells, refinements=refinements)
+        with_refinements = replace(cells, refinements=refinements_of(cells.spread, narrow_parts))
         if len(with_refinements.breakpoints()) <= most_cells:
             return with_refinements
         cells = replace(cells, spread=2 * cells.spread)
     return None
+
+
+def refinements_of(
+    spread: float, parts: Iterable[tuple[float, float]]
+) -> tuple[tuple[float, float, float], ...]:
+    """Return refinements of cells on parts of the face, each with the size of the cells there.
+
+    Parameters
+    ----------
+    spread : float
+        Growth of the cell size per distance from the parts (`ContactCells.spread`), and the size of
+        the cells on a part over its width.
+    parts : iterable of (float, float)
+        Inner and outer radius of each part.
+    """
+    return tuple(
+        (inner, outer, max(spread * (outer - inner), SMALLEST_REFINED_CELL))
+        for inner, outer in parts
+    )
 
 
 def _penetrating_parts(
@@ -288,8 +308,8 @@ def _penetrating_parts(
 def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[float, float]]:
     """Return the inner and outer radius of every part of the contact of a worn face.
 
-    An edge lies between two nodes. If the contact spreads there, the face beyond is unworn, and the
-    edge is found by extrapolating the worn depth to zero.
+    An edge lies between the last node in contact and the next one. If the contact spreads there,
+    the face beyond is unworn, and the edge is found by extrapolating the worn depth to zero.
 
     Parameters
     ----------
@@ -299,36 +319,97 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
         Whether each node is in contact.
     worn : (size,) array
         Worn depth at the nodes.
+
+    Notes
+    -----
+    Independent solutions with cells that are ten times smaller have their edges between these two
+    nodes, or up to a tenth of a cell beyond the outer one
+    (physics/test_moving_edges.py::test_edges_lie_in_the_cell_in_which_contact_ends).
     """
     radius, _ = nodes(space)
-    runs = _contact_runs(contact, np.zeros(space.size - 1, dtype=bool))
-    if not runs:
-        return []
-    # extrapolated edges may not cross: they are limited to the middle between two parts
-    middles = [(radius[last] + radius[first]) / 2 for (_, last), (first, _) in pairwise(runs)]
-    edges = []
-    for (first, last), least, greatest in zip(runs, [0.0, *middles], [*middles, 1.0], strict=True):
-        few_nodes = last - first < 8
-        inner = _worn_edge(radius, worn, first, -1, few_nodes)
-        outer = _worn_edge(radius, worn, last, 1, few_nodes)
-        edges.append((float(max(inner, least)), float(min(outer, greatest))))
-    return edges
+    return [
+        (_worn_edge(radius, contact, worn, first, -1), _worn_edge(radius, contact, worn, last, 1))
+        for first, last in _contact_runs(contact, np.zeros(space.size - 1, dtype=bool))
+    ]
 
 
-def _worn_edge(radius: Array, worn: Array, node: int, direction: int, few_nodes: bool) -> float:
-    """Return the radius of the edge next to the last node in contact, to within a cell.
+def _worn_edge(radius: Array, contact: Mask, worn: Array, node: int, direction: int) -> float:
+    """Return the radius of the edge between the last node in contact and the next one.
 
-    It is extrapolated from the worn depth. If there are few nodes, if the next node has worn, or if
-    the worn depth does not decrease towards the edge, it is the middle between the two nodes.
+    It is extrapolated from the worn depths of the last two nodes in contact. If these are on
+    different rings, if the next node has worn, or if the worn depth does not decrease towards the
+    edge, it is the middle between the last node in contact and the next one.
     """
-    neighbour = node + direction
+    neighbour, inside = node + direction, node - direction
     if not 0 <= neighbour < len(radius):
         return float(radius[node])
-    # two and four cells inside the edge; closer to it, the discretisation error is visible
-    near, far = node - 2 * direction, node - 4 * direction
-    if few_nodes or worn[neighbour] > 0 or not worn[far] > worn[near] > 0:
+    spreads = 0 <= inside < len(radius) and contact[inside] and worn[neighbour] == 0
+    if not (spreads and radius[inside] != radius[node] and 0 < worn[node] < worn[inside]):
         return float((radius[node] + radius[neighbour]) / 2)
-    edge = radius[near] - worn[near] * (radius[near] - radius[far]) / (worn[near] - worn[far])
-    cell = abs(radius[node] - radius[node - direction])
-    inner, outer = sorted((radius[node], radius[neighbour]))
-    return float(np.clip(edge, inner - cell, outer + cell))
+    remaining = (worn[node] / worn[inside]) ** (1 / WORN_DEPTH_POWER)
+    beyond = (radius[node] - radius[inside]) * remaining / (1 - remaining)
+    outermost = abs(radius[neighbour] - radius[node])
+    return float(radius[node] + np.clip(beyond, -outermost, outermost))
+
+
+def widths_at_edges(space: PressureSpace, contact: Mask) -> Array:
+    """Return the widths (T,) of the cells in which the outermost edges of the contact lie.
+
+    Parameters
+    ----------
+    space : PressureSpace
+        Space of the march, of degree 1.
+    contact : (T, size) array of bool
+        Whether each node is in contact.
+
+    Returns
+    -------
+    (T,) array
+        Distance of the last node in contact from the next one. If both are at a ring edge, it is
+        the width of the wider cell beside that edge; at the rim, it is that of the last cell. It is
+        zero without contact.
+    """
+    radius, _ = nodes(space)
+    # cells between successive nodes; those at ring edges have no width
+    cells = np.pad(np.diff(radius), 1)
+    last = contact.shape[1] - 1 - np.argmax(contact[:, ::-1], axis=1)
+    next_cell = cells[last + 1]
+    beside = np.maximum(cells[last], np.append(cells, 0.0)[last + 2])
+    return np.where(contact.any(axis=1), np.where(next_cell > 0, next_cell, beside), 0.0)
+
+
+def pressures_beside_edges(
+    space: PressureSpace, contact: Mask, pressure: Array, wear_coefficients: Array
+) -> Array:
+    """Return the pressure (T,) on the cells in which free edges lie, over that on all of the face.
+
+    Parameters
+    ----------
+    space : PressureSpace
+        Space of the march, of degree 1.
+    contact : (T, size) array of bool
+        Whether each node is in contact.
+    pressure : (T, size) array
+        Nodal pressures.
+    wear_coefficients : (N,) or (2, N) array
+        Wear coefficients k of the rings of the space.
+
+    Returns
+    -------
+    (T,) array
+        Square root of ``sum k p^2 dA`` over these cells, with the greater pressure p of the last
+        two nodes in contact, over that of all nodes.
+    """
+    radius, _ = nodes(space)
+    cells = np.diff(radius)
+    weights = space.at_vertices(wear_coefficients)
+    squares = pressure**2
+    # greatest of both ends of the cell on the axis side of each node, and on its other side
+    below, above = squares.copy(), squares.copy()
+    below[:, 1:] = np.maximum(squares[:, 1:], squares[:, :-1])
+    above[:, :-1] = np.maximum(squares[:, 1:], squares[:, :-1])
+    outer, inner = contact[:, :-1] & ~contact[:, 1:], contact[:, 1:] & ~contact[:, :-1]
+    beside = outer * (weights * below)[:, :-1] + inner * (weights * above)[:, 1:]
+    lost = beside @ (np.pi * cells * (radius[:-1] + radius[1:]))
+    total = squares @ (weights * space.weights)
+    return np.sqrt(np.divide(lost, total, out=np.zeros(len(lost)), where=total > 0))

@@ -26,8 +26,12 @@ from .step_control import StepControl
 NEGLIGIBLE_FORCE = 1e-12
 # a remaining distance below this fraction of the total distance is roundoff
 ROUNDOFF = 1e-14
-# under a varying load, errors are estimated after every so many accepted steps
+# Under a varying load, errors are estimated after every so many accepted steps.
 STEPS_BETWEEN_ESTIMATES = 12
+# Least number of steps between a time that is recorded for error estimates and the times before and
+# after it at which steps end. The coarser march ends its steps at all of them; with fewer, its
+# steps would be as short as those of the march itself, and their errors alike.
+STEPS_BESIDE_ESTIMATES = 4
 
 
 class ContactMarch:
@@ -123,6 +127,7 @@ class ContactMarch:
         for event, end_distance in zip(events, distances, strict=True):
             knot = max(int(np.searchsorted(loading.times, event)) - 1, 0)
             load_at_event, work = stages.at(float(event))
+            last_end = control.taken
             while (remaining := end_distance - current.distance) > ROUNDOFF * end_distance:
                 if max(current.press.force, load_at_event.force or 0.0) <= negligible_force:
                     break
@@ -144,8 +149,11 @@ class ContactMarch:
                     doubled = not watched or time > 2 * watched[-1].time
                     # under a varying load, late times matter as much as early ones
                     due = loading.varies and control.taken % STEPS_BETWEEN_ESTIMATES == 0
-                    if dt < remaining and (doubled or due):
+                    steps_left = (end_distance - current.distance) / control.step
+                    apart = min(control.taken - last_end, steps_left) >= STEPS_BESIDE_ESTIMATES
+                    if dt < remaining and apart and (doubled or due):
                         watched.append(current)
+                        last_end = control.taken
                 if control.taken + control.rejected > MOVING_CONTACT.most_steps:
                     raise SceneError(
                         f"the march took more than {MOVING_CONTACT.most_steps} steps to a sliding "

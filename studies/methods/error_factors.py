@@ -78,9 +78,10 @@ TABLE = {
         "tests/physics/test_random_scenes.py::test_every_number_beyond_rtol_is_reported",
     ),
     "steps of the coarser march": ErrorFactor(
-        4.0,
-        "tolerance of a time step in the coarser march, so that its steps are larger, too",
-        PUNCHES,
+        8.0,
+        "tolerance of a time step in the coarser march, so that its steps are twice as long: their "
+        "error is of third order",
+        "tests/physics/test_moving_edges.py::test_ring_forces_at_the_last_time",
     ),
     "inside of the half-space": ErrorFactor(
         1.5,
@@ -143,6 +144,13 @@ TABLE = {
         "error of RMS slopes by finite elements, whose stiffness against a change of volume "
         "multiplies roundoff",
         "tests/physics/test_flat_punch.py::test_slopes_of_thin_layers_near_incompressibility",
+    ),
+    "pressure at free edges": ErrorFactor(
+        0.3,
+        "pressure beside a free edge, on the cell in which that edge lies: least error of "
+        "pressures. A line misses 0.18 of it if the pressure vanishes as a root, and 0.29 if it "
+        "jumps in the middle of the cell",
+        "tests/physics/test_moving_edges.py::test_pressures_of_a_toroid",
     ),
     "edge of a fitted start": ErrorFactor(
         5e-8,

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
+from ..contact.edges import pressures_beside_edges, widths_at_edges
 from ..contact.march import ContactMarch
 from ..contact.marched import Marched
 from ..contact.moments import moments, unresolved_height
@@ -175,7 +176,11 @@ class MovingContact(Evaluation):
         later = (times > 0) | self._starts_on_cells
         nearby = greatest_in_ranges(np.where(later, error, 0.0), *self._nearby)
         error = np.where(later, nearby, error)
-        return np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
+        error = np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
+        if name == "rms_slope":
+            # an infinite slope has no value, and no error either
+            return np.where(np.isnan(self.results[name]), np.nan, error)
+        return error
 
     @cached_property
     def _nearby(self) -> tuple[Indices, Indices]:
@@ -236,9 +241,20 @@ class MovingContact(Evaluation):
             # the cells resolve, no penetration is above 0.23 of the bend.
             lost_bend = error_factor("lost bend") * self._lost_bends * self._inverse_depth
             floors = np.maximum(floors, np.where(later | (name != "profile"), lost_bend, 0.0))
+        if name == "pressure":
+            # linear pressures miss this part where the pressure vanishes as a root, or jumps; both
+            # meshes miss the same if they have the edge at the same place of a cell
+            missed = error_factor("pressure at free edges") * pressures_beside_edges(
+                self.compliance.space,
+                self.history.contact,
+                self.history.pressure,
+                self.problem.merged.wear_coefficients,
+            )
+            return np.maximum(floors, np.where(later, missed, 0.0))
         if name == "contact_radius":
             # the difference does not show the error if both meshes have the edge in the same cell
-            return np.maximum(floors, np.where(later, self._cells_at_edge, 0.0))
+            widths = widths_at_edges(self.compliance.space, self.history.contact)
+            return np.maximum(floors, np.where(later, widths, 0.0))
         if self._decays(name):
             return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
         is_height = DESCRIBED[name].norm == "depth"
@@ -266,14 +282,6 @@ class MovingContact(Evaluation):
     def _lost_bends(self) -> Array:
         """(T,) largest bend of the worn face or the displacement that linear functions lose."""
         return self.sampler.worn_face(self.history).unresolved_bending
-
-    @cached_property
-    def _cells_at_edge(self) -> Array:
-        """(T,) size of the cell that contains the outermost edge of the contact."""
-        breakpoints = self.compliance.space.breakpoints
-        radii = self.results["contact_radius"]
-        cell = np.clip(np.searchsorted(breakpoints, radii), 1, len(breakpoints) - 1)
-        return np.asarray(np.diff(breakpoints)[cell - 1])
 
     @property
     def settings(self) -> dict[str, int]:

@@ -19,7 +19,12 @@ from ...meshes.errors import SceneError
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, Indices, exact_graded_breakpoints
 from ...meshes.sizes import degree_reduction
-from ..contact.edges import covers_face, find_first_contact, refine_at_free_edges
+from ..contact.edges import (
+    covers_face,
+    find_first_contact,
+    refine_at_free_edges,
+    refinements_of,
+)
 from ..problem.problem import Problem
 from ..problem.profile import InitialProfile
 from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
@@ -117,13 +122,15 @@ def scaled_cells(problem: Problem, factor: float) -> ContactCells:
 
     They are small at the same ring edges and free edges, so that the difference of two solutions
     shows the effect of the size of cells. The places where contact begins are searched for anew, so
-    that the difference also shows the error of these places.
+    that the difference also shows the error of these places. The cells there have the scaled size:
+    the new search may find another one.
     """
     _, at_contact = find_first_contact(
         *_initial_press(problem), cells_of(problem).multiplied(factor)
     )
     cells = first_contact(problem)[1].multiplied(factor)
-    return replace(cells, spread=at_contact.spread, refinements=at_contact.refinements)
+    places = ((inner, outer) for inner, outer, _ in at_contact.refinements)
+    return replace(cells, refinements=refinements_of(cells.spread, places))
 
 
 def _initial_press(
