@@ -96,7 +96,7 @@ class WornPunch:
         """Return the states at increasing times, the first of which may be 0."""
         integral, time, contact = np.zeros(len(self.areas)), 0.0, np.ones(len(self.areas), bool)
         pressure, depth, contact = self._press(force, 0.0, self.moments, contact)
-        shortest = first * min(t for t in times if t > 0)
+        shortest = first * min((t for t in times if t > 0), default=1.0)
         states = []
         for end in times:
             while time < end * (1 - 1e-12):

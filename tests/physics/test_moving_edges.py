@@ -140,7 +140,7 @@ def test_pressures_of_a_toroid():
     face, height = toroid.problem.face, toroid.punch.profile.height_over(1.0)
     places = sizes(0.02, [0.49375, 0.50645], 1e-5, 0.02)
     punch = WornPunch(graded_rings([0, 1], places), np.ones_like, height)
-    (state,) = punch.march(1e-4, [0.0, 1.0])[:1]
+    (state,) = punch.march(1e-4, [0.0])
     exact = np.interp(face.radii, punch.middles, state.pressure)
     weights = face.weights * face.edge_weights
     for method, solution in result.solutions.items():
