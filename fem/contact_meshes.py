@@ -77,7 +77,7 @@ def fitted_half_space(
         interfaces=interfaces,
         rigid=ground is not None and ground.rigid,
     ).mesh
-    solid = AxisymmetricElasticity.on_ground(mesh, degree, poisson_ratio, ground)
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio, ground=ground)
     # moments of the face are integrated between rounded radii, and so must the pressures be
     space = replace(pressure_space(solid, marks), low_parts=None)
     poles = enough_poles(NEAR_TRUNCATION, NEGLIGIBLE_ENERGY)
@@ -122,7 +122,7 @@ def even_half_space(
     space = PressureSpace(breakpoints, linear, np.array(edges), low_parts)
     if halvings:
         mesh = halved(mesh, np.array(edges), halvings)
-    solid = AxisymmetricElasticity.on_ground(mesh, degree, poisson_ratio, ground)
+    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio, ground=ground)
     poles = enough_poles(outer, NEGLIGIBLE_ENERGY)
     return HalfSpace(solid, space, poles).without_dependent_poles()
 

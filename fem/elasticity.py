@@ -4,6 +4,7 @@ The degrees of freedom are numbered by scikit-fem. Before the assembly, the func
 elements are condensed for all elements of one degree at once.
 """
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,11 +26,8 @@ from ..meshes.half_space import (
 from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST_DISPLACEMENT_DEGREE
 from .elements import check_element
+from .incompressibility import HIGHEST_RATIO, more_compressible_ratio
 from .weak_form import element_of_degree, moduli, stiffness
-
-# Poisson's ratio that stands for 1/2 in layers: between stiff neighbours the indentation errs by 6
-# to 210 times 1 - 2 nu (physics/test_layers.py)
-HIGHEST_RATIO_IN_LAYERS = 0.5 - 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +117,7 @@ class AxisymmetricElasticity:
     degree: int
     nominal_poisson_ratio: float
     own_element: Element | None = None
-    highest_ratio: float = 0.49999
+    highest_ratio: float = HIGHEST_RATIO
     lowered_degrees: int = 0
     ground: Ground | None = None
 
@@ -134,26 +132,13 @@ class AxisymmetricElasticity:
         if self.own_element is not None:
             check_element(self.own_element, self.mesh, self.degree)
 
-    @classmethod
-    def on_ground(
-        cls,
-        mesh: Mesh,
-        degree: int,
-        poisson_ratio: float,
-        ground: Ground | None,
-        lowered_degrees: int = 0,
-    ) -> "AxisymmetricElasticity":
-        """Return the solid on layers if there are any, where Poisson's ratios may be nearer 1/2."""
-        solid = cls(mesh, degree, poisson_ratio, lowered_degrees=lowered_degrees, ground=ground)
-        return solid if ground is None else replace(solid, highest_ratio=HIGHEST_RATIO_IN_LAYERS)
-
     @property
     def poisson_ratio(self) -> float:
         """Poisson's ratio of the model: slightly less than 1/2 for an incompressible solid.
 
         For a given plane strain modulus, pressures and displacements on the contact do not depend
-        on Poisson's ratio, and closer to 1/2 the roundoff is larger than the gain. The fields
-        inside depend on it, in proportion to 1 - 2 nu.
+        on Poisson's ratio of a homogeneous half-space. Those on layers and the fields inside do
+        (`more_compressible`).
         """
         return min(self.nominal_poisson_ratio, self.highest_ratio)
 
@@ -163,6 +148,29 @@ class AxisymmetricElasticity:
         if self.ground is None:
             return None
         return self.ground.with_poisson_ratios_below(self.highest_ratio)
+
+    @property
+    def more_compressible(self) -> "AxisymmetricElasticity | None":
+        """The second solid of an extrapolation to the nominal Poisson's ratios.
+
+        None if the model has the nominal ratios.
+        """
+        nominal, ground, modelled_ground = (
+            self.nominal_poisson_ratio,
+            self.ground,
+            self.modelled_ground,
+        )
+        if ground is None or modelled_ground is None:
+            if self.poisson_ratio == nominal:
+                return None
+            return replace(
+                self, nominal_poisson_ratio=more_compressible_ratio(self.poisson_ratio, nominal)
+            )
+        if ground == modelled_ground:
+            return None
+        ratios = zip(modelled_ground.poisson_ratios, ground.poisson_ratios, strict=True)
+        farther = tuple(itertools.starmap(more_compressible_ratio, ratios))
+        return replace(self, ground=replace(ground, poisson_ratios=farther))
 
     @cached_property
     def layers(self) -> Indices:

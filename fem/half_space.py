@@ -11,11 +11,12 @@ coupling ``N_ij = int v_i phi_j dA`` of contact displacements and pressures and 
 states need.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import LinAlgError, cholesky, solve_triangular
 from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
 from scipy.sparse.linalg import splu
 from skfem import Mesh, MeshQuad
@@ -137,12 +138,21 @@ class HalfSpace:
 
         Loads whose fields at the boundary can no longer be distinguished are left out, too.
         """
-        if self.solid.ground is None or not self.solid.ground.rigid:
+        if self.solid.ground is None or not self.solid.ground.rigid or not self.poles:
             return self
         from .layered_far_field import independent_count  # homogeneous ones do not need it
 
         pole_count = independent_count(self._energies_beyond, float(self.solid.materials[1].min()))
         return replace(self, poles=self.poles[:pole_count])
+
+    @property
+    def more_compressible(self) -> "HalfSpace | None":
+        """The second half-space of an extrapolation to the nominal Poisson's ratios.
+
+        None if the model has the nominal ratios.
+        """
+        solid = self.solid.more_compressible
+        return None if solid is None else replace(self, solid=solid)
 
     @property
     def _energies_beyond(self) -> Array:
@@ -281,16 +291,44 @@ class HalfSpace:
     def compliance(self) -> Compliance:
         """Condense the half-space to its compliance on the pressure space.
 
-        The rows of the factor belong to contact nodes, then to poles. Without its last row it is
-        the factor of the same half-space with one pole less.
+        If Poisson's ratios of layers are too near 1/2 to be modelled, the half-space is condensed
+        for two solids, and the compliance is extrapolated (`incompressibility.py`).
 
         Raises
         ------
         SolverError
             if a pressure displaces nothing, or if the stiffness of the half-space is singular
         """
-        refuse_singular(self.stability(), self.space.size, len(self.coupling) - len(self.poles))
-        return Compliance(self.space, self.condensed(), self.solid.modelled_ground)
+        return self._compliances([len(self.poles)])[0]
+
+    def compliances_by_poles(self) -> list[Compliance]:
+        """Return the compliance without poles, with the first pole, and so on up to all poles.
+
+        Without poles, the outer boundary is clamped. The half-space is condensed only once.
+
+        Raises
+        ------
+        SolverError
+            if a pressure displaces nothing, or if the stiffness of the half-space is singular
+        """
+        return self._compliances(range(len(self.poles) + 1))
+
+    def _compliances(self, pole_counts: Sequence[int]) -> list[Compliance]:
+        """Return the compliance with each of several numbers of poles."""
+        node_count = len(self.coupling) - len(self.poles)
+        refuse_singular(self.stability(), self.space.size, node_count)
+        factors, ground = [self.condensed()], self.solid.ground
+        # the compliance of a homogeneous half-space depends on its plane strain modulus alone
+        if ground is not None and (second := self.more_compressible):
+            factors.append(second.condensed())
+        # the rows of a factor belong to contact nodes, then to poles; without the row of the last
+        # pole it is the factor of the same half-space with one pole less
+        rows = [slice(node_count + count) for count in pole_counts]
+        compliances = [[factor[used] for factor in factors] for used in rows]
+        return [
+            Compliance(self.space, extrapolated(*parts) if len(parts) > 1 else parts[0], ground)
+            for parts in compliances
+        ]
 
     def condensed(self) -> Array:
         """Return the factor (contact nodes + k, size) of the compliance, even if it is singular.
@@ -311,3 +349,31 @@ class HalfSpace:
                 stiffness[rows, rows], self.coupling[rows, columns], lower=True
             )
         return factor
+
+
+def extrapolated(near: Array, far: Array) -> Array:
+    """Return a factor of ``2 A - B`` of two compliances A and B: the linear extrapolation.
+
+    Parameters
+    ----------
+    near, far : (m, size) factors of A and B, whose distances to the wanted compliance are as 1 to 2
+
+    Notes
+    -----
+    The factors themselves cannot be extrapolated, because roundoff rotates their rows.
+
+    Raises
+    ------
+    SolverError
+        if the extrapolated compliance is not positive definite
+    """
+    matrix = 2 * (near.T @ near) - far.T @ far
+    # small elements at ring edges have far smaller entries than large ones
+    scale = 1 / np.sqrt(np.diag(matrix))
+    try:
+        return np.asarray(cholesky(matrix * scale * scale[:, None]) / scale)
+    except LinAlgError as error:
+        raise SolverError(
+            "the compliance of incompressible layers is not positive definite: give a Poisson's "
+            "ratio of 0.4999, or leave fem out of methods"
+        ) from error

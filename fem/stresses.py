@@ -94,7 +94,8 @@ def sample_fields(
     """Return the displacements and stresses of all elements under given contact pressures.
 
     Fields are not averaged between elements. The points and triangles depend on the mesh only, so
-    that the fields of two degrees can be compared point by point.
+    that the fields of two degrees can be compared point by point. Fields of a solid that is too
+    nearly incompressible to be modelled are extrapolated (`incompressibility.py`).
 
     Parameters
     ----------
@@ -110,26 +111,32 @@ def sample_fields(
     stress : (states, P, 4) rr, zz, rz, hoop; singular at the rim and at ring edges
     """
     solid = half_space.solid
-    coefficients = half_space.displacements(pressures)
     reference = type(solid.mesh).init_refdom().refined(refinements)
     small = (reference.to_meshtri() if isinstance(reference, MeshQuad) else reference).t
     starts = reference.nvertices * np.arange(solid.mesh.nelements)
     triangles = (small[:, None] + starts[:, None]).reshape(3, -1)
-    states, elements, points_per_element = (
-        len(coefficients),
-        solid.mesh.nelements,
-        reference.nvertices,
-    )
     points = solid.mesh.mapping().F(reference.p).reshape(2, -1)
-    displacement, stress = (
-        np.empty((states, elements, points_per_element, 2)),
-        np.empty((states, elements, points_per_element, 4)),
-    )
+    displacement, stress = _fields_of_model(half_space, pressures, reference.p)
+    if second := half_space.more_compressible:
+        second_displacement, second_stress = _fields_of_model(second, pressures, reference.p)
+        displacement = 2 * displacement - second_displacement
+        stress = 2 * stress - second_stress
+    return points, triangles, displacement, stress
+
+
+def _fields_of_model(half_space: HalfSpace, pressures: Array, points: Array) -> tuple[Array, Array]:
+    """Return displacements (states, P, 2) and stresses (states, P, 4) with modelled ratios.
+
+    `points` (2, q) are points in the reference element; P is q times the number of elements.
+    """
+    solid, coefficients = half_space.solid, half_space.displacements(pressures)
+    shape = len(coefficients), solid.mesh.nelements, points.shape[1]
+    displacement, stress = np.empty((*shape, 2)), np.empty((*shape, 4))
     for batch in solid.batches:
         displacement[:, batch.elements], stress[:, batch.elements] = stresses(
-            solid, coefficients, batch.elements, reference.p
+            solid, coefficients, batch.elements, points
         )
-    return points, triangles, displacement.reshape(states, -1, 2), stress.reshape(states, -1, 4)
+    return displacement.reshape(shape[0], -1, 2), stress.reshape(shape[0], -1, 4)
 
 
 def von_mises(stress: Array) -> Array:

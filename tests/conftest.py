@@ -5,6 +5,7 @@ They are the reference history of the five rings, and compliances of methods tha
 
 import json
 import os
+import signal
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -23,6 +24,8 @@ from ringwear.studies.wear.full_contact import RunningIn
 
 # pytest-xdist sets COLUMNS in its workers; argparse would then break lines as on a terminal
 os.environ.pop("COLUMNS", None)
+# tests that send this signal must not depend on whether they were started by `nohup`
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_addoption(parser):

@@ -1,6 +1,7 @@
 """The outline of the quarter disc in gmsh: its arc, its axis, and lines at interfaces of layers."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,8 +89,43 @@ def add_corners(geometry: Any, outline: Outline) -> Corners:
     return Corners(origin, surface_end, axis_ends)
 
 
+class Part(NamedTuple):
+    """A part of the first layer between two upright lines, or its ends.
+
+    Parameters
+    ----------
+    on_surface : tags of its curves along the surface, outwards
+    end : tag of the point on the surface where it ends; None for the last part, which ends at the
+        arc
+    radius : radius of that point
+    """
+
+    on_surface: Sequence[int]
+    end: int | None = None
+    radius: float = np.inf
+
+
+class Block(NamedTuple):
+    """Tags of the surface of a part of the first layer, and of the curves that bound it.
+
+    Parameters
+    ----------
+    surface : the surface
+    bottom : the curve along the bottom
+    sides : the upright lines at both ends
+    """
+
+    surface: int
+    bottom: int
+    sides: tuple[int, int]
+
+
 def add_surfaces(
-    geometry: Any, outline: Outline, corners: Corners, on_surface: Sequence[int]
+    geometry: Any,
+    outline: Outline,
+    corners: Corners,
+    on_surface: Sequence[int],
+    blocks: "Blocks | None" = None,
 ) -> None:
     """Add one surface for each layer of the quarter disc to a geometry of gmsh.
 
@@ -98,17 +134,70 @@ def add_surfaces(
     geometry : gmsh's `model.geo`
     outline : of the quarter disc
     corners : tags of its corners
-    on_surface : tags of the curves along the surface, from the origin to the arc
+    on_surface : tags of the curves along the surface, from the origin or from the end of the blocks
+        to the arc
+    blocks : parts of the first layer near the axis that already are surfaces
     """
     outer, (origin, on_arc, axis_ends) = outline.outer, corners
     # each layer is bounded by two lines, a part of the axis and a part of the arc
     curves, on_axis = list(on_surface), origin
-    for depth, below in zip(outline.bottoms, axis_ends, strict=True):
-        across, bottom = below, []
+    for number, (depth, below) in enumerate(zip(outline.bottoms, axis_ends, strict=True)):
+        beside = blocks if number == 0 else None
+        inner_end = beside.corner if beside else below
+        across, bottom = inner_end, []
         if depth < outer:
             across = geometry.addPoint(np.sqrt((outer - depth) * (outer + depth)), depth, 0)
-            bottom = [geometry.addLine(across, below)]
+            bottom = [geometry.addLine(across, inner_end)]
         curves.append(geometry.addCircleArc(on_arc, origin, across))
-        sides = [*curves, *bottom, geometry.addLine(below, on_axis)]
-        geometry.addPlaneSurface([geometry.addCurveLoop(sides)])
+        inner_side = beside.side if beside else geometry.addLine(below, on_axis)
+        _add_surface(geometry, [*curves, *bottom, inner_side])
+        bottom = [*(beside.bottoms if beside else ()), *bottom]
         curves, on_axis, on_arc = [-curve for curve in bottom], below, across
+
+
+def _add_surface(geometry: Any, curves: Sequence[int]) -> int:
+    return int(geometry.addPlaneSurface([geometry.addCurveLoop(list(curves))]))
+
+
+@dataclass
+class Blocks:
+    """Parts of the first layer from the axis on, divided by upright lines, in gmsh's `model.geo`.
+
+    Parameters
+    ----------
+    geometry : gmsh's `model.geo`
+    thickness : of the first layer
+    corner : tag of the point at its bottom where the next part begins
+    side : tag of the line at which the next part begins, which points upwards
+    bottoms : tags of the curves along the bottom, outwards; each points inwards
+    """
+
+    geometry: Any
+    thickness: float
+    corner: int
+    side: int
+    bottoms: list[int] = field(default_factory=list)
+
+    def add(
+        self, on_surface: Sequence[int], end: int, radius: float, columns: int | None = None
+    ) -> None:
+        """Add the next part.
+
+        Parameters
+        ----------
+        on_surface : tags of its curves along the surface, outwards
+        end, radius : tag and radius of the point where they end
+        columns : number of columns of two rows, if the part is a block of them
+        """
+        geometry = self.geometry
+        end_below = geometry.addPoint(radius, self.thickness, 0)
+        side = geometry.addLine(end, end_below)
+        self.bottoms.append(geometry.addLine(end_below, self.corner))
+        surface = _add_surface(geometry, [*on_surface, side, self.bottoms[-1], self.side])
+        geometry.mesh.setTransfiniteCurve(side, 3)
+        if columns is not None:
+            for curve in (*on_surface, self.bottoms[-1]):
+                geometry.mesh.setTransfiniteCurve(curve, columns + 1)
+            geometry.mesh.setTransfiniteCurve(abs(self.side), 3)
+            geometry.mesh.setTransfiniteSurface(surface)
+        self.corner, self.side = end_below, -side

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 from types import ModuleType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,12 +32,19 @@ from ..sizes import (
     patch_layers,
     patch_widths,
 )
-from .outline import Outline, add_corners, add_surfaces
-from .session import QUADRILATERAL, TRIANGLE, elements, session, set_sizes
+from .outline import Blocks, Outline, add_corners, add_surfaces
+from .session import QUADRILATERAL, TRIANGLE, Band, elements, session, set_sizes
 
 # Largest half-width of a patch, relative to the thickness of the first elastic layer. The patches
 # then lie within that layer.
 PATCH_TO_LAYER_RATIO = 0.6
+# Largest size of quadrilaterals over the thickness of their layer, if sizes under the face are
+# limited, or if gmsh fails without this limit. With 20, gmsh leaves degenerate elements in one of
+# 60 meshes, with 40 in 9 of 60
+# (unit/meshes/test_half_space_mesh.py::test_thin_layers_are_divided_into_upright_columns).
+FLATTEST = 10.0
+# Least length of a part of the first layer that is divided into columns, over their width.
+LEAST_COLUMNS = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +175,7 @@ def graded(
     lacking_degrees: int = 0,
     interfaces: tuple[float, ...] = (),
     rigid: bool = False,
+    under_face: ArrayLike = np.inf,
 ) -> GradedQuads:
     """Mesh the quarter disc.
 
@@ -187,6 +196,8 @@ def graded(
         lines of the mesh
     rigid : whether the last interface is a rigid base; the mesh ends there if it is less deep than
         `outer`
+    under_face : largest size of the elements of the first layer under each of the N rings, either
+        one number or one for each
 
     Raises
     ------
@@ -211,13 +222,20 @@ def graded(
     layers = patch_layers(
         widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
     )
+    under_face = np.broadcast_to(under_face, len(ring_edges) - 1)
     edge_amplitude = edge_amplitude or EdgeAmplitude(
         0.0, np.zeros(len(widths)), np.ones(len(widths))
     )
+    flattest = [FLATTEST] if np.isfinite(under_face).any() else [np.inf]
+    if outline.interfaces and flattest == [np.inf]:
+        flattest.append(FLATTEST)
     candidates: list[tuple[float, GradedQuads]] = []
-    for algorithm_pair in algorithms:
+    for flatness, algorithm_pair in itertools.product(flattest, algorithms):
+        if flatness != flattest[0] and candidates:
+            break
+        sizes_between = SizesBetween(growth, under_face, flatness)
         try:
-            between = _between(ring_edges[1:], widths, growth, outline, algorithm_pair)
+            between = _between(ring_edges, widths, sizes_between, outline, algorithm_pair)
             graded = GradedQuads(
                 ring_edges,
                 widths,
@@ -239,8 +257,27 @@ def graded(
     return max(candidates, key=itemgetter(0))[1]
 
 
+class SizesBetween(NamedTuple):
+    """Sizes of the quadrilaterals between the patches.
+
+    Parameters
+    ----------
+    growth : increase of the size per distance from the patches
+    under_face : (N,) largest size in the first layer under each ring
+    flattest : largest size over the thickness of a layer above the lowest interface
+    """
+
+    growth: float
+    under_face: Array
+    flattest: float
+
+
 def _between(
-    centres: Array, widths: Array, growth: float, outline: Outline, algorithm_pair: tuple[int, int]
+    ring_edges: Array,
+    widths: Array,
+    sizes: SizesBetween,
+    outline: Outline,
+    algorithm_pair: tuple[int, int],
 ) -> tuple[Array, Indices]:
     """Return the points and quadrilaterals between the patches and the arc.
 
@@ -255,7 +292,7 @@ def _between(
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.Algorithm", algorithm_pair[0])
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", algorithm_pair[1])
-        _geometry(gmsh, centres, widths, growth, outline)
+        _geometry(gmsh, ring_edges, widths, sizes, outline)
         # gmsh divides every curve into an even number of sides, except curves that have only one
         # side
         gmsh.model.mesh.generate(1)
@@ -272,13 +309,30 @@ def _between(
 
 
 def _geometry(
-    gmsh: ModuleType, centres: Array, widths: Array, growth: float, outline: Outline
+    gmsh: ModuleType,
+    ring_edges: Array,
+    widths: Array,
+    sizes: SizesBetween,
+    outline: Outline,
 ) -> None:
     geometry = gmsh.model.geo
     corners = add_corners(geometry, outline)
+    columns, blocks = columns_under_face(ring_edges, widths, sizes), None
+    if columns:
+        axis = geometry.addLine(corners.axis_ends[0], corners.origin)
+        blocks = Blocks(geometry, outline.bottoms[0], corners.axis_ends[0], axis)
     curves, previous, at_patches, end = [], corners.origin, [], 0.0
-    for centre, (inside, outside) in zip(centres, widths, strict=True):
-        start = previous
+    for number, (inside, outside) in enumerate(widths):
+        centre, start = ring_edges[number + 1], previous
+        if blocks and (block := columns.get(number)):
+            for radius, count in ((block.inner, None), (block.outer, block.columns)):
+                if radius == 0:
+                    continue
+                point = geometry.addPoint(radius, 0, 0)
+                curves.append(geometry.addLine(previous, point))
+                blocks.add(curves, point, radius, count)
+                curves, previous = [], point
+            start = previous
         if centre - inside - end > 1e-9 * inside:
             start = geometry.addPoint(centre - inside, 0, 0)
             curves.append(geometry.addLine(previous, start))
@@ -290,7 +344,67 @@ def _geometry(
             geometry.mesh.setTransfiniteCurve(curves[-1], 3)
         at_patches.append((start, bottom_point, previous))
     curves.append(geometry.addLine(previous, corners.surface_end))
-    add_surfaces(geometry, outline, corners, curves)
+    add_surfaces(geometry, outline, corners, curves, blocks)
     geometry.synchronize()
     largest = LARGEST_QUADRILATERAL * outline.outer
-    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), growth, largest)
+    bands = _bands(ring_edges, sizes, outline, largest)
+    set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), sizes.growth, largest, bands)
+
+
+class Columns(NamedTuple):
+    """Upright columns of quadrilaterals in the first layer under a ring.
+
+    Parameters
+    ----------
+    inner, outer : radii between which they are
+    columns : even number of columns
+    """
+
+    inner: float
+    outer: float
+    columns: int
+
+
+def columns_under_face(ring_edges: Array, widths: Array, sizes: SizesBetween) -> dict[int, Columns]:
+    """Return the columns of quadrilaterals in the first layer, by the number of the ring.
+
+    Between two patches gmsh would make sheared quadrilaterals in a thin layer, with which some
+    pressures are unstable near incompressibility. Columns begin where the size that grows from the
+    patches reaches the limit under the face.
+
+    Parameters
+    ----------
+    ring_edges : (N+1,) ring edges
+    widths : (N, 2) half-widths of the patch at each edge except the centre
+    sizes : sizes between the patches; there are columns only where `under_face` is finite
+    """
+    columns = {}
+    for ring, limit in enumerate(sizes.under_face):
+        if not np.isfinite(limit):
+            continue
+        distances = np.maximum(limit - adjacent_sizes(widths), 0.0) / sizes.growth
+        inner = ring_edges[ring] + widths[ring - 1, 1] + distances[ring - 1] if ring else 0.0
+        outer = ring_edges[ring + 1] - widths[ring, 0] - distances[ring]
+        if outer - inner > LEAST_COLUMNS * limit:
+            # gmsh divides all other curves into an even number of sides
+            count = 2 * int(np.ceil((outer - inner) / (2 * limit)))
+            columns[ring] = Columns(float(inner), float(outer), count)
+    return columns
+
+
+def _bands(ring_edges: Array, sizes: SizesBetween, outline: Outline, largest: float) -> list[Band]:
+    """Return the limits on sizes in layers; `largest` is the largest size anywhere."""
+    bands = [
+        Band(0.0, outline.bottoms[0], float(size), float(inner), float(outer))
+        for size, inner, outer in zip(
+            sizes.under_face, ring_edges[:-1], ring_edges[1:], strict=True
+        )
+        if size < largest
+    ]
+    for top, bottom in itertools.pairwise((0.0, *outline.interfaces)):
+        flattest = sizes.flattest * (bottom - top)
+        if top == 0.0:
+            flattest = max([flattest, *(band.largest for band in bands)])
+        if flattest < largest:
+            bands.append(Band(top, bottom, flattest))
+    return bands

@@ -72,17 +72,21 @@ def _restore_signal_handlers() -> None:
 
 
 class Band(NamedTuple):
-    """Limit the size of elements in a range of depth.
+    """Limit the size of elements in a range of depth and radius.
 
     Parameters
     ----------
-    top, bottom : the range
+    top, bottom : the range of depth
     largest : greatest size of elements there
+    inner, outer : range of radius in which the limit holds. If it ends before `FAR_AWAY`, sizes
+        grow with the distance from the range as they do from points
     """
 
     top: float
     bottom: float
     largest: float
+    inner: float = 0.0
+    outer: float = FAR_AWAY
 
 
 def set_sizes(
@@ -102,7 +106,7 @@ def set_sizes(
     sizes : (N,) sizes at these points
     growth : increase of the size per distance from the points
     largest : largest size
-    bands : ranges of depth in which the largest size is smaller
+    bands : ranges of depth and radius in which the largest size is smaller
     """
     fields = gmsh.model.mesh.field
     ramps = []
@@ -122,8 +126,10 @@ def set_sizes(
         ramps.append(threshold)
     for band in bands:
         box = fields.add("Box")
-        bounds = {"YMin": band.top, "YMax": band.bottom, "XMin": 0, "XMax": FAR_AWAY}
+        bounds = {"YMin": band.top, "YMax": band.bottom, "XMin": band.inner, "XMax": band.outer}
         bounds |= {"VIn": band.largest, "VOut": largest}
+        if band.outer < FAR_AWAY:
+            bounds["Thickness"] = max(largest - band.largest, 0.0) / growth
         for name, value in bounds.items():
             fields.setNumber(box, name, value)
         ramps.append(box)

@@ -32,7 +32,7 @@ from .pairs import Displacement, full_pressure_space
 TIMES = np.geomspace(0.1, 20.0, 4)
 """Times in a/(E* k_max v0) at which the errors of wear are measured."""
 HIGHEST_POISSON_RATIO = 0.4999999
-"""Greatest Poisson's ratio that the solid takes here; runs take 0.49999 at most."""
+"""Greatest Poisson's ratio that the solid takes here; in runs it is smaller."""
 FAR_FIELD_ERROR = 1e-9
 """Relative error of the energy that poles may leave of the truncation; it sets their number."""
 EXTRA_GAUSS_POINTS = 6

@@ -19,6 +19,12 @@ from .scale import FAR_APART, Scale, panel_tops
 from .style import BLUE, PAGE, RED, complete, new_panels, save, set_linear
 from .ticks import one_digit
 
+# Least depth of a rigid base over the depth of a view. A view of thinner layers ends a little below
+# their base, and its depths are stretched.
+LEAST_DEPTH_OF_BASE = 0.1
+# Depth of the bottom of such a view over the depth of the base.
+SHOWN_BELOW_BASE = 1.15
+
 
 def draw_stress(result: Outcome) -> Figure:
     """Draw the von Mises stress under the rings in up to four states with contact.
@@ -38,11 +44,12 @@ def draw_stress(result: Outcome) -> Figure:
             ).astype(int)
         ]
         depths = panel_tops(fields.reach[states] * radius)
+        bottoms = _bottoms_of_views(problem.ground, radius, depths)
         stress = fields.von_mises[states] * problem.units.pressure
         highest = np.array(
             [
-                values[(r < 1.3 * depth) & (z > 0.04 * depth) & (z < depth)].max()
-                for values, depth in zip(stress, depths, strict=True)
+                values[(r < 1.3 * depth) & (z > 0.04 * bottom) & (z < bottom)].max()
+                for values, depth, bottom in zip(stress, depths, bottoms, strict=True)
             ]
         )
         own_colours = highest.max() > FAR_APART * highest.min()
@@ -60,8 +67,8 @@ def draw_stress(result: Outcome) -> Figure:
     ) / count
     figure, panels = new_panels(width, 0.83 * panel + 1.45, columns=count)
     images = []
-    for axes, state, values, top, depth in zip(
-        panels[0], states, stress, highest, depths, strict=True
+    for axes, state, values, top, depth, bottom in zip(
+        panels[0], states, stress, highest, depths, bottoms, strict=True
     ):
         unit, name = scale.unit(float(top if own_colours else highest.max()), "pressure")
         levels = _levels(top / unit, top / unit)
@@ -73,9 +80,10 @@ def draw_stress(result: Outcome) -> Figure:
         )
         symbol = "σ" if own_colours else "von Mises stress σ"
         images.append((image, f"{symbol} ({name})" if name else symbol))
-        _draw_punch(axes, depth, fields.parts[state] * radius, problem.ring_edges * radius)
+        _draw_punch(axes, bottom, fields.parts[state] * radius, problem.ring_edges * radius)
         _draw_layers(axes, problem.ground, radius, 1.3 * depth)
-        axes.set(xlim=(0, 1.3 * depth), ylim=(depth, -0.08 * depth), aspect="equal")
+        axes.set(xlim=(0, 1.3 * depth), ylim=(bottom, -0.08 * bottom))
+        axes.set(aspect="equal" if bottom == depth else "auto")
         axes.set(xlabel=scale.label("radius"), ylabel=scale.label("depth"))
         set_linear(axes, "x", most=4)
         set_linear(axes, "y")
@@ -90,7 +98,8 @@ def draw_stress(result: Outcome) -> Figure:
         else:
             axes.label_outer()
     titles = result.scene.title, "von Mises stress under the rings"
-    complete(figure, titles, note=_note(fields, count), across=distance_of_panels, right=0.7)
+    note = _note(fields, count, stretched=bool((bottoms != depths).any()))
+    complete(figure, titles, note=note, across=distance_of_panels, right=0.7)
     # one colour bar for each panel, or a single one next to the last panel
     for axes, (image, label) in zip(panels[0], images, strict=True):
         if own_colours or axes is panels[0, -1]:
@@ -98,10 +107,25 @@ def draw_stress(result: Outcome) -> Figure:
     return figure
 
 
-def _note(fields: Interior, count: int) -> str:
+def _bottoms_of_views(ground: Ground | None, unit: float, depths: Array) -> Array:
+    """Return the depths (n,) at which views end that are otherwise as deep as `depths` (n,).
+
+    They end below a rigid base, so that thin layers fill them; `unit` scales depths of the ground.
+    """
+    if ground is None or not ground.rigid:
+        return depths
+    base = float(ground.depths[-1]) * unit
+    return np.where(base < LEAST_DEPTH_OF_BASE * depths, SHOWN_BELOW_BASE * base, depths)
+
+
+def _note(fields: Interior, count: int, stretched: bool) -> str:
     """Return the note below the figure: errors, colours, and states that are not drawn.
 
-    `count` is the number of states that are drawn.
+    Parameters
+    ----------
+    fields : fields inside
+    count : number of states that are drawn
+    stretched : whether depths have another scale than radii
     """
     in_contact = sum(len(parts) > 0 for parts in fields.parts)
     note = (
@@ -112,6 +136,8 @@ def _note(fields: Interior, count: int) -> str:
         note += f"; states without contact, not drawn: {without_contact}"
     if in_contact > count:
         note += f"; more states in half_space.vtu: {in_contact - count}"
+    if stretched:
+        note += "; depths are stretched, to show thin layers"
     if len(fields.creases):
         place = "the tip of the unworn face"
         if fields.creases.any():
@@ -191,10 +217,12 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
             PolyCollection(elements, facecolors="none", edgecolors="black", linewidths=0.3)
         )
         depth, edges = (high - low) * length, (ring_edges - centre) * length
-        _draw_punch(axes, depth, edges[None, [0, -1]], edges)
+        bottom = float(_bottoms_of_views(scene.problem.ground, length, np.array([depth]))[0])
+        _draw_punch(axes, bottom, edges[None, [0, -1]], edges)
         _draw_layers(axes, scene.problem.ground, length, high * length)
-        axes.set(xlim=(low * length, high * length), ylim=(depth, -0.06 * depth))
-        axes.set(aspect="equal", xlabel=across, ylabel=down, title=name)
+        axes.set(xlim=(low * length, high * length), ylim=(bottom, -0.06 * bottom))
+        axes.set(aspect="equal" if bottom == depth else "auto")
+        axes.set(xlabel=across, ylabel=down, title=name)
         set_linear(axes, "x", most=4)
         set_linear(axes, "y")
     title = (

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ...mdr.flat_punch import D0, P0
+from ...mdr.flat_punch import P0, flat_punch
 from ...meshes.radial import Array, Indices
 from ..methods.base import Solution
 from ..methods.error_factors import error_factor
@@ -111,13 +111,8 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     half_space, problem, times = fem.half_space, scene.problem, scene.output.field_times
     assert half_space is not None
     # `refinements`: how often each element is refined to show its polynomials; `highest`: highest
-    # degree that is worth its cost; `ratio`: Poisson's ratio that replaces 1/2. Inside, the
-    # difference of that ratio to 1/2 is visible, but triangles lock more as it approaches 1/2.
-    refinements, highest, ratio = 3, 14, 0.499999
-    if len(half_space.solid.mesh.t) == 3:
-        refinements, highest, ratio = 2, 4, 0.49999
-    elif problem.ground is not None:
-        ratio = half_space.solid.highest_ratio
+    # degree that is worth its cost
+    refinements, highest = (2, 4) if len(half_space.solid.mesh.t) == 3 else (3, 14)
     full_contact, steady = problem.full_contact, problem.steady and problem.indentation is None
     if times is None:
         # a flat start is in closed form, and the last time is near the steady state
@@ -146,12 +141,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         while True:
             spaces = []
             for lowered, pole_orders in enumerate(orders):
-                solid = replace(
-                    half_space.solid,
-                    degree=degree - lowered,
-                    highest_ratio=ratio,
-                    lowered_degrees=0,
-                )
+                solid = replace(half_space.solid, degree=degree - lowered, lowered_degrees=0)
                 ring_edges = problem.merged.ring_edges
                 hollow = problem.merged.hollow
                 space = (
@@ -221,7 +211,7 @@ def compare_half_spaces(
     """Return the inside of a half-space under given pressures, and its error estimates.
 
     The estimates are the largest difference to a coarser half-space on the same mesh, under its own
-    pressures, times a factor, plus the error from the Poisson's ratio that replaces 1/2.
+    pressures, times a factor, and at least the error of an extrapolation to Poisson's ratio 1/2.
 
     Parameters
     ----------
@@ -238,10 +228,7 @@ def compare_half_spaces(
         for half_space, state_pressures in zip(spaces, pressures, strict=True)
     )
     (r, z), solid, space = fine[0], spaces[0].solid, spaces[0].space
-    # fields depend linearly on 1 - 2 nu, with a coefficient of about the unit at most
-    modelling_error = error_factor("nearly incompressible") * max(
-        0.0, problem.poisson_ratio - solid.highest_ratio
-    )
+    floor = error_factor("incompressible inside") if solid.more_compressible else 0.0
     factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
     parts = list[Array]()
@@ -261,15 +248,17 @@ def compare_half_spaces(
             fine[field][state, far] - coarse[field][state, far] for field in (2, 3)
         )
         mean = 2 * P0 * force / reach**2
+        ground = problem.ground.in_units_of(reach) if problem.ground else None
+        indentation = flat_punch(0.0, ground).indentation * force / reach
         # the von Mises stress is a norm: that of the difference is at least the difference of the
         # two
         differences = (
-            displacement_difference * reach / (D0 * force),
+            displacement_difference / indentation,
             stress_difference / mean,
             von_mises(stress_difference) / mean,
         )
         for estimate, difference in zip(errors.values(), differences, strict=True):
-            estimate[state] = factor * np.abs(difference).max() + modelling_error
+            estimate[state] = max(factor * np.abs(difference).max(), floor)
     layers = np.repeat(solid.layers, len(r) // solid.mesh.nelements)
     return Interior(*fine, labels, solid.degree, reaches, tuple(parts), errors, layers, creases)
 

@@ -137,6 +137,9 @@ class Discretised:
     slope_roundoff : float
         For flat punches: relative roundoff of RMS slopes where wear has smoothed the pressure over
         the whole face; thinner layers have more (`sizes.ring_edges.amplified_roundoff`).
+    least_error : float
+        For flat punches: least relative error of every quantity, because the compliance is
+        extrapolated to Poisson's ratio 1/2; 0 if it is not.
     limited_by_degree : frozenset of str
         Quantities that a smaller `rtol` does not make more accurate, because the elements already
         have their highest degree.
@@ -154,6 +157,7 @@ class Discretised:
     safety: float = error_factor("flat punch")
     smallest: float = 0.0
     slope_roundoff: float = 0.0
+    least_error: float = 0.0
     limited_by_degree: frozenset[str] = frozenset()
     same_elements: bool = False
 

@@ -174,6 +174,7 @@ class FullContact(Evaluation):
     safety : factor on the difference to a coarser evaluation
     smallest : smallest element size at a ring edge that the method can use, in punch radii
     slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the whole face
+    least_error : least relative error of every quantity, beyond the roundoff of sums
     """
 
     point_values = frozenset({"displacement_centre", "displacement_max"})
@@ -185,9 +186,10 @@ class FullContact(Evaluation):
         safety: float = error_factor("flat punch"),
         smallest: float = 0.0,
         slope_roundoff: float = 0.0,
+        least_error: float = 0.0,
     ) -> None:
         super().__init__(problem, compliance)
-        self._slope_roundoff = slope_roundoff
+        self._slope_roundoff, self._least_error = slope_roundoff, least_error
         wear_factor = prod(map(error_factor, problem.wear_regime.error_factors))
         self.safety, self.smallest, self._wear_factor = wear_factor * safety, smallest, wear_factor
         wear_coefficients = problem.merged.wear_coefficients
@@ -335,7 +337,8 @@ class FullContact(Evaluation):
         """
         part_of_rtol = error_factor("floor of energies" if name in ENERGIES else "floor")
         elements = len(self.compliance.space.degrees)
-        return max(self._wear_factor * self.problem.rtol * part_of_rtol, 1e-14 * elements)
+        by_chance = max(self._wear_factor * self.problem.rtol * part_of_rtol, 1e-14 * elements)
+        return max(by_chance, self._least_error)
 
     @property
     def _rim_size(self) -> float:

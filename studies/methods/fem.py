@@ -55,8 +55,12 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below the contact is smoother: lowering its degree by a fifth has no effect on the
     # contact
-    solid = AxisymmetricElasticity.on_ground(
-        chosen.mesh, degree, problem.poisson_ratio, problem.ground, lowered_degrees=degree // 5
+    solid = AxisymmetricElasticity(
+        chosen.mesh,
+        degree,
+        problem.poisson_ratio,
+        lowered_degrees=degree // 5,
+        ground=problem.ground,
     )
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
     space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
@@ -187,11 +191,9 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         half_space = half_space_on(problem, chosen)
         half_space.assemble()
     with stages("condensing"):
-        fine = half_space.compliance()
-        if fixed:
-            # the last rows of the factor belong to the poles: without them the outer boundary is
-            # clamped
-            fine = replace(fine, factor=fine.factor[: len(fine.factor) - len(half_space.poles)])
+        # the first of the compliances by poles is that of the clamped outer boundary
+        fine = half_space.compliances_by_poles()[0] if fixed else half_space.compliance()
+    extrapolated = problem.ground is not None and half_space.more_compressible is not None
     settings = {
         "mesher": chosen.mesher,
         "elements": chosen.mesh.nelements,
@@ -211,6 +213,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         safety=error_factor(_factor_name(chosen)),
         smallest=_smallest_size(problem, chosen),
         slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
+        least_error=error_factor("incompressible layers") if extrapolated else 0.0,
         limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
         same_elements=chosen.same_elements,
     )
@@ -307,6 +310,7 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
       triangles of degree 2 may miss the same relaxation modes
     """
     from ...fem.half_space import HalfSpace, pressure_space
+    from ...meshes.half_space import truncation
 
     if chosen.halved:
         # a mesh that is halved once less is coarse enough
@@ -315,10 +319,12 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
         solid = replace(fine.solid, degree=fine.solid.degree - 1, mesh=chosen.coarser())
     else:
         solid = replace(fine.solid, degree=3)
-    fixed = problem.fem.far_field == "fixed"
-    poles = fine.poles if fixed else defaults.coarser_pole_orders(fine.poles)
-    if problem.ground is not None and problem.ground.rigid and len(fine.poles) < 2:
-        # above a rigid base, the field beyond the mesh hardly matters
+    poles = defaults.coarser_pole_orders(fine.poles)
+    wanted_poles = defaults.pole_orders(problem, truncation(fine.solid.mesh))
+    if problem.fem.far_field == "fixed" or len(fine.poles) < min(2, len(wanted_poles)):
+        poles = fine.poles
+    elif problem.ground is not None and problem.ground.rigid and len(fine.poles) < 2:
+        # the scene gives one pole, and above a rigid base a second one may depend on it
         poles = ()
     return HalfSpace(
         solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles

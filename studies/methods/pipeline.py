@@ -226,9 +226,9 @@ def _solve_one(
 ) -> Solution:
     # the same elements of a lower degree do not lack a layer, of which each makes a difference
     smallest = 0.0 if discretisation.same_elements else discretisation.smallest
-    roundoff = discretisation.slope_roundoff
+    floors = discretisation.slope_roundoff, discretisation.least_error
     fine, coarse = (
-        FullContact(problem, compliance, discretisation.safety, smallest, roundoff)
+        FullContact(problem, compliance, discretisation.safety, smallest, *floors)
         for compliance in compliances
     )
     may_need_tension = problem.ground is not None or problem.keeps_contact

@@ -9,8 +9,6 @@ so that the orders are those of poles (`truncation.py`): 1 for a clamped boundar
 for two. On a rigid base the errors decay exponentially with R over the depth of the base.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...fem.elasticity import AxisymmetricElasticity
@@ -59,15 +57,13 @@ def move_outwards_on_layers(radii: tuple[float, ...], ground: Ground) -> Family:
             interfaces=interfaces,
             rigid=ground.rigid,
         ).mesh
-        solid = AxisymmetricElasticity.on_ground(mesh, DEGREE, ground.poisson_ratios[0], ground)
+        solid = AxisymmetricElasticity(mesh, DEGREE, ground.poisson_ratios[0], ground=ground)
         loads = tuple(range(0, 2 * LOADS, 2))
         half_space = HalfSpace(solid, pressure_space(solid, FLAT), loads).without_dependent_poles()
-        compliance = half_space.compliance()
-        clamped = len(compliance.factor) - len(half_space.poles)
-        errors = {}
-        for count in range(len(half_space.poles) + 1):
-            fewer = replace(compliance, factor=compliance.factor[: clamped + count])
-            errors[far_field(count)] = press_flat(fewer).indentation / exact - 1
+        errors = {
+            far_field(count): press_flat(compliance).indentation / exact - 1
+            for count, compliance in enumerate(half_space.compliances_by_poles())
+        }
         return {"unknowns": half_space.unknowns} | errors
 
     orders = (np.nan,) if ground.rigid else ORDERS

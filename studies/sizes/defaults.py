@@ -20,7 +20,12 @@ from ...meshes.radial import Array
 from ...meshes.sizes import EdgeAmplitude, SizeField
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES, LAYERED
-from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
+from .degrees import (
+    degree_of_modes,
+    pressure_degree,
+    shortest_slow_waves,
+    with_affordable_field_tolerance,
+)
 from .layers import depths_of_interfaces
 from .ring_edges import (
     QUAD_GRADING,
@@ -58,8 +63,11 @@ EXTRA_DISPLACEMENT_DEGREES = 1.45
 DEGREES_PER_DIGIT_OF_COMPRESSIBILITY = 0.4
 # Part of these added degrees that EXTRA_DISPLACEMENT_DEGREES already covers.
 SPARE_DISPLACEMENT_DEGREES = 0.2
-# Poisson's ratio above which no more degrees are added; 1/2 itself is modelled as 0.49999.
+# Poisson's ratio above which no more degrees are added.
 MAX_POISSON_RATIO = 0.4999
+# Phase of the shortest of the slowest modes across a quadrilateral of a thin layer, over the degree
+# of the displacement (physics/test_thin_layers.py::test_slowest_modes_of_thin_layers).
+PHASE_PER_DEGREE = 0.5
 # Tolerance at which the constants for triangle sizes and cell counts below are stated.
 REFERENCE_RTOL = 1e-4
 # Size of triangles at the rim, in a, over rtol. The initial indentation d0 has a relative error of
@@ -119,6 +127,7 @@ class QuadSizes(TypedDict):
     lacking_degrees: int
     interfaces: tuple[float, ...]
     rigid: bool
+    under_face: Array
 
 
 def mdr_sizes(problem: Problem) -> dict[str, Any]:
@@ -189,7 +198,27 @@ def quad_sizes(problem: Problem) -> QuadSizes:
         "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
         "interfaces": interfaces,
         "rigid": problem.ground is not None and problem.ground.rigid,
+        "under_face": largest_under_face(problem),
     }
+
+
+def largest_under_face(problem: Problem) -> Array:
+    """Return the largest size (N,) of quadrilaterals in the first layer under each ring.
+
+    Notes
+    -----
+    On thin layers the slowest modes are not the longest ones: a nearly incompressible layer of
+    thickness h on a stiff base is most compliant at wavelengths of 3 h. With the greatest wave
+    number s of the slowest modes of a ring (`degrees.shortest_slow_waves`), elements of degree p
+    are at most ``PHASE_PER_DEGREE p / s`` wide. The size is infinite under rings whose slowest
+    modes are their longest ones. Shown by
+    physics/test_thin_layers.py::test_slowest_modes_of_thin_layers.
+    """
+    waves = np.zeros(len(problem.merged.widths))
+    if problem.ground is not None:
+        waves = shortest_slow_waves(problem)
+    with np.errstate(divide="ignore"):
+        return np.asarray(PHASE_PER_DEGREE * quad_degree(problem) / waves)
 
 
 def quad_degree(problem: Problem) -> int:

@@ -33,6 +33,10 @@ DEGREE_OF_THREE_MODES = 2.8
 DEGREES_PER_DIGIT = 1.15
 # Degrees to add per further mode on one ring, from the same measurement.
 DEGREES_PER_MODE = 1.5
+# Largest wave number among which the slowest modes are searched, times the thickness of the first
+# layer. The relaxation time of waves on a layer that is bonded to a rigid base is greatest at 0 to
+# 2.2.
+GREATEST_WAVE_NUMBER = 4.0
 # Largest number of pressures. Dense matrices of more take more than half a minute.
 MOST_PRESSURES = 3500
 # Largest tolerance of fields if only energies are wanted. The error of energies is the square of
@@ -90,9 +94,10 @@ def degree_of_modes(problem: Problem) -> float:
 
         p = DEGREE_OF_THREE_MODES - DEGREES_PER_DIGIT log10(rtol) + DEGREES_PER_MODE (m - 3).
 
-    To find m, the relaxation times of a ring are approximated by its width b over its wear
-    coefficient, times 1, 1/2, 1/3, ...; on layers they are also multiplied by the relative
-    compliance to waves of that length. On thin layers the slowest modes may all be on one ring.
+    Here m is the greatest number of a mode among the slowest ones (`relaxation_times_by_ring`). On
+    thin layers the slowest modes may all be on one ring, and they may be shorter than
+    `COMPARED_MODES` half-waves on it: then m is `COMPARED_MODES`, and `defaults.largest_under_face`
+    makes elements narrower.
 
     Measured errors of three relaxation times: 1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all
     three modes are on one ring; 7e-5, 1e-7, 1e-10 in degrees 4, 6, 8 if two of them are; 2e-8 in
@@ -100,21 +105,62 @@ def degree_of_modes(problem: Problem) -> float:
     more. With eight modes on one ring, the errors of all eight are below 0.02 rtol for rtol from
     1e-2 to 1e-6.
     """
-    slowest = problem.merged.widths / problem.merged.ends.mean(axis=0)
     count = COMPARED_MODES if problem.wants("relaxation_time") else MODES_FOR_HISTORY
-    mode_numbers = np.arange(1, count + 1)
-    times = slowest[:, None] / mode_numbers
-    if problem.ground is not None:
-        # mode n of a ring of width b has the wave number n pi / b
-        waves = np.pi * mode_numbers / problem.merged.widths[:, None]
-        compliance = relative_compliance(problem.ground, waves.ravel())
-        times = times * compliance.reshape(times.shape)
-    modes_on_one_ring = (times >= np.sort(times, axis=None)[-count]).sum(axis=1).max()
+    times = relaxation_times_by_ring(problem, count)
+    threshold = np.sort(np.concatenate(times))[-count]
+    slowest_numbers = [np.flatnonzero(of_ring >= threshold) + 1 for of_ring in times]
+    greatest_number = max(numbers.max(initial=0) for numbers in slowest_numbers)
+    modes_on_one_ring = min(greatest_number, COMPARED_MODES)
     return float(
         DEGREE_OF_THREE_MODES
         - DEGREES_PER_DIGIT * np.log10(problem.rtol)
         + DEGREES_PER_MODE * (modes_on_one_ring - MODES_FOR_HISTORY)
     )
+
+
+def relaxation_times_by_ring(problem: Problem, least_count: int) -> list[Array]:
+    """Return approximate relaxation times (n,) of the modes of each ring, by their number.
+
+    Parameters
+    ----------
+    problem : the problem
+    least_count : least number n of modes of a ring
+
+    Notes
+    -----
+    Mode n of a ring of width b has the wave number ``s = n pi / b``. On a homogeneous half-space
+    its relaxation time is proportional to ``1 / (k s)`` with the wear coefficient k of the ring. On
+    layers it is also multiplied by the relative compliance to waves of that length, so that the
+    slowest modes may be much shorter than the ring: their wave numbers are searched up to
+    ``GREATEST_WAVE_NUMBER / h`` with the thickness h of the first layer.
+    """
+    rings, ground = problem.merged, problem.ground
+    times = []
+    for width, wear in zip(rings.widths, rings.ends.mean(axis=0), strict=True):
+        count = least_count
+        if ground is not None:
+            greatest = GREATEST_WAVE_NUMBER / ground.first_thickness
+            count = max(count, int(greatest * width / np.pi))
+        numbers = np.arange(1, count + 1)
+        of_ring = width / wear / numbers
+        if ground is not None:
+            of_ring = of_ring * relative_compliance(ground, np.pi * numbers / width)
+        times.append(of_ring)
+    return times
+
+
+def shortest_slow_waves(problem: Problem) -> Array:
+    """Return for each ring (N,) the greatest wave number of its slowest modes, if they are short.
+
+    It is 0 on a ring whose slowest modes are its longest ones, for which a sufficient degree
+    (`degree_of_modes`) resolves them.
+    """
+    waves = np.zeros(len(problem.merged.widths))
+    for ring, times in enumerate(relaxation_times_by_ring(problem, COMPARED_MODES)):
+        greatest = np.argsort(-times, kind="stable")[:COMPARED_MODES].max() + 1
+        if greatest > COMPARED_MODES:
+            waves[ring] = np.pi * greatest / problem.merged.widths[ring]
+    return waves
 
 
 def pressure_count(problem: Problem, ratio: float) -> float:

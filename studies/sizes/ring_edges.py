@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...fem.incompressibility import HIGHEST_RATIO
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 
@@ -39,10 +40,8 @@ HOLE_SIZE_PER_RING_WIDTH = 3
 # ring edges.
 FEM_ROUNDOFF = 2e-22
 # The same for a nearly incompressible solid, times (1 - 2 nu)^2: the error grows as the inverse of
-# that. Measured: 3e-20 at nu = 0.49999, which replaces 1/2, and 9e-23 at 0.4999.
+# that. Measured: 3e-20 at nu = 0.49999 and 9e-23 at 0.4999.
 INCOMPRESSIBLE_ROUNDOFF = 2e-29
-# Highest Poisson's ratio that is modelled.
-HIGHEST_MODELLED_POISSON_RATIO = 0.49999
 # The same as FEM_ROUNDOFF for dimensionality reduction and boundary elements, in a, measured in the
 # same way.
 RADIAL_ROUNDOFF = 5e-27
@@ -168,12 +167,8 @@ def smallest_size(problem: Problem, roundoff: float) -> float:
 
 
 def compressibility(problem: Problem) -> float:
-    """Return 1 - 2 nu of the solid of finite elements, by which their roundoff is divided.
-
-    Layers may be less compressible than the least value here, but their roundoff has not been
-    measured.
-    """
-    return 1 - 2 * min(problem.poisson_ratio, HIGHEST_MODELLED_POISSON_RATIO)
+    """Return the least 1 - 2 nu of the solid of finite elements, by which roundoff is divided."""
+    return 1 - 2 * min(problem.poisson_ratio, HIGHEST_RATIO)
 
 
 def fem_smallest(problem: Problem) -> float:

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene
+from ringwear.meshes.ground.ground import Ground
 from ringwear.studies.convergence.flat_start import (
     FACTOR_PER_DEGREE,
     GRADINGS,
@@ -120,3 +121,6 @@ def test_truncation_on_layers():
     # a clamped boundary causes no error on a rigid base
     pad = Scene.load("polishing_pad").problem.ground
     assert abs(move_outwards_on_layers((4.0,), pad).solve(4.0)["fixed"]) < 1e-9
+    # incompressible layers are extrapolated for each far field
+    rubber = Ground.from_youngs_moduli([0.2], [1.0, np.inf], [0.5, 0.0])
+    assert abs(move_outwards_on_layers((4.0,), rubber).solve(4.0)["fixed"]) < 5e-8

@@ -192,6 +192,31 @@ def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(groove
     np.testing.assert_allclose(bars, [[0, 10 / 3], [20 / 3, 10]], rtol=1e-3)
 
 
+@pytest.mark.gmsh
+@pytest.mark.parametrize("thickness", [0.3, 0.05, 0.01])
+def test_panels_of_stresses_show_layers_of_any_thickness(thickness):
+    layer = {"thickness": thickness, "youngs_modulus": 1.0, "poisson_ratio": 0.3}
+    scene = {
+        "methods": ["fem"],
+        "punch": {"radius": 1.0, "wear_coefficient": 1.0},
+        "half_space": {"rigid": True, "layers": [layer]},
+        "load": {"normal_force": 1.0},
+        "wear": {"times": []},
+        "accuracy": {"rtol": 1e-2},
+    }
+    result = run(scene)
+    for picture in PICTURES:
+        if picture.file in ("stress.png", "mesh.png"):
+            assert picture.drawn_for(result)
+            assert faults(picture.figure(result)) == []
+    figure = draw_stress(result)
+    bottom, _ = figure.axes[0].get_ylim()
+    # the layer fills at least a tenth of the panel
+    assert thickness < bottom < 10 * thickness
+    note = figure.legends[0].get_title().get_text()
+    assert ("depths are stretched" in note) == (thickness < 0.1)
+
+
 def test_other_programs_have_different_colours(worn):
     table = worn.dataset.sel(solver="mdr")[["pressure", "profile", "indentation"]]
     table = table.isel(radius=slice(None, None, 40), time=[1, 2]).drop_vars("solver")

@@ -169,6 +169,44 @@ def test_degrees_fall_inwards():
     assert (np.diff(furthest) < 0).all()
 
 
+@pytest.mark.gmsh
+@pytest.mark.parametrize("inner_radius", [0.0, 0.4])
+@pytest.mark.parametrize("width", [2.0, 4.0, 8.0])
+def test_thin_layers_are_divided_into_upright_columns(inner_radius, width):
+    """Limits on sizes under the face hold, and no element is degenerate, on any thin layer."""
+    edges = np.array([0.0, 1.0]) if inner_radius == 0 else np.array([0.0, inner_radius, 1.0])
+    for thickness in (0.01, 0.0137, 0.02, 0.033, 0.05):
+        for below in ((), (2.5 * thickness,)):
+            under_face = np.where(edges[:-1] < inner_radius, np.inf, width * thickness)
+            mesh = quads.graded(
+                edges,
+                1e-6,
+                rim_size=1e-6,
+                factor=0.25,
+                growth=0.5,
+                outer=2.5,
+                interfaces=(thickness, *below),
+                rigid=True,
+                under_face=under_face,
+            ).mesh
+            assert quality(mesh).min() >= 0.05
+            radii = contact_radii(mesh)
+            face = radii >= inner_radius
+            assert np.diff(radii[face]).max() <= 1.1 * width * thickness
+            # sizes grow by half of the distance from the patches; beyond, sides are upright
+            middle, largest = (1 + inner_radius) / 2, width * thickness
+            room = (1 - inner_radius) / 2 - largest / 0.5
+            if room < largest:
+                continue
+            sides = mesh.p[:, mesh.facets]
+            columns = (sides[1].max(axis=0) <= thickness) & (
+                np.abs(sides[0] - middle).max(axis=0) < room
+            )
+            assert columns.any()
+            r, z = np.abs(np.diff(sides[:, :, columns], axis=1))[:, 0]
+            assert (np.minimum(r, z) <= 1e-9).all()
+
+
 def test_quality():
     """Quality is the least sine of a corner: 1 in squares, negative at reentrant corners."""
     height = np.sqrt(0.75)

@@ -1,0 +1,178 @@
+"""Thin bonded layers, also of nu = 1/2, against solutions that share no formula with ringwear."""
+
+import numpy as np
+import pytest
+from independent_layer import (
+    fields_under_uniform_pressure,
+    kernel,
+    relaxation_times,
+    start,
+)
+
+from ringwear import run
+from ringwear.meshes.errors import SceneError
+from ringwear.studies.methods.error_factors import error_factor
+from ringwear.studies.sampling.norms import differences
+
+ONE_RING = {"radius": 1.0, "wear_coefficient": 1.0}
+
+
+def on_a_rigid_base(thickness, ratio, **more):
+    """Return a scene on one layer whose plane strain modulus is 1, as a table."""
+    layer = {"thickness": thickness, "youngs_modulus": 1 - ratio**2, "poisson_ratio": ratio}
+    table = {
+        "methods": ["mdr", "fem"],
+        "punch": ONE_RING,
+        "half_space": {"rigid": True, "layers": [layer]},
+        "load": {"normal_force": 1.0},
+        "wear": {"times": [0.0, 0.01], "steady": False},
+    }
+    return table | more
+
+
+def values(result, solver):
+    """Return the indentation of the start and the eight slowest relaxation times of a method."""
+    reported = result.dataset.sel(solver=solver)
+    return float(reported.indentation[0]), reported.relaxation_time.values[:8]
+
+
+@pytest.mark.parametrize(("thickness", "ratio"), [(0.2, 0.3), (0.05, 0.5), (0.02, 0.4999)])
+def test_mdr_on_thin_layers(thickness, ratio):
+    result = run(on_a_rigid_base(thickness, ratio, methods=["mdr"], accuracy={"rtol": 1e-6}))
+    indentation, times = values(result, "mdr")
+    assert indentation == pytest.approx(start(thickness, ratio), rel=1e-9)
+    assert times == pytest.approx(relaxation_times(thickness, ratio), rel=1e-9)
+
+
+def test_an_incompressible_thin_layer_is_squeezed_like_a_viscous_film():
+    """A film of thickness h gives d = 8 F h^3 / (3 pi G a^4), up to terms of h / a."""
+    off = []
+    for thickness in (0.02, 0.01):
+        scene = on_a_rigid_base(thickness, 0.5, methods=["mdr"])
+        film = 8 * thickness**3 / (3 * np.pi * 0.25)
+        off.append(values(run(scene), "mdr")[0] / film - 1)
+    assert off[1] == pytest.approx(off[0] / 2, rel=0.1)
+    assert abs(off[1]) < 0.1
+
+
+def test_the_slowest_modes_of_a_thin_layer_have_its_most_compliant_wave():
+    """The slowest time tends to the greatest 2 kernel(s h) / s, of a wave on a wide face."""
+    x = np.linspace(0.1, 6, 2000)
+    off = []
+    for thickness in (0.04, 0.02):
+        scene = on_a_rigid_base(thickness, 0.4999, methods=["mdr"])
+        greatest = (2 * thickness * kernel(x, 0.4999) / x).max()
+        off.append(1 - values(run(scene), "mdr")[1][0] / greatest)
+    assert off[1] == pytest.approx(off[0] / 4, rel=0.2)
+    assert 0 < off[1] < 0.01
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(
+    ("thickness", "ratio", "rtol"),
+    [(0.02, 0.4999, 1e-4), (0.02, 0.45, 1e-2), (0.01, 0.3, 1e-3), (0.01, 0.4999, 1e-2)],
+)
+def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
+    """Their wavelengths are 3 h to 7 h, which elements under the face resolve."""
+    result = run(on_a_rigid_base(thickness, ratio, accuracy={"rtol": rtol}))
+    assert result.verdict == "agree"
+    _, times = values(result, "fem")
+    assert times == pytest.approx(relaxation_times(thickness, ratio), rel=1e-9)
+    assert result.solutions["fem"].errors["relaxation_time"][:8].max() <= rtol
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("thickness", "rtol"), [(0.2, 1e-5), (0.05, 1e-2), (0.01, 1e-4)])
+def test_incompressible_layers(thickness, rtol):
+    result = run(on_a_rigid_base(thickness, 0.5, accuracy={"rtol": rtol}))
+    assert result.verdict == "agree"
+    indentation, times = values(result, "fem")
+    errors = result.solutions["fem"].errors
+    missed = abs(indentation / start(thickness, 0.5) - 1)
+    assert missed <= error_factor("incompressible layers") <= errors["indentation"][0]
+    missed = np.abs(times / relaxation_times(thickness, 0.5) - 1)
+    assert (missed <= errors["relaxation_time"][:8]).all()
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("ratio", [0.499995, 0.4999999])
+def test_nearly_incompressible_layers_have_their_own_ratio(ratio):
+    """Ratios between that of the model and 1/2 are not taken for 1/2."""
+    result = run(on_a_rigid_base(0.02, ratio, methods=["fem"]))
+    exact = start(0.02, ratio)
+    assert values(result, "fem")[0] == pytest.approx(exact, rel=5e-8)
+    assert abs(start(0.02, 0.5) / exact - 1) > 1e-4
+
+
+@pytest.mark.gmsh
+def test_an_incompressible_layer_with_a_clamped_outer_boundary():
+    """On a thin layer the field ends within a few thicknesses from the punch."""
+    accuracy = {"rtol": 1e-4, "fem": {"far_field": "fixed"}}
+    result = run(on_a_rigid_base(0.1, 0.5, methods=["fem"], accuracy=accuracy))
+    assert values(result, "fem")[0] == pytest.approx(start(0.1, 0.5), rel=5e-8)
+
+
+@pytest.mark.gmsh
+def test_fields_inside_incompressible_layers():
+    """Displacements and stresses under a uniform pressure, the steady state of one material."""
+    thickness = 0.05
+    scene = on_a_rigid_base(thickness, 0.5, methods=["fem"])
+    result = run(scene | {"wear": {"times": [0.0, 0.01]}})
+    inside, (r, z) = result.inside, result.inside.points
+    within = (z > 0.3 * thickness) & (z < thickness) & (np.abs(r - 1) > 0.2) & (r < 1.5)
+    some = np.flatnonzero(within)[::40]
+    displacement, stress = fields_under_uniform_pressure(r[some], z[some], thickness, 0.5)
+    steady = inside.labels.index("steady")
+    indentation = start(thickness, 0.5)
+    missed = np.abs(inside.displacement[steady, some] - displacement).max() / indentation
+    assert missed <= error_factor("incompressible inside") <= inside.errors["displacement"][steady]
+    missed = np.abs(inside.stress[steady, some] - stress).max() * np.pi
+    assert missed <= error_factor("incompressible inside") <= inside.errors["stress"][steady]
+    # under the flat face
+    face = (z == 0) & (r < 0.8)
+    missed = np.abs(inside.displacement[0, face, 1] / indentation - 1).max()
+    assert missed <= inside.errors["displacement"][0] <= 1e-4
+
+
+@pytest.mark.gmsh
+def test_early_slopes_of_rings_on_an_incompressible_layer():
+    """Roundoff of slopes in small elements stays below its estimate, and far below one per cent."""
+    punch = {"radius": 1.0, "ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 0.1]}
+    wear = {"times": [0.0, 1e-6, 1e-4, 1e-2], "steady": False}
+    result = run(on_a_rigid_base(0.2, 0.5, punch=punch, wear=wear))
+    assert result.verdict == "agree"
+    mdr, fem = (result.solutions[name] for name in ("mdr", "fem"))
+    problem = result.scene.problem
+    missed = differences(fem.checked, mdr.checked, problem.face)["rms_slope"]
+    stated = fem.errors["rms_slope"] + mdr.errors["rms_slope"]
+    assert (missed <= stated).all()
+    assert missed.max() <= 1e-4
+
+
+@pytest.mark.gmsh
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"punch": {"radius": 1.0, "inner_radius": 0.4, "wear_coefficient": 1.0}},
+        {
+            "punch": {
+                "radius": 1.0,
+                "ring_edges": [0.3, 0.305, 0.31, 0.315, 0.32, 1.0],
+                "wear_coefficients": [1.0, 0.2, 0.5, 0.1, 1.0, 0.3],
+            }
+        },
+        {"accuracy": {"rtol": 1e-2, "fem": {"degree": 6}}},
+    ],
+    ids=["hollow", "narrow rings", "low degree"],
+)
+def test_punches_on_thin_layers(changed):
+    result = run(on_a_rigid_base(0.02, 0.4999, **changed))
+    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+
+
+@pytest.mark.parametrize("thickness", [0.0099, 0.006])
+def test_layers_that_are_too_thin_are_refused(thickness):
+    with pytest.raises(SceneError, match=r"thinner than 0\.01 a cannot be meshed: leave fem out"):
+        run(on_a_rigid_base(thickness, 0.3))
