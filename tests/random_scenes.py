@@ -30,7 +30,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from independent import ROUNDOFF, Load, Pieces, solved
 
 Array = np.ndarray
-KINDS = ("flat", "graded", "load", "held")
+KINDS = ("flat", "graded", "load", "held", "steep")
 # errors of the two independent solutions over rtol; their difference shows how accurate they are
 FINE, COARSE = 0.2, 1.0
 # relaxation times that are compared
@@ -46,7 +46,7 @@ def draw(kind: str, seed: int, count: int) -> Iterator[dict]:
 
 def _scene(kind: str, random: np.random.Generator) -> dict:
     rings = int(np.exp(random.uniform(0, np.log(11))))
-    if kind in ("graded", "load"):
+    if kind in ("graded", "load", "steep"):
         rings = min(rings, 5)
     widths = 10 ** random.uniform(-random.uniform(0, 2), 0, rings)
     edges = np.cumsum(widths / widths.sum())
@@ -56,7 +56,11 @@ def _scene(kind: str, random: np.random.Generator) -> dict:
     fastest = 10 ** random.uniform(-3, 3)
     punch: dict = {"radius": radius, "ring_edges": (radius * edges).tolist()}
     punch["ring_edges"][-1] = radius
-    if kind == "graded":
+    if kind == "steep":
+        radii, values = _steep_table(random)
+        table = {"radii": (radius * radii).tolist(), "values": (fastest * values).tolist()}
+        punch["wear_coefficient"] = table
+    elif kind == "graded":
         knots = random.integers(2, 6)
         radii = np.sort(random.uniform(0, 1, knots))
         radii[0], radii[-1] = random.choice([0.0, radii[0]]), random.choice([1.0, radii[-1]])
@@ -109,6 +113,25 @@ def _scene(kind: str, random: np.random.Generator) -> dict:
         "accuracy": {"rtol": float(rtol)},
         "output": {"gradient_average": str(random.choice(["line", "area"]))},
     }
+
+
+def _steep_table(random: np.random.Generator) -> tuple[Array, Array]:
+    """Return radii and wear coefficients, over the greatest, that vary by up to four decades."""
+    least = 10 ** random.uniform(-4, -1)
+    width = 10 ** random.uniform(-5, -0.5)
+    centre = random.uniform(0.2, 0.8)
+    tables = (
+        # all over the face, in a narrow ramp, in a dip or a bump, and everywhere by chance
+        ([0.0, 1.0], [least, 1.0]),
+        ([0.0, centre, centre + width * (1 - centre), 1.0], [1.0, 1.0, least, least]),
+        ([centre * (1 - width), centre, centre + width * (1 - centre)], [1.0, least, 1.0]),
+        ([centre * (1 - width), centre, centre + width * (1 - centre)], [least, 1.0, least]),
+        (np.sort(random.uniform(0, 1, 5)), 10 ** random.uniform(-4, 0, 5)),
+    )
+    radii, values = map(np.array, tables[random.integers(len(tables))])
+    if random.random() < 0.5:
+        radii, values = 1 - radii[::-1], values[::-1]
+    return radii, values / values.max()
 
 
 def pieces_of(table: dict) -> Pieces:

@@ -3,7 +3,6 @@
 import numpy as np
 
 from ...mdr import energy, ring_kernel
-from ..sampling.norms import radial_weight
 from ..wear.time_scale import COARSE, FINE, slowest_relaxation_times
 from ..wear.unilateral import Mask
 from .anchor import Row, Rows
@@ -45,17 +44,12 @@ def check_fields(report: Reported) -> Rows:
 
 def check_slopes(report: Reported) -> Rows:
     """Compare the RMS slope with the slopes of the profile."""
-    slope, face = report.take("rms_slope"), report.face
+    slope = report.take("rms_slope")
     resolved = (report.errors("rms_slope")[0] <= report.rtol) & (slope > 0)
-    weights = radial_weight(face.radii, report.average, report.inner_radius) * face.lengths
-    slopes, less_accurate_slopes = (
-        np.sqrt(values[resolved] ** 2 @ weights) / slope[resolved]
-        for values in face.slopes(report.shape)
-    )
-    # take the greatest over time, because the difference of the two crosses zero at some times
-    slope_error = REFERENCE_ERROR_FACTOR * np.max(
-        np.abs(slopes - less_accurate_slopes), initial=0.0
-    )
+    squares, errors = report.mean_square_slopes(report.shape[resolved])
+    slopes = np.sqrt(squares) / slope[resolved]
+    # take the greatest over time, because errors cross zero at some times
+    slope_error = np.max(errors / (2 * slope[resolved] ** 2), initial=0.0)
     # slopes on the face are useless as a reference if their own error is larger
     if resolved.any() and slope_error <= 0.1:
         yield Row("RMS slope of the profile", slopes, 1.0, report.rtol + slope_error)

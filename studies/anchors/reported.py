@@ -10,7 +10,9 @@ from ...mdr import direct
 from ...mdr.flat_punch import FlatPunch, flat_punch
 from ...meshes.radial import Array
 from ..methods.base import Solution
+from ..problem.face import POINTS
 from ..problem.quantities import DESCRIBED, STEADY
+from ..sampling.norms import radial_weight
 from ..scene.scene import Scene
 from .reading import Reading
 
@@ -224,6 +226,22 @@ class Reported:
     def tolerance(self, *names: str) -> Array:
         """Return `rtol`, or the method's largest error estimate if that is larger."""
         return np.fmax(self.errors(*names).max(axis=0), self.rtol)
+
+    def mean_square_slopes(self, profiles: Array) -> tuple[Array, Array]:
+        """Return mean square slopes (T,) of profiles (T, R), and bounds (T,) on their errors.
+
+        Differences to less accurate slopes may cancel in the sum over the elements of the face, so
+        that the sum of their sizes is a bound, too.
+        """
+        face = self.face
+        weights = face.lengths * radial_weight(face.radii, self.average, self.inner_radius)
+        squares, less_accurate = (
+            (slopes**2 * weights).reshape(len(profiles), -1, POINTS).sum(axis=2)
+            for slopes in face.slopes(profiles)
+        )
+        differences = squares - less_accurate
+        sizes, size = np.abs(differences).sum(axis=1), np.abs(differences.sum(axis=1))
+        return squares.sum(axis=1), np.maximum(REFERENCE_ERROR_FACTOR * size, sizes)
 
     def integrate(self, values: Array, weights: Array | float = 1.0) -> tuple[Array, Array]:
         """Return integrals (T,) of values (T, R) over the face, and bounds (T,) on their errors."""

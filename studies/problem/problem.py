@@ -410,6 +410,9 @@ class Problem:
         # early slopes are greatest within the length over which wear has smoothed the pressure
         farthest = (1e-8 if self.full_contact else 1e-4) * rings.narrower
         nearest = np.clip(0.1 * self.edge_amplitude.worn_length_slow[:-1], 1e-12, farthest)
+        if rings.hollow:
+            # pressures at the hole are infinite, and the first radius must not be rounded to it
+            nearest[0] = max(nearest[0], 1e-12)
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # integrals over each ring of the scene need its edges, even between rings of equal wear
         breakpoints = np.union1d(breakpoints, self.ring_edges)

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from closed_forms import GradedSteadyState
+from independent import Load, Pieces, solved
 
 from ringwear import Scene, run
 from ringwear.mdr import energy
@@ -150,3 +152,72 @@ def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone(
         alone = pressure_spaces(problem)[0]
         assert shared.size >= alone.size
         assert shared.degrees.min() >= alone.degrees.min()
+
+
+STEEP = {
+    "a thousandfold slope": ([0.0, 1.0], [1e-3, 1.0], 1e-2),
+    "from the rim": ([0.0, 1.0], [1.0, 1e-4], 1e-5),
+    "hardly any wear at the axis": ([0.0, 1.0], [1e-8, 1.0], 1e-2),
+    "eight decades": ([0.0, 0.4, 0.7, 1.0], [1.0, 1e-8, 1e-2, 1e-5], 1e-4),
+    "a narrow ramp": ([0.0, 0.5, 0.50001, 1.0], [1.0, 1.0, 0.01, 0.01], 1e-3),
+    "a ramp almost to a step": ([0.0, 0.75, 0.75036, 1.0], [1.0, 1.0, 1e-4, 1e-4], 1e-4),
+    "a narrow dip": ([0.0, 0.73, 0.7315, 0.7316, 1.0], [1.0, 1.0, 2e-4, 1.0, 1.0], 5e-4),
+    "a bump": ([0.0, 0.36, 0.39, 0.393, 1.0], [9e-3, 9e-3, 1.0, 9e-3, 9e-3], 2e-3),
+    "a kink": ([0.0, 0.12, 1.0], [4e-4, 1.0, 0.024], 4e-6),
+    "hollow": ([0.3, 0.31, 1.0], [1e-4, 1.0, 0.1], 1e-3),
+}
+
+
+# those that take more than ten seconds
+SLOW = ("eight decades", "a narrow ramp", "a ramp almost to a step", "a narrow dip", "from the rim")
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in STEEP],
+)
+def test_steady_states_of_steep_wear_in_closed_form(name):
+    """The RMS slope was 30 times too large by finite elements, and the verdict could be wrong."""
+    radii, values, rtol = STEEP[name]
+    exact = GradedSteadyState(np.array(radii), np.array(values))
+    shown = np.unique([radii[0] + 1e-6, radii[np.argmin(values)] - 1e-6, 0.35, 0.6, 0.9])
+    shown = shown[shown > radii[0]]
+    given = scene("mdr fem", **along(*values, radii=radii), inner_radius=radii[0]).changed(
+        accuracy__rtol=rtol, wear__times=[0.0, 0.01, 1.0], output__radii=shown.tolist()
+    )
+    result = run(given)
+    assert result.verdict == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    table = result.dataset
+    depth = table["steady_displacement_max"].values
+    pairs = {
+        "steady_wear_rate": (table["steady_wear_rate"], exact.wear_rate),
+        "steady_rms_slope": (table["steady_rms_slope"], exact.rms_slope()),
+        "pressure_max": (table["pressure_max"][:, 1, 0], exact.wear_rate / min(values)),
+        "steady_profile": ((depth[:, None] - table["steady_profile"]), exact.displacement(shown)),
+    }
+    for quantity, (value, reference) in pairs.items():
+        scale = exact.displacement(shown).max() if quantity == "steady_profile" else reference
+        errors = np.abs(np.asarray(value) - reference) / scale
+        for method, error in zip(table["solver"].values, errors, strict=True):
+            stated = np.nanmax(result.solutions[method].errors[quantity])
+            assert error.max() <= max(rtol, stated), (quantity, method)
+
+
+@pytest.mark.gmsh
+def test_early_pressures_in_a_steep_ramp():
+    """Elements overlapped in a small part of the mesh; pressures there were 20 % off."""
+    table = along(1.0, 1.0, 1e-4, 1e-4, radii=(0.0, 0.74956, 0.74992, 1.0))
+    rtol, times = 4e-5, [0.0, 6.8e-5, 2.4e-3]
+    given = scene("mdr fem", **table).changed(accuracy__rtol=rtol, wear__times=times)
+    given = given.changed(output__quantities=["pressure", "rms_slope", "profile", "indentation"])
+    result, problem = run(given), given.problem
+    assert result.verdict == "agree"
+    radii, values = (np.array(table["wear_coefficient"][key]) for key in ("radii", "values"))
+    load = Load(np.zeros(1), np.ones(1), np.ones(1))
+    exact, _, _ = solved(problem, Pieces(radii, values[:-1], values[1:]), load, rtol / 5, "line")
+    for solution in result.solutions.values():
+        for name, error in differences(solution.checked, exact, problem.face).items():
+            stated = solution.checked_error(problem, name)
+            assert (error <= np.maximum(stated, rtol)).all(), name
