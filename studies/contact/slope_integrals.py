@@ -88,9 +88,9 @@ def slope_integrals(
     slopes[beside[infinite]] = 0.0
     cell = np.searchsorted(breakpoints, cuts[:-1], side="right") - 1
     integrals = np.zeros((3, len(breakpoints) - 1))
-    for total, integrand in zip(integrals, (1.0, slopes, slopes**2), strict=True):
-        np.add.at(total, cell, (lengths * integrand).sum(axis=1))
-    for side in np.flatnonzero(infinite):
+    for power, total in enumerate(integrals):
+        np.add.at(total, cell, (lengths * slopes**power).sum(axis=1))
+    for side in np.flatnonzero(infinite).tolist():
         for power in (1, 2):
             integrals[power, cell[beside[side]]] += parts.integral_at_end(side, power, weight)
     return SlopeIntegrals(*integrals)
