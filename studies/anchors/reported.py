@@ -236,7 +236,7 @@ class Reported:
         face = self.face
         weights = face.lengths * radial_weight(face.radii, self.average, self.inner_radius)
         squares, less_accurate = (
-            (slopes**2 * weights).reshape(len(profiles), -1, POINTS).sum(axis=2)
+            (slopes**2 * weights).reshape(len(profiles), len(weights) // POINTS, POINTS).sum(axis=2)
             for slopes in face.slopes(profiles)
         )
         differences = squares - less_accurate
