@@ -25,6 +25,9 @@ MOST_FREE_EDGES = 4
 # fast and uniform) and 3/2 (an edge that moves slowly under a pressure that vanishes as a root); in
 # random punches the edge is then known to a fifth of a cell
 WORN_DEPTH_POWER = 1.25
+# Greatest part of a cell by which an extrapolated edge lies beyond the cell in which contact ends.
+# Under spheres that wear, the edge lies up to a fifth of a cell beyond it; of that, this is half.
+BEYOND_CELL = 0.1
 # smallest size of cells on narrow parts of the contact, in punch radii
 SMALLEST_REFINED_CELL = 1e-9
 # greatest number of refinements at free edges, each of which quarters the size, and greatest number
@@ -323,7 +326,7 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
     Notes
     -----
     Independent solutions with cells that are ten times smaller have their edges between these two
-    nodes, or up to a tenth of a cell beyond the outer one
+    nodes, or up to a fifth of a cell beyond the outer one
     (physics/test_moving_edges.py::test_edges_lie_in_the_cell_in_which_contact_ends).
     """
     radius, _ = nodes(space)
@@ -336,9 +339,9 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
 def _worn_edge(radius: Array, contact: Mask, worn: Array, node: int, direction: int) -> float:
     """Return the radius of the edge between the last node in contact and the next one.
 
-    It is extrapolated from the worn depths of the last two nodes in contact. If these are on
-    different rings, if the next node has worn, or if the worn depth does not decrease towards the
-    edge, it is the middle between the last node in contact and the next one.
+    It is extrapolated from the worn depth of the last two nodes. If these are on different rings,
+    if the next node has worn, or if the worn depth does not decrease towards the edge, it is the
+    middle between the last node in contact and the next one.
     """
     neighbour, inside = node + direction, node - direction
     if not 0 <= neighbour < len(radius):
@@ -347,9 +350,9 @@ def _worn_edge(radius: Array, contact: Mask, worn: Array, node: int, direction: 
     if not (spreads and radius[inside] != radius[node] and 0 < worn[node] < worn[inside]):
         return float((radius[node] + radius[neighbour]) / 2)
     remaining = (worn[node] / worn[inside]) ** (1 / WORN_DEPTH_POWER)
-    beyond = (radius[node] - radius[inside]) * remaining / (1 - remaining)
-    outermost = abs(radius[neighbour] - radius[node])
-    return float(radius[node] + np.clip(beyond, -outermost, outermost))
+    beyond = abs(radius[node] - radius[inside]) * remaining / (1 - remaining)
+    greatest = (1 + BEYOND_CELL) * abs(radius[neighbour] - radius[node])
+    return float(np.clip(radius[node] + direction * min(beyond, greatest), 0.0, 1.0))
 
 
 def widths_at_edges(space: PressureSpace, contact: Mask) -> Array:
