@@ -9,11 +9,14 @@ import numpy as np
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..wear.history import History, Instant, Steps
-from ..wear.unilateral import Press
+from ..wear.unilateral import Mask, Press
 from .full_face import FullFace
 
 # contact area over that of the face from which contact counts as full; the difference is roundoff
 FULL_AREA = 1 - 1e-12
+# time in full contact, over the slowest relaxation time, after which what edges of the contact have
+# left in the shape of the face has decayed to less than 1e-10
+SETTLED = 24.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +92,16 @@ class Marched:
         growth = (areas[last] - areas[last - 1]) / (times[last] - times[last - 1])
         ahead = (1 - areas[last]) / growth if growth > 0 else np.inf
         return float(min(times[last] + ahead, times[last + 1]))
+
+    def settled(self, times: Array) -> Mask:
+        """Return at which times (T,) nothing is left of what edges of the contact did to the face.
+
+        The whole face has then been in contact for `SETTLED` times its slowest relaxation time,
+        under a constant load.
+        """
+        loading = self.face.loading
+        since = np.inf if loading.varies else self.time_of_full_contact
+        return np.asarray(times > since + SETTLED * self.face.slowest_time)
 
     @property
     def always_full(self) -> bool:

@@ -268,7 +268,7 @@ class Face:
     def _coefficients(self, values: Array) -> Array:
         """Return Legendre coefficients (POINTS, ..., n) of values (..., R) in each element."""
         inverse = np.linalg.inv(legvander(self._local, POINTS - 1))
-        by_element = values.reshape(*values.shape[:-1], -1, POINTS)
+        by_element = values.reshape(*values.shape[:-1], len(self.radii) // POINTS, POINTS)
         return np.moveaxis(by_element @ inverse.T, -1, 0)
 
     def interpolate(self, values: Array, radii: Array) -> tuple[Array, Array]:
