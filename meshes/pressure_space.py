@@ -342,8 +342,11 @@ class PressureSpace:
         parent = np.searchsorted(self.sort_keys, (breakpoints + 1j * low_parts)[1:]) - 1
         return PressureSpace(breakpoints, self.degrees[parent], self.ring_edges, low_parts)
 
-    def no_wider(self, widest: float) -> "PressureSpace":
-        """Return the space with elements no wider than `widest`: wider ones are cut evenly."""
+    def no_wider(self, widest: float | Array) -> "PressureSpace":
+        """Return the space with elements no wider than `widest`: wider ones are cut evenly.
+
+        It is one number, or one (E,) for each element.
+        """
         counts = np.ceil(self.widths / widest).astype(np.int64)
         if (counts == 1).all():
             return self

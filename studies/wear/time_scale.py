@@ -26,6 +26,9 @@ MOST_RINGS = 64
 # (polynomial degree, element size at the rim in punch radii, ratio of neighbouring element sizes):
 # `COARSE` gives a few digits, and `FINE` more digits to check these
 COARSE, FINE = (3, 1e-3, 0.3), (6, 1e-6, 0.2)
+# least number of elements across a ring: all of the eight slowest modes may lie on one ring, where
+# the eighth then has two half-waves in each element
+ELEMENTS_PER_RING = 4
 
 
 def running_in(problem: Problem, counts: Sequence[float]) -> Array:
@@ -132,8 +135,10 @@ def _slowest_times(
     )
     in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
     space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
+    widest = rings.widths[space.ring] / ELEMENTS_PER_RING
     if ground is not None:
-        space = space.no_wider(ground.first_thickness)
+        widest = np.minimum(widest, ground.first_thickness)
+    space = space.no_wider(widest)
     to_pressure = space.joined(rings.wear_coefficients)
     mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
     factor = mass.forward(to_pressure.T @ half_space(space, ground).factor.T)

@@ -6,15 +6,6 @@ import pytest
 from faults import computed, pipeline, reported
 from faults.scenes import SCENES, damage, healthy, noticed, shared, with_table
 
-# faults that are not noticed, with the reason
-FAST_MODES = "two small problems of the anchor differ by more where modes are fast"
-UNNOTICED = {
-    "flat, reported: relaxation time 6": FAST_MODES,
-    "flat, reported: relaxation time 7": FAST_MODES,
-    "held, reported: relaxation time 7": FAST_MODES,
-    "held, reported: relaxation time 8": FAST_MODES,
-}
-
 FAULTS = [
     (kind, place, name, fault)
     for kind in SCENES
@@ -35,8 +26,12 @@ def test_anchors_hold_without_a_fault(kind):
 
 # anchors may divide by damaged numbers
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(("kind", "place", "name", "fault"), FAULTS, ids=NAMES)
-def test_a_fault_is_noticed_unless_listed(monkeypatch, kind, place, name, fault):
+@pytest.mark.parametrize(
+    ("kind", "place", "fault"),
+    [(kind, place, fault) for kind, place, _, fault in FAULTS],
+    ids=NAMES,
+)
+def test_a_fault_is_noticed(monkeypatch, kind, place, fault):
     right = healthy(kind)
     if place == "pipeline":
         fault(monkeypatch)
@@ -45,12 +40,9 @@ def test_a_fault_is_noticed_unless_listed(monkeypatch, kind, place, name, fault)
     else:
         wrong = (with_table if place == "reported" else computed.with_results)(right, fault)
     assert damage(right, wrong) > 3 * SCENES[kind].problem.rtol
-    assert noticed(wrong) == (f"{kind}, {place}: {name}" not in UNNOTICED)
+    assert noticed(wrong)
 
 
-def test_at_most_ten_faults_are_unnoticed():
+def test_every_fault_is_tried_once():
     assert max(Counter(NAMES).values()) == 1
     assert len(FAULTS) >= 184
-    assert len(UNNOTICED) <= 10
-    assert UNNOTICED.keys() <= set(NAMES)
-    assert all(UNNOTICED.values())
