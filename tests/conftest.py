@@ -15,12 +15,9 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from ringwear import Scene
+from ringwear import Problem, RunningIn, Scene, Stages
+from ringwear import method as find_method
 from ringwear.meshes.by_gmsh.session import unavailable
-from ringwear.studies.methods.base import method as find_method
-from ringwear.studies.problem.problem import Problem
-from ringwear.studies.progress import Stages
-from ringwear.studies.wear.full_contact import RunningIn
 
 # pytest-xdist sets COLUMNS in its workers; argparse would then break lines as on a terminal
 os.environ.pop("COLUMNS", None)

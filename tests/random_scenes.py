@@ -19,11 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import RingwearError
+from ringwear import RingwearError, Scene, differences, run
 from ringwear.studies.problem.quantities import ANSWER, DESCRIBED, QUANTITIES
 from ringwear.studies.report.words import Account
-from ringwear.studies.sampling.norms import differences
 
 sys.path.insert(0, str(Path(__file__).parent))
 

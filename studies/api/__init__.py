@@ -33,8 +33,35 @@ The methods are finite elements, boundary elements, dimensionality reduction and
     compute scenes over axes of scene keys, in one labelled dataset
 `Result`, `Study`, `Comparison`
     classes of the results of `run`, `study` and `compare`
-`SceneError`, `RingwearError`
-    exceptions: a scene cannot be computed (the message contains a remedy); anything else fails
+`SceneError`, `MeshError`, `SolverError`, `RingwearError`
+    exceptions: a scene cannot be computed (the message contains a remedy); a mesh is missing or
+    broken; a system of equations has no meaningful solution; base of these and of all others
+`main`
+    run the command line, with the arguments as a list; returns the exit status
+
+What runs are built of, for a method or a study of one's own. All of it is non-dimensional: lengths
+in punch radii, forces in units of that which gives a flat punch the indentation 1/2.
+
+`PressureSpace`, `ContactCells`, `Compliance`
+    polynomials along the radius that represent pressures; cells of the face; what turns pressures
+    into displacements
+`energy`, `ring_kernel`, `even_half_space`
+    compliances by the MDR energy, by boundary elements, and by finite elements
+`direct`
+    closed forms for pressures that are constant on each ring
+`Problem`, `Rings`, `InitialProfile`, `Loading`, `Ground`
+    a scene without units (``Scene.problem``), and its parts: rings, unworn face, load over time,
+    elastic layers
+`press_flat`, `moments`, `Load`, `ContactMarch`, `RunningIn`
+    a flat punch that is pressed; integrals of a face; a force or an indentation; wear in steps
+    while contact opens and spreads; wear in full contact, exact in time
+`Method`, `ComplianceMethod`, `Discretised`, `Solution`, `method`, `Stages`
+    a method, and one that only computes a compliance; the half-space it discretises; what it has
+    solved; the bundled method of a name; its seconds by stage
+`differences`
+    relative differences of two sets of results, each in the norm of its quantity
+`SizeField`, `bisection`, `ring_areas`, `alternating_edges`
+    sizes of elements; meshes without gmsh; areas of rings; rings whose widths alternate
 
 Examples
 --------
@@ -42,6 +69,27 @@ Examples
 >>> result = run("five_rings", methods=["direct"])
 >>> float(result.dataset.steady_wear_rate.sel(solver="direct"))  # doctest: +ELLIPSIS
 0.994718...
+
+That rate without units by what runs are built of. It is the same on every ring:
+
+>>> import numpy as np
+>>> from ringwear import PressureSpace, RunningIn, Scene, direct, energy
+>>> rings = Scene.load("five_rings").problem.merged
+>>> float(rings.wear_coefficients[0] * direct.steady_pressures(*rings)[0])  # doctest: +ELLIPSIS
+0.0497359...
+>>> edges = rings.ring_edges
+>>> space = PressureSpace(edges, np.full(len(rings.widths), 8), edges)
+>>> wear = RunningIn(energy.compliance(space), rings.wear_coefficients)
+>>> float(wear.steady.wear_rate)  # doctest: +ELLIPSIS
+0.0497359...
+
+Half-spaces by different theories have the same compliance; here, one by finite elements:
+
+>>> from ringwear import ContactCells, even_half_space, press_flat
+>>> cells = ContactCells((0.0, 1.0), 0.1, 0.01)
+>>> pressed = press_flat(even_half_space(cells, 0.3).compliance())
+>>> abs(pressed.indentation - 0.5) < 1e-3
+True
 """
 
 from importlib import import_module as _import_module
@@ -51,57 +99,133 @@ from typing import TYPE_CHECKING
 from ringwear.studies import STARTED as _STARTED  # noqa: F401
 
 if TYPE_CHECKING:
-    from ringwear.meshes.errors import RingwearError, SceneError
+    from ringwear.fem.contact_meshes import even_half_space
+    from ringwear.mdr import direct, energy, ring_kernel
+    from ringwear.meshes import bisection
+    from ringwear.meshes.compliance import Compliance
+    from ringwear.meshes.contact_cells import ContactCells
+    from ringwear.meshes.errors import MeshError, RingwearError, SceneError, SolverError
+    from ringwear.meshes.ground.ground import Ground
+    from ringwear.meshes.pressure_space import PressureSpace
+    from ringwear.meshes.radial import alternating_edges, ring_areas
+    from ringwear.meshes.sizes import SizeField
+    from ringwear.studies.cli import main
     from ringwear.studies.comparison import Comparison, compare
+    from ringwear.studies.contact.march import ContactMarch
+    from ringwear.studies.contact.moments import moments
     from ringwear.studies.decks.deck import deck
     from ringwear.studies.fit.fit import fit
+    from ringwear.studies.methods.base import Discretised, Method, Solution, method
+    from ringwear.studies.methods.pipeline import ComplianceMethod
     from ringwear.studies.predictions.plan import plan
+    from ringwear.studies.problem.loading import Loading
+    from ringwear.studies.problem.problem import Problem, Rings
+    from ringwear.studies.problem.profile import InitialProfile
+    from ringwear.studies.progress import Stages
     from ringwear.studies.results import Result, check, load, run
+    from ringwear.studies.sampling.norms import differences
     from ringwear.studies.scene.scene import Scene
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.conduct import sweep
+    from ringwear.studies.wear.flat_contact import press_flat
+    from ringwear.studies.wear.full_contact import RunningIn
+    from ringwear.studies.wear.unilateral import Load
 
     __version__: str
 
 __all__ = [
     "Comparison",
+    "Compliance",
+    "ComplianceMethod",
+    "ContactCells",
+    "ContactMarch",
+    "Discretised",
+    "Ground",
+    "InitialProfile",
+    "Load",
+    "Loading",
+    "MeshError",
+    "Method",
+    "PressureSpace",
+    "Problem",
     "Result",
+    "Rings",
     "RingwearError",
+    "RunningIn",
     "Scene",
     "SceneError",
+    "SizeField",
+    "Solution",
+    "SolverError",
+    "Stages",
     "Study",
     "__version__",
+    "alternating_edges",
+    "bisection",
     "check",
     "compare",
     "deck",
+    "differences",
+    "direct",
+    "energy",
+    "even_half_space",
     "fit",
     "load",
+    "main",
+    "method",
+    "moments",
     "plan",
+    "press_flat",
+    "ring_areas",
+    "ring_kernel",
     "run",
     "study",
     "sweep",
 ]
 
-# names that are imported at their first use, because they load other packages; the command line
-# can handle an interruption meanwhile
+# names that users need first
+_FIRST = (
+    *("Scene", "run", "check", "compare", "deck", "fit", "load", "plan", "study", "sweep"),
+    *("Result", "Study", "Comparison", "RingwearError", "SceneError"),
+)
+# modules of the public names, which are imported at their first use, because they load other
+# packages; the command line can handle an interruption meanwhile
 _LATER = {
-    "Comparison": "ringwear.studies.comparison",
-    "compare": "ringwear.studies.comparison",
-    "Result": "ringwear.studies.results",
-    "Scene": "ringwear.studies.scene.scene",
-    "Study": "ringwear.studies.study.study",
-    "run": "ringwear.studies.results",
-    "check": "ringwear.studies.results",
-    "fit": "ringwear.studies.fit.fit",
-    "load": "ringwear.studies.results",
-    "plan": "ringwear.studies.predictions.plan",
-    "deck": "ringwear.studies.decks.deck",
-    "study": "ringwear.studies.study.conduct",
-    "sweep": "ringwear.studies.sweep.conduct",
-    "RingwearError": "ringwear.meshes.errors",
-    "SceneError": "ringwear.meshes.errors",
+    "fem.contact_meshes": ["even_half_space"],
+    "mdr": ["direct", "energy", "ring_kernel"],
+    "meshes": ["bisection"],
+    "meshes.compliance": ["Compliance"],
+    "meshes.contact_cells": ["ContactCells"],
+    "meshes.errors": ["MeshError", "RingwearError", "SceneError", "SolverError"],
+    "meshes.ground.ground": ["Ground"],
+    "meshes.pressure_space": ["PressureSpace"],
+    "meshes.radial": ["alternating_edges", "ring_areas"],
+    "meshes.sizes": ["SizeField"],
+    "studies.cli": ["main"],
+    "studies.comparison": ["Comparison", "compare"],
+    "studies.contact.march": ["ContactMarch"],
+    "studies.contact.moments": ["moments"],
+    "studies.decks.deck": ["deck"],
+    "studies.fit.fit": ["fit"],
+    "studies.methods.base": ["Discretised", "Method", "Solution", "method"],
+    "studies.methods.pipeline": ["ComplianceMethod"],
+    "studies.predictions.plan": ["plan"],
+    "studies.problem.loading": ["Loading"],
+    "studies.problem.problem": ["Problem", "Rings"],
+    "studies.problem.profile": ["InitialProfile"],
+    "studies.progress": ["Stages"],
+    "studies.results": ["Result", "check", "load", "run"],
+    "studies.sampling.norms": ["differences"],
+    "studies.scene.scene": ["Scene"],
+    "studies.study.conduct": ["study"],
+    "studies.study.study": ["Study"],
+    "studies.sweep.conduct": ["sweep"],
+    "studies.wear.flat_contact": ["press_flat"],
+    "studies.wear.full_contact": ["RunningIn"],
+    "studies.wear.unilateral": ["Load"],
 }
+_MODULES = {name: module for module, names in _LATER.items() for name in names}
 
 
 def __dir__() -> list[str]:
@@ -111,16 +235,20 @@ def __dir__() -> list[str]:
 def __getattr__(name: str) -> object:
     if name == "__version__":
         return _import_module("ringwear.studies.versions").versions()["ringwear"]
-    if name in _LATER:
-        return getattr(_import_module(_LATER[name]), name)
+    if name in _MODULES:
+        module = f"ringwear.{_MODULES[name]}"
+        if module in ("ringwear.mdr", "ringwear.meshes"):
+            # the name is that of a module
+            return _import_module(f"{module}.{name}")
+        return getattr(_import_module(module), name)
     raise AttributeError(_has_no(name))
 
 
 # what to write instead of names that other packages use
 _OTHER_NAMES = {
-    **dict.fromkeys(("solve", "simulate", "compute", "Run", "main"), "ringwear.run"),
+    **dict.fromkeys(("solve", "simulate", "compute", "Run"), "ringwear.run"),
     **dict.fromkeys(("open", "read", "Results"), "ringwear.load"),
-    **dict.fromkeys(("Problem", "Punch", "Model", "Simulation"), "ringwear.Scene"),
+    **dict.fromkeys(("Punch", "Model", "Simulation"), "ringwear.Scene"),
     **dict.fromkeys(("scenes", "examples", "bundled"), "`ringwear scenes` on the command line"),
     **dict.fromkeys(("list_scenes", "bundled_scenes"), "`ringwear scenes` on the command line"),
     **dict.fromkeys(("run_scene", "run_file"), "ringwear.run"),
@@ -141,4 +269,4 @@ def _has_no(name: str) -> str:
     hint = f"did you mean {suggestion}? " if suggestion else ""
     if name in _OTHER_NAMES:
         hint = f"write {suggestion}; "
-    return f"module 'ringwear' has no attribute {name!r}: {hint}it has {', '.join(__all__)}"
+    return f"module 'ringwear' has no attribute {name!r}: {hint}it has {', '.join(_FIRST)}"

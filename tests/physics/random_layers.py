@@ -13,8 +13,7 @@ from collections import Counter
 
 import numpy as np
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import RingwearError
+from ringwear import RingwearError, Scene, run
 
 
 def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:

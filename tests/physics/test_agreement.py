@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
+from ringwear import Scene, Solution, run
 from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
-from ringwear.studies.methods.base import Solution
 from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.scene.sources import bundled
 

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from closed_forms import disc_energies
 
-from ringwear import Scene, run
-from ringwear.mdr import direct
-from ringwear.meshes.radial import alternating_edges, ring_areas
+from ringwear import Scene, alternating_edges, direct, ring_areas, run
 from ringwear.studies.wear.time_scale import slowest_relaxation_time
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])

@@ -4,15 +4,11 @@ import numpy as np
 import pytest
 from closed_forms import PowerPunch
 
-from ringwear import Scene, plan, run, study, sweep
-from ringwear.fem.contact_meshes import even_half_space
-from ringwear.mdr import energy
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, Solution, energy, even_half_space, plan, run, study, sweep
 from ringwear.meshes.half_space import contact_radii
 from ringwear.studies.contact.edges import find_first_contact
 from ringwear.studies.crosscheck.agreement import remedy
 from ringwear.studies.crosscheck.promise import AT_EDGES
-from ringwear.studies.methods.base import Solution
 from ringwear.studies.methods.spaces import first_contact, load_of
 from ringwear.studies.sizes.cells import cells_of
 

@@ -4,20 +4,23 @@ import numpy as np
 import pytest
 from closed_forms import PowerPunch, worn_sphere
 
-from ringwear.fem.contact_meshes import even_half_space
-from ringwear.mdr import energy
+from ringwear import (
+    ContactCells,
+    ContactMarch,
+    InitialProfile,
+    Load,
+    Problem,
+    Rings,
+    RunningIn,
+    Stages,
+    energy,
+    even_half_space,
+    method,
+    moments,
+    ring_areas,
+)
 from ringwear.mdr.direct import steady_pressures
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.radial import ring_areas
 from ringwear.studies.contact.edges import nodes, worn_edges
-from ringwear.studies.contact.march import ContactMarch
-from ringwear.studies.contact.moments import moments
-from ringwear.studies.methods.base import method
-from ringwear.studies.problem.problem import Problem, Rings
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.progress import Stages
-from ringwear.studies.wear.full_contact import RunningIn
-from ringwear.studies.wear.unilateral import Load
 
 FIVE, THREE = Rings.alternating(5, 1.0, 10.0), Rings.alternating(3, 1.0, 0.01)
 ONE = Rings(np.array([0.0, 1.0]), np.ones(1))

@@ -9,8 +9,7 @@ import pandas
 import pytest
 from wear_reference import random_scenes, true_errors
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, run
 from ringwear.studies.methods.mdr import Mdr
 
 FIVE = Scene.load("five_rings")

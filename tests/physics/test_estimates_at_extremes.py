@@ -7,9 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
+from ringwear import Scene, Stages, method, run
 from ringwear.studies.sizes import defaults
 
 THREE = Scene.load("five_rings").changed(punch__rings=3, load__normal_force=1.0, methods=["fem"])

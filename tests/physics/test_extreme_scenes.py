@@ -7,15 +7,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, run
+from ringwear import Scene, Stages, method, run
 from ringwear.studies.extremes import cells as of_map
 from ringwear.studies.extremes import naive
 from ringwear.studies.extremes.draw import draw_panels
 from ringwear.studies.extremes.oracles import judge_by_theory, solve_reference
 from ringwear.studies.extremes.panels import NAIVE, naive_errors, read_panels
 from ringwear.studies.extremes.study import list_refusals, sort_by_worst
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
 
 PANELS = {panel.name: panel for panel in read_panels(0.3)}
 

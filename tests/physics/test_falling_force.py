@@ -11,8 +11,7 @@ import pytest
 from independent import ROUNDOFF, solved
 from random_scenes import draw, hold, load_of, loses_contact, pieces_of
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SolverError
+from ringwear import Scene, SolverError, run
 from ringwear.studies.problem.regimes import FULL_CONTACT, MOVING_CONTACT
 
 FIVE = Scene.load("five_rings")
@@ -131,8 +130,8 @@ def test_a_wrong_prediction_raises_instead_of_returning_tension():
     fast = under([2.0, 0.2], [0.0, 1e-3])
     assert not fast.problem.keeps_contact
     wrong = replace(fast.problem, keeps_contact=True)
+    from ringwear import Stages
     from ringwear.studies.methods.mdr import METHOD
-    from ringwear.studies.progress import Stages
 
     with pytest.raises(SolverError, match=r"pressure becomes negative by t = .*falls"):
         METHOD.solve(wrong, Stages("mdr"))

@@ -5,13 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
+from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, run
 from ringwear.studies.anchors.checks import anchors
 from ringwear.studies.methods.fem import Fem
 from ringwear.studies.methods.mdr import Mdr
-from ringwear.studies.problem.problem import Problem, Rings
 from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact

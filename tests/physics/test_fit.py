@@ -8,9 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, fit, run
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.radial import ring_areas
+from ringwear import Scene, SceneError, fit, ring_areas, run
 from ringwear.studies.fit.experiments import WEAR, Experiments, cases
 from ringwear.studies.fit.models.rig import differences
 from ringwear.studies.fit.parameters import find_parameters, scene_at

@@ -7,15 +7,18 @@ import pytest
 from closed_forms import FrettedSphere
 from wear_reference import Reference
 
-from ringwear import Scene, run
-from ringwear.mdr import energy
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.errors import SceneError
+from ringwear import (
+    ContactCells,
+    ContactMarch,
+    InitialProfile,
+    Load,
+    Scene,
+    SceneError,
+    energy,
+    moments,
+    run,
+)
 from ringwear.studies.anchors.checks import anchors
-from ringwear.studies.contact.march import ContactMarch
-from ringwear.studies.contact.moments import moments
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.unilateral import Load
 
 # slowest relaxation time of one ring, and a late time, at which an error of TAU by 1e-4 changes the
 # force by 9e-4

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
+from ringwear import Scene, Stages, method
 from ringwear.studies.wear.flat_contact import flat_start
 
 

@@ -7,15 +7,10 @@ import pytest
 from closed_forms import GradedSteadyState
 from independent import Load, Pieces, solved
 
-from ringwear import Scene, run
-from ringwear.mdr import energy
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.methods.base import method as method_named
+from ringwear import RunningIn, Scene, SceneError, Stages, differences, energy, run
+from ringwear import method as method_named
 from ringwear.studies.methods.spaces import pressure_spaces
-from ringwear.studies.progress import Stages
-from ringwear.studies.sampling.norms import differences
 from ringwear.studies.sizes.shared import covering
-from ringwear.studies.wear.full_contact import RunningIn
 
 SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}
 

@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, run, sweep
+from ringwear import Scene, SceneError, run, sweep
 from ringwear.mdr.annulus import flat_annulus
 from ringwear.mdr.annulus_bounds import stiffness_bounds
-from ringwear.meshes.errors import SceneError
 
 # F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
 STIFFNESSES = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}

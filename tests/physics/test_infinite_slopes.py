@@ -5,9 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
+from ringwear import InitialProfile, Scene, run
 from ringwear.studies.contact.slope_integrals import slope_integrals
-from ringwear.studies.problem.profile import InitialProfile
 from ringwear.studies.sampling.norms import radial_weight
 
 BREAKPOINTS = np.concatenate([np.linspace(0, 0.99, 34), [0.995, 0.998, 0.999, 1.0]])

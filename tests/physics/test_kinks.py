@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from closed_forms import TruncatedCone, TruncatedParaboloid
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.problem.profile import InitialProfile, find_kinks
+from ringwear import InitialProfile, Scene, SceneError, run
+from ringwear.studies.problem.profile import find_kinks
 
 FLAT_RADIUS = 0.4321
 CONE, PARABOLOID = TruncatedCone(FLAT_RADIUS, 0.3), TruncatedParaboloid(FLAT_RADIUS, 2.0)

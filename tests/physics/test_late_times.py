@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.mdr import direct
+from ringwear import Scene, direct, run
 
 LATE = [1e3, 1e12, 1e39]
 PUNCHES = {
@@ -71,7 +70,7 @@ def test_late_states_are_the_steady_state(punch):
 
 def test_a_wrong_shape_is_noticed_however_much_has_worn(monkeypatch):
     """At t = 1e12 the even wear is 1e11 times the displacement."""
-    from ringwear.studies.wear.full_contact import RunningIn
+    from ringwear import RunningIn
 
     modal = RunningIn.modal
 

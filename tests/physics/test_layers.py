@@ -5,20 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import run
-from ringwear.fem.contact_meshes import even_half_space
-from ringwear.mdr import energy, ring_kernel
+from ringwear import (
+    ContactCells,
+    Ground,
+    PressureSpace,
+    Scene,
+    Stages,
+    energy,
+    even_half_space,
+    method,
+    press_flat,
+    ring_kernel,
+    run,
+)
 from ringwear.mdr.annulus import flat_annulus
 from ringwear.mdr.flat_punch import flat_punch
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.ground.line_energy import relative_stiffness
-from ringwear.meshes.pressure_space import PressureSpace
 from ringwear.meshes.radial import exact_graded_breakpoints
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
-from ringwear.studies.scene.scene import Scene
-from ringwear.studies.wear.flat_contact import flat_start, press_flat
+from ringwear.studies.wear.flat_contact import flat_start
 from ringwear.studies.wear.time_scale import slowest_relaxation_times
 
 TWO_RINGS = {"radius": 1.0, "rings": 2, "wear_coefficients": [1.0, 0.1]}

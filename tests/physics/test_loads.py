@@ -5,17 +5,20 @@ import pytest
 from scipy.integrate import quad
 from scipy.linalg import solve
 
-from ringwear import Scene, run
-from ringwear.mdr import energy
-from ringwear.meshes.contact_cells import ContactCells
-from ringwear.studies.contact.march import ContactMarch
-from ringwear.studies.contact.moments import moments
-from ringwear.studies.problem.loading import Loading
-from ringwear.studies.problem.problem import Rings
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.full_contact import RunningIn
+from ringwear import (
+    ContactCells,
+    ContactMarch,
+    InitialProfile,
+    Load,
+    Loading,
+    Rings,
+    RunningIn,
+    Scene,
+    energy,
+    moments,
+    run,
+)
 from ringwear.studies.wear.modes import mean_decay
-from ringwear.studies.wear.unilateral import Load
 
 FIVE = Rings.alternating(5, 1.0, 10.0)
 STOP_AND_GO = Loading(

@@ -4,9 +4,7 @@ import numpy as np
 import pytest
 from wear_reference import random_scenes, true_errors
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.sampling.norms import differences
+from ringwear import Scene, SceneError, differences, run
 
 FIVE = Scene.load("five_rings")
 LOW = [

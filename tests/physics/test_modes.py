@@ -5,10 +5,7 @@ import pytest
 import xarray
 from scipy.sparse import csr_matrix, diags
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SceneError, SolverError
-from ringwear.studies.sampling.norms import differences
-from ringwear.studies.wear.full_contact import RunningIn
+from ringwear import RunningIn, Scene, SceneError, SolverError, differences, run
 from ringwear.studies.wear.modes import BandedCholesky, Modes, every_mode, excited_modes
 
 COARSE = {"accuracy__rtol": 1e-2}

@@ -8,15 +8,11 @@ import pytest
 from conftest import WITHOUT_GMSH
 from wear_reference import random_scenes, true_errors
 
-from ringwear import Scene, run
-from ringwear.mdr import energy
-from ringwear.meshes.errors import SolverError
+from ringwear import RunningIn, Scene, SolverError, Stages, energy, run
 from ringwear.studies.crosscheck import operators
 from ringwear.studies.crosscheck.operators import check_multipliers, difference
 from ringwear.studies.methods import fem
-from ringwear.studies.progress import Stages
 from ringwear.studies.sizes.defaults import quad_degree
-from ringwear.studies.wear.full_contact import RunningIn
 
 FIVE = Scene.load("five_rings")
 

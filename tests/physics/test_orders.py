@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene
-from ringwear.meshes.ground.ground import Ground
+from ringwear import Ground, Scene
 from ringwear.studies.convergence.flat_start import (
     FACTOR_PER_DEGREE,
     GRADINGS,

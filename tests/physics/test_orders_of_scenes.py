@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene
-from ringwear.mdr import energy
-from ringwear.meshes.pressure_space import PressureSpace
+from ringwear import PressureSpace, Scene, Stages, energy, press_flat
 from ringwear.meshes.radial import graded_breakpoints
 from ringwear.studies.convergence.axis_stresses import DEPTHS, boussinesq_stresses, element_stresses
 from ringwear.studies.convergence.runs import StudiedScene
@@ -15,10 +13,8 @@ from ringwear.studies.convergence.scene_ways import (
     radial_uniform_way,
     uniform_way,
 )
-from ringwear.studies.progress import Stages
 from ringwear.studies.study.levels import Record
 from ringwear.studies.study.orders import sequences_of
-from ringwear.studies.wear.flat_contact import press_flat
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,8 @@ import pandas as pd
 import pytest
 from scipy.integrate import quad
 
-from ringwear import Scene, run, study, sweep
-from ringwear.mdr import direct
+from ringwear import Rings, Scene, alternating_edges, direct, run, study, sweep
 from ringwear.mdr.transforms import profile_transform
-from ringwear.meshes.radial import alternating_edges
 from ringwear.studies.paper.running_in import FiveRings, completed_fraction
 from ringwear.studies.paper.theory import (
     STATE_PERCENTAGES,
@@ -20,7 +18,6 @@ from ringwear.studies.paper.theory import (
     homogeneous,
     many_rings,
 )
-from ringwear.studies.problem.problem import Rings
 
 RATIOS = 10.0 ** np.linspace(-4, 4, 41)
 

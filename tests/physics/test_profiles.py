@@ -8,8 +8,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, run
 
 FLAT = 0.3
 

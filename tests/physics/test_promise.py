@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ringwear import Scene, SceneError, run
-from ringwear.mdr import direct
+from ringwear import Scene, SceneError, direct, run
 
 FLAT = {"half_space": {"plane_strain_modulus": 1.0}, "load": {"normal_force": 1.0}}
 

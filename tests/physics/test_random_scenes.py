@@ -5,8 +5,7 @@ import pytest
 from independent import Load, Pieces, Punch, solved
 from random_scenes import KINDS, draw, hold
 
-from ringwear import Scene, run
-from ringwear.studies.sampling.norms import differences
+from ringwear import Scene, differences, run
 
 FIVE = Scene.load("five_rings")
 

@@ -3,8 +3,7 @@
 import numpy as np
 from wear_reference import Reference
 
-from ringwear.mdr import direct
-from ringwear.meshes.radial import ring_areas
+from ringwear import direct, ring_areas
 
 
 def test_history_of_five_rings(reference):

@@ -8,9 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.mdr import energy
-from ringwear.studies.contact.moments import moments
+from ringwear import Scene, energy, moments, run
 from ringwear.studies.methods.spaces import first_contact, load_at_start
 from ringwear.studies.wear.unilateral import Contact
 

@@ -10,11 +10,8 @@ import numpy as np
 import pytest
 from wear_reference import exact_results
 
-from ringwear import Scene
+from ringwear import Scene, Stages, differences, method
 from ringwear.meshes import sizes
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
-from ringwear.studies.sampling.norms import differences
 from ringwear.studies.sizes import defaults, degrees, ring_edges
 
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 1e-4, 1e-2, 0.5], accuracy__rtol=1e-4)

@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 from closed_forms import PowerPunch, annulus_stiffness, thin_ring_stiffness
 
-from ringwear.fem.contact_meshes import even_half_space, fitted_half_space
-from ringwear.mdr import energy, ring_kernel
-from ringwear.meshes.contact_cells import ContactCells, fitted_space
-from ringwear.meshes.errors import SolverError
+from ringwear import (
+    ContactCells,
+    ContactMarch,
+    InitialProfile,
+    Load,
+    SolverError,
+    energy,
+    even_half_space,
+    moments,
+    ring_kernel,
+)
+from ringwear.fem.contact_meshes import fitted_half_space
+from ringwear.meshes.contact_cells import fitted_space
 from ringwear.studies.contact.fitted_press import fit_press, fit_presses
-from ringwear.studies.contact.march import ContactMarch
-from ringwear.studies.contact.moments import moments
-from ringwear.studies.problem.profile import InitialProfile
-from ringwear.studies.wear.unilateral import MOST_CHANGES, Contact, Interval, Load
+from ringwear.studies.wear.unilateral import MOST_CHANGES, Contact, Interval
 
 DEGREE = 8
 METHODS = ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)]

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.mdr import direct
+from ringwear import Scene, direct, run
 
 PUNCH = {"radius": 2.0, "ring_edges": [1.0, 2.0], "wear_coefficients": [1.0, 4.0]}
 BASE = {

@@ -6,13 +6,12 @@ from matplotlib.text import Text
 from scipy.spatial import ConvexHull
 from skfem import MeshTri
 
-from ringwear import Scene, run
+from ringwear import Scene, Stages, run
+from ringwear import method as named
 from ringwear.fem.stresses import von_mises
 from ringwear.mdr.flat_punch import D0, P0
 from ringwear.meshes.half_space import areas
 from ringwear.studies.inside.interior import NEAR, interior
-from ringwear.studies.methods.base import method as named
-from ringwear.studies.progress import Stages
 
 MESHERS = [*(pytest.param(name, marks=pytest.mark.gmsh) for name in ("quads", "gmsh")), "bisection"]
 

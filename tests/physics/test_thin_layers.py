@@ -9,10 +9,8 @@ from independent_layer import (
     start,
 )
 
-from ringwear import run
-from ringwear.meshes.errors import SceneError
+from ringwear import SceneError, differences, run
 from ringwear.studies.methods.error_factors import error_factor
-from ringwear.studies.sampling.norms import differences
 
 ONE_RING = {"radius": 1.0, "wear_coefficient": 1.0}
 

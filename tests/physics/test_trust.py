@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from wear_reference import random_scenes
 
-from ringwear import Scene, run
-from ringwear.meshes.contact_cells import ContactCells
+from ringwear import ContactCells, Scene, run
 from ringwear.studies.contact.edges import worn_edges
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.report.words import Account

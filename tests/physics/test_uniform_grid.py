@@ -2,10 +2,7 @@
 
 import pytest
 
-from ringwear import Scene
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
-from ringwear.studies.sampling.norms import differences
+from ringwear import Scene, Stages, differences, method
 
 
 @pytest.mark.parametrize("springs", [60, 120])

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.mdr import direct
+from ringwear import Scene, direct, run
 
 METHODS = ["mdr", pytest.param("fem", marks=pytest.mark.slow)]
 RIPPLES = Scene.from_table(

@@ -15,11 +15,8 @@ import numpy as np
 from numpy.polynomial.legendre import legder, leggauss, legroots, legval, legvander
 from scipy.linalg import svd
 
-from ringwear import Scene
-from ringwear.studies.methods.base import method
+from ringwear import Scene, Stages, differences, method
 from ringwear.studies.problem.quantities import QUANTITIES
-from ringwear.studies.progress import Stages
-from ringwear.studies.sampling.norms import differences
 
 
 def graded_elements(edges, smallest, factor):

@@ -6,8 +6,7 @@ import shlex
 
 import pytest
 
-from ringwear import Scene, SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, main
 
 SCENE = """[punch]
 radius = 1.0

@@ -8,10 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, check, run
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, check, main, run
 from ringwear.studies import challenge
-from ringwear.studies.cli import main
 from ringwear.studies.output.files import draw
 
 RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])

@@ -7,10 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, check, load, run
+from ringwear import Scene, check, load, main, run
 from ringwear.studies.check.account import CheckAccount
 from ringwear.studies.check.checked import CheckedOutcome
-from ringwear.studies.cli import main
 from ringwear.studies.figures.difference import draw_result_difference
 
 SCENE = Scene(

@@ -6,10 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, check
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, check, main
 from ringwear.studies.check.csv_files import name_and_unit, read_csv_text, read_numbers
-from ringwear.studies.cli import main
 
 SCENE = Scene(
     units="SI",

@@ -5,8 +5,7 @@ import numpy as np
 import pandas
 import pytest
 
-from ringwear import Scene, run
-from ringwear.studies.cli import main
+from ringwear import Scene, main, run
 
 RECESSED = Scene.from_table(
     {

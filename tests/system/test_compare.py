@@ -5,8 +5,7 @@ import pandas as pd
 import pytest
 import xarray
 
-from ringwear import Scene, load, run
-from ringwear.studies.cli import main
+from ringwear import Scene, load, main, run
 from ringwear.studies.report.comparison import field_comparison
 
 

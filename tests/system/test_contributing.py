@@ -11,10 +11,9 @@ import pytest
 import xarray
 
 import ringwear.studies
-from ringwear import RingwearError, Scene, run, study
+from ringwear import RingwearError, Scene, main, run, study
 from ringwear.studies.anchors import checks, reading
 from ringwear.studies.anchors.anchor import Row
-from ringwear.studies.cli import main
 from ringwear.studies.problem import quantities
 from ringwear.studies.problem.fields import KINDS, Positive, ProfileSection, optional
 from ringwear.studies.problem.punch import PunchSection

@@ -8,11 +8,7 @@ import numpy as np
 import pytest
 import skfem
 
-from ringwear import Scene, study
-from ringwear.meshes import bisection
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, SizeField, bisection, main, study
 
 EDGES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 PRESSURE_AT_HALF = """

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import ringwear
-from ringwear import Scene
-from ringwear.studies.cli import main
+from ringwear import Scene, main
 from ringwear.studies.decks.reports import read_dat
 
 RUN = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, load, run
-from ringwear.meshes.pressure_space import PressureSpace
+from ringwear import PressureSpace, Scene, load, run
 from ringwear.studies.crosscheck.operators import _shortest_resolved_wave
 from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.figures.difference import draw_difference, draw_result_difference

@@ -10,14 +10,9 @@ import pytest
 from scipy.linalg import eigh
 from skfem import ElementDG, ElementQuadP, ElementTriP1, ElementTriP1B, ElementTriP2
 
-from ringwear import Scene, study
-from ringwear.mdr import energy
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Compliance, RunningIn, Scene, SceneError, energy, main, study
 from ringwear.studies.elements.measures import TIMES, condense, exact_wear, measure
 from ringwear.studies.elements.pairs import Meshes, Pressures, basis, displacement_by_name
-from ringwear.studies.wear.full_contact import RunningIn
 
 RINGS = Scene.load("five_rings").problem.merged
 

@@ -10,8 +10,7 @@ import time
 import pytest
 import tomli_w
 
-from ringwear import Scene, load
-from ringwear.studies.cli import main
+from ringwear import Scene, load, main
 from ringwear.studies.registry import INTERRUPTED
 
 RINGWEAR = shlex.join([sys.executable, "-m", "ringwear.studies.cli"])
@@ -97,7 +96,7 @@ def test_characters_that_an_encoding_does_not_have_are_written_as_escape_sequenc
 WAITING = """
 import sys, time
 from pandas import DataFrame
-from ringwear.studies.cli import main
+from ringwear import main
 from ringwear.studies.study import listing
 from ringwear.studies.study.study import Study
 from ringwear.studies.tables import keeping_rows

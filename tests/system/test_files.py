@@ -12,9 +12,8 @@ import xarray
 from conftest import WITHOUT_GMSH
 from skfem import MeshQuad
 
-from ringwear import Scene, run
+from ringwear import Scene, main, run
 from ringwear.meshes.files import read
-from ringwear.studies.cli import main
 
 VARIABLES = {
     "pressure": ("time", "radius"),

@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 import ringwear
-from ringwear import Scene
-from ringwear.studies.cli import main
+from ringwear import Scene, main
 
 SCENE = Scene(
     title="a pin",

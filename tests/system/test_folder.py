@@ -16,9 +16,7 @@ from itertools import count
 
 import pytest
 
-from ringwear import Scene
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, main
 from ringwear.studies.figures import catalogue
 from ringwear.studies.output import folder as folder_module
 from ringwear.studies.output.folder import MARKER, output_folder
@@ -220,7 +218,7 @@ def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
 def test_signals_end_a_run_cleanly(number, seen, tmp_path):
     # where the tests themselves run in the background, the shell has told them to ignore SIGINT
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from ringwear.studies.cli import main; raise SystemExit(main())"
+    code += "from ringwear import main; raise SystemExit(main())"
     out = tmp_path / "out"
     # thirty-two rings by finite elements take long enough
     scene = ["five_rings", "--rtol", "1e-2"] if seen else ["many_rings", "--rtol", "1e-6"]

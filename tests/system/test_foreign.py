@@ -14,8 +14,7 @@ import pandas as pd
 import pytest
 import tomli_w
 
-from ringwear import Scene, run
-from ringwear.studies.cli import main
+from ringwear import Scene, main, run
 from ringwear.studies.output import folder as folder_module
 from ringwear.studies.output.files import write_tables
 from ringwear.studies.output.folder import MARKER
@@ -156,7 +155,7 @@ def test_a_small_file_that_declares_huge_arrays_is_refused(tmp_path, capsys):
 ENDLESS = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_AS, (6 * 2**30, 6 * 2**30))
-from ringwear.studies.cli import main
+from ringwear import main
 sys.exit(main(sys.argv[1:]))
 """
 

@@ -8,8 +8,20 @@ import pytest
 import xarray
 
 import ringwear
-from ringwear import Scene, Study, check, compare, deck, fit, load, plan, run, study, sweep
-from ringwear.meshes.errors import RingwearError
+from ringwear import (
+    RingwearError,
+    Scene,
+    Study,
+    check,
+    compare,
+    deck,
+    fit,
+    load,
+    plan,
+    run,
+    study,
+    sweep,
+)
 
 SCENE = Scene.load("five_rings")
 TABLE = pd.DataFrame({"time": [0.1], "indentation": [1.0]})

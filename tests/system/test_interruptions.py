@@ -18,7 +18,7 @@ class Interruption:
 # where the tests themselves run in the background, the shell has told them to ignore it
 signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.meta_path.insert(0, Interruption())
-from ringwear.studies.cli import main
+from ringwear import main
 sys.exit(main(["run", "flat_punch", "--rtol", "1e-2", "--out", sys.argv[2]]))
 """
 MODULES = [
@@ -39,7 +39,7 @@ def test_an_interruption_while_modules_are_loaded_is_one_line(module, tmp_path):
 
 LATER = """
 import signal, sys
-from ringwear.studies.cli import main
+from ringwear import main
 from ringwear.studies.outcome import run
 
 def fail(scene):

@@ -13,9 +13,7 @@ import pandas as pd
 import pytest
 from matplotlib.collections import QuadMesh
 
-from ringwear import Scene, check, plan, run
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, check, main, plan, run
 from ringwear.studies.figures.difference import ROWS, draw_difference
 from ringwear.studies.figures.scale import Scale
 from ringwear.studies.methods.error_factors import error_factor

@@ -10,7 +10,7 @@ import pytest
 def load_step_by_step(out):
     """Do light jobs first; none of them loads a library that it does not need."""
     import ringwear
-    from ringwear.studies.cli import main
+    from ringwear import main
 
     def assert_absent(modules):
         assert not {name.split(".")[0] for name in sys.modules} & set(modules.split())
@@ -34,7 +34,7 @@ def load_step_by_step(out):
 
 def run_direct_alone(out):
     """Run the steady state by direct integration, without and with figures."""
-    from ringwear.studies.cli import main
+    from ringwear import main
 
     def loaded():
         return {name.split(".")[0] for name in sys.modules}

@@ -5,7 +5,7 @@ import shlex
 
 import pytest
 
-from ringwear.studies.cli import main
+from ringwear import main
 
 # commands, and what the message must name; there is a folder with a file and a dangling link in it
 COMMANDS = [

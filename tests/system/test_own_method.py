@@ -5,13 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Scene, load, run
-from ringwear.meshes.compliance import Compliance
+from ringwear import Compliance, ComplianceMethod, Discretised, Method, Scene, load, run
 from ringwear.studies.crosscheck.agreement import by_quantity
 from ringwear.studies.figures.catalogue import PICTURES
-from ringwear.studies.methods.base import Discretised, Method
 from ringwear.studies.methods.mdr import METHOD
-from ringwear.studies.methods.pipeline import ComplianceMethod
 from ringwear.studies.methods.spaces import pressure_spaces
 from ringwear.studies.output.files import draw, write_numbers
 from ringwear.studies.report.words import Account

@@ -4,10 +4,7 @@ import re
 
 import pytest
 
-from ringwear import Scene, plan
-from ringwear.studies.cli import main
-from ringwear.studies.methods.base import method
-from ringwear.studies.progress import Stages
+from ringwear import Scene, Stages, main, method, plan
 from ringwear.studies.scene.sources import bundled
 
 

@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.meshes.radial import alternating_edges
-from ringwear.studies.cli import main
+from ringwear import Scene, alternating_edges, main, run
 from ringwear.studies.outcome.scope import time_scale
 from ringwear.studies.report.printed import print_account
 from ringwear.studies.report.words import Account

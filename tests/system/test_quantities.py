@@ -5,9 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, main, run
 from ringwear.studies.problem.quantities import (
     ANSWER,
     GROUPS,

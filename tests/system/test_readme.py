@@ -6,8 +6,8 @@ from textwrap import dedent
 
 import pytest
 
-from ringwear import Scene
-from ringwear.studies.cli import COMMANDS, main
+from ringwear import Scene, main
+from ringwear.studies.cli import COMMANDS
 
 ROOT = Path(__file__).parents[2]
 FLOORS = ("fem", "mdr", "meshes", "studies")

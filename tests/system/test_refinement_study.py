@@ -8,14 +8,8 @@ import pytest
 from scipy.linalg import eigh
 from skfem import Mesh
 
-from ringwear import Scene, study
-from ringwear.mdr import energy
-from ringwear.meshes import bisection
-from ringwear.meshes.errors import MeshError, SceneError
+from ringwear import MeshError, Rings, Scene, SceneError, SizeField, bisection, energy, main, study
 from ringwear.meshes.half_space import contact_radii
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.cli import main
-from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.sections import FemAccuracy
 from ringwear.studies.refinement import case as cases
 from ringwear.studies.refinement import ways

@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 import tomli_w
 
-from ringwear import Scene, run, sweep
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, main, run, sweep
 from ringwear.studies.outcome.scope import methods_of, refusals
 
 SCENE = Scene(

@@ -15,12 +15,10 @@ import pytest
 from browser import Browser, installed
 from matplotlib.figure import Figure
 
-from ringwear import Scene, run
-from ringwear.studies.cli import main
+from ringwear import Scene, Study, main, run
 from ringwear.studies.report.page import write_report
 from ringwear.studies.report.slides import slides
 from ringwear.studies.report.words import Account
-from ringwear.studies.study.study import Study
 
 RUBBER = Scene.load("rubber").changed(
     title="Stone & binder </script><b> $x_{", methods=["mdr", "direct"]

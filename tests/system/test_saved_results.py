@@ -14,9 +14,7 @@ import netCDF4
 import numpy as np
 import pytest
 
-from ringwear import Scene, load, run
-from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.cli import main
+from ringwear import RingwearError, Scene, SceneError, load, main, run
 from ringwear.studies.output import files
 from ringwear.studies.output import folder as folder_module
 

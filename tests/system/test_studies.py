@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ringwear import Scene
-from ringwear.studies.cli import main
+from ringwear import Scene, main
 from ringwear.studies.progress import LOG
 from ringwear.studies.registry import INTERRUPTED
 from ringwear.studies.study.conduct import conduct
@@ -92,7 +91,7 @@ WAITING = """
 import signal, sys, time
 from pandas import DataFrame
 from ringwear.studies.study import listing
-from ringwear.studies.cli import main
+from ringwear import main
 from ringwear.studies.study.study import Study
 from ringwear.studies.tables import keeping_rows
 
@@ -146,7 +145,7 @@ def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds,
         return sum(len(rows(table)) for table in out.glob(".writing/extremes.csv"))
 
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from ringwear.studies.cli import main; raise SystemExit(main())"
+    code += "from ringwear import main; raise SystemExit(main())"
     out = tmp_path / "out"
     command = [sys.executable, "-c", code, "study", "extremes", "--quick", "--out", str(out)]
     with subprocess.Popen(

@@ -7,8 +7,7 @@ import csv
 import numpy as np
 import pytest
 
-from ringwear import Scene, study
-from ringwear.studies.cli import main
+from ringwear import Scene, main, study
 from ringwear.studies.convergence.flat_start import flat_families
 from ringwear.studies.numerics.march import LIMIT
 from ringwear.studies.study.levels import Record

@@ -8,10 +8,7 @@ import pandas as pd
 import pytest
 
 import ringwear
-from ringwear import study
-from ringwear.meshes import bisection
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.sizes import SizeField
+from ringwear import SceneError, SizeField, bisection, study
 from ringwear.studies.refinement import ways
 from ringwear.studies.study.levels import Family, Progress, Record
 

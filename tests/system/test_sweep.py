@@ -13,12 +13,8 @@ import pytest
 import tomli_w
 import xarray
 
-from ringwear import Scene, run, sweep
-from ringwear.mdr import direct
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Rings, Scene, SceneError, direct, main, run, sweep
 from ringwear.studies.predictions.memory import predict_memory
-from ringwear.studies.problem.problem import Rings
 from ringwear.studies.problem.quantities import QUANTITIES, error_name
 from ringwear.studies.sizes.shared import covering, groups
 from ringwear.studies.sweep.axes import ANSWERS, Sweep

@@ -18,7 +18,7 @@ import pytest
 import xarray
 from test_sweep_faults import contents, statuses
 
-from ringwear.studies.cli import main
+from ringwear import main
 
 pytestmark = pytest.mark.slow
 

@@ -19,8 +19,7 @@ from test_sweep_cluster import PRELOAD, expect
 from test_sweep_cluster import cluster as cluster
 from test_sweep_faults import contents, statuses
 
-from ringwear import Scene
-from ringwear.studies.cli import main
+from ringwear import Scene, main
 
 ROOT = Path(__file__).parents[2]
 # loads ringwear from another folder
@@ -65,7 +64,7 @@ def alter(folder, file, before, after):
 
 def run_with(finder, directory, *arguments):
     """Run the command with the copy of the package."""
-    code = f"{finder}\nfrom ringwear.studies.cli import main\nif __name__ == '__main__':\n"
+    code = f"{finder}\nfrom ringwear import main\nif __name__ == '__main__':\n"
     code += f"    sys.exit(main(['sweep', 'sweep.toml', '--out', 'out', *{arguments!r}]))"
     (directory / "run.py").write_text(code)
     command = [sys.executable, "run.py"]

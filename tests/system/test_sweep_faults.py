@@ -19,9 +19,7 @@ import tomli_w
 import xarray
 import zarr
 
-from ringwear import Scene, sweep
-from ringwear.meshes.errors import RingwearError, SceneError
-from ringwear.studies.cli import main
+from ringwear import RingwearError, Scene, SceneError, main, sweep
 from ringwear.studies.output.folder import lock_folder
 from ringwear.studies.sweep import compute, store, workers
 from ringwear.studies.sweep.store import Store
@@ -44,7 +42,7 @@ LONG = {
 CODE = """
 import sys
 from pathlib import Path
-from ringwear.studies.cli import main
+from ringwear import main
 from ringwear.studies.sweep import workers
 from ringwear.studies.sweep.store import Store
 # start workers although the sweep is short, because the test is about them

@@ -14,9 +14,7 @@ import pytest
 import tomli_w
 import xarray
 
-from ringwear import Scene, run, sweep
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, main, run, sweep
 from ringwear.studies.sweep.axes import Sweep
 
 FLAT = Scene.load("flat_punch").changed(

@@ -9,7 +9,7 @@ import tomli_w
 import xarray
 from test_sweep_faults import BASE, LONG, alive, begin, children, contents, statuses
 
-from ringwear.studies.cli import main
+from ringwear import main
 
 pytestmark = pytest.mark.slow
 

@@ -12,9 +12,7 @@ import pandas as pd
 import pytest
 import tomli_w
 
-from ringwear import Scene, check, run, study
-from ringwear.meshes.errors import SceneError
-from ringwear.studies.cli import main
+from ringwear import Scene, SceneError, check, main, run, study
 from ringwear.studies.methods.mdr import Mdr
 
 FLAT = Scene.load("flat_punch").changed(methods=["mdr"], accuracy__rtol=1e-2)

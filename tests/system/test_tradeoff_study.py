@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ringwear import Scene, study
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, study
 
 
 def test_a_user_quantity_is_a_group():

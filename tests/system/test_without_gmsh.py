@@ -5,11 +5,8 @@ import sys
 import numpy as np
 import pytest
 
-from ringwear import Scene, plan, run
+from ringwear import MeshError, Scene, SizeField, main, plan, run
 from ringwear.meshes.by_gmsh import triangles
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.cli import main
 
 
 @pytest.fixture(autouse=True)

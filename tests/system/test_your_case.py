@@ -7,10 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ringwear import Scene, run
-from ringwear.meshes import bisection
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.cli import main
+from ringwear import Scene, SizeField, bisection, main, run
 
 README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
 # base scene, shorter than that of the README, to which each row of the table is applied

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ringwear.studies.results import Result
+from ringwear import Result
 
 from .scenes import HISTORY, MOVING, SIZES, twice
 

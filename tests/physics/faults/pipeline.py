@@ -6,16 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear.meshes.compliance import Compliance
-from ringwear.meshes.pressure_space import PressureSpace
+from ringwear import Compliance, Loading, PressureSpace, Problem, Rings, RunningIn
 from ringwear.studies.methods.mdr import Mdr
-from ringwear.studies.problem.face import Rings
-from ringwear.studies.problem.loading import Loading
-from ringwear.studies.problem.problem import Problem
 from ringwear.studies.sampling import sampler
 from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact
-from ringwear.studies.wear.full_contact import RunningIn
 from ringwear.studies.wear.modes import Modes
 
 Put = Callable[[pytest.MonkeyPatch], None]

@@ -10,11 +10,10 @@ from functools import cache
 
 import numpy as np
 
-from ringwear import Scene, run
+from ringwear import Result, Scene, run
 from ringwear.studies.anchors.checks import anchors
 from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.problem.quantities import DESCRIBED
-from ringwear.studies.results import Result
 
 RINGS = {
     "radius": "2 mm",

@@ -9,17 +9,13 @@ from conftest import WITHOUT_GMSH
 from scipy.sparse import bmat, coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
+from ringwear import SizeField, SolverError, bisection, direct, energy, press_flat
 from ringwear.fem import condensation
 from ringwear.fem.condensation import trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.mdr import direct, energy
-from ringwear.meshes import bisection
 from ringwear.meshes.by_gmsh import quads
-from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import contact_facets
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.flat_contact import press_flat
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])

@@ -5,17 +5,14 @@ import pytest
 import skfem
 from conftest import WITHOUT_GMSH
 
+from ringwear import SceneError, SizeField, bisection, press_flat
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.elements import degree_along_side, is_on_quadrilaterals
 from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.fem.weak_form import tables
-from ringwear.meshes import bisection
 from ringwear.meshes.by_gmsh import quads
-from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import as_half_space
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.flat_contact import press_flat
 
 FLAT = np.array([0.0, 1.0])
 TRIANGLES = bisection.mesh(SizeField((0.0, 1.0), 0.01, 0.05, 0.6, 5.0))

@@ -6,14 +6,11 @@ import numpy as np
 import pytest
 from skfem import Basis, MeshQuad
 
+from ringwear import MeshError, PressureSpace, SizeField, bisection
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.error_indicator import fewest_with_share, squared_indicators
 from ringwear.fem.half_space import pressure_space
 from ringwear.fem.weak_form import moduli
-from ringwear.meshes import bisection
-from ringwear.meshes.errors import MeshError
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.sizes import SizeField
 
 EDGES = np.array([0.0, 0.5, 1.0])
 RATIO = 0.3

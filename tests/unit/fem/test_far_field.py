@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
+from ringwear import SizeField, bisection, press_flat
 from ringwear.fem.condensation import symmetric
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import enough_poles, exterior_stiffness, poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
-from ringwear.meshes import bisection
-from ringwear.meshes.sizes import SizeField
-from ringwear.studies.wear.flat_contact import press_flat
 
 ORDERS = (0, 2, 4, 6)
 SHEAR = 0.7

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ringwear import Ground
 from ringwear.fem.layered_far_field import independent_count, loaded_fields
-from ringwear.meshes.ground.ground import Ground
 
 OUTER = 2.5
 GROUND = Ground((0.5, 0.4), (0.35, 3.0, 0.1), (0.3, 0.2, 0.45))

@@ -8,15 +8,11 @@ from scipy.linalg import eigh
 from scipy.sparse import csr_matrix
 from skfem import MeshTri
 
+from ringwear import PressureSpace, SizeField, SolverError, bisection, energy
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, contact_breakpoints, pressure_space
-from ringwear.mdr import energy
-from ringwear.meshes import bisection
-from ringwear.meshes.errors import SolverError
 from ringwear.meshes.half_space import as_half_space
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.sizes import SizeField
 
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])
 FIELD = SizeField(tuple(EDGES), 0.02, 0.02, 0.7, 4.0)

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from ringwear.mdr import energy, ring_kernel
+from ringwear import PressureSpace, alternating_edges, energy, ring_kernel
 from ringwear.mdr.transforms import line_density, panel_quadrature
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import alternating_edges, graded_breakpoints, layer_degrees
+from ringwear.meshes.radial import graded_breakpoints, layer_degrees
 
 
 def graded(edges):

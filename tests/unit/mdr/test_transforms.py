@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 from mpmath import mp
 
-from ringwear.mdr import energy
+from ringwear import PressureSpace, energy, press_flat
 from ringwear.mdr.transforms import (
     line_density,
     panel_quadrature,
     pressure_transform,
     profile_transform,
 )
-from ringwear.meshes.pressure_space import PressureSpace, shapes
+from ringwear.meshes.pressure_space import shapes
 from ringwear.meshes.radial import graded_breakpoints, layer_degrees
-from ringwear.studies.wear.flat_contact import press_flat
 
 EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 

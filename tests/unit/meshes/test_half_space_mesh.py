@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from skfem import MeshQuad, MeshTri
 
-from ringwear.meshes import bisection
+from ringwear import MeshError, SizeField, alternating_edges, bisection
 from ringwear.meshes.by_gmsh import quads, triangles
-from ringwear.meshes.errors import MeshError
 from ringwear.meshes.half_space import (
     LOWERED_DEGREE_PREFIX,
     as_half_space,
@@ -21,8 +20,8 @@ from ringwear.meshes.half_space import (
     segments,
     truncation,
 )
-from ringwear.meshes.radial import Array, alternating_edges
-from ringwear.meshes.sizes import SizeField, convergence, patch_widths
+from ringwear.meshes.radial import Array
+from ringwear.meshes.sizes import convergence, patch_widths
 
 RINGS = SizeField((0.0, 0.2, 0.4, 0.6, 0.8, 1.0), 1e-5, 1e-3, 0.6, 5.0)
 FIELDS = {

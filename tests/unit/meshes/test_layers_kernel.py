@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from ringwear.meshes.ground.ground import Ground, relative_compliance
+from ringwear import Ground
+from ringwear.meshes.ground.ground import relative_compliance
 from ringwear.meshes.ground.line_energy import flat_series, line_energy, relative_stiffness
 
 WAVE_NUMBERS = np.geomspace(1e-4, 40, 60)

@@ -6,12 +6,10 @@ import meshio
 import numpy as np
 import pytest
 
-from ringwear.meshes import bisection
+from ringwear import MeshError, SizeField, bisection
 from ringwear.meshes.by_gmsh import session as gmsh_session
-from ringwear.meshes.errors import MeshError
 from ringwear.meshes.files import read
 from ringwear.meshes.half_space import areas, contact_radii, truncation
-from ringwear.meshes.sizes import SizeField
 
 EDGES = np.array([0.0, 0.5, 1.0])
 

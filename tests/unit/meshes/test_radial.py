@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_areas, ring_of
+from ringwear import PressureSpace, ring_areas
+from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_of
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])

@@ -10,17 +10,14 @@ import pytest
 from scipy.linalg import expm
 from skfem import MeshTri
 
+from ringwear import PressureSpace, SceneError, alternating_edges, press_flat
 from ringwear.mdr.energy import compliance
 from ringwear.mdr.uniform_grid import UniformGrid
-from ringwear.meshes.errors import SceneError
-from ringwear.meshes.pressure_space import PressureSpace
-from ringwear.meshes.radial import alternating_edges
 from ringwear.studies.convergence.measures import PRESSURE_PART
 from ringwear.studies.convergence.study import explain_d0_orders
 from ringwear.studies.study.levels import Theory
 from ringwear.studies.study.orders import Sequence
 from ringwear.studies.study.own_mesh import named_meshes
-from ringwear.studies.wear.flat_contact import press_flat
 
 
 def order(sizes, errors):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, deck
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, deck
 from ringwear.studies.check.tables import read
 from ringwear.studies.decks.deck import refusal
 from ringwear.studies.decks.mesh import deck_mesh, graded

@@ -10,8 +10,7 @@ import pandas as pd
 import pytest
 from scipy.integrate import quad
 
-from ringwear import Scene
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError
 from ringwear.studies.fit.data import read_measurements
 from ringwear.studies.fit.measurement import Measurement
 from ringwear.studies.fit.models.flat_histories import divided_difference

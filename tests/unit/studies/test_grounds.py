@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
+from ringwear import Ground, Rings
 from ringwear.mdr.flat_punch import flat_punch
-from ringwear.meshes.ground.ground import Ground
 from ringwear.studies.check.causes import grounds
-from ringwear.studies.problem.face import Rings
 
 RATIO = 0.3
 

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene
+from ringwear import Scene, SceneError, method
 from ringwear.meshes.by_gmsh.outline import truncation_with_interfaces
-from ringwear.meshes.errors import SceneError
 from ringwear.meshes.half_space import areas
 from ringwear.studies.anchors.reading import Reading
 from ringwear.studies.check.template import write_template
-from ringwear.studies.methods.base import method
 from ringwear.studies.problem.unit_names import kind_of
 from ringwear.studies.sizes.half_space_mesh import half_space_mesh
 from ringwear.studies.sizes.shared import discretisation_key

@@ -2,10 +2,8 @@
 
 import pytest
 
-from ringwear import Scene
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError, method
 from ringwear.studies.anchors.checks import CONTACT_ANCHORS, RESPONSE_ANCHORS
-from ringwear.studies.methods.base import method
 from ringwear.studies.methods.fem import DISCRETISED, HALF_SPACES
 from ringwear.studies.methods.pipeline import PIPELINES
 from ringwear.studies.methods.spaces import SPACES

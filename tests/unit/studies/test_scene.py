@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError
 from ringwear.studies.outcome.scope import methods_of, refusals
 from ringwear.studies.report.words import defaults_taken
 from ringwear.studies.scene.explain import declaration

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ringwear import Scene
-from ringwear.meshes import bisection
-from ringwear.meshes.errors import SolverError
+from ringwear import Scene, SizeField, SolverError, bisection
 from ringwear.meshes.half_space import contact_radii, quality
-from ringwear.meshes.sizes import SizeField
 from ringwear.studies.numerics.subdivision import subdivided
 from ringwear.studies.registry import INTERRUPTED
 from ringwear.studies.study.levels import Family, Record, Theory

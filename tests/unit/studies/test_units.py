@@ -5,8 +5,7 @@ from typing import Annotated
 import numpy as np
 import pytest
 
-from ringwear import Scene
-from ringwear.meshes.errors import SceneError
+from ringwear import Scene, SceneError
 from ringwear.studies.crosscheck.agreement import when_in_words
 from ringwear.studies.crosscheck.promise import LeftOut, in_words
 from ringwear.studies.problem.fields import OverTime, Positive, Section, Unit
