@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..meshes.errors import SceneError
 from .arguments import EXAMPLES, OF_STUDIES, Parser, add_arguments
-from .exchange import COMMANDS as EXCHANGE
 from .output.folder import Folder, default_folder, named_folder, output_folder
 from .output.log import show_progress
 from .output.streams import print_error
 from .registry import INTERRUPTED
-from .report.terminal import print_lines
+from .report.terminal import print_lines, print_markdown
 from .scene.scene import Scene
 from .scene.sources import bundled, text_of
 from .status import Status
@@ -274,6 +273,40 @@ def _scenes(options: argparse.Namespace) -> Status:
     return Status.DONE
 
 
+def _deck(options: argparse.Namespace) -> Status:
+    from .decks.deck import Choice, write_decks
+
+    scene = Scene.load(options.scene)
+    times = tuple(options.times) if options.times else None
+    choice = Choice(options.program, options.elements, options.size, options.reach, times)
+    out = options.out or default_folder(options.scene, "deck_")
+    with output_folder(out, "deck", ["README.md"]) as folder:
+        lines = write_decks(scene, choice, folder.hidden)
+    print_markdown(lines)
+    print_lines(["", f"{len(folder.written)} files in {out}: {', '.join(folder.written)}"])
+    return Status.DONE
+
+
+def _challenge(options: argparse.Namespace) -> Status:
+    """List the problems of the challenge, print one as a scene, or compare results with it."""
+    from .challenge.problems import problem_named, problem_of_file, problems
+
+    match options.words:
+        case []:
+            for path in problems():
+                print_lines([f"{path.stem:<24}{Scene.load(path).title.partition(': ')[2]}"])
+        case [word] if not Path(word).is_file():
+            print(problem_named(word).read_text("utf-8"), end="")
+        case [*names, file] if len(names) < 2:
+            from .challenge.draw import submission
+
+            path = problem_named(names[0]) if names else problem_of_file(Path(file))
+            print_markdown(submission(path, Path(file)))
+        case _:
+            raise SceneError("challenge takes a problem and one file: challenge [NAME] FILE")
+    return Status.DONE
+
+
 class Command(NamedTuple):
     """A command: line of help, function, names in `ARGUMENTS`, default scene, help examples."""
 
@@ -283,6 +316,18 @@ class Command(NamedTuple):
     scene: str | None = None
     examples: str | None = None
 
+
+DECK_EXAMPLES = """examples:
+  ringwear deck mine.toml --for calculix --out deck       the start and the last time
+  ringwear deck five_rings --for calculix --time 0.1 --time 2 --size 0.05 --reach 500
+  cd deck; ccx prescribed; ringwear check scene.toml prescribed.dat
+"""
+CHALLENGE_EXAMPLES = """examples:
+  ringwear challenge                                    list the problems
+  ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
+  ringwear challenge 03_five_rings mine.csv             compare your results with it
+  ringwear challenge 03_mine.csv                        the same, by the number in the file's name
+"""
 
 COMMANDS = {
     "run": Command(
@@ -337,7 +382,20 @@ COMMANDS = {
     "scenes": Command(
         "list the bundled scenes, or print one as a start for your own", _scenes, ("name",)
     ),
-    **{name: Command(*row) for name, row in EXCHANGE.items()},
+    "deck": Command(
+        "write input files of a scene for CalculiX or Abaqus, and a README that explains them",
+        _deck,
+        ("scene", "--for PROGRAM", "--elements", "--size", "--reach", "--time", "--out"),
+        None,
+        DECK_EXAMPLES,
+    ),
+    "challenge": Command(
+        "compare results of another program with a problem of the wear challenge",
+        _challenge,
+        ("words",),
+        None,
+        CHALLENGE_EXAMPLES,
+    ),
 }
 
 
