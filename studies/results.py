@@ -185,7 +185,8 @@ class Result(Outcome):
     """All results of a run.
 
     `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
-    `warnings`, `agreement`, `anchors`, `summary`, `plot(kind)` and `save(folder)`.
+    `warnings`, `remarks`, `agreement`, `anchors`, `summary`, `plots`, `plot(kind)` and
+    `save(folder)`.
     """
 
     def __repr__(self) -> str:
@@ -212,6 +213,20 @@ class Result(Outcome):
         from .figures.catalogue import PICTURES
 
         return PICTURES
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """The figures that `plot` can draw of these results."""
+        return tuple(self._pictures)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the command prints below the verdict.
+
+        These are warnings, anchors that do not hold, disagreements, and what is undecided, with
+        reasons and remedies; errors above `rtol`; and notes.
+        """
+        return tuple(self._account.remarks)
 
     @property
     def _account(self) -> Account:

@@ -55,9 +55,10 @@ in punch radii, forces in units of that which gives a flat punch the indentation
 `press_flat`, `moments`, `Load`, `ContactMarch`, `RunningIn`
     a flat punch that is pressed; integrals of a face; a force or an indentation; wear in steps
     while contact opens and spreads; wear in full contact, exact in time
-`Method`, `ComplianceMethod`, `Discretised`, `Solution`, `method`, `Stages`
-    a method, and one that only computes a compliance; the half-space it discretises; what it has
-    solved; the bundled method of a name; its seconds by stage
+`Method`, `ComplianceMethod`, `Discretised`, `pressure_spaces`, `Solution`, `method`, `Stages`
+    a method, and one that only computes a compliance; the half-space it discretises; the space that
+    resolves a problem, and a coarser one; what a method has solved; the bundled method of a name;
+    its seconds by stage
 `differences`
     relative differences of two sets of results, each in the norm of its quantity
 `SizeField`, `bisection`, `ring_areas`, `alternating_edges`
@@ -117,6 +118,7 @@ if TYPE_CHECKING:
     from ringwear.studies.fit.fit import fit
     from ringwear.studies.methods.base import Discretised, Method, Solution, method
     from ringwear.studies.methods.pipeline import ComplianceMethod
+    from ringwear.studies.methods.spaces import pressure_spaces
     from ringwear.studies.predictions.plan import plan
     from ringwear.studies.problem.loading import Loading
     from ringwear.studies.problem.problem import Problem, Rings
@@ -177,6 +179,7 @@ __all__ = [
     "moments",
     "plan",
     "press_flat",
+    "pressure_spaces",
     "ring_areas",
     "ring_kernel",
     "run",
@@ -210,6 +213,7 @@ _LATER = {
     "studies.fit.fit": ["fit"],
     "studies.methods.base": ["Discretised", "Method", "Solution", "method"],
     "studies.methods.pipeline": ["ComplianceMethod"],
+    "studies.methods.spaces": ["pressure_spaces"],
     "studies.predictions.plan": ["plan"],
     "studies.problem.loading": ["Loading"],
     "studies.problem.problem": ["Problem", "Rings"],

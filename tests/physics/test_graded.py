@@ -7,9 +7,8 @@ import pytest
 from closed_forms import GradedSteadyState
 from independent import Load, Pieces, solved
 
-from ringwear import RunningIn, Scene, SceneError, Stages, differences, energy, run
+from ringwear import RunningIn, Scene, SceneError, Stages, differences, energy, pressure_spaces, run
 from ringwear import method as method_named
-from ringwear.studies.methods.spaces import pressure_spaces
 from ringwear.studies.sizes.shared import covering
 
 SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}

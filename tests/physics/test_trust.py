@@ -9,7 +9,6 @@ from wear_reference import random_scenes
 from ringwear import ContactCells, Scene, run
 from ringwear.studies.contact.edges import worn_edges
 from ringwear.studies.crosscheck.agreement import agreements
-from ringwear.studies.report.words import Account
 from ringwear.studies.sizes.cells import cells_of
 
 FIVE = Scene.load("five_rings")
@@ -186,7 +185,7 @@ def test_estimates_of_the_default_scene_are_within_rtol():
     result = run(FIVE)
     assert result.verdict == "agree"
     assert not any(method["beyond_rtol"] for method in result.summary["methods"].values())
-    assert not any("states errors" in line for line in Account(result).remarks)
+    assert not any("states errors" in line for line in result.remarks)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +228,7 @@ def test_methods_agree_on_an_annulus_without_wear():
     )
     result = run(scene, methods=["mdr", "bem", "fem"])
     assert result.verdict == "agree"
-    lines = [line for line in Account(result).remarks if "undecided" in line]
+    lines = [line for line in result.remarks if "undecided" in line]
     undecided = {row.quantity for row in result.agreement if row.remark}
     assert all(any(quantity in line for line in lines) for quantity in undecided)
     assert not any("worn" in line for line in lines)

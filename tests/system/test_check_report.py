@@ -10,7 +10,6 @@ import pytest
 from ringwear import Scene, check, load, main, run
 from ringwear.studies.check.account import CheckAccount
 from ringwear.studies.check.checked import CheckedOutcome
-from ringwear.studies.figures.difference import draw_result_difference
 
 SCENE = Scene(
     title="Two materials",
@@ -134,7 +133,7 @@ def test_text_table_and_figure_name_the_same_place():
     assert row.error == pytest.approx(float(field.norms.max()), rel=1e-6)
     line = next(line for line in checked.lines if "pressure: root mean square error" in line)
     assert "at one radius largest at t = 1e+06 s" not in line
-    titles = [axes.get_title(loc="left") for axes in draw_result_difference(checked).axes]
+    titles = [axes.get_title(loc="left") for axes in checked.plot("difference").axes]
     (largest,) = [title for title in titles if "largest" in title]
     assert "r = 1.5 mm" in largest
     assert "r = 1.5 mm: 10 % too high" in line

@@ -5,10 +5,7 @@ import pytest
 
 from ringwear import PressureSpace, Scene, load, run
 from ringwear.studies.crosscheck.operators import _shortest_resolved_wave
-from ringwear.studies.figures.catalogue import PICTURES
-from ringwear.studies.figures.difference import draw_difference, draw_result_difference
-from ringwear.studies.figures.history import draw_history
-from ringwear.studies.figures.operators import draw_operators
+from ringwear.studies.figures.difference import draw_difference
 from ringwear.studies.figures.scale import Scale
 from ringwear.studies.figures.style import new_panels, show_values
 from ringwear.studies.sampling.field_differences import compare_fields
@@ -184,7 +181,7 @@ def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
         **{"methods": ["bem", "mdr"], "accuracy__rtol": 1e-2} | changes
     )
     result = run(scene)
-    figure = draw_result_difference(result) if result.field_comparisons else None
+    figure = result.plot("difference") if result.field_comparisons else None
     if kind == "no sliding":
         # without a force, no difference can be relative to anything
         assert figure is None
@@ -205,8 +202,7 @@ def test_the_figure_of_any_punch_marks_the_greatest_differences(kind, tmp_path):
 
 def test_one_method_has_no_difference():
     alone = run(Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-2))
-    (picture,) = [each for each in PICTURES if each.file == "difference.png"]
-    assert not picture.drawn_for(alone)
+    assert "difference" not in alone.plots
 
 
 def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
@@ -214,7 +210,7 @@ def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
     result = run(scene)
     result.save(tmp_path)
     again = load(tmp_path)
-    first, second = (texts(draw_result_difference(each)) for each in (result, again))
+    first, second = (texts(each.plot("difference")) for each in (result, again))
     assert first == second
 
 
@@ -224,7 +220,7 @@ def test_finite_elements_are_drawn_before_other_methods():
     )
     result = run(scene)
     assert [each.other for each in result.field_comparisons] == ["fem", "bem"]
-    figure = draw_result_difference(result)
+    figure = result.plot("difference")
     assert "Not drawn: BEM minus MDR" in figure.legends[0].get_title().get_text()
 
 
@@ -245,7 +241,7 @@ def test_no_history_has_offset_text_or_a_narrow_axis():
         wear__times=[5e7, 5.0001e7],
         half_space__plane_strain_modulus=1e-7,
     )
-    figure = draw_history(run(scene))
+    figure = run(scene).plot("history")
     figure.draw_without_rendering()
     for axes in figure.axes:
         assert not axes.yaxis.get_offset_text().get_text()
@@ -281,7 +277,7 @@ def test_large_differences_of_operators_are_in_the_shaded_part(name):
     resolved = pair.wavelengths > pair.shortest_resolved
     assert pair.differences[~resolved].max() > 0.1
     assert pair.differences[resolved].max() < 0.1
-    (axes,) = draw_operators(result).axes
+    (axes,) = result.plot("operator_difference").axes
     (shaded,) = axes.patches
     assert shaded.get_x() == pytest.approx(axes.get_xlim()[0])
     end = (shaded.get_x() + shaded.get_width()) * result.scene.punch.radius

@@ -13,11 +13,7 @@ from figure_faults import faults
 from matplotlib.figure import Figure
 
 from ringwear import Scene, check, run
-from ringwear.studies.figures.catalogue import PICTURES
-from ringwear.studies.figures.history import draw_history
-from ringwear.studies.figures.mesh import draw_stress
 from ringwear.studies.figures.scale import Scale
-from ringwear.studies.figures.states import draw_states
 from ringwear.studies.figures.style import LOOKS
 from ringwear.studies.report.words import Account
 
@@ -63,10 +59,9 @@ def named(figure, label):
 @pytest.mark.parametrize("scene", ["worn", "grooved"])
 def test_nothing_overlaps_and_numbers_are_short(scene, request):
     result = request.getfixturevalue(scene)
-    drawn = [picture for picture in PICTURES if picture.drawn_for(result)]
-    assert len(drawn) >= 6
-    for picture in drawn:
-        assert faults(picture.figure(result)) == [], picture.file
+    assert len(result.plots) >= 6
+    for kind in result.plots:
+        assert faults(result.plot(kind)) == [], kind
 
 
 def test_overlapping_labels_are_detected():
@@ -92,7 +87,7 @@ def test_answer_and_figures_are_in_the_units_of_the_scene(worn):
     # F / (2 a E*) with E* = 2000 MPa / (1 - 0.3^2)
     depth = 100 * (1 - 0.3**2) / (2 * 10 * 2000)
     assert float(answers["indentation start"].split()[0]) == pytest.approx(depth, rel=1e-3)
-    figures = [picture.figure(worn) for picture in PICTURES if picture.drawn_for(worn)]
+    figures = [worn.plot(kind) for kind in worn.plots]
     labels = " ".join(
         axis.get_label_text().removeprefix("|Δp| / rms(p)")
         for figure in figures
@@ -105,7 +100,7 @@ def test_answer_and_figures_are_in_the_units_of_the_scene(worn):
 
 
 def test_the_unworn_punch_is_drawn_at_its_height_above_the_panel(worn):
-    figure = draw_states(worn)
+    figure = worn.plot("profiles_and_pressures")
     lines = named(figure, "unworn punch")
     tops = [line.axes.get_ylim()[1] for line in lines]
     heights = [float(np.max(line.get_ydata())) for line in lines]
@@ -117,7 +112,7 @@ def test_the_unworn_punch_is_drawn_at_its_height_above_the_panel(worn):
 
 
 def test_deep_grooves_do_not_hide_wear(grooved):
-    figure = draw_states(grooved)
+    figure = grooved.plot("profiles_and_pressures")
     panels = [line.axes for line in named(figure, "unworn punch")]
     profiles = grooved.by_method("profile")["mdr"]
     edges = np.array([0, 10, 20, 30]) / 3e3
@@ -139,7 +134,7 @@ def test_a_recess_that_has_worn_off_does_not_hide_the_profile():
         "wear": {"times": ["0 h", "2 h", "20 h", "72 h", "200 h"]},
     }
     result = run(Scene(**scene))
-    figure = draw_states(result)
+    figure = result.plot("profiles_and_pressures")
     last = [line.axes for line in named(figure, "unworn punch")][-1]
     heights = result.by_method("profile")["mdr"][-1]
     span = np.ptp(heights)
@@ -154,8 +149,7 @@ def test_a_recess_that_has_worn_off_does_not_hide_the_profile():
 
 
 def test_labels_at_the_rim_name_its_unit_of_length(worn):
-    (picture,) = (picture for picture in PICTURES if picture.file == "mesh.png")
-    *_, rim = picture.figure(worn).axes
+    *_, rim = worn.plot("mesh").axes
     unit = rim.get_xlabel().removeprefix("radius r − a")
     assert "mm" in unit
     assert rim.get_ylabel() == f"depth z{unit}"
@@ -167,20 +161,19 @@ def test_all_words_of_a_single_stress_panel_are_in_the_figure():
     title = "A polishing tool of three rings under a load that falls"
     wear = {"times": ["0 h", "0.5 h", "1 h"], "steady": False}
     result = run(Scene(**WORN | {"title": title, "load": falling, "wear": wear}))
-    (picture,) = (picture for picture in PICTURES if picture.draw is draw_stress)
-    figure = picture.figure(result)
+    figure = result.plot("stress")
     assert faults(figure) == []
     assert "stress under the rings" in figure.get_suptitle()
 
 
 def test_differences_over_time_look_like_their_method(worn):
-    figure = draw_history(worn)
+    figure = worn.plot("history")
     (difference,) = {line.get_color() for line in named(figure, "FEM minus MDR")}
     assert difference == LOOKS["fem"]["color"]
 
 
 def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(grooved):
-    figure = draw_stress(grooved)
+    figure = grooved.plot("stress")
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert [title.split("\n")[0] for title in titles] == ["t = 0 s", "t = 3 h"]
     assert "states without contact, not drawn: 1" in figure.legends[0].get_title().get_text()
@@ -205,11 +198,9 @@ def test_panels_of_stresses_show_layers_of_any_thickness(thickness):
         "accuracy": {"rtol": 1e-2},
     }
     result = run(scene)
-    for picture in PICTURES:
-        if picture.file in ("stress.png", "mesh.png"):
-            assert picture.drawn_for(result)
-            assert faults(picture.figure(result)) == []
-    figure = draw_stress(result)
+    for kind in ("stress", "mesh"):
+        assert faults(result.plot(kind)) == []
+    figure = result.plot("stress")
     bottom, _ = figure.axes[0].get_ylim()
     # the layer fills at least a tenth of the panel
     assert thickness < bottom < 10 * thickness
@@ -221,7 +212,9 @@ def test_other_programs_have_different_colours(worn):
     table = worn.dataset.sel(solver="mdr")[["pressure", "profile", "indentation"]]
     table = table.isel(radius=slice(None, None, 40), time=[1, 2]).drop_vars("solver")
     checked = check(Scene(**WORN), {"ansys": table, "abaqus": table}, methods=["mdr"])
-    lines = {name: named(draw_states(checked), name) for name in ("ansys", "abaqus")}
+    lines = {
+        name: named(checked.plot("profiles_and_pressures"), name) for name in ("ansys", "abaqus")
+    }
     colours = {line.get_color() for drawn in lines.values() for line in drawn}
     assert len(colours) == 2
     assert not colours & {look["color"] for look in LOOKS.values()}

@@ -5,12 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Compliance, ComplianceMethod, Discretised, Method, Scene, load, run
+from ringwear import (
+    Compliance,
+    ComplianceMethod,
+    Discretised,
+    Method,
+    Scene,
+    load,
+    pressure_spaces,
+    run,
+)
 from ringwear.studies.crosscheck.agreement import by_quantity
-from ringwear.studies.figures.catalogue import PICTURES
 from ringwear.studies.methods.mdr import METHOD
-from ringwear.studies.methods.spaces import pressure_spaces
-from ringwear.studies.output.files import draw, write_numbers
 from ringwear.studies.report.words import Account
 
 
@@ -38,7 +44,7 @@ def test_own_method(name, tmp_path):
     assert np.isfinite(winkler.indentation_error).all()
     # springs are no half-space, so the methods disagree
     assert result.verdict == "disagree"
-    lines = Account(result).remarks
+    lines = result.remarks
     disagree = [row for row in by_quantity(result.agreement).values() if row.verdict == "disagree"]
     for row in disagree:
         text = f"mdr and winkler differ by {row.difference:.1e}; rtol and their error estimates"
@@ -47,14 +53,14 @@ def test_own_method(name, tmp_path):
         ), row.quantity
     assert any("winkler" in line for line in result.summary["modelled"])
     assert "winkler" in str(Account(result).methods)
-    assert not draw(result, PICTURES, tmp_path)
+    result.save(tmp_path)
     assert (tmp_path / "history.png").exists()
 
 
 def test_saved_results_of_an_own_method_are_read_back(tmp_path):
     """The class of the method is not known then."""
     result = run(Scene.load("flat_punch").changed(accuracy__rtol=1e-2), methods=[Winkler()])
-    write_numbers(result, tmp_path)
+    result.save(tmp_path)
     assert repr(load(tmp_path)) == repr(result)
 
 
@@ -74,7 +80,7 @@ def test_results_of_a_method_without_an_error_estimate_are_saved(tmp_path):
     result = run(scene, methods=["mdr", WithoutEstimate()])
     assert result.verdict == "undecided"
     assert by_quantity(result.agreement)["indentation"].uncertainty == np.inf
-    write_numbers(result, tmp_path)
+    result.save(tmp_path)
     assert repr(load(tmp_path)) == repr(result)
 
 

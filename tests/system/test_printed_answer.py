@@ -87,7 +87,7 @@ def test_times_that_miss_the_running_in_give_a_note(times, words):
     )
     before = time_scale(scene)
     assert "slowest relaxation time of the full face 0.344" in before[0]
-    for lines in (before, Account(run(scene)).remarks):
+    for lines in (before, run(scene).remarks):
         missed = [line for line in lines if "the running-in, " in line]
         assert bool(missed) == bool(words)
         assert all(words in line for line in missed)
