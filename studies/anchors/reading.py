@@ -20,9 +20,8 @@ from ..problem.fields import TomlTable
 from ..problem.quantities import Units
 from ..scene.scene import Scene
 
-# distance from a step of the wear coefficient at which its one-sided values are taken, over the
-# width of the ring
-STEP_OFFSET = 1e-12
+# difference of two radii, in punch radii, below which they are the same but for roundoff
+SAME_RADIUS = 1e-14
 # relative change of the wear coefficient along a segment below which a closed form loses digits, so
 # that a Gauss rule integrates instead, and the points of that rule, which gives all digits
 SMALL_CHANGE, GAUSS_POINTS = 0.5, 24
@@ -177,17 +176,25 @@ class Reading:
             return self.wear_at(middles), self.wear_at(middles)
         # k is linear between the radii of the table, so that its extremes on a ring are at these
         # radii or at the ring edges, where one-sided values are needed because k may jump
-        radii, least, greatest = np.array(self.table["radii"]) / self.units.length, [], []
+        radii, extremes = np.array(self.table["radii"]) / self.units.length, []
         for inner, outer in pairwise(self.edges):
-            inside = radii[(radii > inner) & (radii < outer)]
-            offset = STEP_OFFSET * (outer - inner)
-            places = np.concatenate(
-                [[inner + offset, outer - offset], inside - offset, inside + offset]
-            )
-            values = self.wear_at(np.clip(places, inner, outer))
-            least.append(values.min())
-            greatest.append(values.max())
-        return np.array(least), np.array(greatest)
+            on_ring = [self._beside(inner, -1), self._beside(outer, 0)]
+            inside = (radii > inner + SAME_RADIUS) & (radii < outer - SAME_RADIUS)
+            values = np.append(np.array(self.table["values"])[inside], on_ring)
+            extremes.append((values.min(), values.max()))
+        least, greatest = np.transpose(extremes) / self.units.wear_coefficient
+        return least, greatest
+
+    def _beside(self, edge: float, which: int) -> float:
+        """Return the wear coefficient of the table beside a ring edge: outside (-1) or inside (0).
+
+        At a step of the table, two radii are equal, and `which` is the index of one of them.
+        """
+        radii, values = np.array(self.table["radii"]) / self.units.length, self.table["values"]
+        at_edge = np.flatnonzero(np.abs(radii - edge) <= SAME_RADIUS)
+        if len(at_edge):
+            return float(values[at_edge[which]])
+        return float(np.interp(edge, radii, values))
 
     def radii_of_even_wear(self) -> Array:
         """Return radii (over the punch radius) between which a graded k changes by small factors.

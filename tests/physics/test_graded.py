@@ -215,3 +215,10 @@ def test_early_pressures_in_a_steep_ramp():
         for name, error in differences(solution.checked, exact, problem.face).items():
             stated = solution.checked_error(problem, name)
             assert (error <= np.maximum(stated, rtol)).all(), name
+
+
+def test_the_anchor_of_pressures_reads_the_least_coefficient_of_a_narrow_dip():
+    """At a distance of 1e-12 from the dip, the coefficient is 1.3e-6 greater."""
+    table = along(1.0, 1e-3, 1.0, radii=(0.394, 0.39438, 0.3948))
+    result = run(scene("mdr", **table).changed(accuracy__rtol=2e-7, wear__times=[0.0]))
+    assert [anchor.name for anchor in result.anchors if not anchor.holds] == []
