@@ -25,7 +25,7 @@ from .core import FLAT
 
 # degree of the displacement, sizes at the rim, ratio of the sizes of neighbouring layers of
 # quadrilaterals, and growth: the discretisation errs by less than 1e-9
-# (physics/test_orders.py::test_truncation_on_layers)
+# (unit/studies/convergence/test_orders.py::test_truncation_on_layers)
 DEGREE, RIM_SIZE, GRADING, GROWTH = 10, 1e-8, 0.15, 0.5
 DISCRETISATION_ERROR = 1e-9
 """Relative error of d0 that these sizes leave, above which an order is fitted."""
