@@ -330,10 +330,20 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
     (physics/test_moving_edges.py::test_edges_lie_in_the_cell_in_which_contact_ends).
     """
     radius, _ = nodes(space)
-    return [
-        (_worn_edge(radius, contact, worn, first, -1), _worn_edge(radius, contact, worn, last, 1))
-        for first, last in _contact_runs(contact, np.zeros(space.size - 1, dtype=bool))
-    ]
+    edges = np.array(
+        [
+            (
+                _worn_edge(radius, contact, worn, first, -1),
+                _worn_edge(radius, contact, worn, last, 1),
+            )
+            for first, last in _contact_runs(contact, np.zeros(space.size - 1, dtype=bool))
+        ]
+    ).reshape(-1, 2)
+    # extrapolated edges may not cross: in a narrow gap, they are in the middle between two parts
+    outer, inner = edges[:-1, 1].copy(), edges[1:, 0].copy()
+    edges[:-1, 1] = np.where(outer > inner, (outer + inner) / 2, outer)
+    edges[1:, 0] = np.where(outer > inner, (outer + inner) / 2, inner)
+    return [(float(start), float(end)) for start, end in edges]
 
 
 def _worn_edge(radius: Array, contact: Mask, worn: Array, node: int, direction: int) -> float:

@@ -116,6 +116,6 @@ def _error_of_sizes(problem: Problem, solution: Solution, name: str) -> float:
         return solution.greatest_error(name)
     if problem.full_contact or DESCRIBED[name].dims[:1] != ("time",):
         return 0.0
-    errors = solution.errors[name]
+    errors = solution.checked_error(problem, name)
     promised = [not unresolved(problem, name, solutions, at) for at in range(len(errors))]
     return float(np.max(errors[promised], initial=0.0))

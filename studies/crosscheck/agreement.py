@@ -215,7 +215,7 @@ def _judge(
         promised = not all(reasons)
         remark = next(filter(None, reasons), "")
         if promised:
-            error = float(uncertainty[worst])
+            error = float(difference.uncertainty[worst])
             remark = remedy(problem, quantity, blamed, solutions[blamed], error)
         times_in_words = when_in_words(problem, units, quantity, doubtful)
     numbers = float(sizes[worst]), float(uncertainty[worst])
