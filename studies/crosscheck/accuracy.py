@@ -7,13 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-import numpy as np
-
 from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
 from ..methods.spaces import pressure_spaces
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED
 from ..progress import LOG, Stages
 from ..sizes.cells import tolerance_range
 from .promise import BY_CELLS, allowed_error, unresolved
@@ -99,23 +96,11 @@ def error_of_sizes(problem: Problem, solution: Solution) -> float:
     discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
     if problem.full_contact and (problem.march != "modal" or discretisation is None):
         return discretisation or 0.0
-    return max(
-        (
-            _error_of_sizes(problem, solution, name)
-            for name in solution.errors
-            if name not in solution.limited_by_degree
-        ),
-        default=0.0,
-    )
-
-
-def _error_of_sizes(problem: Problem, solution: Solution, name: str) -> float:
-    """Return the greatest error estimate of a quantity at times at which it is promised."""
     solutions = {"": solution}
-    if name in BY_CELLS or not unresolved(problem, name, solutions):
-        return solution.greatest_error(name)
-    if problem.full_contact or DESCRIBED[name].dims[:1] != ("time",):
-        return 0.0
-    errors = solution.checked_error(problem, name)
-    promised = [not unresolved(problem, name, solutions, at) for at in range(len(errors))]
-    return float(np.max(errors[promised], initial=0.0))
+    names = [
+        name
+        for name in solution.errors
+        if name not in solution.limited_by_degree
+        and (name in BY_CELLS or not unresolved(problem, name, solutions))
+    ]
+    return max(map(solution.greatest_error, names), default=0.0)

@@ -83,14 +83,14 @@ def unresolved(
     solutions : solutions by the names of the methods, whose smallest elements count
     at : index of the compared time, if the quantity has times
     """
-    if quantity == "rms_slope" and not all(
-        np.isfinite(solution.checked[quantity][at]) for solution in solutions.values()
+    if quantity == "rms_slope" and any(
+        np.isnan(solution.checked[quantity][at])
+        for solution in solutions.values()
+        if quantity in solution.checked
     ):
         return SLOPE_IS_INFINITE
     if not problem.full_contact:
-        if quantity not in (*AT_EDGES, *BY_CELLS) or _settled(problem, quantity, solutions, at):
-            return ""
-        return _limit_of_cells(problem, solutions)
+        return _limit_of_cells(problem, solutions) if quantity in (*AT_EDGES, *BY_CELLS) else ""
     # earlier times, which need smaller elements, have no influence
     first = int(problem.checked[at]) if DESCRIBED[quantity].dims[:1] == ("time",) else 0
     if quantity in LAYER_QUANTITIES:
@@ -122,18 +122,6 @@ def unresolved(
             "rtol, or fewer rings"
         )
     return ""
-
-
-def _settled(problem: Problem, quantity: str, solutions: Mapping[str, Solution], at: int) -> bool:
-    """Return whether nothing is left of the edges of the contact (`Marched.settled`).
-
-    The arguments are those of `unresolved`.
-    """
-    marches = [solution.march for solution in solutions.values() if solution.march]
-    if DESCRIBED[quantity].dims[:1] != ("time",) or not marches:
-        return False
-    time = problem.times[problem.checked[at]]
-    return all(march.settled(time) for march in marches)
 
 
 def _limit_of_cells(problem: Problem, solutions: Mapping[str, Solution]) -> str:
