@@ -130,6 +130,7 @@ def test_the_coarser_cells_are_coarser_where_contact_begins():
 
 
 @pytest.mark.gmsh
+@pytest.mark.slow
 def test_pressures_of_a_toroid():
     """The contact has two free edges; both meshes of a method may have them at the same places."""
     radii = np.linspace(0, 1, 401)
