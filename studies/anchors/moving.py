@@ -13,8 +13,7 @@ with g the Abel transform (Eq. 3) of the reported profile f.
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ...mdr.transforms import profile_transform
-from ...meshes.radial import Array, unit_gauss
+from ...meshes.radial import Array
 from ..problem.quantities import LEAST_SLOPE
 from ..sampling.norms import radial_weight
 from ..sizes.cells import tolerance_range
@@ -247,8 +246,15 @@ def _outermost_contact_radius(report: Reported, pressure: Array) -> Array:
 
 
 def _abel_integral(radii: Array, heights: Array, edge: float) -> float:
-    """Return ``int_0^c g dx`` up to an edge c for heights that are linear between radii."""
-    node, weight = unit_gauss(60)
-    radii, heights = np.append(0.0, radii), np.append(heights[0], heights)
-    transformed = profile_transform(radii, edge * node) @ heights
-    return float(edge * weight @ transformed)
+    """Return ``int_0^c g dx`` up to an edge c for heights f that are linear between radii.
+
+    It is the integral of ``f r / sqrt(c^2 - r^2)``, which has a closed form between two radii. A
+    rule for the transform g itself would miss the steep layers of worn faces.
+    """
+    ends = np.concatenate([[0.0], radii[radii < edge], [edge]])
+    f = np.interp(ends, radii, heights)
+    rise, root = np.diff(f) / np.diff(ends), np.sqrt((edge - ends) * (edge + ends))
+    # integrals of r and of r^2 over sqrt(c^2 - r^2)
+    first = -np.diff(root)
+    second = np.diff(edge**2 * np.arcsin(np.minimum(ends / edge, 1.0)) - ends * root) / 2
+    return float(np.sum((f[:-1] - rise * ends[:-1]) * first + rise * second))

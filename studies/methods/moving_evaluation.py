@@ -188,20 +188,13 @@ class MovingContact(Evaluation):
 
         If edges of the contact move, these are seven successive times. If layers of wear limit the
         accuracy, they are times of similar layers: those within a factor, and the adjacent ones.
-        States on which edges have left no trace are near each other only.
         """
         times = self.estimate_times
         row, count = np.arange(len(times)), len(times)
-        first, last = np.maximum(row - 3, 0), np.minimum(row + 4, count)
-        if self.in_layers:
-            first, last = near_in_time(times, times)
-            first, last = np.clip(row - 1, 0, first), np.clip(row + 2, last, count)
-        settled = self.marched.settled(times)
-        first_settled = count - np.count_nonzero(settled)
-        return (
-            np.where(settled, np.maximum(first, first_settled), first),
-            np.where(settled, last, np.minimum(last, np.maximum(first_settled, row + 1))),
-        )
+        if not self.in_layers:
+            return np.maximum(row - 3, 0), np.minimum(row + 4, count)
+        first, last = near_in_time(times, times)
+        return np.clip(row - 1, 0, first), np.clip(row + 2, last, count)
 
     @property
     def _starts_on_cells(self) -> bool:
