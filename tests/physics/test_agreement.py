@@ -36,7 +36,11 @@ def undecided(result):
 def test_bundled_scenes_agree(name, mesher):
     if name in ON_LAYERS and mesher != "quads":
         pytest.skip("layers are meshed in quadrilaterals")
-    result = run(Scene.load(name).changed(accuracy__fem__mesher=mesher))
+    scene = Scene.load(name).changed(accuracy__fem__mesher=mesher)
+    if mesher == "bisection":
+        # at rtol 1e-4, these triangles take most of the time; those of gmsh are tried there
+        scene = scene.changed(accuracy__rtol=1e-3)
+    result = run(scene)
     assert result.verdict != "disagree"
     if mesher == "quads":
         # fields of 32 rings may miss rtol because of cost, and a remark says so

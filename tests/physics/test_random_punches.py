@@ -14,38 +14,39 @@ MOST_SECONDS = 30
 
 
 def decide(seed):
-    """Return the verdict on a random punch, and the seconds of processor time."""
+    """Return results of a random punch, and the seconds of processor time."""
     began = time.process_time()
     result = run(random_punch(seed))
-    verdict = result.verdict
-    if verdict == "agree":
+    if result.verdict == "agree":
         # only quantities without a promise may be undecided
         undecided = {row.quantity for row in result.agreement if not row.agrees}
         assert undecided <= {*AT_EDGES, *BY_CELLS}
-    return verdict, time.process_time() - began
+    return result, time.process_time() - began
 
 
 # in 121, both methods state that they do not resolve the slopes of layers at the rim
 # without gmsh, two of them are undecided
 @pytest.mark.gmsh
-@pytest.mark.parametrize("seed", [0, 22, 121])
+@pytest.mark.parametrize("seed", [0, 121])
 def test_random_punches_are_decided(seed):
-    assert decide(seed)[0] == "agree"
+    assert decide(seed)[0].verdict == "agree"
 
 
 @pytest.mark.slow
 def test_at_most_one_of_12_punches_is_undecided():
     """Two punches of each kind; results for forty are in studies/crosscheck/README.md."""
     runs = [decide(seed) for seed in range(10, 10 + 2 * len(KINDS))]
-    verdicts = [verdict for verdict, _ in runs]
+    verdicts = [result.verdict for result, _ in runs]
     assert "disagree" not in verdicts
     assert verdicts.count("undecided") <= 1
     assert np.max([seconds for _, seconds in runs]) < MOST_SECONDS
 
 
+@pytest.mark.gmsh
 def test_estimates_of_contact_radii_include_the_cell_at_the_edge():
     """A part of the contact has just opened; both meshes of a method have the edge in one cell."""
-    result = run(random_punch(22))
+    result, _ = decide(22)
+    assert result.verdict == "agree"
     radii, errors = (result.dataset[name] for name in ("contact_radius", "contact_radius_error"))
     differ = np.abs(np.diff(radii, axis=0)[0])
     assert differ.max() > 2e-3
