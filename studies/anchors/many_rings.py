@@ -26,7 +26,7 @@ class Extrapolated(NamedTuple):
 
     value: Array
     change: Array
-    bump: float = 0.0
+    bump: float
 
     @property
     def error(self) -> float:

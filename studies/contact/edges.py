@@ -340,9 +340,9 @@ def worn_edges(space: PressureSpace, contact: Mask, worn: Array) -> list[tuple[f
         ]
     ).reshape(-1, 2)
     # extrapolated edges may not cross: in a narrow gap, they are in the middle between two parts
-    outer, inner = edges[:-1, 1].copy(), edges[1:, 0].copy()
-    edges[:-1, 1] = np.where(outer > inner, (outer + inner) / 2, outer)
-    edges[1:, 0] = np.where(outer > inner, (outer + inner) / 2, inner)
+    outer, inner = edges[:-1, 1], edges[1:, 0]
+    crossing = outer > inner
+    outer[crossing] = inner[crossing] = (outer[crossing] + inner[crossing]) / 2
     return [(float(start), float(end)) for start, end in edges]
 
 
