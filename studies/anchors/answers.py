@@ -68,7 +68,7 @@ def _steady_displacement(report: Reported) -> tuple[Array, Array]:
     radii = report.face.radii
     if not report.graded:
         return report.steady_displacement(radii), np.zeros(len(radii))
-    displacement, _ = displace_by_many_rings(report.reading, radii)
+    displacement = displace_by_many_rings(report.reading, radii)
     return displacement.value, displacement.change
 
 

@@ -1,5 +1,6 @@
 """Approximate a wear coefficient along the radius by many rings, which have closed forms."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -34,31 +35,32 @@ class Extrapolated(NamedTuple):
         return float(np.abs(self.change).max()) + self.bump
 
 
-def displace_by_many_rings(reading: Reading, radii: Array) -> tuple[Extrapolated, Extrapolated]:
-    """Return the steady displacements (R,) at radii (R,), and the greatest steady displacement."""
+def displace_by_many_rings(reading: Reading, radii: Array) -> Extrapolated:
+    """Return the steady displacements (R,) at radii (R,)."""
+    return _extrapolated(reading, lambda *rings: direct.displacement(*rings, radii, reading.ground))
+
+
+def greatest_by_many_rings(reading: Reading) -> Extrapolated:
+    """Return the greatest steady displacement."""
+    return _extrapolated(
+        reading, lambda *rings: np.asarray(direct.greatest_displacement(*rings, reading.ground))
+    )
+
+
+def _extrapolated(reading: Reading, compute: Callable[[Array, Array], Array]) -> Extrapolated:
+    """Extrapolate what a function computes from the edges and pressures of rings."""
     few = _even_edges(reading, RINGS)
     many = np.sort(np.concatenate([few, (few[1:] + few[:-1]) / 2]))
-    coarse, fine = (_displace_by_rings(reading, edges, radii) for edges in (few, many))
-    bump = BUMP_OF_STEP * coarse.step
-    displacement, greatest = (
-        Extrapolated(last + (last - first) / 3, np.asarray(last - first), bump)
-        for first, last in zip(coarse[:2], fine[:2], strict=True)
-    )
-    return displacement, greatest
+    (*coarse, step), (*fine, _) = (_mean_pressures(reading, edges) for edges in (few, many))
+    first, last = compute(*coarse), compute(*fine)
+    return Extrapolated(last + (last - first) / 3, last - first, BUMP_OF_STEP * step)
 
 
-class _ByRings(NamedTuple):
-    """Steady displacements (R,), the greatest one, and the greatest step times width of a ring."""
+def _mean_pressures(reading: Reading, edges: Array) -> tuple[Array, Array, float]:
+    """Return the mean steady pressure on each ring between edges (n+1,), after these edges.
 
-    displacement: Array
-    greatest: Array
-    step: float
-
-
-def _displace_by_rings(reading: Reading, edges: Array, at_radii: Array) -> _ByRings:
-    """Compute the steady displacements (R,) at radii (R,), and the greatest steady displacement.
-
-    The steady pressure is replaced by its mean on each ring between edges (n+1,).
+    The edges begin at the axis. The number is the greatest step of the pressure between two rings
+    times the width of the narrower one.
     """
     nodes, weights = unit_gauss(3)
     widths = np.diff(edges)[:, None]
@@ -69,10 +71,7 @@ def _displace_by_rings(reading: Reading, edges: Array, at_radii: Array) -> _ByRi
     step = float(np.max(np.abs(np.diff(means)) * narrower, initial=0.0))
     if reading.edges[0]:
         edges, means = np.append(0.0, edges), np.append(0.0, means)
-    ground = reading.ground
-    displacement = direct.displacement(edges, means, at_radii, ground)
-    greatest = np.asarray(direct.greatest_displacement(edges, means, ground))
-    return _ByRings(displacement, greatest, step)
+    return edges, means, step
 
 
 def _even_edges(reading: Reading, count: int) -> Array:

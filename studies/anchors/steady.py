@@ -4,7 +4,7 @@ import numpy as np
 
 from ...mdr import direct
 from .anchor import Row, Rows
-from .many_rings import displace_by_many_rings
+from .many_rings import displace_by_many_rings, greatest_by_many_rings
 from .reported import ROUNDOFF_TOLERANCE, Reported
 
 # relative tolerance of the least and greatest steady pressure on a ring with a constant k
@@ -65,7 +65,8 @@ def _compare_with_many_rings(report: Reported) -> Rows:
     Replacing the pressure by its means over rings is of second order in their width, which allows
     an extrapolation from two numbers of rings.
     """
-    displacement, greatest = displace_by_many_rings(report.reading, report.radii)
+    displacement = displace_by_many_rings(report.reading, report.radii)
+    greatest = greatest_by_many_rings(report.reading)
     value = report.take("steady_displacement_max")
     tolerance = report.rtol + greatest.error / greatest.value
     yield Row("steady_displacement_max by many rings", value, greatest.value, tolerance)
