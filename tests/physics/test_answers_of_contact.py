@@ -102,7 +102,7 @@ def test_forces_in_the_answer_at_a_fixed_indentation():
         float(result.dataset.normal_force[0, -1]), rel=1e-14
     )
     half = float(answers["time_to_half_force"])
-    finer = run(scene.changed(wear__times=[half], accuracy__rtol=1e-4), methods=["fem"])
+    finer = run(scene.changed(wear__times=[half], accuracy__rtol=5e-4), methods=["fem"])
     assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)
     labels = [what for what, _, _ in Account(result).answers]
     assert labels[:3] == ["force start", "force end", "time to half force"]

@@ -50,7 +50,7 @@ def test_the_stiffness_lies_within_its_bounds(inner_radius):
 
 
 @pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
-@pytest.mark.parametrize("inner_radius", [0.1, 0.3, 0.6, 0.9, 0.99])
+@pytest.mark.parametrize("inner_radius", [0.1, 0.6, 0.99])
 def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
     """The indentation errs by at most 1e-9 by mdr and bem, and 0.1 rtol by finite elements.
 
@@ -73,13 +73,13 @@ def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
 @pytest.mark.gmsh
 @pytest.mark.parametrize("inner_radius", [0.05, 0.5, 0.9])
 def test_methods_agree(inner_radius):
-    result = run(hollow(inner_radius, ["mdr", "bem", "direct", "fem"], 1e-5))
+    result = run(hollow(inner_radius, ["mdr", "bem", "direct", "fem"]))
     assert result.verdict == "agree"
     assert not result.summary["left_out_of_promise"]
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("inner_radius", [0.22, 0.3])
+@pytest.mark.parametrize("inner_radius", [0.22])
 def test_relaxation_times_beside_a_narrow_hole(inner_radius):
     """Elements beside a hole are no wider than half of the face, so that they resolve its modes."""
     result = run(hollow(inner_radius, rtol=1e-6, wear_coefficient=1.0))

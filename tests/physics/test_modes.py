@@ -68,7 +68,7 @@ def test_times_too_early_are_refused(prepare):
         later.modal(np.array([0.0, 0.01]))
 
 
-@pytest.mark.parametrize("ratio", [1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("ratio", [1e-6, 1e-12])
 def test_slow_rings_do_not_change_early_times(ratio):
     """Rings that hardly wear relax far more slowly, but do not affect the others."""
     scene = Scene.load("five_rings").changed(

@@ -19,7 +19,7 @@ from ringwear.studies.paper.theory import (
     many_rings,
 )
 
-RATIOS = 10.0 ** np.linspace(-4, 4, 41)
+RATIOS = 10.0 ** np.linspace(-4, 4, 9)
 
 
 @pytest.fixture(scope="module")

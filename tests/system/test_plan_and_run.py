@@ -16,8 +16,9 @@ from ringwear.studies.scene.sources import bundled
 def test_unknowns_are_those_of_the_run(name):
     """They are those of the run before a refinement."""
     scene = Scene.load(name)
-    # element sizes do not depend on late times
-    scene = scene.changed(wear__times=scene.wear.times[:3])
+    # element sizes do not depend on late times; coarse cells take less time in their march
+    coarse = 1e-4 if scene.problem.full_contact else 1e-2
+    scene = scene.changed(wear__times=scene.wear.times[:3], accuracy__rtol=coarse)
     for of in scene.methods:
         solution = method(of).solve(scene.problem, Stages(of))
         assert method(of).system_size(scene.problem).unknowns == solution.unknowns

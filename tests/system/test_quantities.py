@@ -50,7 +50,7 @@ def test_a_run_has_only_the_quantities_of_the_scene(names):
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize("names", [PAIR, ["indentation"]], ids=str)
-@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("rtol", [1e-1, 1e-4, 1e-6])
 def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
     """Their true errors are within their estimates and within `rtol`."""
     alone = run(FIVE.changed(accuracy__rtol=rtol, output__quantities=names))
@@ -71,8 +71,15 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("scene", ["sphere", "recessed_binder"])
-@pytest.mark.parametrize("name", ["indentation", "pressure", "contact_radius", "steady"])
+@pytest.mark.parametrize(
+    ("scene", "name"),
+    [
+        ("sphere", "indentation"),
+        ("sphere", "pressure"),
+        ("sphere", "steady"),
+        ("recessed_binder", "contact_radius"),
+    ],
+)
 def test_a_shaped_punch_has_only_the_quantities_of_the_scene(scene, name):
     scene = Scene.load(scene)
     # the start and two times

@@ -9,6 +9,7 @@ import os
 import random
 import shutil
 import signal
+from itertools import cycle, islice
 
 import netCDF4
 import numpy as np
@@ -181,7 +182,7 @@ def test_damaged_files_are_refused(name, copied, result):
     """Bits are flipped, parts overwritten and ends cut off, at places drawn at random."""
     draw, content = random.Random(5), (copied / name).read_bytes()
     refused = 0
-    for number in range(120):
+    for number in range(60):
         damaged, place = bytearray(content), draw.randrange(len(content))
         if number % 3 == 0:
             damaged[place] ^= 1 << draw.randrange(8)
@@ -197,7 +198,7 @@ def test_damaged_files_are_refused(name, copied, result):
         assert read.dataset.identical(result.dataset)
         assert read.summary == json.loads(json.dumps(result.summary))
     # a part of a netCDF file is unused, and blanks in JSON may be cut off
-    assert refused >= 100
+    assert refused >= 50
 
 
 def entries_within(value, place=()):
@@ -237,9 +238,10 @@ def test_entries_of_a_wrong_type_are_refused(old, copied, result):
         without_checksums(copied)
     entries = json.loads((copied / "summary.json").read_text("utf-8"))
     entries.pop("checksums", None) if old else None
+    wrong = cycle(WRONG)
     for key in ("verdict", "methods", "answer", "agreement", "anchors", "notes", "checksums"):
         for place in entries_within(entries.get(key, {})):
-            for value in WRONG:
+            for value in islice(wrong, 2):
                 if value is ... and not place:
                     continue
                 changed = entries | {key: replaced(entries.get(key, {}), place, value)}
