@@ -7,6 +7,8 @@ does not show: it gives the edge term ``q(a) / (pi sqrt(a^2 - r^2))``, which is 
 of a flat punch.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -138,14 +140,21 @@ def _far_kernel(
 
     The last axis of the arguments is that of the Gauss points.
     """
-    node, weight = gauss(points)
+    node, functions = _weighted_shapes(points, space.top)
     half = space.widths[element] / 2
     # the gap r - x is computed as a sum, not as a difference, because elements may be as small as
     # roundoff allows
     offset = half * (1 + node)
     r, gap = space.breakpoints[element] + offset, to_left + offset
     kernel = 2 * half * r / np.sqrt(gap * (r + x))
-    return kernel, weight[:, None] * shapes(node, space.top)
+    return kernel, functions
+
+
+@lru_cache(maxsize=256)
+def _weighted_shapes(points: int, top: int) -> tuple[Array, Array]:
+    """Return the nodes of a Gauss rule, and weighted shape functions at them (points, top+1)."""
+    node, weight = gauss(points)
+    return node, weight[:, None] * shapes(node, top)
 
 
 def _from_near(

@@ -380,10 +380,11 @@ class PressureSpace:
 def shapes(local: Array, top: int) -> Array:
     """Return hats and integrated Legendre bubbles (..., top+1) at local coordinates in [-1, 1]."""
     legendre = np.polynomial.legendre.legvander(local, top)
-    bubbles = [
-        (legendre[..., j] - legendre[..., j - 2]) / np.sqrt(4 * j - 2) for j in range(2, top + 1)
-    ]
-    return np.stack([(1 - local) / 2, (1 + local) / 2, *bubbles], axis=-1)
+    values = np.empty((*np.shape(local), top + 1))
+    values[..., 0], values[..., 1] = (1 - local) / 2, (1 + local) / 2
+    degrees = np.arange(2, top + 1)
+    values[..., 2:] = (legendre[..., 2:] - legendre[..., :-2]) / np.sqrt(4 * degrees - 2)
+    return values
 
 
 def shape_slopes(local: Array, top: int) -> Array:

@@ -36,6 +36,8 @@ def undecided(result):
 def test_bundled_scenes_agree(name, mesher):
     if name in ON_LAYERS and mesher != "quads":
         pytest.skip("layers are meshed in quadrilaterals")
+    if mesher == "bisection" and name not in ("five_rings", "rotating_pin", "rubber"):
+        pytest.skip("triangles of this kind are tried on one scene of each kind of punch")
     scene = Scene.load(name).changed(accuracy__fem__mesher=mesher)
     if mesher == "bisection":
         # at rtol 1e-4, these triangles take most of the time; those of gmsh are tried there

@@ -11,7 +11,7 @@ def test_history_of_five_rings(reference):
     edges, wear = np.array(reference["ring_edges"]), np.array(reference["wear_coefficients"])
     fastest = wear.max()
     wear = wear / fastest
-    punch = Reference(edges, wear, np.full(5, 1e-13))
+    punch = Reference(edges, wear, np.full(5, 1e-10))
     pressure, worn, indentation = punch.at(np.array([state["time"] for state in states]) * fastest)
 
     def assert_equal(values, name, rtol, first=0):

