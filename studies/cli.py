@@ -12,14 +12,12 @@ Exit status:
 """
 
 import sys
-from importlib import import_module
 
 from ..meshes.errors import RingwearError, SceneError
 from .output.signals import STOPPED, ending_on_signals, signals_wait
 from .output.streams import print_error, tolerant_streams
 from .status import Status
 
-COMMANDS_MODULE = "ringwear.studies.commands"
 STOPPED_IN_WORDS = "stopped; no incomplete files are left"
 
 
@@ -43,7 +41,7 @@ def _status_of(arguments: list[str] | None) -> Status:
             # modules are loaded here, where an interruption is handled, and not at the top of this
             # file; one that is interrupted while it is loaded fails in other ways
             with signals_wait():
-                commands = import_module(COMMANDS_MODULE)
+                from . import commands
             status: Status = commands.conduct(arguments)
             return status
     except KeyboardInterrupt as stop:
@@ -67,7 +65,9 @@ def _status_of(arguments: list[str] | None) -> Status:
 def __getattr__(name: str) -> object:
     """Return `COMMANDS`, the commands by their names, which are loaded at their first use."""
     if name == "COMMANDS":
-        return import_module(COMMANDS_MODULE).COMMANDS
+        from .commands import COMMANDS
+
+        return COMMANDS
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -1,6 +1,6 @@
 """List of the studies: the module, the options and the accepted scenes of each.
 
-A module is imported only when its study is conducted. It has a function
+A module is imported only when its study is conducted, by a function of this file. It has a function
 ``conduct(scene, options, record)``, which solves the levels by `Record.solve` and returns a `Study`
 with tables, figures and conclusions. `Record.solve` writes each row as soon as its level is solved.
 Each conclusion is one sentence. `INTERRUPTED` is one of the conclusions if the study was stopped.
@@ -8,7 +8,6 @@ Each conclusion is one sentence. `INTERRUPTED` is one of the conclusions if the 
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
     from .options import Options
     from .study import Study
 
+    Conduct = Callable[[Scene, Options, Record], Study]
+
 
 @dataclass(frozen=True)
 class ListedStudy:
@@ -24,7 +25,7 @@ class ListedStudy:
 
     Parameters
     ----------
-    module : module with the function `conduct`, relative to `ringwear.studies`
+    load : imports the module of the study, and returns its function `conduct`
     purpose : subject of the study, in one phrase
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
     scene : name of the default scene
@@ -34,7 +35,7 @@ class ListedStudy:
     layered : whether it accepts a layered half-space
     """
 
-    module: str
+    load: "Callable[[], Conduct]"
     purpose: str
     seconds: int
     scene: str = "five_rings"
@@ -44,21 +45,67 @@ class ListedStudy:
     layered: bool = False
 
     @property
-    def conduct(self) -> "Callable[[Scene, Options, Record], Study]":
-        """The function ``conduct(scene, options, record)`` of the module, imported at first use."""
-        conduct: Callable[[Scene, Options, Record], Study]
-        conduct = import_module(f"ringwear.studies.{self.module}").conduct
-        return conduct
+    def conduct(self) -> "Conduct":
+        """The function ``conduct(scene, options, record)`` of the study, imported at first use."""
+        return self.load()
+
+
+def _paper() -> "Conduct":
+    from ..paper.study import conduct
+
+    return conduct
+
+
+def _convergence() -> "Conduct":
+    from ..convergence.study import conduct
+
+    return conduct
+
+
+def _truncation() -> "Conduct":
+    from ..numerics.truncation import conduct
+
+    return conduct
+
+
+def _march() -> "Conduct":
+    from ..numerics.march import conduct
+
+    return conduct
+
+
+def _refinement() -> "Conduct":
+    from ..refinement.study import conduct
+
+    return conduct
+
+
+def _elements() -> "Conduct":
+    from ..elements.study import conduct
+
+    return conduct
+
+
+def _extremes() -> "Conduct":
+    from ..extremes.study import conduct
+
+    return conduct
+
+
+def _tradeoff() -> "Conduct":
+    from ..tradeoff.study import conduct
+
+    return conduct
 
 
 STUDIES: dict[str, ListedStudy] = {
     "paper": ListedStudy(
-        "paper.study",
+        _paper,
         "the whole paper: Figs. 4 to 7 redrawn, its claims checked, and its open questions",
         30,
     ),
     "convergence": ListedStudy(
-        "convergence.study",
+        _convergence,
         "orders of convergence of every quantity in element size and degree, compared with theory",
         24,
         option_names=("quantities", "methods", "meshes", "degree", "elements", "steps", "against"),
@@ -66,39 +113,39 @@ STUDIES: dict[str, ListedStudy] = {
         radial_wear=True,
     ),
     "truncation": ListedStudy(
-        "numerics.truncation",
+        _truncation,
         "errors due to the outer boundary, for every far field and Poisson's ratio",
         3,
         radial_wear=True,
         layered=True,
     ),
     "march": ListedStudy(
-        "numerics.march",
+        _march,
         "orders of the time marches, and the stability limit of the explicit one",
         2,
         option_names=("steps",),
         radial_wear=True,
     ),
     "refinement": ListedStudy(
-        "refinement.study",
+        _refinement,
         "cost of accuracy on uniform, graded, adaptive, layered and your own meshes",
         15,
         option_names=("meshes", "degree"),
         radial_wear=True,
     ),
     "elements": ListedStudy(
-        "elements.study",
+        _elements,
         "stable pairs of displacement and pressure spaces: elements of scikit-fem, or your own",
         7,
         option_names=("elements",),
     ),
     "extremes": ListedStudy(
-        "extremes.study",
+        _extremes,
         "extreme parameters: true over promised errors, of ringwear and a naive solver, and a map",
         25,
     ),
     "tradeoff": ListedStudy(
-        "tradeoff.study",
+        _tradeoff,
         "speed against accuracy: tolerance, error estimate and true error of each method and march",
         25,
         option_names=("quantities", "methods"),

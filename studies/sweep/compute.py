@@ -24,7 +24,7 @@ from ..sampling.norms import common
 from ..sizes.shared import groups
 from ..versions import stamp
 from .axes import ANSWERS, Sweep
-from .store import DONE, FAILED, PENDING
+from .flags import DONE, FAILED, PENDING
 
 # Dask may run several blocks in threads of one process, in which gmsh has only one global state
 COMPUTING_LOCK = Lock()

@@ -28,7 +28,8 @@ from ..scene.keys import dotted, listed
 from ..scene.scene import Scene
 from .axes import Sweep
 from .cost import estimate_cost
-from .store import DONE, FAILED, PENDING, Store
+from .flags import DONE, FAILED, PENDING
+from .store import Store
 from .workers import compute_blocks
 
 # file of the figure that the command draws

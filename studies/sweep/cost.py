@@ -2,18 +2,12 @@
 
 import time
 
-import numpy as np
-
-from ...meshes.errors import SceneError
 from ..predictions.machine import machine_memory
-from ..predictions.memory import predict_memory
-from ..problem.fields import TomlTable
 from .axes import Sweep
 from .compute import compute_block
-from .store import FAILED, template
-
-# greatest number of values of an axis that are tried in the search for the largest scene
-MOST_TRIED = 40
+from .flags import FAILED
+from .largest import find_largest
+from .store import template
 
 
 def estimate_cost(sweep: Sweep, workers: int, memory: float | None) -> list[str]:
@@ -55,33 +49,3 @@ def estimate_cost(sweep: Sweep, workers: int, memory: float | None) -> list[str]
         f"that each process has{remark}; scenes that share a discretisation need more memory "
         "together; if it is too much, they are split into smaller groups",
     ]
-
-
-def find_largest(sweep: Sweep) -> tuple[dict[str, int], float]:
-    """Return the place of the scene that needs most memory, by dimension, and its memory in GiB.
-
-    The search maximises the predicted memory over one dimension after the other, with the places
-    along all other dimensions fixed.
-    """
-    largest_places, greatest_needs = dict.fromkeys(sweep.sizes, 0), (-1.0, 0)
-    for dim, size in sweep.sizes.items():
-        tried_places = np.unique(
-            np.linspace(0, size - 1, min(size, MOST_TRIED)).round().astype(int)
-        )
-        for place in tried_places.tolist():
-            needs = _memory_and_rings(sweep, sweep.changes_at(largest_places | {dim: place}))
-            if needs > greatest_needs:
-                largest_places, greatest_needs = largest_places | {dim: place}, needs
-    return largest_places, greatest_needs[0]
-
-
-def _memory_and_rings(sweep: Sweep, changes: TomlTable) -> tuple[float, int]:
-    """Return the memory in GiB that a scene needs, and its number of rings.
-
-    They are -1 and 0 if there is no such scene.
-    """
-    try:
-        scene = sweep.scene(changes)
-        return predict_memory(scene), len(scene.problem.wear_coefficients)
-    except SceneError:
-        return -1.0, 0

@@ -30,9 +30,8 @@ from ..scene.scene import Scene
 from ..versions import code, stamp, versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
 from .axes import ANSWERS, KEEPABLE, Sweep
+from .flags import DONE, FAILED, PENDING
 
-# status of a scene
-PENDING, DONE, FAILED = 0, 1, 2
 # file of a Zarr group with its metadata
 ROOT = "zarr.json"
 

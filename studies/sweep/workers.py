@@ -25,8 +25,8 @@ from ..progress import LOG
 from ..versions import computed_with, stamp
 from .axes import Sweep
 from .compute import MOST_TOGETHER, compute_block
-from .cost import find_largest
-from .store import PENDING
+from .flags import PENDING
+from .largest import find_largest
 
 if TYPE_CHECKING:
     from distributed import Client, Future

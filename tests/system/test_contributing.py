@@ -2,6 +2,7 @@
 
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
@@ -172,7 +173,11 @@ def trapezoids(monkeypatch, tmp_path):
     (tmp_path / "trapezoids.py").write_text(TRAPEZOIDS, "utf-8")
     folders = [*ringwear.studies.__path__, str(tmp_path)]
     monkeypatch.setattr(ringwear.studies, "__path__", folders)
-    row = ListedStudy("trapezoids", "order of the trapezoidal rule", 1)
+
+    def load():
+        return import_module("ringwear.studies.trapezoids").conduct
+
+    row = ListedStudy(load, "order of the trapezoidal rule", 1)
     monkeypatch.setitem(STUDIES, "trapezoids", row)
     yield row
     sys.modules.pop("ringwear.studies.trapezoids", None)

@@ -1,0 +1,3 @@
+"""Flags of the scenes of a sweep: not computed yet, computed, or without a solution."""
+
+PENDING, DONE, FAILED = 0, 1, 2
