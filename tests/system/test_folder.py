@@ -12,10 +12,11 @@ import subprocess
 import sys
 import time
 
+import meshio
 import pytest
+from matplotlib.figure import Figure
 
 from ringwear import Scene, main
-from ringwear.studies.figures import catalogue
 
 QUICK = ["run", "flat_punch", "--rtol", "1e-2", "--out"]
 DIRECT = [*QUICK[:-1], "--methods", "direct", "--out"]
@@ -69,16 +70,16 @@ def test_a_run_that_does_not_end_leaves_the_old_files(
 
 
 def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
-    def fill_disk(_):
-        raise FULL_DISK
+    lost, savefig = {"half_space.vtu", "steady_state.png", "stress.png"}, Figure.savefig
 
-    lost = {"half_space.vtu", "steady_state.png", "stress.png"}
-    fail(monkeypatch, "ringwear.studies.output.vtu.write_half_space", FULL_DISK)
-    pictures = (
-        picture._replace(draw=fill_disk) if picture.file in lost else picture
-        for picture in catalogue.PICTURES
-    )
-    monkeypatch.setattr(catalogue, "PICTURES", tuple(pictures))
+    def fill_disk(self, path, **options):
+        if path.name in lost:
+            path.write_bytes(b"half")
+            raise FULL_DISK
+        savefig(self, path, **options)
+
+    monkeypatch.setattr(Figure, "savefig", fill_disk)
+    monkeypatch.setattr(meshio.Mesh, "write", fill_disk)
     capsys.readouterr()
     assert main([*QUICK, str(tmp_path / "out")]) == 1
     streams = capsys.readouterr()
