@@ -6,13 +6,16 @@ are written even if a figure fails.
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
 import sys
 import time
 
+import jinja2
 import meshio
+import netCDF4
 import pytest
 from matplotlib.figure import Figure
 
@@ -20,7 +23,6 @@ from ringwear import Scene, main
 
 QUICK = ["run", "flat_punch", "--rtol", "1e-2", "--out"]
 DIRECT = [*QUICK[:-1], "--methods", "direct", "--out"]
-NETCDF = "ringwear.studies.output.files.write_netcdf"
 FULL_DISK = OSError(28, "No space left on device")
 
 
@@ -29,26 +31,37 @@ def contents(out):
     return {file.name: file.read_bytes() for file in files if file.name != ".ringwear.json"}
 
 
-def fail(patch, stage, raised):
+def fail(patch, place, raised):
+    """Raise an error at a message in the log, or wherever a function of a library is called."""
+
     def stop(*_, **__):
         raise raised
 
-    patch.setattr(stage, stop)
+    class Stop(logging.Handler):
+        def emit(self, record):
+            if place in record.getMessage():
+                raise raised
+
+    if isinstance(place, str):
+        log = logging.getLogger("ringwear")
+        patch.setattr(log, "handlers", [*log.handlers, Stop()])
+    else:
+        patch.setattr(*place, stop)
 
 
 @pytest.mark.parametrize(
-    ("stage", "raised", "message"),
+    ("place", "raised", "message"),
     [
-        ("ringwear.studies.outcome.run.run", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.outcome.outcome.summary", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.figures.style.save", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.report.page.write_report", KeyboardInterrupt(), "stopped"),
-        (NETCDF, FULL_DISK, "could not be written"),
-        (NETCDF, RuntimeError("NetCDF: HDF error"), "could not be written"),
+        ("integrating ...", KeyboardInterrupt(), "stopped"),
+        ("output  writing", KeyboardInterrupt(), "stopped"),
+        ((Figure, "savefig"), KeyboardInterrupt(), "stopped"),
+        ((jinja2.Template, "render"), KeyboardInterrupt(), "stopped"),
+        ((netCDF4, "Dataset"), FULL_DISK, "could not be written"),
+        ((netCDF4, "Dataset"), RuntimeError("NetCDF: HDF error"), "could not be written"),
     ],
 )
 def test_a_run_that_does_not_end_leaves_the_old_files(
-    stage,
+    place,
     raised,
     message,
     tmp_path,
@@ -57,13 +70,13 @@ def test_a_run_that_does_not_end_leaves_the_old_files(
 ):
     out = tmp_path / "new" / "out"
     with monkeypatch.context() as patch:
-        fail(patch, stage, raised)
+        fail(patch, place, raised)
         assert main([*DIRECT, str(out)]) == 1
     assert list(tmp_path.iterdir()) == []
     assert main([*DIRECT, str(out), "--no-figures"]) == 0
     before = contents(out)
     capsys.readouterr()
-    fail(monkeypatch, stage, raised)
+    fail(monkeypatch, place, raised)
     assert main([*DIRECT, str(out)]) == 1
     assert message in capsys.readouterr().err
     assert contents(out) == before

@@ -139,24 +139,24 @@ def test_heights_beside_the_slider_have_the_scale_of_each_state(tmp_path):
         assert 0.3 * frame < max(profile)
 
 
-def test_the_page_of_a_study(tmp_path, monkeypatch):
+def test_the_page_of_a_study(tmp_path):
     rows = pd.DataFrame(
         {"method": ["mdr", "<fem>"], "error": [0.000123456, np.nan], "count": [25378, 1]}
     )
-
-    def conduct(scene, _, __):
-        figure = Figure()
-        conclusions = ("All is well.", "| a | table |")
-        return Study("march", scene, rows, conclusions=conclusions, figures={"curve": figure})
-
-    monkeypatch.setattr("ringwear.studies.numerics.march.conduct", conduct)
-    assert main(["study", "march", "--out", str(tmp_path)]) == 0
-    files = {file.name for file in tmp_path.glob("[!.]*")}
+    own = Study(
+        "march",
+        Scene.load("five_rings"),
+        rows,
+        conclusions=("All is well.", "| a | table |"),
+        figures={"curve": Figure()},
+        purpose="orders of time",
+    )
+    files = set(own.save(tmp_path))
     assert files == {"report.html", "march.csv", "march.md", "march.tex", "curve.png"}
     text = (tmp_path / "report.html").read_text("utf-8")
     assert "| a |" not in text
     picture = base64.b64encode((tmp_path / "curve.png").read_bytes()).decode()
-    for words in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of"):
+    for words in ("All is well.", "0.0001235", "25378", "&lt;fem&gt;", picture, "orders of time"):
         assert words in text, words
 
 

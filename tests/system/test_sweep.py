@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import tomli_w
 import xarray
+from matplotlib.figure import Figure
 
 from ringwear import Rings, Scene, SceneError, direct, main, plan, run, sweep
 
@@ -281,10 +282,10 @@ def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, mo
     assert main(call) == 0
     assert (out / "sweep.png").stat().st_size > 1000
 
-    def fail(*_):
+    def fail(*_, **__):
         raise ValueError("no room")
 
-    monkeypatch.setattr("ringwear.studies.sweep.conduct.draw", fail)
+    monkeypatch.setattr(Figure, "savefig", fail)
     assert main([*call, "--resume"]) == 1
     assert "sweep.png could not be written: no room" in capsys.readouterr().out
     assert not (out / "sweep.png").exists()

@@ -5,6 +5,7 @@ would reach the terminal.
 """
 
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -99,10 +100,13 @@ def test_names_of_files_and_columns_are_shown_with_escape_sequences(tmp_path, mo
 NAMES = ["...toml", "..toml", ".toml", "....toml", "..x.toml", "x..toml", "...", ".. .toml"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+RUN = "run {} --no-figures"
+OTHERS = ["mesh {}", "deck {} --for abaqus --size 0.5", "sweep {} --workers 1"]
+
+
 @pytest.mark.parametrize(
-    "command",
-    ["run {} --no-figures", "mesh {}", "deck {} --for abaqus --size 0.5", "sweep {} --workers 1"],
+    ("command", "name"),
+    [*product([RUN], NAMES), *product(OTHERS, ["...toml", "..x.toml"])],
 )
 def test_no_name_of_a_file_leads_outside_of_results(command, name, tmp_path, monkeypatch):
     home = tmp_path / "above" / "home"
