@@ -73,9 +73,8 @@ def test_the_printed_text_begins_with_the_verdict_on_the_results():
     checked = check(SCENE, {"abaqus": start(0.941)})
     printed = str(checked).splitlines()
     assert printed[0] == "abaqus checked against Two materials"
-    assert printed[2] == (
-        "abaqus: 1 of 1 quantities differ from ours by more than 0.01: indentation"
-    )
+    assert printed[2].startswith("abaqus: 1 of 1 quantities differ ")
+    assert printed[2].endswith(" more than 0.01: indentation")
     assert printed[3].startswith("abaqus: indentation: 5.9 % too low")
     assert printed[-1].startswith("Our own methods: The methods agree")
     shown = checked._repr_html_()
@@ -179,7 +178,8 @@ def test_results_that_cannot_be_compared_do_not_pass(tmp_path):
     """Pressures jump at ring edges, where there is nothing to compare."""
     table = pd.DataFrame({"time": [1e4], "radius": [0.005], "pressure": [1.0]})
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": table})
-    assert checked.lines == ["abaqus: none of its results could be compared"]
+    (line,) = checked.lines
+    assert line.startswith("abaqus: none of its results ")
     assert not checked.passes
     checked.save(tmp_path)
     page = (tmp_path / "report.html").read_text("utf-8")
