@@ -9,9 +9,8 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene, SceneError, check, main, run
-from ringwear.studies import challenge
-from ringwear.studies.output.files import draw
 
+CHALLENGE = Path(__file__).parents[2] / "studies" / "challenge"
 RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])
 
 
@@ -179,8 +178,10 @@ def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
 def test_the_half_space_of_a_run_is_read_back(tmp_path):
     """The file has two times; its surface pressures are those of the stresses inside."""
     scene = Scene.load("five_rings").changed(output__field_times=[0.1, 2.0], accuracy__rtol=1e-3)
-    draw(run(scene, methods=["fem"]), [], tmp_path)
-    checked = check(scene, {"inside": tmp_path / "half_space.vtu"}, methods=["mdr"])
+    (tmp_path / "scene.toml").write_text(scene.changed(methods=["fem"]).to_toml(), "utf-8")
+    out = tmp_path / "out"
+    assert main(["run", str(tmp_path / "scene.toml"), "--no-figures", "--out", str(out)]) == 0
+    checked = check(scene, {"inside": out / "half_space.vtu"}, methods=["mdr"])
     errors = {(row.quantity, row.time): abs(row.error) for row in checked.verdicts}
     assert {0.1, 2.0} <= {time for _, time in errors}
     assert max(error for (name, _), error in errors.items() if name == "displacement") < 1e-3
@@ -197,9 +198,9 @@ def test_the_half_space_of_a_run_is_read_back(tmp_path):
 )
 def test_results_of_the_wear_challenge(program, low, high, looks):
     """A clamped boundary of scikit-fem is diagnosed; two programs on grids pass."""
-    folder = Path(challenge.__file__).parent
-    (problem,) = folder.glob(f"{program[:2]}*.toml")
-    given = pd.read_csv(folder / "others" / f"{program}.csv", comment="#").query("radius < 0.95")
+    (problem,) = CHALLENGE.glob(f"{program[:2]}*.toml")
+    table = pd.read_csv(CHALLENGE / "others" / f"{program}.csv", comment="#")
+    given = table.query("radius < 0.95")
     checked = check(problem, {program: given}, methods=["mdr"])
     start = next(row.error for row in checked.verdicts if row.quantity == "indentation")
     assert low <= start <= high

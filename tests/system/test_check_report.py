@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene, check, load, main, run
-from ringwear.studies.check.account import CheckAccount
 from ringwear.studies.check.checked import CheckedOutcome
 
 SCENE = Scene(
@@ -36,6 +35,11 @@ def text_of(page):
     return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", text))
 
 
+def banners_on(page):
+    """Return colour, word and sentence of the verdict on each program."""
+    return re.findall(r'(?s)<p class="verdict (\S+)"><strong>(.*?)</strong>(.*?)</p>', page)
+
+
 @pytest.fixture(scope="module", params=[0.941, 1.001], ids=["wrong", "right"])
 def folder(request, tmp_path_factory):
     out = tmp_path_factory.mktemp("check")
@@ -50,8 +54,7 @@ def test_the_page_begins_with_the_verdict_on_the_file(folder):
     out, factor = folder
     page = (out / "report.html").read_text("utf-8")
     assert re.search(r"<title>(.*?)</title>", page)[1] == "abaqus.csv checked against Two materials"
-    banners = re.findall(r'(?s)<p class="verdict (\S+)"><strong>(.*?)</strong>(.*?)</p>', page)
-    ((colour, word, sentence),) = banners
+    ((colour, word, sentence),) = banners_on(page)
     right = factor > 1
     assert (colour, word) == (("agree", "within 1 %") if right else ("disagree", "not within 1 %"))
     assert "abaqus.csv: " in sentence
@@ -70,9 +73,8 @@ def test_the_printed_text_begins_with_the_verdict_on_the_results():
     checked = check(SCENE, {"abaqus": start(0.941)})
     printed = str(checked).splitlines()
     assert printed[0] == "abaqus checked against Two materials"
-    assert printed[2] == (
-        "abaqus: 1 of 1 quantities differ from ours by more than 0.01: indentation"
-    )
+    assert printed[2].startswith("abaqus: 1 of 1 quantities differ ")
+    assert printed[2].endswith(" more than 0.01: indentation")
     assert printed[3].startswith("abaqus: indentation: 5.9 % too low")
     assert printed[-1].startswith("Our own methods: The methods agree")
     shown = checked._repr_html_()
@@ -172,21 +174,26 @@ def test_an_order_of_convergence_is_never_minus_zero():
     assert "order 0 (between successive sizes: 0, 0)" in line
 
 
-def test_results_that_cannot_be_compared_do_not_pass():
+def test_results_that_cannot_be_compared_do_not_pass(tmp_path):
     """Pressures jump at ring edges, where there is nothing to compare."""
     table = pd.DataFrame({"time": [1e4], "radius": [0.005], "pressure": [1.0]})
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": table})
-    assert checked.lines == ["abaqus: none of its results could be compared"]
+    (line,) = checked.lines
+    assert line.startswith("abaqus: none of its results ")
     assert not checked.passes
-    (banner,) = CheckAccount(checked).banners
-    assert (banner.colour, banner.word, banner.mistake) == ("undecided", "not compared", "")
+    checked.save(tmp_path)
+    page = (tmp_path / "report.html").read_text("utf-8")
+    ((colour, word, sentence),) = banners_on(page)
+    assert (colour, word) == ("undecided", "not compared")
+    assert "looks like" not in sentence
 
 
-def test_errors_below_our_own_estimate_are_undecided():
+def test_errors_below_our_own_estimate_are_undecided(tmp_path):
     """A tolerance far below our error estimate cannot be checked."""
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": start(1.0)}, within=1e-15)
     (row,) = checked.verdicts
     assert 1e-15 < abs(row.error) <= row.stated
     assert checked.lines[0].endswith("or within our own error estimate: indentation")
-    (banner,) = CheckAccount(checked).banners
-    assert (banner.colour, banner.word) == ("undecided", "undecided")
+    checked.save(tmp_path)
+    ((colour, word, _),) = banners_on((tmp_path / "report.html").read_text("utf-8"))
+    assert (colour, word) == ("undecided", "undecided")

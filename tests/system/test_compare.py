@@ -5,8 +5,7 @@ import pandas as pd
 import pytest
 import xarray
 
-from ringwear import Scene, load, main, run
-from ringwear.studies.report.comparison import field_comparison
+from ringwear import Scene, compare, load, main, run
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +37,7 @@ def test_compare_lists_the_differences(folder, tmp_path, capsys):
 
 def test_twice_the_load_differs_by_the_result_itself_at_the_start(folder):
     twice = run(Scene.load("rubber").changed(methods=["mdr"], load__mean_pressure=6e5))
-    comparison = field_comparison(load(folder), twice)
+    comparison = compare(load(folder), twice).fields
     fields = {field.quantity: field for field in comparison.fields}
     # at the start everything is linear in the load, and the displacement is d everywhere
     start = fields["displacement"].relative[0]

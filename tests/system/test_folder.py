@@ -1,4 +1,4 @@
-"""The contents of an output folder after a run, a failure, a signal or a kill.
+"""The contents of an output folder after a run, a failure or a signal.
 
 The folder has the old or the new files as a whole, files of other people are untouched, and numbers
 are written even if a figure fails.
@@ -6,53 +6,62 @@ are written even if a figure fails.
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import subprocess
 import sys
 import time
-from contextlib import suppress
-from itertools import count
 
+import jinja2
+import meshio
+import netCDF4
 import pytest
+from matplotlib.figure import Figure
 
-from ringwear import Scene, SceneError, main
-from ringwear.studies.figures import catalogue
-from ringwear.studies.output import folder as folder_module
-from ringwear.studies.output.folder import MARKER, output_folder
-from ringwear.studies.output.signals import ending_on_signals
+from ringwear import Scene, main
 
 QUICK = ["run", "flat_punch", "--rtol", "1e-2", "--out"]
 DIRECT = [*QUICK[:-1], "--methods", "direct", "--out"]
-NETCDF = "ringwear.studies.output.files.write_netcdf"
 FULL_DISK = OSError(28, "No space left on device")
 
 
 def contents(out):
     files = (entry for entry in out.iterdir() if entry.is_file())
-    return {file.name: file.read_bytes() for file in files if file.name != MARKER}
+    return {file.name: file.read_bytes() for file in files if file.name != ".ringwear.json"}
 
 
-def fail(patch, stage, raised):
+def fail(patch, place, raised):
+    """Raise an error at a message in the log, or wherever a function of a library is called."""
+
     def stop(*_, **__):
         raise raised
 
-    patch.setattr(stage, stop)
+    class Stop(logging.Handler):
+        def emit(self, record):
+            if place in record.getMessage():
+                raise raised
+
+    if isinstance(place, str):
+        log = logging.getLogger("ringwear")
+        patch.setattr(log, "handlers", [*log.handlers, Stop()])
+    else:
+        patch.setattr(*place, stop)
 
 
 @pytest.mark.parametrize(
-    ("stage", "raised", "message"),
+    ("place", "raised", "message"),
     [
-        ("ringwear.studies.outcome.run.run", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.outcome.outcome.summary", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.figures.style.save", KeyboardInterrupt(), "stopped"),
-        ("ringwear.studies.report.page.write_report", KeyboardInterrupt(), "stopped"),
-        (NETCDF, FULL_DISK, "could not be written"),
-        (NETCDF, RuntimeError("NetCDF: HDF error"), "could not be written"),
+        ("integrating ...", KeyboardInterrupt(), "stopped"),
+        ("output  writing", KeyboardInterrupt(), "stopped"),
+        ((Figure, "savefig"), KeyboardInterrupt(), "stopped"),
+        ((jinja2.Template, "render"), KeyboardInterrupt(), "stopped"),
+        ((netCDF4, "Dataset"), FULL_DISK, "could not be written"),
+        ((netCDF4, "Dataset"), RuntimeError("NetCDF: HDF error"), "could not be written"),
     ],
 )
 def test_a_run_that_does_not_end_leaves_the_old_files(
-    stage,
+    place,
     raised,
     message,
     tmp_path,
@@ -61,29 +70,29 @@ def test_a_run_that_does_not_end_leaves_the_old_files(
 ):
     out = tmp_path / "new" / "out"
     with monkeypatch.context() as patch:
-        fail(patch, stage, raised)
+        fail(patch, place, raised)
         assert main([*DIRECT, str(out)]) == 1
     assert list(tmp_path.iterdir()) == []
     assert main([*DIRECT, str(out), "--no-figures"]) == 0
     before = contents(out)
     capsys.readouterr()
-    fail(monkeypatch, stage, raised)
+    fail(monkeypatch, place, raised)
     assert main([*DIRECT, str(out)]) == 1
     assert message in capsys.readouterr().err
     assert contents(out) == before
 
 
 def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
-    def fill_disk(_):
-        raise FULL_DISK
+    lost, savefig = {"half_space.vtu", "steady_state.png", "stress.png"}, Figure.savefig
 
-    lost = {"half_space.vtu", "steady_state.png", "stress.png"}
-    fail(monkeypatch, "ringwear.studies.output.vtu.write_half_space", FULL_DISK)
-    pictures = (
-        picture._replace(draw=fill_disk) if picture.file in lost else picture
-        for picture in catalogue.PICTURES
-    )
-    monkeypatch.setattr(catalogue, "PICTURES", tuple(pictures))
+    def fill_disk(self, path, **options):
+        if path.name in lost:
+            path.write_bytes(b"half")
+            raise FULL_DISK
+        savefig(self, path, **options)
+
+    monkeypatch.setattr(Figure, "savefig", fill_disk)
+    monkeypatch.setattr(meshio.Mesh, "write", fill_disk)
     capsys.readouterr()
     assert main([*QUICK, str(tmp_path / "out")]) == 1
     streams = capsys.readouterr()
@@ -118,87 +127,6 @@ def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
     assert main([*DIRECT, str(tmp_path)]) == 2
     assert "history.png" in capsys.readouterr().err
     assert contents(tmp_path) == before
-
-
-def test_a_damaged_marker_claims_no_files_for_ringwear(tmp_path):
-    (tmp_path / MARKER).write_text('{"run": ["../important", 3]', "utf-8")
-    (tmp_path / "a").write_text("mine", "utf-8")
-    with pytest.raises(SceneError, match="has not written"):
-        write(tmp_path, "a", "new")
-    assert contents(tmp_path) == {"a": b"mine"}
-
-
-def test_the_second_of_two_simultaneous_runs_is_refused(tmp_path):
-    with (
-        output_folder(tmp_path, "run"),
-        pytest.raises(SceneError, match="another run"),
-        output_folder(tmp_path, "run"),
-    ):
-        pass
-
-
-def write(out, names, content, command="run", killed_at=0):
-    """Write files named by one letter each; kill the process at a line of `folder.py` if asked."""
-    lines = iter(range(1, killed_at + 1))
-
-    def kill(frame, event, _):
-        if event == "line" and next(lines) == killed_at:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return kill if frame.f_code.co_filename == folder_module.__file__ else None
-
-    with output_folder(out, command) as folder:
-        for name in names:
-            (folder.hidden / name).write_text(content, "utf-8")
-        if killed_at:
-            sys.settrace(kill)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("foreign", ["", "notes"])
-def test_a_killed_run_leaves_the_old_or_the_new_folder(foreign, tmp_path):
-    """The next run restores the folder, and never removes or claims a file of other people."""
-    mine = {"mesh": b"mesh"} | ({foreign: b"mine"} if foreign else {})
-    old, new = dict.fromkeys("abc", b"old") | mine, dict.fromkeys("bcd", b"new") | mine
-    seen = []
-    for line in count(1):
-        out = tmp_path / str(line)
-        write(out, ["mesh"], "mesh", "mesh")
-        write(out, "abc", "old")
-        if foreign:
-            (out / foreign).write_text("mine", "utf-8")
-        child = os.fork()
-        if child == 0:
-            with suppress(BaseException):
-                write(out, "bcd", "new", killed_at=line)
-            os._exit(0)
-        killed = os.WIFSIGNALED(os.waitpid(child, 0)[1])
-        # the next run repairs the folder of the killed one, even if it is stopped itself
-        with suppress(KeyboardInterrupt), output_folder(out, "run"):
-            seen.append(contents(out))
-            raise KeyboardInterrupt
-        assert seen[-1] in (old, new)
-        write(out, "e", "newest")
-        assert contents(out) == {"e": b"newest"} | mine
-        assert [entry.name for entry in tmp_path.iterdir() if entry.name.startswith(".")] == []
-        if not killed:
-            break
-    assert old in seen[:-1]
-    assert new in seen[:-1]
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
-    publish = folder_module.Folder.publish
-
-    def interrupt(folder):
-        signal.raise_signal(number)
-        publish(folder)
-
-    monkeypatch.setattr(folder_module.Folder, "publish", interrupt)
-    with ending_on_signals(), pytest.raises(KeyboardInterrupt):
-        write(tmp_path / "out", "abc", "new")
-    assert contents(tmp_path / "out") == dict.fromkeys("abc", b"new")
-    assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
 
 
 # file that exists when the run is stopped: none, half-written numbers, numbers, a figure

@@ -9,18 +9,13 @@ import subprocess
 import sys
 
 import netCDF4
-import numpy as np
-import pandas as pd
 import pytest
 import tomli_w
 
-from ringwear import Scene, main, run
-from ringwear.studies.output import folder as folder_module
-from ringwear.studies.output.files import write_tables
-from ringwear.studies.output.folder import MARKER
-from ringwear.studies.report.comparison import scene_rows
-from ringwear.studies.tables import write_csv
+from ringwear import Scene, compare, main
 
+# list of the files in a folder that ringwear has written
+MARKER = ".ringwear.json"
 MAP = 'base = "five_rings"\nkeep = ["steady_wear_rate"]\n[axes]\n"punch.rings" = [2, 4]\n'
 DIRECT = ["run", "flat_punch", "--rtol", "1e-2", "--methods", "direct", "--no-figures", "--out"]
 
@@ -107,13 +102,13 @@ def test_a_malformed_marker_is_ignored(tmp_path, capsys, marker):
 def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
     tmp_path, monkeypatch, capsys, number
 ):
-    publish = folder_module.Folder.publish
+    replace = os.replace
 
-    def interrupt(folder):
+    def interrupt(*paths):
         signal.raise_signal(number)
-        publish(folder)
+        replace(*paths)
 
-    monkeypatch.setattr(folder_module.Folder, "publish", interrupt)
+    monkeypatch.setattr(os, "replace", interrupt)
     assert main([*DIRECT, str(tmp_path / "out")]) == 1
     line = error_line(capsys)
     assert "in place" in line
@@ -121,26 +116,16 @@ def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
     assert (tmp_path / "out" / "results.nc").exists()
 
 
-def test_csv_cells_are_not_formulas(tmp_path):
-    """Texts that a spreadsheet would compute are marked as texts; numbers stay numbers."""
-    texts = ["=1+1", "+A1", "-cmd", "@SUM(1)", "\t=1", "plain", "-1.5"]
-    table = pd.DataFrame({"=title": texts, "number": np.linspace(-1.0, 1.0, len(texts))})
-    write_csv(table, tmp_path / "table.csv")
-    head, *rows = (tmp_path / "table.csv").read_text().splitlines()
-    assert head == "'=title,number"
-    assert [row.rpartition(",")[0] for row in rows] == [
-        *(f"'{text}" for text in texts[:5]),
-        *texts[5:],
-    ]
-    assert [float(row.rpartition(",")[2]) for row in rows] == table["number"].tolist()
-    # titles of scenes, and names of other programs
-    flat = Scene.load("flat_punch")
-    sides = [run(flat.changed(title=title, methods=["direct"])) for title in ("=1+1", "plain")]
-    write_csv(scene_rows(*sides), tmp_path / "scenes.csv")
-    assert "title,'=1+1,plain" in (tmp_path / "scenes.csv").read_text()
-    dataset = sides[0].dataset
-    write_tables(dataset.assign_coords(solver=["=cmd"]), tmp_path)
-    assert "'=cmd" in (tmp_path / "solver.csv").read_text()
+def test_csv_cells_are_not_formulas(tmp_path, monkeypatch):
+    """Titles of scenes and names of other programs that a spreadsheet would compute are texts."""
+    monkeypatch.chdir(tmp_path)
+    flat = Scene.load("flat_punch").changed(methods=["direct"])
+    compare(*(flat.changed(title=title) for title in ("=1+1", "plain"))).save("compared")
+    assert "title,'=1+1,plain" in (tmp_path / "compared" / "scenes.csv").read_text()
+    (tmp_path / "=cmd.csv").write_text("time,indentation\n0,1\n")
+    assert main(["check", "flat_punch", "=cmd.csv", "--out", "checked"]) == 0
+    head, row, *_ = (tmp_path / "checked" / "check.csv").read_text().splitlines()
+    assert dict(zip(head.split(","), row.split(","), strict=True))["solver"] == "'=cmd.csv"
 
 
 def test_a_small_file_that_declares_huge_arrays_is_refused(tmp_path, capsys):

@@ -1,17 +1,30 @@
 """The answer of a run in the dataset, in the summary, with its units, and as printed text."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ringwear import Scene, alternating_edges, main, run
-from ringwear.studies.outcome.scope import time_scale
-from ringwear.studies.report.printed import print_account
-from ringwear.studies.report.words import Account
+from ringwear import Scene, alternating_edges, load, main, run
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
+
+
+def printed(scene, folder, capsys, *flags):
+    """Run a scene by the command, and return what it prints."""
+    (folder / "scene.toml").write_text(scene.to_toml(), "utf-8")
+    call = ["run", str(folder / "scene.toml"), "--out", str(folder / "out"), "--no-figures"]
+    assert main([*call, *flags]) in (0, 3)
+    return capsys.readouterr().out
+
+
+def answers_in(text):
+    """Return value and meaning of each answer that a run prints with `--verbose`."""
+    lines = text.partition("All answers")[2].splitlines()
+    rows = [re.split(r" {2,}", line.strip()) for line in lines]
+    return {row[0]: tuple(row[1:]) for row in rows[: rows.index([""])] if len(row) == 3}
 
 
 @pytest.fixture(scope="module")
@@ -50,17 +63,14 @@ def test_each_variable_has_its_own_unit(five, stated, units):
     assert {name: dataset[name].attrs["units"] for name in units} == units
 
 
-def test_the_answer_is_printed_first(five, capsys):
-    for verbose in (False, True):
-        print_account(Account(five), verbose)
-        output = capsys.readouterr().out
-        parts = ("0.4995", "1.273", "0.9947", "The methods agree")
-        if verbose:
-            parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
-        assert [output.index(part) for part in parts] == sorted(
-            output.index(part) for part in parts
-        )
-        assert verbose or len(output.splitlines()) < 16
+@pytest.mark.parametrize("flags", [(), ("--verbose",)], ids=["brief", "verbose"])
+def test_the_answer_is_printed_first(five, flags, tmp_path, capsys):
+    output = printed(five.scene, tmp_path, capsys, *flags)
+    parts = ("0.4995", "1.273", "0.9947", "The methods agree")
+    if flags:
+        parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
+    assert [output.index(part) for part in parts] == sorted(output.index(part) for part in parts)
+    assert flags or len(output.splitlines()) < 16
 
 
 def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, capsys):
@@ -81,21 +91,25 @@ def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, cap
     ("times", "words"),
     [([0.0, 1e-5], "before the running-in"), ([50.0], "after the running-in"), ([0.1, 1.0], "")],
 )
-def test_times_that_miss_the_running_in_give_a_note(times, words):
+def test_times_that_miss_the_running_in_give_a_note(times, words, tmp_path, capsys):
     scene = Scene.load("five_rings").changed(
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )
-    before = time_scale(scene)
-    assert "slowest relaxation time of the full face 0.344" in before[0]
-    for lines in (before, run(scene).remarks):
+    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
+    assert main(["plan", str(tmp_path / "scene.toml")]) == 0
+    planned = capsys.readouterr().out.splitlines()
+    assert "running-in: slowest relaxation time of the full face 0.344" in planned
+    for lines in (planned, run(scene).remarks):
         missed = [line for line in lines if "the running-in, " in line]
         assert bool(missed) == bool(words)
         assert all(words in line for line in missed)
 
 
-def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own():
-    result = run(Scene.load("washer").changed(methods=["mdr"], accuracy__rtol=1e-2))
-    answers = {name: text for name, text, _ in Account(result).answers}
+def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own(tmp_path, capsys):
+    washer = Scene.load("washer").changed(methods=["mdr"], accuracy__rtol=1e-2)
+    text = printed(washer, tmp_path, capsys, "--verbose")
+    answers = {name: value for name, (value, _) in answers_in(text).items()}
+    result = load(tmp_path / "out")
     times = ("time to 90", "time to 99", "running in time")
     assert len({answers[name].split()[1] for name in times}) == 1
     assert len({answers[name].split()[1] for name in answers if "indentation" in name}) == 1
@@ -104,11 +118,13 @@ def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own():
     assert "99 % of the running-in" in result.dataset.time_to_99.attrs["long_name"]
 
 
-def test_the_running_in_time_of_a_ball_is_said_to_be_that_of_the_full_face():
+def test_the_running_in_time_of_a_ball_is_said_to_be_that_of_the_full_face(tmp_path, capsys):
     """Under a force a ball wears for ever; its contact does not reach the rim."""
-    result = run(Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 0.1]))
+    sphere = Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 0.1])
+    text = printed(sphere, tmp_path, capsys, "--verbose")
+    result = load(tmp_path / "out")
     assert np.isnan(result.first("time_to_full_contact"))
-    (meaning,) = [text for name, _, text in Account(result).answers if name == "running in time"]
+    _, meaning = answers_in(text)["running in time"]
     assert "slowest relaxation time of the full face" in meaning
     assert meaning == result.dataset.running_in_time.attrs["long_name"]
 
@@ -127,12 +143,15 @@ WITHOUT_SPEED = {
     ("units", "metre", "length", "rate"),
     [("SI", 1.0, "m", "318.3 nm/km"), ("mm, N, MPa, s", 1e3, "mm", "0.0003183 mm/km")],
 )
-def test_without_a_sliding_speed_times_are_sliding_distances(units, metre, length, rate):
+def test_without_a_sliding_speed_times_are_sliding_distances(
+    units, metre, length, rate, tmp_path, capsys
+):
     """The height lost per distance is k F / (pi a^2), and distances are speed times time."""
     scene = Scene.from_table(WITHOUT_SPEED | {"units": units})
     assert scene.wear.times == pytest.approx([0.0, 500.0 * metre, 2000.0 * metre])
-    result = run(scene)
-    answers = {name: value for name, value, _ in Account(result).answers}
+    text = printed(scene, tmp_path, capsys, "--verbose")
+    answers = {name: value for name, (value, _) in answers_in(text).items()}
+    result = load(tmp_path / "out")
     assert answers["steady wear rate"] == rate
     assert all(answers[name].endswith((" m", " km")) for name in ("time to 90", "time to 99"))
     dataset = result.dataset

@@ -1,84 +1,9 @@
-"""The study of refinement: ways to refine, their cost, and meshes of the user."""
-
-from dataclasses import replace
+"""The study of refinement with meshes of the user."""
 
 import numpy as np
-import pandas as pd
 import pytest
-from scipy.linalg import eigh
-from skfem import Mesh
 
-from ringwear import MeshError, Rings, Scene, SceneError, SizeField, bisection, energy, main, study
-from ringwear.meshes.half_space import contact_radii
-from ringwear.studies.problem.sections import FemAccuracy
-from ringwear.studies.refinement import case as cases
-from ringwear.studies.refinement import ways
-from ringwear.studies.refinement.case import POLES_RTOL, Case, Level
-from ringwear.studies.refinement.conclusions import costs
-from ringwear.studies.refinement.own_meshes import (
-    OwnMeshes,
-    least_eigenvalue,
-    worst_place,
-)
-from ringwear.studies.study.options import Options
-from ringwear.studies.study.own_mesh import own_mesh
-
-PUNCHES = {"flat": [1.0], "five": [0.2, 0.4, 0.6, 0.8, 1.0], "narrow": [0.2, 0.4, 0.401, 0.8, 1.0]}
-
-
-def case_of(edges, degree=4):
-    (*_, case) = Case.all_of(Scene.load("five_rings"))
-    rings = Rings(np.array([0.0, *edges]), np.array([0.1, 1.0, 0.1, 1.0, 0.1])[: len(edges)])
-    fem = FemAccuracy.model_validate({"degree": degree, "mesher": "gmsh"})
-    return Case("test", replace(case.problem, rings=rings, fem=fem))
-
-
-def family_of(case, way, quick=True):
-    families = ways.Ways(case, Options(quick=quick), []).families()
-    (family,) = (family for family in families if family.name == way)
-    return family
-
-
-@pytest.mark.parametrize("punch", ["flat", "five", pytest.param("narrow", marks=pytest.mark.slow)])
-def test_uniform_refinement_is_of_first_order_and_refines_the_contact(punch, monkeypatch):
-    monkeypatch.setattr(cases, "REFERENCE_RTOL", 1e-3)  # d0 has a closed form
-    # the quick study leaves out levels that are larger because of a narrow ring
-    family = family_of(case_of(PUNCHES[punch]), "uniform", quick=punch != "narrow")
-    first, last_but_one, last = map(family.solve, list(family.sizes)[:3])
-    assert last["multipliers"] > 3 * first["multipliers"]
-    assert np.log2(last_but_one["d0"] / last["d0"]) == pytest.approx(1, abs=0.15)
-    assert last["d0"] <= 5e-3
-
-
-@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
-def test_adaptive_energy_errors_fall_at_the_best_order_and_are_indicated(degree):
-    case = case_of(PUNCHES["five"], degree)
-    start = ways.Ways(case, Options(), [])
-    adaptive = ways.AdaptiveTriangles(case, start._coarsest, start.degree)
-    unknowns, errors = [], []
-    while not unknowns or unknowns[-1] < (45_000 if degree == 4 else 9_000):
-        solved = adaptive.solve_next("")
-        unknowns.append(solved.half_space.unknowns)
-        errors.append(np.sqrt(solved.relative_energy_errors.max()))
-        assert solved.effectivities["least effectivity"] > 1
-        assert solved.effectivities["greatest effectivity"] < 10
-    finer = slice(len(unknowns) // 2, None)
-    order = -np.polyfit(np.log(unknowns[finer]), np.log(errors[finer]), 1)[0]
-    # N^(-1/2) is the size of elements in the plane, and the energy norm of the error its power k
-    assert order == pytest.approx(degree / 2, abs=0.25)
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_adaptive_meshes_need_at_most_twice_the_unknowns_of_graded_ones():
-    (*_, case) = Case.all_of(Scene.load("five_rings"))
-    needed = {}
-    for way in ("graded", "adaptive", "uniform"):
-        family = family_of(case, way, quick=way != "graded")
-        rows = (family.solve(setting) for setting in family.sizes)
-        needed[way] = next((row["unknowns"] for row in rows if row["pressure"] <= 1e-3), np.inf)
-    assert needed["adaptive"] <= 2 * needed["graded"]
-    assert np.isinf(needed["uniform"])
+from ringwear import SceneError, SizeField, bisection, main, study
 
 
 def make_mesh(path, rim_size, ring_size, growth=0.8):
@@ -97,15 +22,6 @@ def own_meshes(tmp_path):
     ]
 
 
-@pytest.fixture
-def _few_levels(monkeypatch):
-    """Leave out levels that take long."""
-    monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
-    monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
-    monkeypatch.setattr(ways, "unavailable", lambda: "left out")
-
-
-@pytest.mark.usefixtures("_few_levels")
 def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, own_meshes):
     results = study("refinement", "flat_punch", quick=True, meshes=own_meshes, degree=3)
     rows = results.table[results.table.family == "file"]
@@ -126,11 +42,17 @@ def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, o
     ]
     assert "coarse.vtu, middle.vtu, fine.vtu: degree 3" in labels
     written = set(results.save(tmp_path / "out"))
-    assert {"refinement.csv", "costs.md", "error_against_unknowns.png"} <= written
+    assert {"refinement.csv", "refinement.md", "costs.md", "error_against_unknowns.png"} <= written
     assert {"own_meshes_flat_punch.png", "meshes_flat_punch.png", "indicator.png"} <= written
 
 
-@pytest.mark.usefixtures("_few_levels")
+def test_one_mesh_of_a_user_has_a_line_and_a_row(own_meshes):
+    results = study("refinement", "flat_punch", quick=True, meshes=own_meshes[1:2], degree=3)
+    assert results.conclusions[0].startswith("flat punch: middle.vtu, ")
+    assert "of degree 3" in results.conclusions[0]
+    assert results.table[results.table.family == "file"].setting.tolist() == ["middle.vtu"]
+
+
 def test_own_meshes_from_the_command_line(tmp_path, own_meshes, capsys):
     meshes = [argument for path in own_meshes for argument in ("--mesh", path)]
     arguments = ["study", "refinement", "flat_punch", "--quick", "--degree", "2", *meshes]
@@ -141,58 +63,8 @@ def test_own_meshes_from_the_command_line(tmp_path, own_meshes, capsys):
     assert printed.count("triangles of degree 2 with") == 3
 
 
-def test_a_mesh_file_that_does_not_fit_is_refused(tmp_path, own_meshes):
-    scene = Scene.load("five_rings")
-    with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
-        own_mesh(scene.problem, own_meshes[0])
-    fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
-    mesh = own_mesh(replace(scene.problem, rings=fitting), own_meshes[0])
-    assert 0.5 in contact_radii(mesh)
+def test_a_mesh_file_that_is_absent_or_a_degree_that_does_not_fit_is_refused(tmp_path, own_meshes):
     with pytest.raises(SceneError, match="no such file"):
-        study("refinement", scene, quick=True, meshes=[str(tmp_path / "absent")])
+        study("refinement", "five_rings", quick=True, meshes=[str(tmp_path / "absent")])
     with pytest.raises(SceneError, match=r"--degree 7.*give 2 to 4"):
-        study("refinement", scene, quick=True, meshes=own_meshes, degree=7)
-
-
-def test_files_of_one_name_get_different_labels(tmp_path):
-    case = case_of([0.5, 1.0])
-    paths = []
-    for folder in ("one", "two"):
-        (tmp_path / folder).mkdir()
-        paths.append(make_mesh(tmp_path / folder / "mesh.vtu", 0.1, 0.1))
-    mesh = Mesh.load(paths[0])
-    names = list(OwnMeshes(case, Options(meshes=(*paths, mesh))).meshes)
-    assert names == [f"{paths[0]} (1)", f"{paths[1]} (2)", "mesh 3"]
-
-
-@pytest.mark.parametrize(("rim_size", "ring_size", "edge"), [(1e-4, 0.2, 0.5), (0.2, 1e-4, 1.0)])
-def test_the_worst_place_is_where_the_mesh_is_coarse(rim_size, ring_size, edge):
-    case = case_of([0.5, 1.0])
-    mesh = bisection.mesh(SizeField((0.0, 0.5, 1.0), rim_size, ring_size, 0.5, 4.0))
-    solved = case.solve(case.half_space_on(mesh, 3, 1e-6), ways.Stages("file"))
-    place = worst_place(case, Level.of(case, "file", "mine", solved))
-    assert place.edge == edge
-    assert edge in place.facet
-    assert 0.5 < place.share <= 1
-    # both are ratios of energies on the same pressures
-    exact = energy.compliance(solved.compliance.space).matrix
-    ratios = eigh(solved.compliance.matrix, exact, eigvals_only=True)
-    assert least_eigenvalue(solved) == pytest.approx(ratios.min(), rel=1e-6)
-
-
-def test_costs_are_those_of_the_first_level_that_reaches_a_goal():
-    family = family_of(case_of(PUNCHES["flat"]), "uniform")
-    rows = pd.DataFrame(
-        [{"family": "uniform"} | dict(family.solve(setting)) for setting in list(family.sizes)[:2]]
-    )
-    rows["d0"] = [0.02, 0.005]
-    table = costs(rows).set_index(["quantity", "goal"])
-    assert table.unknowns["d0", 1e-2] == rows.unknowns[1]
-    assert np.isnan(table.unknowns["d0", 1e-3])
-    assert table["least error"]["d0", 1e-3] == 0.005
-
-
-def test_poles_make_the_truncation_negligible():
-    case = case_of(PUNCHES["flat"])
-    mesh = ways.Ways(case, Options(), [])._coarsest
-    assert len(case.half_space_on(mesh, 4, POLES_RTOL).poles) > 4
+        study("refinement", "five_rings", quick=True, meshes=own_meshes, degree=7)

@@ -17,7 +17,6 @@ import pytest
 
 from ringwear import RingwearError, Scene, SceneError, load, main, run
 from ringwear.studies.output import files
-from ringwear.studies.output import folder as folder_module
 
 FILES = ("results.nc", "summary.json")
 SCENE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-2)
@@ -31,14 +30,14 @@ def result():
 @pytest.fixture(scope="module")
 def saved(result, tmp_path_factory):
     folder = tmp_path_factory.mktemp("saved")
-    files.write_numbers(result, folder)
+    result.save(folder)
     return folder
 
 
 @pytest.fixture(scope="module")
 def of_twice_the_force(tmp_path_factory):
     folder = tmp_path_factory.mktemp("twice")
-    files.write_numbers(run(SCENE.changed(load__normal_force=4.0)), folder)
+    run_into(folder, SCENE.changed(load__normal_force=4.0))
     return folder
 
 
@@ -63,10 +62,11 @@ def without_checksums(folder):
         file.delncattr("checksums")
 
 
-def save(result, out):
-    """Put the numbers of a result into a folder like the command `run`, without figures."""
-    with folder_module.output_folder(out, "run") as folder:
-        files.write_numbers(result, folder.hidden)
+def run_into(folder, scene):
+    """Run a scene by the command, and write the numbers without figures into a folder."""
+    file = folder.with_suffix(".toml")
+    file.write_text(scene.to_toml(), "utf-8")
+    assert main(["run", str(file), "--no-figures", "--no-report", "--out", str(folder)]) == 0
 
 
 def refusal(folder):
@@ -98,15 +98,15 @@ def test_saved_results_are_read_back_exactly(result, saved):
     assert repr(read) == repr(result)
 
 
-def test_each_array_and_each_entry_has_a_checksum(saved):
+def test_each_array_and_each_entry_has_a_checksum(saved, tmp_path):
     entries = json.loads((saved / "summary.json").read_text("utf-8"))
     recorded = entries.pop("checksums")
     with netCDF4.Dataset(saved / "results.nc") as file:
         assert recorded["coordinates"].keys() | recorded["variables"].keys() == set(file.variables)
     assert recorded["summary"].keys() == entries.keys()
     # results that are read and saved again have the same checksums
-    files.write_numbers(load(saved), saved)
-    again = json.loads((saved / "summary.json").read_text("utf-8"))["checksums"]
+    load(saved).save(tmp_path)
+    again = json.loads((tmp_path / "summary.json").read_text("utf-8"))["checksums"]
     del recorded["results.nc"], again["results.nc"]
     assert again == recorded
 
@@ -306,13 +306,13 @@ def test_commands_refuse_altered_results(command, copied, tmp_path, monkeypatch,
 
 
 def test_a_process_that_is_killed_while_it_moves_files_leaves_no_mixture(
-    result, of_twice_the_force, tmp_path
+    of_twice_the_force, tmp_path
 ):
     """After kill -9 between any two moves, the old or the new results are read, or none."""
-    twice, seen = load(of_twice_the_force), set()
+    of_twice, twice, seen = SCENE.changed(load__normal_force=4.0), load(of_twice_the_force), set()
     for moves in range(4):
         out = tmp_path / str(moves)
-        save(result, out)
+        run_into(out, SCENE)
         child = os.fork()
         if child == 0:
             left, move = iter(range(moves)), os.replace
@@ -322,15 +322,15 @@ def test_a_process_that_is_killed_while_it_moves_files_leaves_no_mixture(
                     os.kill(os.getpid(), signal.SIGKILL)
                 move(*paths)
 
-            folder_module.os.replace = kill_after
-            save(twice, out)
+            os.replace = kill_after
+            run_into(out, of_twice)
             os._exit(0)
         os.waitpid(child, 0)
         read, message = read_or_refusal(out)
         if read is None:
             assert ".complete" in message
             # what the message says to do
-            save(twice, out)
+            run_into(out, of_twice)
             read = load(out)
         seen.add(bool(message))
         assert read.dataset.identical(twice.dataset)

@@ -11,16 +11,22 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-from ringwear import Scene, main
-from ringwear.studies.progress import LOG
-from ringwear.studies.registry import INTERRUPTED
-from ringwear.studies.study.conduct import conduct
-from ringwear.studies.study.levels import Family, Record
-from ringwear.studies.study.listing import STUDIES, ListedStudy
-from ringwear.studies.study.options import Options
+from ringwear import SceneError, main, study
+from ringwear.studies.study.listing import ListedStudy
+
+LOG = logging.getLogger("ringwear")
+INTERRUPTED = "INTERRUPTED"
+
+
+def names_of_studies():
+    """Return the names of all studies that solve levels, from the message about a wrong one."""
+    with pytest.raises(SceneError) as refusal:
+        study("absent")
+    names = str(refusal.value).partition("give one of ")[2].split(", ")
+    assert "march" in names
+    return sorted({*names} - {"paper"})
 
 
 def rows(path):
@@ -39,42 +45,22 @@ def interrupted_at(line):
             if self.left == 0:
                 raise KeyboardInterrupt
 
-    handler, level = Stop(), LOG.level
+    handler = Stop()
     LOG.addHandler(handler)
-    LOG.setLevel(logging.INFO)
     try:
         yield
     finally:
         LOG.removeHandler(handler)
-        LOG.setLevel(level)
-
-
-def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path):
-    def solve(setting):
-        if setting == 1:
-            return {"b": "x"}
-        (row,) = rows(tmp_path / "t.csv")
-        assert row["setting"] == "1"
-        assert row["b"] == "x"
-        assert float(row["seconds"]) >= 0
-        assert float(row["peak MiB"]) > 10
-        raise KeyboardInterrupt
-
-    record = Record(tmp_path)
-    family = Family("h", {1: np.nan, 2: np.nan}, solve)
-    record.solve("t", [family], ["setting", "b"])
-    assert record.conclusions == [INTERRUPTED]
 
 
 @pytest.mark.parametrize("line", [1, 2])
-@pytest.mark.parametrize("name", sorted(STUDIES.keys() - {"paper"}))
-def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path):
-    scene = Scene.load("five_rings")
+@pytest.mark.parametrize("name", names_of_studies())
+def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
     with interrupted_at(line):
-        results = conduct(name, scene, Options(quick=True), Record(tmp_path))
-    assert INTERRUPTED in results.conclusions
-    assert len(results.table) == line - 1
+        assert main(["study", name, "five_rings", "--quick", "--out", str(tmp_path)]) == 1
+    assert INTERRUPTED in capsys.readouterr().out
     assert len(rows(tmp_path / f"{name}.csv")) == line - 1
+    assert INTERRUPTED in (tmp_path / "report.html").read_text("utf-8")
 
 
 def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
@@ -88,47 +74,45 @@ def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
 
 
 WAITING = """
-import signal, sys, time
-from pandas import DataFrame
-from ringwear.studies.study import listing
+import logging, signal, sys, time
 from ringwear import main
-from ringwear.studies.study.study import Study
-from ringwear.studies.tables import keeping_rows
 
 # where the tests themselves run in the background, the shell has told them to ignore it
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-def conduct(scene, options, record):
-    with keeping_rows(record.conclusions):
-        (record.folder / "rows.csv").write_text("a\\n1\\n", "utf-8")
-        print("waiting", flush=True)
-        time.sleep(60)
-    return Study("march", scene, DataFrame({"a": [1]}), conclusions=tuple(record.conclusions))
+class Wait(logging.Handler):
+    def emit(self, record):
+        if "level 2" in record.getMessage():
+            print("waiting", flush=True)
+            time.sleep(60)
 
-listing.ListedStudy.conduct = property(lambda _: conduct)
+logging.getLogger("ringwear").addHandler(Wait())
 sys.exit(main(["study", "march", "--out", sys.argv[1]]))
 """
 
 
 def test_ctrl_c_in_a_study_keeps_rows_and_sets_the_exit_status(tmp_path):
     arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
-    root = Path(__file__).parents[2]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True, cwd=root) as process:
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout
         assert process.stdout.readline() == "waiting\n"
         process.send_signal(signal.SIGINT)
         printed, _ = process.communicate(timeout=30)
     assert process.returncode == 1
     assert INTERRUPTED in printed
-    assert rows(tmp_path / "rows.csv") == [{"a": "1"}]
+    assert len(rows(tmp_path / "march.csv")) == 1
 
 
 def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkeypatch, capsys):
-    def half_write(*arguments):
-        arguments[-1].write_text("<html>", "utf-8")
-        raise KeyboardInterrupt
+    write_text = Path.write_text
 
-    monkeypatch.setattr("ringwear.studies.report.study_page.write_study", half_write)
+    def half_write(path, text, *arguments):
+        write_text(path, text[: len(text) // 2], *arguments)
+        if path.name == "report.html":
+            raise KeyboardInterrupt
+        return write_text(path, text, *arguments)
+
+    monkeypatch.setattr(Path, "write_text", half_write)
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert INTERRUPTED in capsys.readouterr().out
     names = {file.name for file in tmp_path.iterdir()}

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import logging
-
 import pandas as pd
 import pytest
 
 import ringwear
-from ringwear import SceneError, SizeField, bisection, study
-from ringwear.studies.refinement import ways
-from ringwear.studies.study.levels import Family, Progress, Record
+from ringwear import SceneError, study
 
 
 @pytest.fixture(scope="module")
@@ -70,41 +66,5 @@ def test_an_unknown_table_is_refused(march):
         march.to_markdown("order")
 
 
-def test_progress_prints_the_level_and_the_time_left(caplog):
-    family = Family("h", {1: 1.0, 2: 0.5, 3: 0.25}, lambda _: {"value": 1.0})
-    with caplog.at_level(logging.INFO, logger="ringwear"):
-        Record().solve("t", [family], ["family", "setting", "size", "value"])
-    lines = [record.getMessage() for record in caplog.records]
-    assert lines[0].startswith("   level 1 of 3: h, 1")
-    assert lines[2].startswith("   level 3 of 3, about ")
-
-
-def test_time_left_follows_from_the_seconds_of_earlier_levels():
-    progress = Progress([1.0, 3.0, 6.0])
-    progress.finish(2.0)
-    assert progress.seconds_left == pytest.approx(18.0)
-    progress.finish(6.0)
-    assert progress.seconds_left == pytest.approx(12.0)
-
-
 def test_a_study_is_a_public_name():
     assert "study" in dir(ringwear)
-
-
-def test_the_study_of_refinement_has_a_line_for_the_users_mesh(tmp_path, monkeypatch):
-    # leave out levels that take long
-    monkeypatch.setattr(ways, "ACCURACIES_QUICK", (1e-1,))
-    monkeypatch.setattr(ways, "MOST_UNKNOWNS_QUICK", 1000)
-    file = tmp_path / "mine.vtu"
-    field = SizeField((0.0, 0.5, 1.0), 0.02, 0.05, 0.8, 4.0)
-    bisection.mesh(field).save(file, file_format="vtu")
-    results = study("refinement", "flat_punch", quick=True, meshes=[str(file)], degree=3)
-    assert results.conclusions[0].startswith("flat punch: mine.vtu, ")
-    assert "of degree 3" in results.conclusions[0]
-    written = set(results.save(tmp_path / "out"))
-    assert {"refinement.csv", "refinement.md", "error_against_unknowns.png"} <= written
-
-
-def test_the_study_of_refinement_refuses_a_mesh_file_that_is_absent(tmp_path):
-    with pytest.raises(SceneError, match="no such file"):
-        study("refinement", "five_rings", quick=True, meshes=[str(tmp_path / "absent")])

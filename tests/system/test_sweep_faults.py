@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import os
 import random
 import shutil
@@ -19,11 +20,8 @@ import tomli_w
 import xarray
 import zarr
 
-from ringwear import RingwearError, Scene, SceneError, main, sweep
-from ringwear.studies.output.folder import lock_folder
+from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
 from ringwear.studies.sweep import compute, store, workers
-from ringwear.studies.sweep.store import Store
-from ringwear.studies.versions import versions
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
@@ -155,13 +153,13 @@ def test_a_damaged_block_is_detected_and_computed_again(
     """No other block is computed again."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     damage(tmp_path / "sweep.zarr" / file)
-    written, write = list[int](), Store.write
+    written, write = list[int](), store.Store.write
 
     def count(self, number, values):
         written.append(number)
         write(self, number, values)
 
-    monkeypatch.setattr(Store, "write", count)
+    monkeypatch.setattr(store.Store, "write", count)
     compute_into(tmp_path, resume=True)
     assert contents(tmp_path) == contents(undisturbed)
     assert written == ([] if file in LABELS else [2])
@@ -199,10 +197,23 @@ def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep
     assert contents(tmp_path) == before
 
 
-def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path):
-    with lock_folder(tmp_path), pytest.raises(SceneError, match="another run"):
-        compute_into(tmp_path)
+def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path, monkeypatch):
+    refusals = []
+
+    class Second(logging.Handler):
+        """Start a second sweep into the same directory while the first one runs."""
+
+        def emit(self, _):
+            with pytest.raises(SceneError, match="another run") as refusal:
+                compute_into(tmp_path)
+            refusals.append(refusal)
+
+    log, second = logging.getLogger("ringwear"), Second(logging.INFO)
+    monkeypatch.setattr(log, "level", logging.INFO)
+    log.addHandler(second)
     compute_into(tmp_path)
+    log.removeHandler(second)
+    assert refusals
     with pytest.raises(SceneError, match="--resume"):
         compute_into(tmp_path)
     with pytest.raises(SceneError, match="begun with another sweep file"):
@@ -263,9 +274,9 @@ def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, fai
 
 def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch):
     """Other versions do not continue it."""
-    other = versions() | {"ringwear": "0", "numpy": "1.0"}
-    there = xarray.open_zarr(undisturbed / "sweep.zarr").attrs["versions"]
-    assert json.loads(there) == versions()
+    there = json.loads(xarray.open_zarr(undisturbed / "sweep.zarr").attrs["versions"])
+    assert (there["ringwear"], there["numpy"]) == (__version__, np.__version__)
+    other = there | {"ringwear": "0", "numpy": "1.0"}
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
     monkeypatch.setattr(store, "versions", lambda: other)
     with pytest.raises(

@@ -5,6 +5,7 @@ would reach the terminal.
 """
 
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,7 @@ import pandas as pd
 import pytest
 import tomli_w
 
-from ringwear import Scene, SceneError, check, main, run, study
-from ringwear.studies.methods.mdr import Mdr
+from ringwear import Scene, SceneError, check, deck, main, method, run, study
 
 FLAT = Scene.load("flat_punch").changed(methods=["mdr"], accuracy__rtol=1e-2)
 CONTROLS = [
@@ -56,8 +56,6 @@ def test_any_printed_language_is_a_title(title):
 @pytest.mark.parametrize("title", ["*INCLUDE, INPUT=secret", "** times: 1, 2", "  *CLOAD"])
 def test_no_title_is_a_keyword_or_a_comment_of_a_deck(program, title, tmp_path):
     """The lines of a deck with such a title are those of the deck with another title, but one."""
-    from ringwear import deck
-
     for name, given in (("plain", "Plain"), ("odd", title)):
         deck(FLAT.changed(title=given), program, tmp_path / name, "linear", size=0.5)
     decks = [path.name for path in (tmp_path / "plain").glob("*.inp")]
@@ -75,7 +73,7 @@ def test_names_of_programs_methods_and_quantities_are_one_line():
     with pytest.raises(SceneError, match="name of a method or a program: 'a"):
         check(FLAT, {"a\nb": table})
 
-    class Own(Mdr):
+    class Own(type(method("mdr"))):
         name = "own\x1b[31m"
 
     with pytest.raises(SceneError, match="name of a method or a program: 'own"):
@@ -102,10 +100,13 @@ def test_names_of_files_and_columns_are_shown_with_escape_sequences(tmp_path, mo
 NAMES = ["...toml", "..toml", ".toml", "....toml", "..x.toml", "x..toml", "...", ".. .toml"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+RUN = "run {} --no-figures"
+OTHERS = ["mesh {}", "deck {} --for abaqus --size 0.5", "sweep {} --workers 1"]
+
+
 @pytest.mark.parametrize(
-    "command",
-    ["run {} --no-figures", "mesh {}", "deck {} --for abaqus --size 0.5", "sweep {} --workers 1"],
+    ("command", "name"),
+    [*product([RUN], NAMES), *product(OTHERS, ["...toml", "..x.toml"])],
 )
 def test_no_name_of_a_file_leads_outside_of_results(command, name, tmp_path, monkeypatch):
     home = tmp_path / "above" / "home"

@@ -1,4 +1,4 @@
-"""Tables of studies in Markdown and LaTeX keep all cells, and special characters are escaped."""
+"""Tables in Markdown, LaTeX and CSV keep all cells, and special characters are escaped."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from ringwear.studies.study.formats import escape_latex, to_latex, to_markdown
+from ringwear.studies.tables import write_csv
 
 TABLE = pd.DataFrame(
     {
@@ -55,3 +56,17 @@ def test_a_table_compiles_in_a_latex_document(tmp_path):
     (tmp_path / "t.tex").write_text(text, "utf-8")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "t.tex"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
+
+
+def test_cells_of_csv_are_not_formulas(tmp_path):
+    """Texts that a spreadsheet would compute are marked as texts; numbers stay numbers."""
+    texts = ["=1+1", "+A1", "-cmd", "@SUM(1)", "\t=1", "plain", "-1.5"]
+    table = pd.DataFrame({"=title": texts, "number": np.linspace(-1.0, 1.0, len(texts))})
+    write_csv(table, tmp_path / "table.csv")
+    head, *rows = (tmp_path / "table.csv").read_text().splitlines()
+    assert head == "'=title,number"
+    assert [row.rpartition(",")[0] for row in rows] == [
+        *(f"'{text}" for text in texts[:5]),
+        *texts[5:],
+    ]
+    assert [float(row.rpartition(",")[2]) for row in rows] == table["number"].tolist()
