@@ -227,10 +227,11 @@ def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:
         other_indices = {dim: -(dim == "time") for dim in values.dims if dim not in drawn_dims}
         if values.size:
             values, x = values.isel(other_indices), coordinate_names[drawn_dims[0]]
-            if values[drawn_dims[-1]].size > 8 and len(drawn_dims) > 1:
-                values.plot.pcolormesh(x=x, y=coordinate_names[drawn_dims[1]], ax=axes)
+            other = coordinate_names[drawn_dims[1]] if len(drawn_dims) > 1 else None
+            if other and values[drawn_dims[-1]].size > 8:
+                values.plot.pcolormesh(x=x, y=other, ax=axes)
             else:
-                values.plot.line(".", x=x, ax=axes)
+                values.plot.line(".", x=x, hue=other, ax=axes)
             if 0 < 20 * dataset[x].min() < dataset[x].max():
                 set_logarithmic(axes, "x")
     figure.savefig(file)

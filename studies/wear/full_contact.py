@@ -35,6 +35,10 @@ from .modes import (
     slowest_times,
 )
 
+# relative difference of displacements at the start and in the steady state below which it is
+# roundoff
+SAME_STATE = 1e-7
+
 
 @dataclass(frozen=True, eq=False)
 class RunningIn:
@@ -240,13 +244,15 @@ class RunningIn:
     def resolved_fraction(self) -> float:
         """The fraction of the flat start that the modes contain, in squares of displacements.
 
-        It is 1 if no mode is missing.
+        It is 1 if no mode is missing, or if the start is the steady state, which excites none.
         """
-        moments, weights = self._moments, self._weights
-        total = moments @ moments
+        excited, weights = self._moments, self._weights
         if self.indentation is None:
-            total -= (moments @ weights) ** 2 / (weights @ weights)
-        return float(np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2) / total)
+            excited = excited - (excited @ weights) / (weights @ weights) * weights
+        if np.linalg.norm(excited) <= SAME_STATE * np.linalg.norm(self._moments):
+            return 1.0
+        contained = np.sum((self.modes.amplitudes * self.modes.relaxation) ** 2)
+        return float(contained / (excited @ excited))
 
     @property
     def relaxation_times(self) -> Array:

@@ -291,3 +291,19 @@ def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, mo
     assert not (out / "sweep.png").exists()
     dataset = xarray.open_zarr(out / "sweep.zarr", decode_timedelta=False)
     assert dataset["status"].values.tolist() == [1, 1]
+
+
+@pytest.mark.parametrize(
+    "values", [[1e-2, 1e-3], {"geomspace": [1e-3, 1e-1, 9]}], ids=["few", "many"]
+)
+def test_random_draws_are_drawn_over_another_axis(values, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    table = {
+        "base": FIVE.changed(methods=["direct"]).table(),
+        "keep": ["steady_wear_rate", "steady_rms_slope"],
+        "axes": {"accuracy.rtol": values},
+        "random": {"count": 10, "seed": 1, "load.normal_force": [1.0, 2.0]},
+    }
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(table), "utf-8")
+    assert main(["sweep", "sweep.toml", "--out", "out"]) == 0
+    assert (tmp_path / "out" / "sweep.png").stat().st_size > 1000
