@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
 import xarray
 
 from ...meshes.errors import SceneError
@@ -228,10 +229,16 @@ def draw(dataset: xarray.Dataset, plan: Sweep, file: Path) -> None:
         if values.size:
             values, x = values.isel(other_indices), coordinate_names[drawn_dims[0]]
             other = coordinate_names[drawn_dims[1]] if len(drawn_dims) > 1 else None
-            if other and values[drawn_dims[-1]].size > 8:
+            if other and values[drawn_dims[-1]].size > 8 and _in_order(values[x], values[other]):
                 values.plot.pcolormesh(x=x, y=other, ax=axes)
             else:
                 values.plot.line(".", x=x, hue=other, ax=axes)
             if 0 < 20 * dataset[x].min() < dataset[x].max():
                 set_logarithmic(axes, "x")
     figure.savefig(file)
+
+
+def _in_order(*coordinates: xarray.DataArray) -> bool:
+    """Return whether coordinates rise or fall, as a map of cells needs; random draws do not."""
+    steps = [np.diff(coordinate) for coordinate in coordinates]
+    return all(bool((step > 0).all() or (step < 0).all()) for step in steps)
