@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from given import judge
 from wear_reference import random_scenes
 
 from ringwear import ContactCells, Scene, run
 from ringwear.studies.contact.edges import worn_edges
-from ringwear.studies.crosscheck.agreement import agreements
 from ringwear.studies.sizes.cells import cells_of
 
 FIVE = Scene.load("five_rings")
@@ -209,11 +209,11 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     rtol, solution = scene.accuracy.rtol, run(scene, methods=["mdr"]).solutions["mdr"]
     exact = solution.checked
     moved = exact | {"indentation": exact["indentation"] * (1 + difference * rtol)}
-    both = tuple(
-        replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
-        for checked, error in ((moved, first), (exact, second))
-    )
-    rows = agreements(scene.problem, ("mdr", "bem"), both)
+    both = {
+        name: replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
+        for name, checked, error in (("mdr", moved, first), ("bem", exact, second))
+    }
+    rows = judge(scene, **both).agreement
     (row,) = (row for row in rows if row.quantity == "indentation")
     assert row.verdict == verdict
 
