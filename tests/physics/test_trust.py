@@ -7,8 +7,7 @@ import pytest
 from given import judge
 from wear_reference import random_scenes
 
-from ringwear import ContactCells, Scene, run
-from ringwear.studies.contact.edges import worn_edges
+from ringwear import Scene, run
 from ringwear.studies.sizes.cells import cells_of
 
 FIVE = Scene.load("five_rings")
@@ -158,19 +157,6 @@ def test_a_face_finer_than_the_cells_is_reported(monkeypatch):
     error = np.abs(result.indentation - finer) / finer
     assert (error <= result.indentation_error).all()
     assert float(error.max()) > 1e-2
-
-
-@pytest.mark.parametrize("gap", [1, 2, 3])
-def test_parts_of_the_contact_do_not_overlap(gap):
-    """Contact edges are extrapolated from worn depths on both sides of a narrow gap."""
-    space = ContactCells((0.0, 1.0), 0.02, 0.02).space()
-    node = np.arange(space.size)
-    middle = space.size // 2
-    contact = (node < middle) | (node >= middle + gap)
-    worn = np.where(contact, np.abs(node - middle - (gap - 1) / 2), 0.0)
-    edges = np.ravel(worn_edges(space, contact, np.where(worn > 0, worn + 3, 0.0)))
-    assert len(edges) == 4
-    assert (np.diff(edges) >= 0).all()
 
 
 def test_no_pressure_under_a_flat_punch_is_negative():
