@@ -158,7 +158,10 @@ def test_a_quantity_with_a_large_error_estimate_is_undecided(flat):
     row = compare(flat, {}, unsure)["profile"]
     assert row.verdict == "undecided"
     assert row.uncertainty == pytest.approx(0.2, rel=0.01)
-    assert (row.when, row.remark[:18]) == ("at 1 of 3 times", "fem states 2.0e-01")
+    # the remark names the method and its error, and says which rtol to give
+    assert row.when == "at 1 of 3 times"
+    assert "fem states 2.0e-01" in row.remark
+    assert "rtol" in row.remark
     assert compare(flat, {"profile": 1.5}, unsure)["profile"].verdict == "disagree"
 
 
@@ -171,11 +174,11 @@ def test_times_too_early_to_resolve_are_named_and_left_out():
     result = run(scene)
     row = undecided(result)["rms_slope"]
     assert row.when == "at t = 1e-10"
-    assert row.remark.startswith("the layers that wear has made by then need elements of")
+    assert "choose later times" in row.remark
     assert not row.promised
     assert result.verdict == "agree"
     # the first line names the quantity that is left out, and the summary gives the reason
-    assert result.verdict_in_words.startswith("The methods agree in all but RMS slope at t = 1e-10")
+    assert "all but RMS slope at t = 1e-10" in result.verdict_in_words
     rows = {row["quantity"]: row for row in result.summary["left_out_of_promise"]}
     assert rows.keys() == {"rms_slope"}
     assert all(row["times"] == [1e-10] for row in rows.values())
@@ -195,4 +198,4 @@ def test_a_quantity_without_an_error_estimate_is_undecided(flat):
     # the remark names the remedy also for a method that ringwear does not know
     by_name = {row.quantity: row for row in rows}
     assert "springs states 5.0e-01; rtol = " in by_name["pressure"].remark
-    assert by_name["rms_slope"].remark == "a method has no error estimate"
+    assert "no error estimate" in by_name["rms_slope"].remark

