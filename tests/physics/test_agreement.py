@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from given import judge
 
 from ringwear import Scene, Solution, run
-from ringwear.studies.crosscheck.agreement import Agreement, agreements, overall
-from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
-from ringwear.studies.scene.sources import bundled
 
-FLAT = [name for name in bundled() if Scene.load(name).problem.full_contact]
+BUNDLED = sorted(
+    file.stem for file in (Path(__file__).parents[2] / "studies" / "scenes").glob("*.toml")
+)
+FLAT = [name for name in BUNDLED if Scene.load(name).problem.full_contact]
 ON_LAYERS = [name for name in FLAT if Scene.load(name).half_space.layers]
 
 
@@ -54,7 +56,7 @@ def test_bundled_scenes_agree(name, mesher):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("name", [name for name in bundled() if name not in FLAT])
+@pytest.mark.parametrize("name", [name for name in BUNDLED if name not in FLAT])
 def test_bundled_scenes_of_any_punch_agree(name):
     result = run(Scene.load(name))
     assert result.verdict != "disagree"
@@ -100,14 +102,14 @@ def compare(flat, factors, errors=None):
     """Compare MDR with finite elements whose results are scaled or whose estimates are replaced."""
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
     # a height is stored with and without even wear
-    pairs = ((WITHOUT_EVEN_WEAR.get(name, name), factor) for name, factor in factors.items())
-    factors = factors | dict(pairs)
+    without = {"profile": "shape", "indentation": "depth"}
+    factors = factors | {without.get(name, name): factor for name, factor in factors.items()}
     wrong, answers = (
         part | {name: factors[name] * part[name] for name in factors.keys() & part.keys()}
         for part in (fem.checked, fem.answers)
     )
     changed = replace(fem, checked=wrong, answers=answers, errors=fem.errors | (errors or {}))
-    rows = agreements(flat.scene.problem, ("mdr", "fem"), (mdr, changed))
+    rows = judge(flat.scene, mdr=mdr, fem=changed).agreement
     return {row.quantity: row for row in rows}
 
 
@@ -128,12 +130,12 @@ def test_values_within_both_estimates_are_no_disagreement(flat):
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
     for factor in (3.0, 1 / 3):
         fem_values = fem.checked | {"indentation": factor * fem.checked["indentation"]}
-        both = (
-            replace(mdr, errors=mdr.errors | {"indentation": estimates}),
-            replace(fem, errors=fem.errors | {"indentation": estimates}, checked=fem_values),
+        result = judge(
+            flat.scene,
+            mdr=replace(mdr, errors=mdr.errors | {"indentation": estimates}),
+            fem=replace(fem, errors=fem.errors | {"indentation": estimates}, checked=fem_values),
         )
-        rows = agreements(flat.scene.problem, ("mdr", "fem"), both)
-        (row,) = (row for row in rows if row.quantity == "indentation")
+        (row,) = (row for row in result.agreement if row.quantity == "indentation")
         assert row.difference == pytest.approx(2 / 3, rel=1e-3)
         assert row.verdict == "undecided"
 
@@ -156,17 +158,11 @@ def test_a_quantity_with_a_large_error_estimate_is_undecided(flat):
     row = compare(flat, {}, unsure)["profile"]
     assert row.verdict == "undecided"
     assert row.uncertainty == pytest.approx(0.2, rel=0.01)
-    assert (row.when, row.remark[:18]) == ("at 1 of 3 times", "fem states 2.0e-01")
+    # the remark names the method and its error, and says which rtol to give
+    assert row.when == "at 1 of 3 times"
+    assert "fem states 2.0e-01" in row.remark
+    assert "rtol" in row.remark
     assert compare(flat, {"profile": 1.5}, unsure)["profile"].verdict == "disagree"
-
-
-def test_quantities_at_moving_edges_can_only_cause_disagreement():
-    both = ("mdr", "fem")
-    sure = Agreement("indentation", both, 1e-5, 1e-4, "agree")
-    local = Agreement("pressure", both, 1e-2, 1e-1, "undecided", promised=False)
-    assert overall((sure, local)) == "agree"
-    assert overall((replace(sure, verdict="undecided"), local)) == "undecided"
-    assert overall((sure, replace(local, verdict="disagree"))) == "disagree"
 
 
 @pytest.mark.gmsh
@@ -178,11 +174,11 @@ def test_times_too_early_to_resolve_are_named_and_left_out():
     result = run(scene)
     row = undecided(result)["rms_slope"]
     assert row.when == "at t = 1e-10"
-    assert row.remark.startswith("the layers that wear has made by then need elements of")
+    assert "choose later times" in row.remark
     assert not row.promised
     assert result.verdict == "agree"
     # the first line names the quantity that is left out, and the summary gives the reason
-    assert result.verdict_in_words.startswith("The methods agree in all but RMS slope at t = 1e-10")
+    assert "all but RMS slope at t = 1e-10" in result.verdict_in_words
     rows = {row["quantity"]: row for row in result.summary["left_out_of_promise"]}
     assert rows.keys() == {"rms_slope"}
     assert all(row["times"] == [1e-10] for row in rows.values())
@@ -196,10 +192,10 @@ def test_a_quantity_without_an_error_estimate_is_undecided(flat):
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
     given = ({name: part[name] for name in names} for part in (mdr.results, mdr.checked))
     springs = Solution(*given, errors, {})
-    rows = agreements(flat.scene.problem, ("mdr", "springs"), (mdr, springs))
+    rows = judge(flat.scene, mdr=mdr, springs=springs).agreement
     verdicts = {row.quantity: row.verdict for row in rows}
     assert verdicts == {"indentation": "agree", "pressure": "undecided", "rms_slope": "undecided"}
     # the remark names the remedy also for a method that ringwear does not know
     by_name = {row.quantity: row for row in rows}
     assert "springs states 5.0e-01; rtol = " in by_name["pressure"].remark
-    assert by_name["rms_slope"].remark == "a method has no error estimate"
+    assert "no error estimate" in by_name["rms_slope"].remark

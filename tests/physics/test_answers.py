@@ -5,7 +5,6 @@ import pytest
 from closed_forms import disc_energies
 
 from ringwear import Scene, alternating_edges, direct, ring_areas, run
-from ringwear.studies.wear.time_scale import slowest_relaxation_time
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
 
@@ -78,19 +77,3 @@ def test_the_papers_algorithm_reports_worn_volumes_but_no_running_in_time():
     exact, grid = run(scene).answers.values()
     assert np.isnan(grid["running_in_time"])
     np.testing.assert_allclose(grid["worn_volume"], exact["worn_volume"], rtol=1e-2)
-
-
-@pytest.mark.parametrize(
-    ("rings", "ratio", "width"),
-    [(2, 1e-3, 1.0), (3, 50.0, 0.02), (7, 1e5, 5.0), (1, 1.0, 1.0)],
-    ids=str,
-)
-def test_the_slowest_relaxation_time_is_predicted_without_a_run(rings, ratio, width):
-    scene = Scene.load("five_rings").changed(
-        methods=["mdr"],
-        punch__rings=rings,
-        punch__width_ratio=width,
-        punch__wear_coefficients=[1.0, ratio],
-    )
-    computed = run(scene).solutions["mdr"].results["relaxation_time"]
-    assert slowest_relaxation_time(scene.problem) == pytest.approx(float(computed[0]), rel=1e-4)

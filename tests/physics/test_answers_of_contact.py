@@ -1,13 +1,11 @@
 """Answers for punches whose contact opens, closes and spreads."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ringwear import Scene, run
-from ringwear.studies.outcome.scope import time_scale
-from ringwear.studies.report.words import Account
-from ringwear.studies.sampling.sampler import Sampler
-from ringwear.studies.wear.time_scale import spreading_times
 
 CURVATURE, FORCE = 3.0, 0.1
 
@@ -57,7 +55,7 @@ def test_infinite_peak_pressures_are_left_out_of_the_answer(name):
 @pytest.fixture(scope="module")
 def worn():
     """Run of a sphere that wears into full contact within the times of the scene."""
-    return run(sphere([0.0, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
+    return run(sphere([0.0, 1e-3, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
 
 
 def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
@@ -87,8 +85,9 @@ def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
 
 
 def test_the_printed_answer_lists_the_running_in_times(worn):
-    labels = [what for what, _, _ in Account(worn).answers]
-    assert {"time to full contact", "time to 90", "time to 99"} <= set(labels)
+    printed = repr(worn)
+    for label in ("time to full contact", "time to 90", "time to 99"):
+        assert label in printed
 
 
 def test_forces_in_the_answer_at_a_fixed_indentation():
@@ -104,8 +103,8 @@ def test_forces_in_the_answer_at_a_fixed_indentation():
     half = float(answers["time_to_half_force"])
     finer = run(scene.changed(wear__times=[half], accuracy__rtol=5e-4), methods=["fem"])
     assert float(finer.dataset.normal_force[0, 0]) == pytest.approx(FORCE / 2, rel=2e-3)
-    labels = [what for what, _, _ in Account(result).answers]
-    assert labels[:3] == ["force start", "force end", "time to half force"]
+    places = [repr(result).find(of) for of in ("force start", "force end", "time to half force")]
+    assert -1 < places[0] < places[1] < places[2]
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
@@ -126,16 +125,6 @@ def test_times_running_in_cover_the_whole_running_in(name):
     assert force[-1] < 0.02 * force[0]
 
 
-def test_the_spreading_time_of_a_sphere_against_a_rigid_half_space():
-    problem = sphere([0.0, 1.0]).problem
-    start, end = spreading_times(problem)
-    # a^4 = 4 R k F v t / pi, where a is the radius of the punch
-    worn = np.pi * 2.0**4 / (4 * CURVATURE * 0.5 * FORCE * 3.0)
-    assert end * problem.units.time == pytest.approx(worn, rel=1e-4)
-    assert start < 1e-3 * end
-    assert "contact spreads from" in time_scale(sphere([0.0, 1.0]))[1]
-
-
 def test_tau_counts_relaxation_times_of_the_full_face():
     counts = {"tau": [0.0, 0.5, 2.0]}
     shaped = sphere(counts).wear.times
@@ -147,21 +136,22 @@ def test_tau_counts_relaxation_times_of_the_full_face():
 
 
 def test_curves_continue_from_the_march_into_full_contact(worn):
-    for solution in worn.solutions.values():
-        march = solution.march
-        sampler = Sampler(worn.scene.problem, march.face.compliance.space, march.face.compliance)
-        between = sampler.history(march.between)
+    radius, wear_coefficient, force, speed = 2.0, 0.5, 20.0, 3.0
+    for name, solution in worn.solutions.items():
+        # the first method with values between the times is the only one
+        drawn, between = replace(worn, solutions={name: solution}).between
+        assert drawn == name
         times = between["time"]
         assert (np.diff(times) > 0).all()
         # Archard's law for one material under a constant force
         volumes = between["ring_worn_volume"].sum(axis=1)
-        assert volumes == pytest.approx(times, rel=1e-10)
-        assert times[-1] == pytest.approx(worn.scene.problem.times[-1], rel=1e-12)
-        edge, full = between["contact_edge"][:, 1], march.time_of_full_contact
-        # contact spreads; its edge is accurate to one cell
-        cells = march.face.compliance.space.breakpoints
-        assert (np.diff(edge) > -np.diff(cells).max()).all()
-        assert (edge[times > 1.01 * full] == 1.0).all()
+        assert volumes == pytest.approx(wear_coefficient * force * speed * times, rel=1e-10)
+        assert times[-1] == pytest.approx(worn.scene.wear.times[-1], rel=1e-12)
+        edge, full = between["contact_edge"][:, 1], worn.answers[name]["time_to_full_contact"]
+        # the first time is before full contact, which is reached; the edge is accurate to one cell
+        widest = radius * np.diff(solution.march.space.breakpoints).max()
+        assert (np.diff(edge) > -widest).all()
+        assert (edge[times > 1.01 * full] == radius).all()
         assert (times > full).sum() > 30
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, Stages, method, run
-from ringwear.studies.sizes import defaults
 
 THREE = Scene.load("five_rings").changed(punch__rings=3, load__normal_force=1.0, methods=["fem"])
 
@@ -77,10 +76,7 @@ def test_estimates_of_running_in_times_include_a_coarse_rim():
 
 def degrees_of(problem):
     """Return the finite elements for a problem, with their degrees."""
-    from ringwear.studies.methods.fem import half_space_on
-    from ringwear.studies.sizes.half_space_mesh import half_space_mesh
-
-    return half_space_on(problem, half_space_mesh(problem)).solid
+    return method("fem").discretise(problem, Stages("fem")).half_space.solid
 
 
 @pytest.mark.gmsh
@@ -97,19 +93,6 @@ def test_unknowns_increase_as_rtol_decreases():
         solved(replace(THREE.problem, rtol=rtol), "mdr").unknowns for rtol in (1e-7, 1e-8, 1e-9)
     ]
     assert (np.diff(counts) > 0).all()
-
-
-def test_a_cap_on_the_degree_changes_only_higher_degrees():
-    """Elements whose wanted degree is below the cap keep it; all others have the cap."""
-    from ringwear.studies.methods.spaces import radial_space
-
-    problem = replace(THREE.problem, rtol=1e-9)
-    sizes = defaults.mdr_sizes(problem)
-    wanted = int(np.ceil(defaults.pressure_degree(problem, sizes["grading"])))
-    whole = radial_space(problem, **sizes | {"degree": wanted}).degrees
-    capped = radial_space(problem, **sizes | {"degree": 18}).degrees
-    assert whole.max() == wanted > 18
-    assert (capped == np.minimum(whole, 18)).all()
 
 
 @pytest.mark.slow

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, run
+from ringwear import method as named
 from ringwear.studies.anchors.checks import anchors
-from ringwear.studies.methods.fem import Fem
-from ringwear.studies.methods.mdr import Mdr
 from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
 
+Fem, Mdr = type(named("fem")), type(named("mdr"))
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 0.01, 0.1, 1.0])
 
 

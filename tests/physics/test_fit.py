@@ -1,19 +1,14 @@
-"""Fits of wear coefficients against closed forms, an independent history and known true values."""
+"""Fits of wear coefficients against closed forms and an independent history."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, SceneError, fit, ring_areas, run
-from ringwear.studies.fit.experiments import WEAR, Experiments, cases
-from ringwear.studies.fit.models.rig import differences
-from ringwear.studies.fit.parameters import find_parameters, scene_at
-from ringwear.studies.fit.statistics.likelihood import Likelihood, fix_ineffective_parameters
+from ringwear import Scene, SceneError, fit, run
 
+WEAR = "punch.wear_coefficients"
 BALL = Scene.load("sphere").changed({WEAR: [1.0]})
 WEIGHINGS = np.array([0.1, 0.3, 1.0, 3.0, 10.0])
 
@@ -43,114 +38,6 @@ def test_a_ball_of_one_material_has_the_interval_of_its_closed_form():
     assert estimate.value == pytest.approx(exact, rel=1e-5)
     half = 1.96 * 0.02 / np.sqrt((weights * exact**2).sum())
     assert np.log(estimate.high / estimate.low) / 2 == pytest.approx(half, rel=1e-3)
-
-
-def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
-    """``sum V_i / k_i = int F ds``, also for a rising force and for any values of parameters."""
-    load = {"normal_force": {"times": [0.0, 0.5, 1.0], "values": [1.0, 1.0, 2.0]}}
-    table = Scene.load("five_rings").table() | {"load": load}
-    case = Experiments(
-        Scene.from_table(table),
-        (WEAR,),
-        tuple(("worn_volume", np.array([0.4, 2.0]), None, 0.01, ring) for ring in range(5)),
-    )
-    x = np.array([0.3, -0.5])
-    volumes = np.array(case.sharp.predict(x))
-    wear = np.resize(np.exp(x) * [1.0, 10.0], 5)
-    assert volumes.T @ (1 / wear) == pytest.approx([0.4, 0.5 + 0.75 + 2.0], rel=1e-9)
-
-
-def test_late_depths_depend_on_the_harmonic_mean_only():
-    """Late depths depend on the wear coefficients only through ``w = F / sum(A / k)``."""
-    case = cases()["two"]
-    late = np.linspace(3.0, 5.0, 20)
-    rates = replace(case, columns=(("indentation", late, None, 1e-3, None),))
-    (slopes,) = rates.sharp.slopes(np.zeros(2))
-    growth = slopes[-1] - slopes[0]
-    areas = ring_areas(Scene.load("five_rings").problem.ring_edges)
-    shares = np.array([areas[::2].sum() / 1.0, areas[1::2].sum() / 10.0])
-    rate = 2.0 / shares.sum()
-    assert growth / 2.0 == pytest.approx(rate * shares / shares.sum(), rel=1e-3)
-
-
-@pytest.mark.parametrize("fixed_indentation", [False, True])
-def test_derivatives_are_exact(fixed_indentation):
-    """Derivatives of all measured quantities agree with differences, for all kinds of parameters.
-
-    Quantities are depths or forces, profiles and volumes; parameters are wear coefficients,
-    modulus, load, speed, and start time and offset of the rig.
-    """
-    case = cases()["five"]
-    names = [WEAR, "half_space.plane_strain_modulus", "load.sliding_speed", "start_time"]
-    columns = list(case.columns)
-    scene = case.scene
-    if fixed_indentation:
-        scene = scene.changed(load={"indentation": 1.0, "sliding_speed": 1.0})
-        columns[0] = ("normal_force", columns[0][1], None, 1e-3, None)
-    names += ["load.indentation"] if fixed_indentation else ["load.normal_force", "sensor_offset"]
-    columns.append(("worn_volume", np.array([0.2, 2.0]), None, 0.01, 3))
-    model = replace(case, scene=scene, names=tuple(names), columns=tuple(columns)).sharp
-    x = np.linspace(-0.2, 0.3, len(model.parameters))
-    x[[each.name == "start_time" for each in model.parameters]] = 2e-3
-    pairs = zip(model.slopes(x), differences(model, x, np.full(len(x), 1e-4)), strict=True)
-    for exact, difference in pairs:
-        assert np.abs(exact - difference).max() <= 1e-4 * np.abs(exact).max()
-
-
-def test_offset_and_compliance_are_indistinguishable_under_one_force():
-    names = (WEAR, "sensor_offset", "machine_compliance")
-    rising = {"times": [0.3, 0.4], "values": [1.0, 2.0]}
-    for force, combinations in ((2.0, [(2, 3)]), (rising, [])):
-        scene = Scene.load("five_rings").changed({"load.normal_force": force})
-        times = np.geomspace(0.001, 5.0, 12)
-        case = Experiments(scene, names, (("indentation", times, None, 1e-3, None),))
-        likelihood = Likelihood(case.sharp, case.sharp.parameters, (0, 1, 2, 3))
-        assert fix_ineffective_parameters(likelihood)[1] == combinations
-
-
-def test_a_table_of_wear_along_the_radius_is_fitted():
-    table = {"radii": [0.0, 0.5, 1.0], "values": [1.0, 2.0, 4.0]}
-    scene = Scene.load("flat_punch").table() | {"punch": {"radius": 1.0, "wear_coefficient": table}}
-    radii = np.linspace(0.05, 0.95, 40)
-    case = Experiments(
-        Scene.from_table(scene),
-        ("punch.wear_coefficient",),
-        (
-            ("indentation", np.geomspace(0.01, 5.0, 30), None, 1e-3, None),
-            ("profile", np.full(40, 0.3), radii, 0.01, None),
-        ),
-    )
-    truth, result = case.conduct(3)
-    assert result.fits
-    for each, true in zip(result.found, truth, strict=True):
-        assert abs(each.best - true) < 1.5 * max(each.high - each.best, each.best - each.low)
-    moved = scene_at(result.scene, find_parameters(result.scene, case.names)[1], result.best.x)
-    assert moved.punch.table.values == pytest.approx(result.estimates.value.tolist())
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "count", "least"), [("two", 25, 20), ("ball", 30, 25)])
-def test_intervals_contain_the_true_values(name, count, least):
-    """At least `least` of `count` 95 % intervals contain the true value, for fixed seeds.
-
-    For correct intervals, the chance of fewer is 1 %.
-    """
-    case, counts = cases()[name], 0
-    for seed in range(count):
-        truth, result = case.conduct(seed)
-        pairs = zip(result.found, truth, strict=True)
-        counts = counts + np.array([each.low <= true <= each.high for each, true in pairs])
-    assert min(counts) >= least
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["k falls", "k goes as p"])
-def test_a_wrong_wear_law_is_rejected(name):
-    case = cases()[name]
-    for seed in range(5):
-        _, result = case.conduct(seed)
-        assert not result.fits
-        assert any("THE MODEL DOES NOT FIT" in line for line in result.conclusions)
 
 
 @pytest.mark.slow

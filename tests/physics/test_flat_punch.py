@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, Stages, method
-from ringwear.studies.wear.flat_contact import flat_start
 
 
 def indentation_error(prepare, method_name, **changes):
-    return abs(
-        flat_start(prepare("flat_punch", method_name, **changes).compliance).indentation / 0.5 - 1
-    )
+    return abs(prepare("flat_punch", method_name, **changes).wear.flat.indentation / 0.5 - 1)
 
 
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
@@ -36,7 +33,7 @@ def test_indentation_on_radial_meshes(prepare, rtol, method):
 def test_pressure(prepare, method):
     punch = prepare("flat_punch", method)
     radii = np.linspace(0, 0.99, 100)
-    pressure = punch.space.matrix(radii) @ flat_start(punch.compliance).pressure
+    pressure = punch.space.matrix(radii) @ punch.wear.flat.pressure
     assert np.abs(pressure * 2 * np.pi * np.sqrt(1 - radii**2) - 1).max() <= 5e-3
 
 
@@ -47,12 +44,12 @@ def test_force_near_the_rim(prepare, method, inner):
     The exact pressure is infinite at the rim.
     """
     punch = prepare("flat_punch", method)
-    force = punch.space.ring_forces([0.0, inner, 1.0])[1] @ flat_start(punch.compliance).pressure
+    force = punch.space.ring_forces([0.0, inner, 1.0])[1] @ punch.wear.flat.pressure
     assert force == pytest.approx(np.sqrt((1 - inner) * (1 + inner)), rel=1e-2)
 
 
 def test_a_ringed_punch_starts_as_a_homogeneous_one(prepare, method):
-    start = flat_start(prepare("five_rings", method).compliance)
+    start = prepare("five_rings", method).wear.flat
     assert start.indentation == pytest.approx(0.5, rel=1e-4)
 
 

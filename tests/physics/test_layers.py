@@ -9,21 +9,17 @@ from ringwear import (
     ContactCells,
     Ground,
     PressureSpace,
+    RunningIn,
     Scene,
     Stages,
     energy,
     even_half_space,
     method,
-    press_flat,
     ring_kernel,
     run,
 )
 from ringwear.mdr.annulus import flat_annulus
-from ringwear.mdr.flat_punch import flat_punch
 from ringwear.meshes.ground.line_energy import relative_stiffness
-from ringwear.meshes.radial import exact_graded_breakpoints
-from ringwear.studies.wear.flat_contact import flat_start
-from ringwear.studies.wear.time_scale import slowest_relaxation_times
 
 TWO_RINGS = {"radius": 1.0, "rings": 2, "wear_coefficients": [1.0, 0.1]}
 
@@ -53,6 +49,12 @@ def compliance(name, scene):
     return method(name).discretise(scene.problem, Stages(name)).compliance
 
 
+def stiffness_on(compliance):
+    """Return the force over the indentation of a flat punch, 1 on a half-space without layers."""
+    rings = len(compliance.space.ring_edges) - 1
+    return 0.5 / RunningIn(compliance, np.ones(rings)).flat.indentation
+
+
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("ratio", "printed"), [(0.4, 1.472), (1.0, 2.480)])
 def test_stiffnesses_printed_by_hayes(ratio, printed):
@@ -61,7 +63,7 @@ def test_stiffnesses_printed_by_hayes(ratio, printed):
     stiffness = relative_stiffness(scene.problem.ground)
     assert stiffness == pytest.approx(printed, rel=2e-3)
     for name in ("mdr", "bem", "fem"):
-        computed_stiffness = 0.5 / flat_start(compliance(name, scene)).indentation
+        computed_stiffness = stiffness_on(compliance(name, scene))
         assert computed_stiffness == pytest.approx(stiffness, rel=1e-6), name
 
 
@@ -72,7 +74,7 @@ def test_finite_elements_without_a_far_field_agree_with_the_kernel():
     scene = on(layer(2.0), accuracy={"rtol": 1e-3, "fem": sizes})
     half_space = method("fem").discretise(scene.problem, Stages("fem"))
     assert half_space.settings["poles"] == 0
-    computed_stiffness = 0.5 / flat_start(half_space.compliance).indentation
+    computed_stiffness = stiffness_on(half_space.compliance)
     assert computed_stiffness == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-6)
 
 
@@ -178,38 +180,6 @@ def test_a_sphere_on_layers():
     assert depths[1] == pytest.approx(depths[1][0], rel=1e-6)
 
 
-@pytest.mark.parametrize("inner_radius", [0.2, 0.6, 0.95])
-@pytest.mark.parametrize(
-    "ground",
-    [
-        Ground.from_youngs_moduli([0.5], [1.0, 10.0], [0.3, 0.2]),
-        Ground.from_youngs_moduli([0.1, 0.3], [1.0, 0.2, 4.0], [0.3, 0.45, 0.0]),
-        Ground.from_youngs_moduli([0.05], [1.0, np.inf], [0.3, 0.3]),
-    ],
-)
-def test_the_flat_annulus_on_layers(ground, inner_radius):
-    """Nystroem's method with the Hankel integral of the kernel against the energy of the MDR."""
-    annulus = flat_annulus(inner_radius, ground=ground)
-    finer = flat_annulus(inner_radius, 2 * len(annulus.coefficients), ground)
-    assert annulus.indentation == pytest.approx(finer.indentation, rel=1e-13)
-    edges = np.array([0.0, inner_radius, 1.0])
-    breakpoints, low_parts = exact_graded_breakpoints(edges, np.array([1e-12]), 1e-12, 0.15)
-    degrees = np.where(breakpoints[1:] <= inner_radius, 0, 8)
-    space = PressureSpace(breakpoints, degrees, edges, low_parts).no_wider(ground.first_thickness)
-    compliance = energy.compliance(space, ground)
-    radii = inner_radius + (1 - inner_radius) * np.linspace(0.1, 0.9, 9)
-    # polynomials that know nothing of the annulus, and its own functions
-    for pressed, within in ((press_flat(compliance), 2e-3), (flat_start(compliance), 1e-7)):
-        assert pressed.indentation == pytest.approx(annulus.indentation, rel=1e-9)
-        assert pressed.pressure_at(radii) == pytest.approx(annulus.pressure_at(radii), rel=within)
-
-
-def test_a_small_hole_on_layers_is_none():
-    ground = Ground.from_youngs_moduli([0.3], [1.0, 5.0], [0.3, 0.2])
-    hollow, full = (flat_punch(inner_radius, ground) for inner_radius in (1e-4, 0.0))
-    assert hollow.indentation == pytest.approx(full.indentation, rel=1e-9)
-
-
 @pytest.mark.gmsh
 @pytest.mark.slow
 def test_hollow_punches_on_layers():
@@ -239,19 +209,6 @@ def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
         for pressure in pressures:
             energies = [pressure @ each.matrix @ pressure for each in (triangles, theory)]
             assert energies[0] == pytest.approx(energies[1], rel=5e-5)
-
-
-def test_thin_layers_run_in_with_one_relaxation_time():
-    """Winkler's limit: independent springs of stiffness M / h relax in the time h / (M k)."""
-    rings = Scene.load("five_rings").changed(punch__wear_coefficients=[1.0, 1.0]).problem.merged
-    spread = []
-    for thickness in (0.2, 0.05):
-        ground = Ground((thickness,), (0.35, np.inf), (0.3, 0.0))
-        times = slowest_relaxation_times(rings, False, ground=ground)[:4]
-        springs = thickness * (1 - 2 * 0.3) / (2 * 0.35 * (1 - 0.3))
-        spread.append(times / springs)
-    assert np.ptp(spread[1]) < 0.4 * np.ptp(spread[0])
-    assert spread[1] == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.gmsh
@@ -288,7 +245,7 @@ def test_stresses_at_an_interface():
 def test_incompressible_layers():
     """The stiffness is that of nu = 1/2; with 0.49999 it would err by 4e-4 to 6e-3."""
     scene = on(layer(0.1, 1.0, 0.5), accuracy={"rtol": 1e-4})
-    computed_stiffness = 0.5 / flat_start(compliance("fem", scene)).indentation
+    computed_stiffness = stiffness_on(compliance("fem", scene))
     assert computed_stiffness == pytest.approx(relative_stiffness(scene.problem.ground), rel=5e-8)
     nearly = replace(scene.problem.ground, poisson_ratios=(0.49999, 0.3))
     assert relative_stiffness(nearly) != pytest.approx(computed_stiffness, rel=1e-4)

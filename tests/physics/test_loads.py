@@ -18,7 +18,6 @@ from ringwear import (
     moments,
     run,
 )
-from ringwear.studies.wear.modes import mean_decay
 
 FIVE = Rings.alternating(5, 1.0, 10.0)
 STOP_AND_GO = Loading(
@@ -65,16 +64,6 @@ def test_integrals_of_a_loading(at):
     values = state.force[0], state.distance[0], state.work[0]
     assert values == pytest.approx((forces(at), slid, work), abs=1e-14)
     assert loading.time_at(slid, int(state.knot[0])) == pytest.approx(at, abs=1e-12)
-
-
-@pytest.mark.parametrize("bend", [-1.0, -0.3, -1e-9, 0.0, 1e-13, 1e-4, 0.7, 1.0])
-def test_mean_decay_during_a_rise_against_quadrature(bend):
-    for decayed in (0.0, 1e-9, 0.3, 0.999, 1.001, 7.0, 40.0):
-        exact = quad(
-            lambda u, x=decayed: np.exp(-x * u * (1 + bend * (1 - u))), 0, 1, epsabs=0, epsrel=1e-13
-        )
-        value = mean_decay(np.array([[decayed]]), np.array([bend]))[0, 0]
-        assert value == pytest.approx(exact[0], rel=1e-11), decayed
 
 
 def check_same(space, history, depths, pressures, profiles):

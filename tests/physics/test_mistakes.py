@@ -26,8 +26,8 @@ import pytest
 from programs import Input, finite_elements, input_of, of_tamaas, springs
 
 from ringwear import Scene, check
-from ringwear.studies import challenge
 
+CHALLENGE = Path(__file__).parents[2] / "studies" / "challenge"
 MM = {"units": "mm, N, MPa, s", "methods": ["mdr"]}
 SCENES = {
     "five": Scene.load("five_rings").changed(
@@ -140,7 +140,7 @@ def loaded(factor):
 
 def of_challenge(name):
     """Return the table of a program in the challenge, without radii near the rim."""
-    table = pd.read_csv(Path(challenge.__file__).parent / "others" / f"{name}.csv", comment="#")
+    table = pd.read_csv(CHALLENGE / "others" / f"{name}.csv", comment="#")
     table = table[table["radius"] < 0.95]
     return table.assign(profile=0.0)
 

@@ -5,8 +5,6 @@ import pytest
 from independent_contact import WornPunch, graded_rings
 
 from ringwear import Scene, run
-from ringwear.studies.contact.edges import nodes
-from ringwear.studies.methods.spaces import contact_cells
 
 METHODS = ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)]
 
@@ -68,7 +66,9 @@ def test_edges_lie_in_the_cell_in_which_contact_ends(rim):
     """The error estimate of a contact radius is at least the width of that cell."""
     result = run(RIM, methods=["mdr"])
     march = result.solutions["mdr"].march
-    radii, _ = nodes(march.space)
+    cells, radii = march.space.breakpoints, np.empty(march.space.size)
+    # radii of the pressures at both ends of each cell
+    radii[march.space.dofs] = np.stack([cells[:-1], cells[1:]], axis=1)
     errors = result.solutions["mdr"].errors["contact_radius"]
     for time in (1, 2):
         last = np.flatnonzero(march.history.contact[time])[-1]
@@ -114,19 +114,6 @@ def test_ring_forces_at_the_last_time(method):
     error = np.abs(data.ring_force.values[-1] - forces).max() / RING_FORCE
     assert doubt < 1e-4
     assert error <= float(data.ring_force_error[-1]) + doubt
-
-
-def test_the_coarser_cells_are_coarser_where_contact_begins():
-    """A search for the first contact may choose the sizes there itself."""
-    edges, wear = [0.1979, 0.8762, 1.0], [1.0, 0.923368719092991, 0.5865486762333854]
-    profile = {"kind": "power", "coefficient": 0.0048846518726409485, "exponent": 4.62017910640662}
-    punch = {"ring_edges": edges, "wear_coefficients": wear, "profile": profile}
-    begun = scene(punch, 3.6e-6, [0.0, 1.0], rtol=10**-3.5)
-    fine, coarse = contact_cells(begun.problem)
-    for cells, other in zip(fine.refinements, coarse.refinements, strict=True):
-        assert other[2] / (other[1] - other[0]) == pytest.approx(
-            2 * cells[2] / (cells[1] - cells[0]), rel=1e-12
-        )
 
 
 @pytest.mark.gmsh

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from given import judge
 from wear_reference import random_scenes
 
-from ringwear import ContactCells, Scene, run
-from ringwear.studies.contact.edges import worn_edges
-from ringwear.studies.crosscheck.agreement import agreements
-from ringwear.studies.sizes.cells import cells_of
+from ringwear import ComplianceMethod, Scene, energy, run
+from ringwear import method as named
 
 FIVE = Scene.load("five_rings")
 
@@ -86,7 +85,7 @@ def test_results_do_not_depend_on_the_face_plane(standoff, indentation):
         np.testing.assert_allclose(moved[error], plain[error], rtol=1e-2, atol=1e-9)
 
 
-def worn_sphere(rtol, times, **changes):
+def worn_sphere(rtol, times, method="mdr", **changes):
     """Return dataset, at 1200 radii, and notes of a sphere whose first contact radius is 0.2."""
     scene = Scene.load("sphere").changed(
         load__normal_force=4 / 3 * 0.2**3,
@@ -95,25 +94,37 @@ def worn_sphere(rtol, times, **changes):
         accuracy__rtol=rtol,
         **changes,
     )
-    result = run(scene, methods=["mdr"])
+    result = run(scene, methods=[method])
     return result.dataset.isel(solver=0), result.notes
 
 
-def set_cells(monkeypatch, count):
-    def cells(problem):
-        return replace(cells_of(problem), largest=1 / count, spread=1 / count)
+class Halved(ComplianceMethod):
+    """MDR on cells that are half as large; it is not refined further."""
 
-    monkeypatch.setattr("ringwear.studies.methods.spaces.cells_of", cells)
+    name = "halved"
+
+    def discretise(self, problem, stages):
+        ready = named("mdr").discretise(problem, stages)
+        space = ready.compliance.space
+        halves = space.no_wider(0.51 * np.diff(space.breakpoints))
+        return replace(
+            ready, compliance=energy.compliance(halves), coarser=lambda: ready.compliance
+        )
+
+    def sizes_given(self, problem):
+        return True
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return worn_sphere(1e-5, [0.01, 0.1, 1.0], Halved())[0]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4])
-def test_estimates_bound_the_errors_of_a_worn_sphere(monkeypatch, rtol):
+def test_estimates_bound_the_errors_of_a_worn_sphere(truth, rtol):
     """Errors, in their norms, are below the estimates."""
-    times = [0.01, 0.1, 1.0]
-    result, _ = worn_sphere(rtol, times)
-    set_cells(monkeypatch, 500)
-    truth, _ = worn_sphere(1e-5, times)
+    result, _ = worn_sphere(rtol, truth.time.values.tolist())
     wrong = np.abs(result - truth)
     squares = [(data.pressure**2 * truth.radius).sum("radius") for data in (wrong, truth)]
     assert (np.sqrt(squares[0] / squares[1]) <= result.pressure_error).all()
@@ -146,31 +157,17 @@ def single_time():
 
 
 @pytest.mark.slow
-def test_a_face_finer_than_the_cells_is_reported(monkeypatch):
+def test_a_face_finer_than_the_cells_is_reported():
     """The exact contact begins at the highest of many peaks; cells see their mean."""
     heights = np.random.default_rng(0).uniform(0, 1e-3, 2000).tolist()
     radii = np.linspace(0, 1, 2000).tolist()
     rough = {"punch__profile": {"kind": "table", "radii": radii, "heights": heights}}
     result, notes = worn_sphere(1e-2, [0.0, 0.01], **rough)
     assert any("the face is finer than the" in note for note in notes)
-    set_cells(monkeypatch, 600)
-    finer = worn_sphere(1e-2, [0.0, 0.01], **rough)[0].indentation
+    finer = worn_sphere(1e-5, [0.0, 0.01], Halved(), **rough)[0].indentation
     error = np.abs(result.indentation - finer) / finer
     assert (error <= result.indentation_error).all()
     assert float(error.max()) > 1e-2
-
-
-@pytest.mark.parametrize("gap", [1, 2, 3])
-def test_parts_of_the_contact_do_not_overlap(gap):
-    """Contact edges are extrapolated from worn depths on both sides of a narrow gap."""
-    space = ContactCells((0.0, 1.0), 0.02, 0.02).space()
-    node = np.arange(space.size)
-    middle = space.size // 2
-    contact = (node < middle) | (node >= middle + gap)
-    worn = np.where(contact, np.abs(node - middle - (gap - 1) / 2), 0.0)
-    edges = np.ravel(worn_edges(space, contact, np.where(worn > 0, worn + 3, 0.0)))
-    assert len(edges) == 4
-    assert (np.diff(edges) >= 0).all()
 
 
 def test_no_pressure_under_a_flat_punch_is_negative():
@@ -209,11 +206,11 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     rtol, solution = scene.accuracy.rtol, run(scene, methods=["mdr"]).solutions["mdr"]
     exact = solution.checked
     moved = exact | {"indentation": exact["indentation"] * (1 + difference * rtol)}
-    both = tuple(
-        replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
-        for checked, error in ((moved, first), (exact, second))
-    )
-    rows = agreements(scene.problem, ("mdr", "bem"), both)
+    both = {
+        name: replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
+        for name, checked, error in (("mdr", moved, first), ("bem", exact, second))
+    }
+    rows = judge(scene, **both).agreement
     (row,) = (row for row in rows if row.quantity == "indentation")
     assert row.verdict == verdict
 

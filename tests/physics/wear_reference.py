@@ -16,7 +16,6 @@ from numpy.polynomial.legendre import legder, leggauss, legroots, legval, legvan
 from scipy.linalg import svd
 
 from ringwear import Scene, Stages, differences, method
-from ringwear.studies.problem.quantities import QUANTITIES
 
 
 def graded_elements(edges, smallest, factor):
@@ -223,7 +222,7 @@ def true_errors(result):
     for name, solution in result.solutions.items():
         errors[name] = {}
         for quantity, error in differences(solution.checked, exact, problem.face).items():
-            estimate, dims = solution.errors[quantity], QUANTITIES[quantity].dims
+            estimate, dims = solution.errors[quantity], result.dataset[quantity].dims
             if "time" in dims:
                 estimate = estimate[problem.checked]
             parts = [np.atleast_1d(part) for part in (error, estimate, unsure[quantity])]

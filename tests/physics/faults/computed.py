@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
+from given import judge
 
 from ringwear import Result
 
-from .scenes import HISTORY, MOVING, SIZES, twice
+from .scenes import HISTORY, MOVING, SIZES
 
 Change = Callable[[dict, np.ndarray, object], None]
 
@@ -29,7 +30,8 @@ def with_results(result: Result, change: Change) -> Result:
         values = {key: np.array(of) for part in parts.values() for key, of in part.items()}
         change(values, radii, problem)
         changed |= {part: {key: values[key] for key in of} for part, of in parts.items()}
-    return twice(result, replace(solution, **changed))
+    wrong = replace(solution, **changed)
+    return judge(result.scene, mdr=wrong, twin=wrong)
 
 
 def scale(name: str, size: float, *where) -> Change:

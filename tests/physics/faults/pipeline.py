@@ -6,10 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Compliance, Loading, PressureSpace, Problem, Rings, RunningIn
-from ringwear.studies.methods.mdr import Mdr
+from ringwear import Compliance, Loading, PressureSpace, Problem, Rings, RunningIn, method
 from ringwear.studies.sampling import sampler
-from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
 
@@ -97,7 +95,7 @@ def stiffness(size: float) -> Put:
         softer, coarser = soften(ready.compliance), ready.coarser
         return replace(ready, compliance=softer, coarser=lambda: soften(coarser()))
 
-    return change_result(Mdr, "discretise", change)
+    return change_result(type(method("mdr")), "discretise", change)
 
 
 def weights(size: float) -> Put:
@@ -113,8 +111,13 @@ def weights(size: float) -> Put:
 def lose_mode(number: int) -> Put:
     def change(modes):
         others = np.arange(len(modes.relaxation)) != number - 1
-        shapes, amplitudes = modes.shapes[:, others], modes.amplitudes[others]
-        return Modes(modes.relaxation[others], shapes, amplitudes, modes.exact - 1)
+        return replace(
+            modes,
+            relaxation=modes.relaxation[others],
+            shapes=modes.shapes[:, others],
+            amplitudes=modes.amplitudes[others],
+            exact=modes.exact - 1,
+        )
 
     return change_result(full_contact, "every_mode", change)
 
@@ -176,15 +179,15 @@ def move_force(size: float) -> Put:
         moved[:2] = -size, size
         return forces + moved * forces.sum(axis=1)[:, None]
 
-    return change_result(Sampler, "ring_forces", change)
+    return change_result(sampler.Sampler, "ring_forces", change)
 
 
 def greatest(size: float) -> Put:
-    return change_result(Sampler, "_greatest", lambda values: values * (1 + size))
+    return change_result(sampler.Sampler, "_greatest", lambda values: values * (1 + size))
 
 
 def worn_volumes(size: float) -> Put:
-    return change_result(Sampler, "worn_volumes", lambda values: values * (1 + size))
+    return change_result(sampler.Sampler, "worn_volumes", lambda values: values * (1 + size))
 
 
 ANY: dict[str, Put] = {
