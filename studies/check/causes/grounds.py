@@ -6,7 +6,7 @@ middles of the elements, and the history is exact in time. Non-dimensional: punc
 strain modulus, force and ``a / (E* k_max v0)`` are 1.
 
 The layer uses a closed form, which is faster for one layer than `meshes/ground`. The two are
-compared in tests/unit/studies/test_grounds.py.
+compared in tests/unit/studies/check/test_grounds.py.
 """
 
 from dataclasses import dataclass

@@ -23,7 +23,7 @@ from ringwear.studies.tradeoff.prices import (
 from ringwear.studies.tradeoff.study import COLUMNS
 from ringwear.studies.tradeoff.ways import Ways
 
-OTHERS = Path(__file__).parents[3] / "studies" / "challenge" / "others"
+OTHERS = Path(__file__).parents[4] / "studies" / "challenge" / "others"
 ERRORS = 10.0 ** -np.arange(1.0, 7.0)
 SCATTER = np.array([1.1, 0.9, 1.05, 0.95, 1.1, 0.9])
 

@@ -7,7 +7,7 @@ import pytest
 
 from ringwear.studies.methods.error_factors import TABLE, as_markdown
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 
 
 def test_the_documentation_shows_the_table():
