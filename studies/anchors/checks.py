@@ -31,6 +31,7 @@ from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..scene.scene import Scene
 from . import answers, balances, fields, inputs, modes, moving, start, steady, wear
 from .anchor import Anchor, Rows, judge
+from .reading import Reading
 from .reported import Reported
 
 
@@ -163,18 +164,28 @@ RESPONSE_ANCHORS = {
 
 
 def anchors(
-    scene: Scene, name: str, table: Mapping[str, ArrayLike], solution: Solution
+    scene: Scene, reports: Mapping[str, tuple[Mapping[str, ArrayLike], Solution]]
 ) -> list[Anchor]:
-    """Return all anchors that apply to a method's report.
+    """Return all anchors that apply to the reports of methods.
 
     Parameters
     ----------
     scene : the scene that was solved
-    name : name of the method
-    table : values in `results.nc` by the names of quantities, in the scene's units
-    solution : the method's fields over the face and its error estimates
+    reports : by the name of each method, its values in `results.nc` by the names of quantities, in
+        the scene's units, and its fields over the face with their error estimates
     """
-    report = Reported(scene, name, table, solution)
+    # references that depend on the scene alone are computed once for all methods
+    reading = Reading.of(scene)
+    return [
+        anchor
+        for name, (table, solution) in reports.items()
+        for anchor in _anchors_of(Reported(scene, reading, name, table, solution))
+    ]
+
+
+def _anchors_of(report: Reported) -> list[Anchor]:
+    """Return all anchors that apply to a method's report."""
+    scene, solution = report.scene, report.solution
     with_error = solution.checked.keys() & solution.errors.keys()
     wanted = set(filter(scene.problem.wants, with_error))
     if not report.times.size:
@@ -184,7 +195,7 @@ def anchors(
         for check in CHECKS
         if wanted.issuperset(check.needs.split()) and (not check.applies or check.applies(report))
         for row in check.run(report)
-        for anchor in judge(row, name)
+        for anchor in judge(row, report.name)
     ]
 
 

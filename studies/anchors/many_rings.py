@@ -1,6 +1,7 @@
 """Approximate a wear coefficient along the radius by many rings, which have closed forms."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -37,9 +38,19 @@ class Extrapolated(NamedTuple):
 
 def displace_by_many_rings(reading: Reading, radii: Array) -> Extrapolated:
     """Return the steady displacements (R,) at radii (R,)."""
-    return _extrapolated(reading, lambda *rings: direct.displacement(*rings, radii, reading.ground))
+    return _displace_at(reading, radii.tobytes())
 
 
+# for a reading, which all methods share, there are radii of the output and radii of the face
+@lru_cache(maxsize=2)
+def _displace_at(reading: Reading, radii: bytes) -> Extrapolated:
+    places = np.frombuffer(radii)
+    return _extrapolated(
+        reading, lambda *rings: direct.displacement(*rings, places, reading.ground)
+    )
+
+
+@lru_cache(maxsize=1)
 def greatest_by_many_rings(reading: Reading) -> Extrapolated:
     """Return the greatest steady displacement."""
     return _extrapolated(

@@ -37,6 +37,7 @@ class Reported:
     Parameters
     ----------
     scene : the scene that was solved
+    reading : the second reading of the scene
     name : name of the method
     table : the method's values in `results.nc` by the names of quantities, in the scene's units
     solution : the method's fields over the face and its error estimates
@@ -53,10 +54,15 @@ class Reported:
     """
 
     def __init__(
-        self, scene: Scene, name: str, table: Mapping[str, ArrayLike], solution: Solution
+        self,
+        scene: Scene,
+        reading: Reading,
+        name: str,
+        table: Mapping[str, ArrayLike],
+        solution: Solution,
     ) -> None:
         self.scene, self.name, self.table, self.solution = scene, name, table, solution
-        self.problem, self.reading = scene.problem, Reading.of(scene)
+        self.problem, self.reading = scene.problem, reading
         self.units, self.rtol = self.reading.units, self.reading.rtol
         self.face, self.average = self.problem.face, self.reading.average
         self.radii = np.asarray(table["radius"]) / self.units.length

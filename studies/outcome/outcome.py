@@ -330,13 +330,13 @@ class Outcome:
     @cached_property
     def anchors(self) -> tuple[Anchor, ...]:
         """Closed forms and conservation laws that the report of each method is checked against."""
-        return tuple(
-            anchor
+        reports = {
+            name: (self.reported(name), solution)
             for name, solution in self.solutions.items()
             # results of other programs are judged by their errors instead
             if name not in self.of_others
-            for anchor in anchors(self.scene, name, self.reported(name), solution)
-        )
+        }
+        return tuple(anchors(self.scene, reports))
 
     def error(self, quantity: str) -> float:
         """Return the greatest relative error estimate of a quantity, over methods and times.
