@@ -1,10 +1,6 @@
 """Methods compared as operators, for every pressure at once, by whole runs."""
 
-import time
-
-import numpy as np
 import pytest
-from conftest import WITHOUT_GMSH
 from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene, run
@@ -34,27 +30,6 @@ def test_three_methods_are_compared_as_operators():
     # long waves are resolved best
     by_wave = pairs["fem", "mdr"].differences
     assert by_wave[:5].max() < 1e-5 < by_wave[len(by_wave) // 2 :].min()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("mesher", ["quads", "bisection"])
-def test_refusing_singular_pairs_costs_less_than_two_per_cent_of_a_run(mesher):
-    if WITHOUT_GMSH and mesher == "quads":
-        pytest.skip(WITHOUT_GMSH)
-    scene = FIVE.changed(accuracy__fem__mesher=mesher)
-    half_space = run(scene, methods=["fem"]).solutions["fem"].half_space
-    # computed beforehand, because condensation needs it anyway
-    _ = half_space.coupling
-
-    def seconds(call):
-        start = time.process_time()
-        call()
-        return time.process_time() - start
-
-    of_runs = [seconds(lambda: run(scene, methods=["fem"])) for _ in range(3)]
-    # a run checks two half-spaces, the second one for the coarser solution
-    of_checks = [2 * seconds(half_space.stability) for _ in range(9)]
-    assert np.median(of_checks) <= 0.02 * np.median(of_runs)
 
 
 def test_on_large_spaces_a_coarser_one_is_compared(monkeypatch):
