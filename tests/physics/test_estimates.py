@@ -137,9 +137,8 @@ def test_sizes_of_the_user_are_not_refined():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("poisson_ratio", [0.4999, 0.5])
-def test_no_locking_near_incompressibility(poisson_ratio):
-    """The estimate bounds the error for unequal rings near incompressibility.
+def test_no_locking_of_an_incompressible_half_space():
+    """The estimate bounds the error for unequal rings.
 
     With degree 3 at ring edges, it would not.
     """
@@ -150,7 +149,7 @@ def test_no_locking_near_incompressibility(poisson_ratio):
             "ring_edges": [0.003, 0.08, 0.091, 0.816, 0.818, 1.0],
             "wear_coefficients": [240.0, 170.0, 0.0013, 18.0, 0.001, 1.0],
         },
-        half_space__poisson_ratio=poisson_ratio,
+        half_space__poisson_ratio=0.5,
         wear={"times": [0.0, 0.0017, 0.0089, 0.042]},
         accuracy__rtol=1e-4,
     )

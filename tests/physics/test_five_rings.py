@@ -1,6 +1,7 @@
 """The whole history of the five rings against an independent reference."""
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from ringwear import Scene, run
 
 FIVE = Scene.load("five_rings")
 TRIANGLES = [pytest.param("gmsh", marks=pytest.mark.gmsh), "bisection"]
-MESHERS = [pytest.param("quads", marks=pytest.mark.gmsh), *TRIANGLES]
 
 
 @pytest.fixture(scope="module")
@@ -114,9 +114,18 @@ def test_rtol_bounds_the_indentation_by_mdr(solve, error, rtol):
     assert error(data, "steady_rms_slope") <= max(1e-3, rtol)
 
 
-@pytest.mark.parametrize("mesher", MESHERS)
 @pytest.mark.parametrize(
-    "rtol", [1e-2, 1e-3, *(pytest.param(rtol, marks=pytest.mark.slow) for rtol in (1e-5, 1e-8))]
+    ("mesher", "rtol"),
+    [
+        *product(("bisection",), (1e-2, 1e-3)),
+        *(
+            pytest.param(*each, marks=pytest.mark.gmsh)
+            for each in product(("quads", "gmsh"), (1e-2, 1e-3))
+        ),
+        pytest.param("quads", 1e-8, marks=[pytest.mark.slow, pytest.mark.gmsh]),
+        pytest.param("gmsh", 1e-5, marks=[pytest.mark.slow, pytest.mark.gmsh]),
+        pytest.param("bisection", 1e-5, marks=pytest.mark.slow),
+    ],
 )
 def test_rtol_bounds_the_indentation_by_fem(solve, error, rtol, mesher):
     data = solve("fem", accuracy__rtol=rtol, accuracy__fem__mesher=mesher)
@@ -151,14 +160,14 @@ def test_errors_at_given_sizes_are_at_most_five_times_the_estimates(solve, error
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("rtol", [1e-2, 1e-4, pytest.param(1e-7, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("rtol", [1e-2, 1e-4, pytest.param(1e-6, marks=pytest.mark.slow)])
 def test_rtol_bounds_the_error_of_every_quantity(reference, rtol):
     """Each error, in its norm and at all times, is at most its estimate and at most rtol."""
     times = [0.0, *(state["time"] for state in reference["states"])]
     result = run(FIVE.changed(methods=["mdr", "fem"], wear__times=times, accuracy__rtol=rtol))
-    if rtol > 1e-6:
+    if rtol > 1e-5:
         assert result.verdict == "agree"
-    # at rtol 1e-7, finite elements overestimate the error of the slope and may be undecided
+    # at rtol 1e-6, finite elements overestimate the error of the slope and may be undecided
     undecided = {name for name, verdict in result.quantities.items() if verdict != "agree"}
     assert result.verdict != "disagree"
     assert undecided <= {"rms_slope"}

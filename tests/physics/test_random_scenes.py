@@ -69,12 +69,14 @@ def test_a_rising_load_is_a_sum_of_constant_loads():
 @pytest.mark.gmsh
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_beyond_rtol_is_reported(kind):
-    rows = [hold(table, ("mdr", "fem")) for table in draw(kind, 7, 4)]
+    # finite elements take up to half a minute for a steep wear coefficient
+    count = 2 if kind == "steep" else 4
+    rows = [hold(table, ("mdr", "fem")) for table in draw(kind, 7, count)]
     assert [row.silent for row in rows] == [[]] * len(rows)
     assert [row.first for row in rows] == [[]] * len(rows)
     # a method may overestimate its errors and be undecided
     assert {row.verdict for row in rows} <= {"agree", "undecided"}
-    assert sum(row.verdict == "agree" for row in rows) >= 3
+    assert sum(row.verdict == "agree" for row in rows) >= count - 1
 
 
 @pytest.mark.gmsh

@@ -357,9 +357,9 @@ def finish(directory, whole):
 def test_a_sweep_killed_repeatedly_is_resumed(tmp_path, whole):
     """It is killed at random moments; its workers end with it."""
     generator = random.Random(4)
-    for _ in range(8):
+    for _ in range(4):
         process = begin(tmp_path, "--workers", "2", "--resume")
-        time.sleep(generator.uniform(0.2, 12.0))
+        time.sleep(generator.uniform(0.2, 8.0))
         workers = children(process)
         process.kill()
         process.wait()
