@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from checks import mistakes
 from programs import Input, finite_elements, input_of, of_tamaas, springs
 
 from ringwear import Scene, check
@@ -324,7 +325,7 @@ QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
 @cache
 def looks(scene, table):
     """Return the diagnosis of a table for a scene."""
-    return check(SCENES[scene], table()).diagnoses["theirs"]
+    return mistakes(check(SCENES[scene], table()), "theirs")
 
 
 def marked(name):

@@ -10,6 +10,7 @@ import subprocess
 import numpy as np
 import pandas as pd
 import pytest
+from checks import mistakes
 from programs import finite_elements, input_of, springs
 
 import ringwear
@@ -71,7 +72,7 @@ def ours(scene, **changes):
 
 
 def looks(scene, table, **how):
-    return check(scene, {"theirs": table}, **how).diagnoses["theirs"]
+    return mistakes(check(scene, {"theirs": table}, **how), "theirs")
 
 
 def in_other_units(column, factor):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from checks import errors
 
 from ringwear import Scene, SceneError, check, main
 
@@ -41,7 +42,7 @@ def test_a_table_is_read_in_any_form(kind, tmp_path):
     ]
     path = tmp_path / "theirs.csv"
     path.write_text("\n".join([head, *([units] if units else []), *rows]) + "\n", "utf-8")
-    (row,) = check(SCENE, path).verdicts
+    (row,) = errors(check(SCENE, path))
     assert row.solver == "theirs.csv"
     assert row.quantity == "pressure"
     assert abs(row.error) <= row.stated + 1e-11
@@ -64,7 +65,7 @@ def test_a_column_is_named_without_the_unit_in_its_heading(headings, columns, tm
     cells = ["0", *["7"] * (headings.split("\n")[0].count(",") - 1), f"{1e6 * DEPTH:.12g}"]
     path = tmp_path / "theirs.csv"
     path.write_text(f"{headings}\n{','.join(cells)}\n", "utf-8")
-    (row,) = check(SCENE, path, columns=columns).verdicts
+    (row,) = errors(check(SCENE, path, columns=columns))
     assert row.quantity == "indentation"
     assert abs(row.error) <= row.stated + 1e-11
 
