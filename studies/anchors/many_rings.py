@@ -45,33 +45,47 @@ def displace_by_many_rings(reading: Reading, radii: Array) -> Extrapolated:
 @lru_cache(maxsize=2)
 def _displace_at(reading: Reading, radii: bytes) -> Extrapolated:
     places = np.frombuffer(radii)
-    return _extrapolated(
-        reading, lambda *rings: direct.displacement(*rings, places, reading.ground)
-    )
+
+    def displace(edges: Array, pressures: Array) -> Array:
+        return direct.displacement(edges, pressures, places, reading.ground)
+
+    return _extrapolated(reading, displace)
 
 
 @lru_cache(maxsize=1)
 def greatest_by_many_rings(reading: Reading) -> Extrapolated:
     """Return the greatest steady displacement."""
-    return _extrapolated(
-        reading, lambda *rings: np.asarray(direct.greatest_displacement(*rings, reading.ground))
-    )
+
+    def greatest(edges: Array, pressures: Array) -> Array:
+        return np.asarray(direct.greatest_displacement(edges, pressures, reading.ground))
+
+    return _extrapolated(reading, greatest)
 
 
 def _extrapolated(reading: Reading, compute: Callable[[Array, Array], Array]) -> Extrapolated:
     """Extrapolate what a function computes from the edges and pressures of rings."""
     few = _even_edges(reading, RINGS)
     many = np.sort(np.concatenate([few, (few[1:] + few[:-1]) / 2]))
-    (*coarse, step), (*fine, _) = (_mean_pressures(reading, edges) for edges in (few, many))
-    first, last = compute(*coarse), compute(*fine)
-    return Extrapolated(last + (last - first) / 3, last - first, BUMP_OF_STEP * step)
+    coarse, fine = (_mean_pressures(reading, edges) for edges in (few, many))
+    first, last = (compute(rings.edges, rings.pressures) for rings in (coarse, fine))
+    return Extrapolated(last + (last - first) / 3, last - first, BUMP_OF_STEP * coarse.step)
 
 
-def _mean_pressures(reading: Reading, edges: Array) -> tuple[Array, Array, float]:
-    """Return the mean steady pressure on each ring between edges (n+1,), after these edges.
+class _Rings(NamedTuple):
+    """Edges (n+1,), pressures (n,), and the greatest step of the pressure between two rings.
 
-    The edges begin at the axis. The number is the greatest step of the pressure between two rings
-    times the width of the narrower one.
+    The step is multiplied by the width of the narrower ring.
+    """
+
+    edges: Array
+    pressures: Array
+    step: float
+
+
+def _mean_pressures(reading: Reading, edges: Array) -> _Rings:
+    """Return rings between edges (n+1,), with the mean of the steady pressure on each.
+
+    A hole is a ring without pressure.
     """
     nodes, weights = unit_gauss(3)
     widths = np.diff(edges)[:, None]
@@ -82,7 +96,7 @@ def _mean_pressures(reading: Reading, edges: Array) -> tuple[Array, Array, float
     step = float(np.max(np.abs(np.diff(means)) * narrower, initial=0.0))
     if reading.edges[0]:
         edges, means = np.append(0.0, edges), np.append(0.0, means)
-    return edges, means, step
+    return _Rings(edges, means, step)
 
 
 def _even_edges(reading: Reading, count: int) -> Array:

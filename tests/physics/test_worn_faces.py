@@ -56,7 +56,7 @@ HUMP = Scene.from_table(
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_in_face_has_the_steady_slope(method):
     # slopes are not promised while edges of the contact move, and a finer march has finer slopes
-    result = run(RIPPLES.changed(accuracy__rtol=1e-4), methods=[method])
+    result = run(RIPPLES.changed(accuracy__rtol=2e-4), methods=[method])
     uniform = np.array([5e-4 / np.pi])
     steady = direct.rms_slope(np.array([0.0, 1.0]), uniform, "line")
     last = result.dataset.isel(solver=0, time=-1)

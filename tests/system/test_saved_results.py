@@ -182,7 +182,7 @@ def test_damaged_files_are_refused(name, copied, result):
     """Bits are flipped, parts overwritten and ends cut off, at places drawn at random."""
     draw, content = random.Random(5), (copied / name).read_bytes()
     refused = 0
-    for number in range(60):
+    for number in range(45):
         damaged, place = bytearray(content), draw.randrange(len(content))
         if number % 3 == 0:
             damaged[place] ^= 1 << draw.randrange(8)
@@ -198,7 +198,7 @@ def test_damaged_files_are_refused(name, copied, result):
         assert read.dataset.identical(result.dataset)
         assert read.summary == json.loads(json.dumps(result.summary))
     # a part of a netCDF file is unused, and blanks in JSON may be cut off
-    assert refused >= 50
+    assert refused >= 38
 
 
 def entries_within(value, place=()):
@@ -241,7 +241,7 @@ def test_entries_of_a_wrong_type_are_refused(old, copied, result):
     wrong = cycle(WRONG)
     for key in ("verdict", "methods", "answer", "agreement", "anchors", "notes", "checksums"):
         for place in entries_within(entries.get(key, {})):
-            for value in islice(wrong, 2):
+            for value in islice(wrong, 1):
                 if value is ... and not place:
                     continue
                 changed = entries | {key: replaced(entries.get(key, {}), place, value)}
