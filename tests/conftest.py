@@ -27,7 +27,7 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 def pytest_addoption(parser):
     """Add options for the random scenes of `tests/physics/test_estimates.py`."""
-    for name, default in (("seed", 3), ("scenes", 8), ("rings", 3)):
+    for name, default in (("seed", 3), ("scenes", 6), ("rings", 3)):
         parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
 
 

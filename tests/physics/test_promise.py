@@ -35,7 +35,7 @@ SIX = {
 @pytest.mark.parametrize(
     ("scene", "more", "names"),
     [
-        (flat(TWELVE, [50.0], 1e-5), [1e-6, 1.0, 50.0], ("time_to_90", "time_to_99")),
+        (flat(TWELVE, [50.0], 1e-4), [1e-6, 1.0, 50.0], ("time_to_90", "time_to_99")),
         (
             flat(SIX, [0.66, 16.3], 1e-6, load={"indentation": 0.1355}),
             [1e-5, 0.66, 16.3],
