@@ -64,9 +64,7 @@ def greatest_by_many_rings(reading: Reading) -> Extrapolated:
 
 def _extrapolated(reading: Reading, compute: Callable[[Array, Array], Array]) -> Extrapolated:
     """Extrapolate what a function computes from the edges and pressures of rings."""
-    few = _even_edges(reading, RINGS)
-    many = np.sort(np.concatenate([few, (few[1:] + few[:-1]) / 2]))
-    coarse, fine = (_mean_pressures(reading, edges) for edges in (few, many))
+    coarse, fine = _rings_of(reading)
     first, last = (compute(rings.edges, rings.pressures) for rings in (coarse, fine))
     return Extrapolated(last + (last - first) / 3, last - first, BUMP_OF_STEP * coarse.step)
 
@@ -80,6 +78,14 @@ class _Rings(NamedTuple):
     edges: Array
     pressures: Array
     step: float
+
+
+@lru_cache(maxsize=1)
+def _rings_of(reading: Reading) -> tuple[_Rings, _Rings]:
+    """Return the rings that replace the wear coefficient, and the same rings halved."""
+    few = _even_edges(reading, RINGS)
+    many = np.sort(np.concatenate([few, (few[1:] + few[:-1]) / 2]))
+    return _mean_pressures(reading, few), _mean_pressures(reading, many)
 
 
 def _mean_pressures(reading: Reading, edges: Array) -> _Rings:

@@ -22,24 +22,21 @@ def undecided(result):
     return {row.quantity: row for row in result.agreement if row.verdict == "undecided"}
 
 
-@pytest.mark.parametrize(
-    "mesher",
-    [
-        pytest.param("quads", marks=pytest.mark.gmsh),
-        pytest.param("gmsh", marks=pytest.mark.slow),
-        "bisection",
-    ],
-)
-@pytest.mark.parametrize(
-    "name",
-    # its 32 rings take as long as all other scenes together
-    [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in FLAT],
-)
+def meshed():
+    """Yield flat scenes with a mesher; triangles by bisection for one scene of each kind."""
+    for name in FLAT:
+        # its 32 rings take as long as all other scenes together
+        slow = [pytest.mark.slow] * (name == "many_rings")
+        yield pytest.param(name, "quads", marks=[pytest.mark.gmsh, *slow])
+        # layers are meshed in quadrilaterals
+        if name not in ON_LAYERS:
+            yield pytest.param(name, "gmsh", marks=[pytest.mark.gmsh, pytest.mark.slow])
+        if name in ("five_rings", "rotating_pin", "rubber"):
+            yield pytest.param(name, "bisection")
+
+
+@pytest.mark.parametrize(("name", "mesher"), [*meshed()])
 def test_bundled_scenes_agree(name, mesher):
-    if name in ON_LAYERS and mesher != "quads":
-        pytest.skip("layers are meshed in quadrilaterals")
-    if mesher == "bisection" and name not in ("five_rings", "rotating_pin", "rubber"):
-        pytest.skip("triangles of this kind are tried on one scene of each kind of punch")
     scene = Scene.load(name).changed(accuracy__fem__mesher=mesher)
     if mesher == "bisection":
         # at rtol 1e-4, these triangles take most of the time; those of gmsh are tried there

@@ -2,35 +2,17 @@
 
 import time
 
-import numpy as np
 import pytest
+from rough_faces import rough, with_heights
 
-from ringwear import Scene, run
-
-FLAT = Scene.load("flat_punch").changed(
-    methods=["mdr"], wear__times=[0.0, 0.1], wear__steady=False, accuracy__rtol=1e-3
-)
-
-
-def scene(radii, heights, **load):
-    table = {
-        "kind": "table",
-        "radii": list(map(float, radii)),
-        "heights": list(map(float, heights)),
-    }
-    return FLAT.changed(punch__profile=table, load=load)
-
-
-def rough(count, **load):
-    heights = np.random.default_rng(count).uniform(0, 0.5, count)
-    return scene(np.linspace(0, 1, count), heights, **load)
+from ringwear import run
 
 
 @pytest.mark.parametrize("depth", [pytest.param(1e-12, marks=pytest.mark.slow), 1e-9, 1e-3])
 def test_a_sphere_under_any_indentation(depth):
     """Hertz: ``F = 4/3 sqrt(R) d^1.5``."""
     sphere = {"kind": "parabola", "curvature_radius": 1.0}
-    hertz = scene([0, 1], [0, 1], indentation=depth).changed(punch__profile=sphere)
+    hertz = with_heights([0, 1], [0, 1], indentation=depth).changed(punch__profile=sphere)
     result = run(hertz)
     assert float(result.dataset.normal_force[0, 0]) == pytest.approx(4 / 3 * depth**1.5, rel=1e-7)
     assert result.verdict != "disagree"

@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from rough_faces import rough, with_heights
 
 from ringwear import (
     ContactCells,
@@ -30,23 +31,6 @@ RINGS = Scene.of(
         "accuracy": {"rtol": 1e-3},
     }
 )
-FLAT = Scene.load("flat_punch").changed(
-    methods=["mdr"], wear__times=[0.0, 0.1], wear__steady=False, accuracy__rtol=1e-3
-)
-
-
-def scene(radii, heights, **load):
-    table = {
-        "kind": "table",
-        "radii": list(map(float, radii)),
-        "heights": list(map(float, heights)),
-    }
-    return FLAT.changed(punch__profile=table, load=load)
-
-
-def rough(count, **load):
-    heights = np.random.default_rng(count).uniform(0, 0.5, count)
-    return scene(np.linspace(0, 1, count), heights, **load)
 
 
 RADII = np.linspace(0, 1, 601)
@@ -54,10 +38,10 @@ STARTS = {
     "50 heights, next to no force": rough(50, normal_force=1e-9),
     "200 heights": rough(200, normal_force=1e-2),
     "200 heights, next to no force": rough(200, normal_force=1e-9),
-    "30 dimples": scene(RADII, 0.01 * np.sin(30 * np.pi * RADII) ** 2, normal_force=5e-4),
-    "off-centre ring": scene([0, 0.5, 1], [0.1, 0, 0.1], normal_force=1e-6),
-    "hardly pressed in": scene([0, 0.5, 1], [0.1, 0, 0.1], indentation=1e-9),
-    "huge force": scene([0, 0.5, 1], [0.1, 0, 0.1], normal_force=1e6),
+    "30 dimples": with_heights(RADII, 0.01 * np.sin(30 * np.pi * RADII) ** 2, normal_force=5e-4),
+    "off-centre ring": with_heights([0, 0.5, 1], [0.1, 0, 0.1], normal_force=1e-6),
+    "hardly pressed in": with_heights([0, 0.5, 1], [0.1, 0, 0.1], indentation=1e-9),
+    "huge force": with_heights([0, 0.5, 1], [0.1, 0, 0.1], normal_force=1e6),
 }
 
 
