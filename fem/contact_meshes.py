@@ -10,7 +10,7 @@ from ..meshes.by_gmsh import cell_triangles
 from ..meshes.by_gmsh.outline import Outline, truncation_with_interfaces
 from ..meshes.by_gmsh.quads import graded
 from ..meshes.contact_cells import ContactCells
-from ..meshes.ground.ground import Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.half_space import halved
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices
@@ -35,8 +35,7 @@ def fitted_half_space(
     edges: tuple[float, ...],
     infinite: tuple[bool, ...],
     degree: int,
-    poisson_ratio: float,
-    ground: Ground | None = None,
+    ground: Ground,
 ) -> HalfSpace:
     """Return a half-space of quadrilaterals with geometric layers round every edge of a contact.
 
@@ -45,8 +44,7 @@ def fitted_half_space(
     edges : edges of the contact, from 0 to 1; the pressure space is broken at each
     infinite : whether the pressure is infinite at each edge
     degree : degree of the displacement, two above that of the pressure
-    poisson_ratio : Poisson's ratio of the half-space
-    ground : layers, with lengths over the radius of the contact; homogeneous if not given
+    ground : layers, with lengths over the radius of the contact
     """
     marks = np.array(edges)
 
@@ -65,7 +63,7 @@ def fitted_half_space(
             np.insert(marks, 1, axis_layer_radius),
             np.insert(sizes, 0, axis_layer_radius),
         )
-    interfaces = () if ground is None else tuple(ground.depths.tolist())
+    interfaces = tuple(ground.depths.tolist())
     mesh = graded(
         marks,
         sizes[:-1],
@@ -75,9 +73,9 @@ def fitted_half_space(
         outer=truncation_with_interfaces(interfaces, NEAR_TRUNCATION),
         edge_amplitude=root_amplitude,
         interfaces=interfaces,
-        rigid=ground is not None and ground.rigid,
+        rigid=ground.rigid,
     ).mesh
-    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio, ground=ground)
+    solid = AxisymmetricElasticity(mesh, degree, ground)
     # moments of the face are integrated between rounded radii, and so must the pressures be
     space = replace(pressure_space(solid, marks), low_parts=None)
     poles = enough_poles(NEAR_TRUNCATION, NEGLIGIBLE_ENERGY)
@@ -86,11 +84,10 @@ def fitted_half_space(
 
 def even_half_space(
     cells: ContactCells,
-    poisson_ratio: float,
+    ground: Ground = HALF_SPACE,
     growth: float = TRIANGLE_GROWTH,
     degree: int = 3,
     halvings: int = 0,
-    ground: Ground | None = None,
 ) -> HalfSpace:
     """Return a half-space of triangles of one degree with piecewise linear contact pressures.
 
@@ -102,15 +99,14 @@ def even_half_space(
     Parameters
     ----------
     cells : sizes of the contact facets
-    poisson_ratio : Poisson's ratio of the half-space
+    ground : layers, whose interfaces gmsh makes lines of the mesh
     growth : increase of the triangle size per depth
     degree : degree of the displacement
     halvings : number of times that every triangle is halved for the displacement, at least 1 for
         degree 1; none on layers
-    ground : layers, whose interfaces gmsh makes lines of the mesh; homogeneous if not given
     """
     edges = cells.ring_edges
-    if ground is None:
+    if not ground.layered:
         mesh, outer = _triangles_by_bisection(cells, growth), FAR_TRUNCATION
     else:
         interfaces = tuple(ground.depths.tolist())
@@ -122,7 +118,7 @@ def even_half_space(
     space = PressureSpace(breakpoints, linear, np.array(edges), low_parts)
     if halvings:
         mesh = halved(mesh, np.array(edges), halvings)
-    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio, ground=ground)
+    solid = AxisymmetricElasticity(mesh, degree, ground)
     poles = enough_poles(outer, NEGLIGIBLE_ENERGY)
     return HalfSpace(solid, space, poles).without_dependent_poles()
 

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import splu
 from skfem import Element, ElementQuadP, Mesh
 from skfem.assembly import Dofs
 
-from ..meshes.ground.ground import Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.half_space import (
     DEEP_SUBDOMAIN,
     LOWERED_DEGREE_PREFIX,
@@ -27,7 +27,7 @@ from ..meshes.radial import Array, Indices
 from ..meshes.sizes import LOWEST_DISPLACEMENT_DEGREE
 from .elements import check_element
 from .incompressibility import HIGHEST_RATIO, more_compressible_ratio
-from .weak_form import element_of_degree, moduli, stiffness
+from .weak_form import element_of_degree, stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,21 +105,19 @@ class AxisymmetricElasticity:
     ----------
     mesh : triangles or reoriented quadrilaterals, with named boundaries (`meshes.half_space`)
     degree : polynomial degree of the displacement: 1 to 4 on triangles, any on quadrilaterals
-    nominal_poisson_ratio : Poisson's ratio, up to and including 1/2
+    ground : layers, whose interfaces are lines of the mesh; Poisson's ratios may be 1/2
     own_element : an H1 element of scikit-fem or of the user, of that degree along a side
         (`fem.elements`); default `element_of_degree`
     highest_ratio : Poisson's ratio that replaces all values between it and 1/2
     lowered_degrees : by how much the degree is lower in `meshes.half_space.DEEP_SUBDOMAIN`
-    ground : layers, whose interfaces are lines of the mesh; homogeneous if not given
     """
 
     mesh: Mesh
     degree: int
-    nominal_poisson_ratio: float
+    ground: Ground = HALF_SPACE
     own_element: Element | None = None
     highest_ratio: float = HIGHEST_RATIO
     lowered_degrees: int = 0
-    ground: Ground | None = None
 
     def __post_init__(self) -> None:
         """Check that the user's element fits the mesh and the degree.
@@ -134,19 +132,17 @@ class AxisymmetricElasticity:
 
     @property
     def poisson_ratio(self) -> float:
-        """Poisson's ratio of the model: slightly less than 1/2 for an incompressible solid.
+        """Poisson's ratio of the model at the surface: less than 1/2 for incompressible solids."""
+        return self.modelled_ground.poisson_ratios[0]
+
+    @cached_property
+    def modelled_ground(self) -> Ground:
+        """The ground of the model, with Poisson's ratios of at most `highest_ratio`.
 
         For a given plane strain modulus, pressures and displacements on the contact do not depend
         on Poisson's ratio of a homogeneous half-space. Those on layers and the fields inside do
         (`more_compressible`).
         """
-        return min(self.nominal_poisson_ratio, self.highest_ratio)
-
-    @cached_property
-    def modelled_ground(self) -> Ground | None:
-        """The layers of the model, with Poisson's ratios of at most `highest_ratio`."""
-        if self.ground is None:
-            return None
         return self.ground.with_poisson_ratios_below(self.highest_ratio)
 
     @property
@@ -155,38 +151,22 @@ class AxisymmetricElasticity:
 
         None if the model has the nominal ratios.
         """
-        nominal, ground, modelled_ground = (
-            self.nominal_poisson_ratio,
-            self.ground,
-            self.modelled_ground,
-        )
-        if ground is None or modelled_ground is None:
-            if self.poisson_ratio == nominal:
-                return None
-            return replace(
-                self, nominal_poisson_ratio=more_compressible_ratio(self.poisson_ratio, nominal)
-            )
-        if ground == modelled_ground:
+        if self.ground == self.modelled_ground:
             return None
-        ratios = zip(modelled_ground.poisson_ratios, ground.poisson_ratios, strict=True)
-        farther = tuple(itertools.starmap(more_compressible_ratio, ratios))
-        return replace(self, ground=replace(ground, poisson_ratios=farther))
+        ratios = zip(self.modelled_ground.poisson_ratios, self.ground.poisson_ratios, strict=True)
+        farther = list(itertools.starmap(more_compressible_ratio, ratios))
+        return replace(self, ground=self.ground.with_poisson_ratios(farther))
 
     @cached_property
     def layers(self) -> Indices:
-        """(m,) number of the layer that contains each element; 0 without layers."""
-        if self.ground is None:
-            return np.zeros(self.mesh.nelements, dtype=np.int64)
+        """(m,) number of the layer that contains each element."""
         return self.ground.layer_at(self.mesh.p[1, self.mesh.t].mean(axis=0))
 
     @cached_property
     def materials(self) -> tuple[Array, Array]:
         """Lame's lambda (m,) and the shear modulus (m,) of each element."""
-        if (ground := self.modelled_ground) is None:
-            lame, shear = moduli(self.poisson_ratio)
-            return np.full(self.mesh.nelements, lame), np.full(self.mesh.nelements, shear)
-        ratios = np.array(ground.poisson_ratios)[self.layers]
-        shears = np.array(ground.shear_moduli)[self.layers]
+        ratios = np.array(self.modelled_ground.poisson_ratios)[self.layers]
+        shears = np.array(self.modelled_ground.shear_moduli)[self.layers]
         return 2 * shears * ratios / (1 - 2 * ratios), shears
 
     @property
@@ -274,9 +254,10 @@ class AxisymmetricElasticity:
             # Functions inside are products of bubbles. Those whose two degrees sum to more than
             # degree + 2 cost more than they gain in accuracy. They are kept near incompressibility,
             # where stresses need them.
+            near_incompressible = self.ground.greatest_poisson_ratio > 0.45
             first, second = np.indices((count, count)).reshape(2, -1) + 2
             is_used_inside = np.maximum(first, second) <= degree
-            is_used_inside &= (first + second <= degree + 2) | (self.nominal_poisson_ratio > 0.45)
+            is_used_inside &= (first + second <= degree + 2) | near_incompressible
         numbers = self.dofs.element_dofs[:, elements].T
         outer, inside = (
             np.flatnonzero(on_boundary),

@@ -36,7 +36,6 @@ from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_fa
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
 from .stability import least_ratio, refuse_singular
-from .weak_form import moduli
 
 
 def pressure_space(
@@ -94,7 +93,7 @@ class HalfSpace:
 
     >>> from ringwear.meshes import bisection, sizes
     >>> field = sizes.SizeField((0, 1), rim_size=1e-3, ring_size=1, growth=0.6, truncation=5)
-    >>> solid = AxisymmetricElasticity(bisection.mesh(field), 4, nominal_poisson_ratio=0.3)
+    >>> solid = AxisymmetricElasticity(bisection.mesh(field), degree=4)
     >>> space = pressure_space(solid, ring_edges=np.array([0.0, 1.0]))
     >>> moments = HalfSpace(solid, space, poles=(0, 2)).compliance().matrix @ space.uniform
     >>> round(float(space.uniform @ moments), 5)
@@ -120,14 +119,15 @@ class HalfSpace:
     @property
     def _elasticity(self) -> tuple[float, float]:
         """Poisson's ratio and shear modulus."""
-        return self.solid.poisson_ratio, moduli(self.solid.poisson_ratio)[1]
+        ground = self.solid.modelled_ground
+        return ground.poisson_ratios[0], ground.shear_moduli[0]
 
     def far_fields_at(self, points: Array) -> tuple[Array, Array]:
         """Return displacements (k, n, 2) and stresses (k, n, 4) of the poles at points (n, 2).
 
         On layers, loads on the contact replace the poles (`layered_far_field.py`).
         """
-        if (ground := self.solid.modelled_ground) is None:
+        if not (ground := self.solid.modelled_ground).layered:
             return poles(points, self.poles, *self._elasticity)
         from .layered_far_field import loaded_fields  # homogeneous half-spaces do not need it
 
@@ -138,7 +138,7 @@ class HalfSpace:
 
         Loads whose fields at the boundary can no longer be distinguished are left out, too.
         """
-        if self.solid.ground is None or not self.solid.ground.rigid or not self.poles:
+        if not self.solid.ground.rigid or not self.poles:
             return self
         from .layered_far_field import independent_count  # homogeneous ones do not need it
 
@@ -319,7 +319,7 @@ class HalfSpace:
         refuse_singular(self.stability(), self.space.size, node_count)
         factors, ground = [self.condensed()], self.solid.ground
         # the compliance of a homogeneous half-space depends on its plane strain modulus alone
-        if ground is not None and (second := self.more_compressible):
+        if ground.layered and (second := self.more_compressible):
             factors.append(second.condensed())
         # the rows of a factor belong to contact nodes, then to poles; without the row of the last
         # pole it is the factor of the same half-space with one pole less

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from ..meshes.ground.ground import Ground, relative_compliance, wave_numbers
+from ..meshes.ground.ground import HALF_SPACE, Ground, relative_compliance, wave_numbers
 from ..meshes.radial import Array
 
 # number of quadrature angles; 36 of them already give 15 digits of the stiffness for b from 1e-4 to
@@ -29,7 +29,7 @@ POINTS = 64
 # quadrature angles per thickness of the first layer across the annulus
 # (physics/test_layers.py::test_hollow_punches_on_layers)
 POINTS_PER_THICKNESS = 12.0
-# radii on each ring among which extremes of the pressure on layers are sought
+# radii on each ring among which extremes of the pressure are sought
 SAMPLES_PER_RING = 200
 # wave numbers at a time, to limit the memory for Bessel functions
 BLOCK = 4096
@@ -44,13 +44,11 @@ class FlatAnnulus:
     inner_radius : inner radius b, between 0 and 1
     indentation : indentation d
     coefficients : (J,) of ``p r dr = sum_j c_j cos(j angle) d(angle)``
-    layered : whether there are layers of ground, so that the pressure may have several extremes
     """
 
     inner_radius: float
     indentation: float
     coefficients: Array
-    layered: bool = False
 
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressure at radii (R,) on the annulus, which is infinite at both edges."""
@@ -77,7 +75,7 @@ class FlatAnnulus:
         """
         at_edges, extremes = self.pressure_at(ring_edges), np.empty((2, len(ring_edges) - 1))
         for number, bounds in enumerate(pairwise(ring_edges.tolist())):
-            samples = np.linspace(*bounds, SAMPLES_PER_RING if self.layered else 3)
+            samples = np.linspace(*bounds, SAMPLES_PER_RING)
             for row, sign in enumerate((1.0, -1.0)):
                 ends = sign * at_edges[number : number + 2]
                 extremes[row, number] = sign * min(self._least(samples, sign), *ends)
@@ -100,7 +98,7 @@ class FlatAnnulus:
 
 @lru_cache(maxsize=64)
 def flat_annulus(
-    inner_radius: float, points: int | None = None, ground: Ground | None = None
+    inner_radius: float, points: int | None = None, ground: Ground = HALF_SPACE
 ) -> FlatAnnulus:
     """Solve the flat annulus by Nystroem's method.
 
@@ -108,7 +106,7 @@ def flat_annulus(
     ----------
     inner_radius : ratio of the inner to the outer radius, between 0 and 1
     points : number of quadrature angles; by default as many as suit the ground
-    ground : layers; homogeneous half-space if not given
+    ground : layers
     """
     from scipy.special import ellipk, ellipkm1  # full punches do not need it
 
@@ -133,18 +131,15 @@ def flat_annulus(
     np.fill_diagonal(factor, -0.5)
     np.fill_diagonal(smooth, np.log(32 / log_ratio))
     kernel = 4 / np.pi / radius_sum * (logarithm * factor + np.pi / points * smooth)
-    if ground is not None:
-        kernel += np.pi / points * _kernel_of_layers(ground, radius)
+    kernel += np.pi / points * _kernel_of_layers(ground, radius)
     density = np.linalg.solve(kernel, np.ones(points))
     stiffness = float(2 * np.pi**2 * density.mean())
     coefficients = _cosines(angle, density / stiffness)
-    return FlatAnnulus(inner_radius, 1 / stiffness, coefficients, ground is not None)
+    return FlatAnnulus(inner_radius, 1 / stiffness, coefficients)
 
 
-def _suitable_points(inner_radius: float, ground: Ground | None) -> int:
+def _suitable_points(inner_radius: float, ground: Ground) -> int:
     """Return the number of quadrature angles; pressures vary over the thickness of a layer."""
-    if ground is None:
-        return POINTS
     return max(POINTS, int(POINTS_PER_THICKNESS * (1 - inner_radius) / ground.first_thickness))
 
 
@@ -161,7 +156,7 @@ def _kernel_of_layers(ground: Ground, radii: Array) -> Array:
     return kernel
 
 
-def flat_annulus_series(inner_radius: float, count: int, ground: Ground | None = None) -> Array:
+def flat_annulus_series(inner_radius: float, count: int, ground: Ground = HALF_SPACE) -> Array:
     """Return cosine coefficients of the flat annulus's pressure times Legendre polynomials.
 
     The polynomials are in ``r^2``; the coefficients (J, count) have one column for each polynomial.

@@ -22,17 +22,17 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipe, ellipkm1, elliprd
 
-from ..meshes.ground.ground import Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.radial import Array, cut_evenly, graded_breakpoints, ring_areas, unit_gauss
-from .layers import added_displacement, added_slope
+from .layers import OfStates, added_displacement, added_slope, ring_spectrum
 
 # number of (radius, disc) pairs that are evaluated together, small enough for the cache
 PAIRS_PER_BLOCK = 2**16
 # number of Gauss points in each element, for slopes
 POINTS = 24
-# number of steps in the search for the greatest displacement on layers; each step reduces the
-# distance between the radii by a factor of four
-SEARCH_STEPS = 20
+# Radii on each cell of a ring, and bisections, in the search for the greatest displacement. Cells
+# are no wider than the first layer is thick.
+SAMPLES_PER_CELL, BISECTIONS = 33, 30
 
 
 def steady_pressures(ring_edges: Array, wear_coefficients: Array) -> Array:
@@ -80,7 +80,7 @@ def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
 
 
 def displacement(
-    ring_edges: Array, pressures: Array, radii: Array, ground: Ground | None = None
+    ring_edges: Array, pressures: Array, radii: Array, ground: Ground = HALF_SPACE
 ) -> Array:
     """Return the displacement under a constant pressure on each ring: Eq. 21.
 
@@ -89,7 +89,7 @@ def displacement(
     ring_edges : (N+1,) ring edges, 0 to 1
     pressures : (N,) or (N, M)
     radii : (R,)
-    ground : layers, which add a Hankel integral; homogeneous half-space if not given
+    ground : layers, which add a Hankel integral
 
     Returns
     -------
@@ -98,9 +98,7 @@ def displacement(
     steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)
     blocks = np.array_split(radii[:, None], 1 + radii.size * len(steps) // PAIRS_PER_BLOCK)
     values = np.concatenate([disc_displacement(ring_edges[1:], block) @ steps for block in blocks])
-    if ground is not None:
-        values += added_displacement(ring_edges, steps, radii, ground)
-    return values
+    return values + added_displacement(ring_edges, steps, radii, ground)
 
 
 def pressure_steps(pressures: Array) -> Array:
@@ -113,48 +111,26 @@ def pressure_steps(pressures: Array) -> Array:
     return -np.diff(np.concatenate([pressures, outside_pressure]), axis=0)
 
 
-def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground | None = None) -> Any:
+def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground = HALF_SPACE) -> Any:
     """Return the greatest displacement under the punch, ``u_max`` of Eq. 27.
 
     For ring pressures (N,) it is a number; for pressures (N, M) of M states it is (M,).
     """
-    if ground is not None:
-        return _greatest_on_layers(ring_edges, pressures, ground)
-    radii = np.unique(np.linspace(ring_edges[:-1], ring_edges[1:], 33))
-    values = displacement(ring_edges, pressures, radii)
-    steps, best = pressure_steps(pressures).T, values.argmax(axis=0)
+    states = pressures.reshape(len(pressures), -1)
+    cells = cut_evenly(ring_edges, ground.first_thickness)
+    radii = np.unique(np.linspace(cells[:-1], cells[1:], SAMPLES_PER_CELL))
+    values = displacement(ring_edges, states, radii, ground)
+    steps, best = pressure_steps(states), values.argmax(axis=0)
+    added = OfStates(*ring_spectrum(ring_edges, steps, ground))
     low, high = radii[np.maximum(best - 1, 0)], radii[np.minimum(best + 1, len(radii) - 1)]
     # the slope changes its sign between the neighbours of the greatest value: bisect
-    for _ in range(30):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        rises = np.sum(disc_slope(ring_edges[1:], middle[..., None]) * steps, axis=-1) > 0
+        slopes = np.sum(disc_slope(ring_edges[1:], middle[:, None]) * steps.T, axis=1)
+        rises = slopes + added.slope(middle) > 0
         low, high = np.where(rises, middle, low), np.where(rises, high, middle)
-    top = np.sum(disc_displacement(ring_edges[1:], low[..., None]) * steps, axis=-1)
-    return np.maximum(values.max(axis=0), top)
-
-
-def _greatest_on_layers(ring_edges: Array, pressures: Array, ground: Ground) -> Any:
-    """Return the greatest displacement under the punch on layers.
-
-    Each step refines the radii around the greatest value. There the displacement is smooth or has
-    its peak at a ring edge.
-    """
-    cells = cut_evenly(ring_edges, ground.first_thickness)
-    radii = np.unique(np.linspace(cells[:-1], cells[1:], 33))
-    values = displacement(ring_edges, pressures, radii, ground)
-    state_values = values.reshape(len(radii), -1).T
-    greatest = np.empty(len(state_values))
-    for number, state in enumerate(pressures.reshape(len(pressures), -1).T):
-        search_radii, search_values = radii, state_values[number]
-        for _ in range(SEARCH_STEPS):
-            best = int(search_values.argmax())
-            search_radii = np.linspace(
-                search_radii[max(best - 1, 0)],
-                search_radii[min(best + 1, len(search_radii) - 1)],
-                9,
-            )
-            search_values = displacement(ring_edges, state, search_radii, ground)
-        greatest[number] = max(state_values[number].max(), search_values.max())
+    top = np.sum(disc_displacement(ring_edges[1:], low[:, None]) * steps.T, axis=1)
+    greatest = np.maximum(values.max(axis=0), top + added.displacement(low))
     return greatest.reshape(pressures.shape[1:])[()]
 
 
@@ -167,7 +143,7 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
 
 
 def slopes_everywhere(
-    ring_edges: Array, pressures: Array, ground: Ground | None = None
+    ring_edges: Array, pressures: Array, ground: Ground = HALF_SPACE
 ) -> tuple[Array, Array, Array]:
     """Return a quadrature on (0, 1), and the slopes of the displacement at its points.
 
@@ -186,8 +162,7 @@ def slopes_everywhere(
     breakpoints = graded_breakpoints(
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
     )
-    if ground is not None:
-        breakpoints = cut_evenly(breakpoints, 2 * ground.first_thickness)
+    breakpoints = cut_evenly(breakpoints, 2 * ground.first_thickness)
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
     from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)
     at_edge = (from_left | np.isin(right, ring_edges))[:, None]
@@ -204,8 +179,7 @@ def slopes_everywhere(
         gaps = np.abs((start[block, None] - ring_edges[1:])[:, None] + offsets[block, :, None])
         slopes.append(disc_slope(ring_edges[1:], radii[block, :, None], gaps) @ steps)
     values = np.concatenate(slopes).reshape(-1, *steps.shape[1:])
-    if ground is not None:
-        values = values + added_slope(ring_edges, steps, radii.ravel(), ground)
+    values += added_slope(ring_edges, steps, radii.ravel(), ground)
     return radii.ravel(), weights.ravel(), values
 
 
@@ -214,7 +188,7 @@ def rms_slope(
     pressures: Array,
     average: str = "line",
     inner_radius: float = 0.0,
-    ground: Ground | None = None,
+    ground: Ground = HALF_SPACE,
 ) -> Any:
     """Return the RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
@@ -224,7 +198,7 @@ def rms_slope(
     pressures : (N,) or (N, M) pressure on each ring
     average : `line` (over the radius) or `area`
     inner_radius : start of the average; one of the ring edges
-    ground : layers; homogeneous half-space if not given
+    ground : layers
     """
     radii, weights, slopes = slopes_everywhere(ring_edges, pressures, ground)
     # Points beside an edge may be rounded to either side of it, so that whole elements are assigned

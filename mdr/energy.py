@@ -8,7 +8,7 @@ polynomials only, and no matrix of the size of the pressure space is factorised.
 import numpy as np
 
 from ..meshes.compliance import Compliance
-from ..meshes.ground.ground import Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.ground.line_energy import even_legendre, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
@@ -20,31 +20,26 @@ WIDEST_PANEL = 2.0
 
 
 def compliance(
-    space: PressureSpace, ground: Ground | None = None, extra_points: int = EXTRA_POINTS
+    space: PressureSpace, ground: Ground = HALF_SPACE, extra_points: int = EXTRA_POINTS
 ) -> Compliance:
     """Return the compliance on a pressure space, with the weighted line density as its factor.
 
     Parameters
     ----------
     space : pressure space
-    ground : layers; homogeneous half-space if not given
+    ground : layers
     extra_points : points of the quadrature on each panel (`panel_quadrature`)
     """
-    if ground is None:
-        positions, weights, low_parts = panel_quadrature(space, extra_points)
-        density = line_density(space, positions, low_parts)
-        return Compliance(space, np.sqrt(2 * weights)[:, None] * density)
     panels = space.no_wider(WIDEST_PANEL * ground.first_thickness)
     positions, weights, low_parts = panel_quadrature(panels, extra_points)
     factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
-    factor = _on_layers(factor, positions, weights, ground)
-    return Compliance(space, factor, ground)
+    return Compliance(space, factor + _added(factor, positions, weights, ground), ground)
 
 
-def _on_layers(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
-    """Return ``sqrt(I + K)`` times the factor of a homogeneous half-space."""
+def _added(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
+    """Return ``sqrt(I + K) - I`` times the factor of a homogeneous half-space."""
     values, vectors = line_energy_modes(ground)
     scale = np.sqrt(4 * np.arange(len(values)) + 1)
     polynomials = even_legendre(positions, len(values)) @ (scale[:, None] * vectors)
     basis = np.sqrt(weights)[:, None] * polynomials
-    return np.asarray(factor + (basis * (np.sqrt(values) - 1)) @ (basis.T @ factor))
+    return np.asarray((basis * (np.sqrt(values) - 1)) @ (basis.T @ factor))

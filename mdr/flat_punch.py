@@ -1,4 +1,4 @@
-"""The flat punch under the force 1: full (Eqs. 10 and 11), hollow, or full on layers."""
+"""The flat punch under the force 1, full (Eqs. 10 and 11) or hollow, on any ground."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,7 +16,7 @@ from numpy.polynomial.legendre import (
     legvander,
 )
 
-from ..meshes.ground.ground import Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.ground.line_energy import flat_series, relative_stiffness
 from ..meshes.radial import Array
 from .annulus import flat_annulus
@@ -46,29 +46,11 @@ class FlatPunch(Protocol):
         """Return the least and the greatest pressure (N,) on each ring."""
 
 
-class FlatDisc:
-    """The full flat punch, ``p = p0 / sqrt(1 - r^2/a^2)``."""
-
-    indentation = D0
-
-    def pressure_at(self, radii: Array) -> Array:
-        """Return the pressure at radii (R,) of the face, which is infinite at the rim."""
-        with np.errstate(divide="ignore"):
-            return np.asarray(P0 / _root(radii))
-
-    def ring_forces(self, ring_edges: Array) -> Array:
-        """Return the force (N,) on each ring between edges (N+1,)."""
-        return -np.diff(_root(ring_edges))
-
-    def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
-        """Return the least and the greatest pressure (N,) on each ring: those at its edges."""
-        at_edges = self.pressure_at(ring_edges)
-        return at_edges[:-1], at_edges[1:]
-
-
 @dataclass(frozen=True, eq=False)
 class DiscSeries:
     """A full flat punch as a series, ``p = sum_j c_j P_2j(t) / t`` with ``t = sqrt(1 - r^2)``.
+
+    On a homogeneous half-space the first term is all of it (Eq. 11).
 
     Parameters
     ----------
@@ -127,8 +109,8 @@ def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:
         return np.asarray(legvander(root, 2 * count - 2)[..., ::2]), 1 / root
 
 
-def layered_disc(ground: Ground) -> DiscSeries:
-    """Return the full flat punch on layers, computed from the energy of its line density."""
+def flat_disc(ground: Ground = HALF_SPACE) -> DiscSeries:
+    """Return the full flat punch, computed from the energy of its line density."""
     return DiscSeries(D0 / relative_stiffness(ground), P0 * np.array(flat_series(ground)))
 
 
@@ -142,11 +124,11 @@ def presses_everywhere(ground: Ground, inner_radius: float = 0.0) -> bool:
     return bool(least[0] > -PRESSURE_ROUNDOFF * P0)
 
 
-def flat_punch(inner_radius: float, ground: Ground | None = None) -> FlatPunch:
+def flat_punch(inner_radius: float, ground: Ground = HALF_SPACE) -> FlatPunch:
     """Return the flat punch with a given inner radius, which is 0 for a full punch."""
     if inner_radius:
         return flat_annulus(inner_radius, ground=ground)
-    return FlatDisc() if ground is None else layered_disc(ground)
+    return flat_disc(ground)
 
 
 def _root(radii: Array) -> Array:

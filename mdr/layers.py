@@ -7,6 +7,7 @@ strain modulus of the first layer 1.
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import j0, j1
@@ -57,6 +58,8 @@ def hankel_transforms(space: PressureSpace, s: Array, widest: float) -> Array:
 def ring_spectrum(ring_edges: Array, steps: Array, ground: Ground) -> tuple[Array, Array]:
     """Return wave numbers (k,), and the contribution (k, ...) of discs of constant pressure there.
 
+    A half-space adds nothing and has no wave numbers.
+
     Parameters
     ----------
     ring_edges : (N+1,) ring edges
@@ -79,6 +82,28 @@ def added_slope(ring_edges: Array, steps: Array, radii: Array, ground: Ground) -
     """Return the slope of the displacement (R, ...) that layers add at radii (R,)."""
     s, loads = ring_spectrum(ring_edges, steps, ground)
     return -_summed(j1, s, (s * loads.T).T, radii)
+
+
+class OfStates(NamedTuple):
+    """What layers add to the displacement of M states, each at a radius of its own.
+
+    Parameters
+    ----------
+    wave_numbers : (k,) wave numbers; none for a half-space
+    loads : (k, M) contributions of the states (`ring_spectrum`)
+    """
+
+    wave_numbers: Array
+    loads: Array
+
+    def displacement(self, radii: Array) -> Array:
+        """Return the added displacement (M,) at radii (M,)."""
+        return np.einsum("mk,km->m", j0(np.outer(radii, self.wave_numbers)), self.loads)
+
+    def slope(self, radii: Array) -> Array:
+        """Return the slope (M,) of the added displacement at radii (M,)."""
+        waves = j1(np.outer(radii, self.wave_numbers)) * self.wave_numbers
+        return -np.einsum("mk,km->m", waves, self.loads)
 
 
 def _summed(bessel: Callable[[Array], Array], s: Array, loads: Array, radii: Array) -> Array:

@@ -20,7 +20,7 @@ from scipy.special import ellipkm1
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
-from ..meshes.ground.ground import Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.pressure_space import PressureSpace, shapes
 from ..meshes.radial import Array, Indices, unit_gauss
 from .layers import added_by_layers
@@ -50,13 +50,13 @@ class _Rule(NamedTuple):
 _Blocks = Iterator[tuple[Indices, Indices, Array]]
 
 
-def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance:
+def compliance(space: PressureSpace, ground: Ground = HALF_SPACE) -> Compliance:
     """Return the compliance of the half-space on `space` by the ring kernel.
 
     Parameters
     ----------
     space : pressure space, `size` functions
-    ground : layers, which add to the kernel; homogeneous half-space if not given
+    ground : layers, which add to the kernel
 
     Returns
     -------
@@ -75,9 +75,7 @@ def compliance(space: PressureSpace, ground: Ground | None = None) -> Compliance
         place = space.dofs[first][:, :, None] * rows + space.dofs[second][:, None, :]
         np.add.at(half, place.ravel(), blocks.ravel())
     half = half.reshape(rows, rows)[:-1, :-1]
-    matrix = half + half.T
-    if ground is not None:
-        matrix = matrix + added_by_layers(space, ground)
+    matrix = half + half.T + added_by_layers(space, ground)
     try:
         factor = cholesky(matrix, check_finite=False)
     except np.linalg.LinAlgError as error:

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from .errors import SolverError
-from .ground.ground import Ground
+from .ground.ground import HALF_SPACE, Ground
 from .pressure_space import PressureSpace
 from .radial import Array
 
@@ -40,13 +40,12 @@ class Compliance:
     space : pressure space, `size` functions
     factor : (m, size) the factor `H`, m >= size; the displacement u is in units of (pressure x
         radius / plane strain modulus)
-    ground : layers under the punch, which decide the pressure of a flat punch at the start;
-        homogeneous half-space if not given
+    ground : layers under the punch, which decide the pressure of a flat punch at the start
     """
 
     space: PressureSpace
     factor: Array
-    ground: Ground | None = None
+    ground: Ground = HALF_SPACE
 
     def __post_init__(self) -> None:
         """Check that the factor is finite.

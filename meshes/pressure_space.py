@@ -347,7 +347,7 @@ class PressureSpace:
 
         It is one number, or one (E,) for each element.
         """
-        counts = np.ceil(self.widths / widest).astype(np.int64)
+        counts = np.maximum(np.ceil(self.widths / widest), 1).astype(np.int64)
         if (counts == 1).all():
             return self
         number = np.repeat(np.arange(len(counts)), counts)

@@ -123,7 +123,7 @@ def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
 
 def cut_evenly(breakpoints: Array, widest: float) -> Array:
     """Return element boundaries at distances up to `widest`: wider elements are cut evenly."""
-    counts = np.ceil(np.diff(breakpoints) / widest).astype(int)
+    counts = np.maximum(np.ceil(np.diff(breakpoints) / widest), 1).astype(int)
     cuts = [
         np.linspace(left, right, count + 1)[1:]
         for left, right, count in zip(breakpoints[:-1], breakpoints[1:], counts, strict=True)

@@ -1,5 +1,8 @@
 """Elastic layers bonded to each other and to a substrate, and their surface displacement.
 
+A ground without layers is a homogeneous half-space, to which all formulas apply: nothing is
+reflected, and the integrals over what layers add have no points.
+
 A normal load ``p(s) J_0(s r)`` on the surface displaces it by ``2 Phi(s) / (E1* s) p(s) J_0(s r)``,
 with ``Phi = 1`` for a half-space of the first layer's material. In each layer the solution is a sum
 of four waves. Two decay downwards from its top, ``exp(-s z) (1, s z)`` with z the depth below the
@@ -37,16 +40,19 @@ POINTS = 20
 class Ground:
     """Describe elastic layers on an elastic substrate or on a rigid base.
 
-    All layers are isotropic and bonded, and strains are small. Lengths are in punch radii, moduli
-    in units of the plane strain modulus of the first layer.
+    Without layers, the substrate is a homogeneous half-space. All layers are isotropic and bonded,
+    and strains are small. Lengths are in punch radii, moduli in units of the plane strain modulus
+    of the first layer.
 
     >>> pad = Ground.from_youngs_moduli([0.5], [1.0, np.inf], poisson_ratios=[0.3, 0.0])
     >>> pad.rigid, pad.shear_moduli[0]
     (True, 0.35)
+    >>> relative_compliance(Ground.half_space(0.3), np.array([1.0, 10.0]))
+    array([1., 1.])
 
     Parameters
     ----------
-    thicknesses : (n,) thicknesses of the layers, from the surface down
+    thicknesses : (n,) thicknesses of the layers, from the surface down; empty for a half-space
     shear_moduli : (n + 1,) shear moduli of the layers and, last, of the substrate; infinite for a
         rigid base
     poisson_ratios : (n + 1,) Poisson's ratios in the same order
@@ -55,6 +61,11 @@ class Ground:
     thicknesses: tuple[float, ...]
     shear_moduli: tuple[float, ...]
     poisson_ratios: tuple[float, ...]
+
+    @classmethod
+    def half_space(cls, poisson_ratio: float) -> "Ground":
+        """Return the homogeneous half-space of plane strain modulus 1."""
+        return cls((), ((1 - poisson_ratio) / 2,), (poisson_ratio,))
 
     @classmethod
     def from_youngs_moduli(
@@ -80,14 +91,19 @@ class Ground:
         return bool(np.isinf(self.shear_moduli[-1]))
 
     @property
+    def layered(self) -> bool:
+        """Whether there are layers."""
+        return bool(self.thicknesses)
+
+    @property
     def first_thickness(self) -> float:
-        """Thickness of the first layer."""
-        return self.thicknesses[0]
+        """Thickness of the first layer; infinite for a half-space."""
+        return min(self.thicknesses[:1], default=np.inf)
 
     @property
     def depths(self) -> Array:
         """(n,) depths of the interfaces."""
-        return np.cumsum(self.thicknesses)
+        return np.cumsum(np.array(self.thicknesses))
 
     @property
     def greatest_poisson_ratio(self) -> float:
@@ -105,10 +121,22 @@ class Ground:
         )
 
     def with_poisson_ratios_below(self, highest: float) -> "Ground":
-        """Return the ground with Poisson's ratios of at most `highest` and equal shear moduli."""
-        return replace(
-            self, poisson_ratios=tuple(min(ratio, highest) for ratio in self.poisson_ratios)
-        )
+        """Return the ground with Poisson's ratios of at most `highest`."""
+        return self.with_poisson_ratios([min(ratio, highest) for ratio in self.poisson_ratios])
+
+    def with_poisson_ratios(self, ratios: list[float]) -> "Ground":
+        """Return the ground with other Poisson's ratios (n + 1,).
+
+        The shear moduli of layers stay as they are. A half-space keeps its plane strain modulus, on
+        which alone its surface compliance depends.
+        """
+        if not self.layered:
+            return Ground.half_space(ratios[0])
+        return replace(self, poisson_ratios=tuple(ratios))
+
+
+HALF_SPACE = Ground.half_space(0.3)
+"""A homogeneous half-space of plane strain modulus 1; its Poisson's ratio is that of steel."""
 
 
 class Interface(NamedTuple):
@@ -214,12 +242,14 @@ def wave_numbers(
 
     Parameters
     ----------
-    ground : the layers
+    ground : the layers; a half-space has no points, because nothing is added to it
     reach : largest frequency of the integrand, which oscillates at most as ``cos(reach s)``
     travelled : distance in the decay of the integrand, ``exp(-s travelled)``; the default is twice
         the thickness of the first layer, because the waves that layers add to the surface
         compliance have travelled down to the first interface and back
     """
+    if not ground.layered:
+        return np.empty(0), np.empty(0)
     end = NEGLIGIBLE_EXPONENT / (2 * ground.first_thickness if travelled is None else travelled)
     widest = min(MAX_PHASE / reach, end)
     first_panel = LEAST_WAVE_NUMBER / max(float(ground.depths[-1]), 1.0)

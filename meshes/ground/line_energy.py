@@ -39,7 +39,7 @@ def spherical_bessel(s: Array, count: int) -> Array:
     continued fraction.
     """
     # the continued fraction starts at an order so high that the ratios do not depend on its start
-    highest = int(max(count, s.max())) + 60
+    highest = int(max(count, s.max(initial=0.0))) + 60
     ratios = np.zeros((count + 1, len(s)))
     ratio = np.zeros_like(s)
     for order in range(highest, 0, -1):
@@ -64,7 +64,8 @@ def line_energy(ground: Ground) -> Array:
     """
     s, weights = wave_numbers(ground, reach=2.0)
     # spherical Bessel functions are negligible if their order is well above the argument
-    count = int(s[-1] / 2 + 4 * s[-1] ** (1 / 3)) + 12
+    highest = float(s.max(initial=0.0))
+    count = int(highest / 2 + 4 * highest ** (1 / 3)) + 12
     signs = np.resize([1.0, -1.0], count)[:, None]
     scale = np.sqrt(4 * np.arange(count) + 1)[:, None]
     transforms = signs * scale * spherical_bessel(s, 2 * count)[::2]

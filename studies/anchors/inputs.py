@@ -42,11 +42,11 @@ def check_inputs(report: Reported) -> Rows:
 def _compare_layers(report: Reported) -> Rows:
     """Compare the layers of the ground with those of the second reading."""
     solved, expected = report.problem.ground, report.reading.ground
-    if solved is None and expected is None:
+    if not (solved.layered or expected.layered):
         return
-    same = float((solved is None) == (expected is None))
+    same = float(solved.layered == expected.layered)
     yield Row("presence of layers as in the scene", same, 1.0, 0.0)
-    if solved is None or expected is None or len(solved.thicknesses) != len(expected.thicknesses):
+    if len(solved.thicknesses) != len(expected.thicknesses):
         return
     thicknesses = np.array(solved.thicknesses), np.array(expected.thicknesses)
     yield Row("thicknesses of the layers as in the scene", *thicknesses, COPIED)

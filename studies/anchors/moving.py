@@ -178,7 +178,7 @@ def check_disc(report: Reported) -> Rows:
     Times at which the contact is not one disc are skipped. The relation holds on a homogeneous
     half-space only.
     """
-    if report.reading.ground is not None:
+    if report.reading.ground.layered:
         return
     pressure, heights = report.take("pressure"), report.shape
     radii, force, depth = report.face.radii, report.take("normal_force"), report.depth

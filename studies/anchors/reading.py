@@ -14,7 +14,7 @@ import numpy as np
 
 from ...mdr.flat_punch import flat_punch
 from ...meshes.errors import RingwearError
-from ...meshes.ground.ground import Ground
+from ...meshes.ground.ground import HALF_SPACE, Ground
 from ...meshes.radial import Array, ring_areas, unit_gauss
 from ..problem.fields import TomlTable
 from ..problem.quantities import Units
@@ -73,8 +73,7 @@ class Reading:
     units : the units of non-dimensional numbers, in the scene's units
     profile : the table of the unworn profile, with lengths in the scene's unit; None if it is flat
     recess : (N,) recess of each ring, in the scene's unit
-    ground : layers, with thicknesses over the punch radius and moduli over that of the first layer;
-        None if there are none
+    ground : layers, with thicknesses over the punch radius and moduli over that of the first layer
     """
 
     rtol: float
@@ -88,7 +87,7 @@ class Reading:
     units: Units
     profile: TomlTable | None
     recess: Array
-    ground: Ground | None = None
+    ground: Ground = HALF_SPACE
 
     @classmethod
     def of(cls, scene: Scene) -> "Reading":
@@ -270,11 +269,9 @@ def _plane_strain_modulus(material: TomlTable) -> float:
     return float(material["youngs_modulus"] / (1 - material.get("poisson_ratio", 0.3) ** 2))
 
 
-def _ground(half_space: TomlTable, unit: float, radius: float) -> Ground | None:
-    """Return the layers over the punch radius, with moduli over a unit; None without layers."""
-    if not half_space.get("layers"):
-        return None
-    materials = [*half_space["layers"], *([] if half_space.get("rigid") else [half_space])]
+def _ground(half_space: TomlTable, unit: float, radius: float) -> Ground:
+    """Return the ground over the punch radius, with moduli over a unit."""
+    materials = [*half_space.get("layers", []), *([] if half_space.get("rigid") else [half_space])]
     ratios = [material.get("poisson_ratio", 0.3) for material in materials]
     # E* = 2 G / (1 - nu)
     shear = [
@@ -283,7 +280,7 @@ def _ground(half_space: TomlTable, unit: float, radius: float) -> Ground | None:
     ]
     if half_space.get("rigid"):
         shear, ratios = [*shear, np.inf], [*ratios, 0.3]
-    thicknesses = tuple(layer["thickness"] / radius for layer in half_space["layers"])
+    thicknesses = tuple(layer["thickness"] / radius for layer in half_space.get("layers", []))
     return Ground(thicknesses, tuple(shear), tuple(ratios))
 
 

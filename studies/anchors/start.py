@@ -15,14 +15,14 @@ def check_start(report: Reported) -> Rows:
     tolerance, reference = report.tolerance("indentation"), report.flat.indentation
     if report.includes_start:
         name = "flat start, d = F / (2 a E*)"
-        if report.inner_radius or report.reading.ground:
+        if report.inner_radius or report.reading.ground.layered:
             name = f"flat start, d {report.kind_of_punch}"
         depth = report.take("indentation")[0]
         yield Row(name, depth, reference * report.forces[0], tolerance[0])
     if report.solution.wear is not None:
         depth, tolerance = report.take("indentation_start"), report.tolerance("indentation_start")
         yield Row("flat start of the answer", depth, reference, tolerance)
-        if report.inner_radius and report.reading.ground is None:
+        if report.inner_radius and not report.reading.ground.layered:
             bounds = stiffness_bounds(report.inner_radius)
             stiffness = 1 / depth
             nearest = np.clip(stiffness, *bounds)
@@ -44,7 +44,7 @@ def check_start_pressures(report: Reported) -> Rows:
         pressure, force = (report.tolerance(name)[0] for name in ("pressure", "ring_force"))
         value = report.take("pressure", on_face=False)[0, inside] / report.forces[0]
         name = "flat start, p = p0 / sqrt(1 - r^2/a^2)"
-        if report.inner_radius or report.reading.ground:
+        if report.inner_radius or report.reading.ground.layered:
             name = f"flat start, p {report.kind_of_punch}"
         yield Row(name, value, flat.pressure_at(report.radii[inside]), pressure)
         value = report.take("ring_force")[0] / report.forces[0]

@@ -88,7 +88,7 @@ Half-spaces by different theories have the same compliance; here, one by finite 
 
 >>> from ringwear import ContactCells, even_half_space, press_flat
 >>> cells = ContactCells((0.0, 1.0), 0.1, 0.01)
->>> pressed = press_flat(even_half_space(cells, 0.3).compliance())
+>>> pressed = press_flat(even_half_space(cells).compliance())
 >>> abs(pressed.indentation - 0.5) < 1e-3
 True
 """

@@ -43,7 +43,7 @@ def with_prediction(problem: Problem) -> Problem:
 
     This is predicted only for histories of flat punches on a homogeneous half-space.
     """
-    if not (problem.profile.flat and problem.ground is None and len(problem.times)):
+    if not (problem.profile.flat and len(problem.times) and not problem.ground.layered):
         return problem
     rings = (problem.graded or problem.rings).merged().with_hole()
     kept = keeps_contact(rings, problem.loading, float(problem.times[-1]))

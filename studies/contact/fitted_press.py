@@ -23,7 +23,7 @@ from ...mdr import energy
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import SolverError
-from ...meshes.ground.ground import Ground
+from ...meshes.ground.ground import HALF_SPACE, Ground
 from ..problem.profile import InitialProfile
 from ..wear.flat_contact import FittedPress
 from ..wear.unilateral import Interval, Load
@@ -31,8 +31,8 @@ from .moments import moments
 
 Intervals = tuple[Interval, ...]
 # function of (edges from 0 to 1 at which every pressure space has breakpoints, whether the pressure
-# is infinite at each, layers in units of the outermost edge or None) that returns the compliance
-CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...], Ground | None], Compliance]
+# is infinite at each, layers in units of the outermost edge) that returns the compliance
+CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...], Ground], Compliance]
 
 # secant search for the radius of a free edge: greatest number of steps, length of the first step
 # over the width of the bracket, and greatest length of the last step over the radius
@@ -47,7 +47,7 @@ def fit_presses(
     load: Load,
     intervals: Intervals,
     compliances: tuple[CompliancesOn, CompliancesOn],
-    ground: Ground | None = None,
+    ground: Ground = HALF_SPACE,
 ) -> tuple[FittedPress, FittedPress]:
     """Press an unworn punch with pressures of a higher and of a lower polynomial degree.
 
@@ -94,7 +94,7 @@ def fit_presses(
 
 
 def _rough_compliance(
-    edges: tuple[float, ...], infinite: tuple[bool, ...], ground: Ground | None
+    edges: tuple[float, ...], infinite: tuple[bool, ...], ground: Ground
 ) -> Compliance:
     """Return a cheap, inaccurate compliance for the first search for the edge."""
     space = fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges)))
@@ -106,7 +106,7 @@ def fit_press(
     load: Load,
     intervals: Intervals,
     on_edges: CompliancesOn,
-    ground: Ground | None = None,
+    ground: Ground = HALF_SPACE,
     slope: float | None = None,
 ) -> tuple[FittedPress, float | None]:
     """Press an unworn punch; if the outermost edge is free, find its radius by secant steps.
@@ -178,7 +178,7 @@ def _solve(
     load: Load | None,
     intervals: Intervals,
     compliance_on: CompliancesOn,
-    ground: Ground | None,
+    ground: Ground,
 ) -> FittedPress:
     """Return the solution of the linear problem in which the contact has the given edges.
 
@@ -205,7 +205,7 @@ def _solve(
     compliance = compliance_on(
         tuple(edge / radius for edge in edges),
         tuple(infinite[edge] for edge in edges),
-        None if ground is None else ground.in_units_of(radius),
+        ground.in_units_of(radius),
     )
     space = compliance.space
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2

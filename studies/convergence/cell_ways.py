@@ -85,7 +85,7 @@ def elements_on(
     quads : whether the elements are quadrilaterals, not triangles
     """
     if not quads:
-        half_space = even_half_space(cells, problem.poisson_ratio, degree=degree)
+        half_space = even_half_space(cells, problem.ground, degree=degree)
     else:
         larger = scaled_cells(problem, cell_factor / 2)
         edges, size = larger.ring_edges, larger.edge_size
@@ -95,7 +95,7 @@ def elements_on(
         mesh = subdivided(
             bisection.mesh(field), 1, np.array(edges), into_quads=True, log_polar=False
         )
-        solid = AxisymmetricElasticity(mesh, degree, problem.poisson_ratio)
+        solid = AxisymmetricElasticity(mesh, degree, problem.ground)
         space = pressure_space(solid, np.array(edges), larger.hollow)
         linear = replace(space, degrees=np.minimum(space.degrees, 1))
         half_space = HalfSpace(solid, linear, enough_poles(TRUNCATION, NEGLIGIBLE_ENERGY))

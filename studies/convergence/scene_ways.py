@@ -147,7 +147,7 @@ def discretised_on(
     with stages("meshing"):
         mesh = make_mesh()
     with stages("condensing"):
-        solid = AxisymmetricElasticity(mesh, degree, problem.poisson_ratio, element)
+        solid = AxisymmetricElasticity(mesh, degree, problem.ground, element)
         space = pressure_space(solid, rings.ring_edges, rings.hollow)
         half_space = HalfSpace(solid, space, POLES if poles is None else poles)
         compliance = half_space.compliance()

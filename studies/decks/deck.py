@@ -155,7 +155,7 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
 def refusal(scene: Scene, program: str) -> str:
     """Return the reason why a scene has no deck, with the remedy; empty if it has one."""
     problem = scene.problem
-    if problem.ground is not None:
+    if problem.ground.layered:
         return (
             "half_space.layers: decks can model only a homogeneous half-space; leave out the "
             "layers and half_space.rigid"

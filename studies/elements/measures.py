@@ -20,6 +20,7 @@ from ...fem.stability import refuse_singular
 from ...mdr import energy
 from ...mdr.flat_punch import D0, flat_punch
 from ...meshes.errors import SolverError
+from ...meshes.ground.ground import Ground
 from ...meshes.half_space import truncation
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, gauss, graded_breakpoints, ring_of
@@ -102,7 +103,11 @@ def condense(
     start = time.perf_counter()
     degree = displacement.degree
     solid = AxisymmetricElasticity(
-        mesh, degree, poisson_ratio, displacement.element, highest_ratio=HIGHEST_POISSON_RATIO
+        mesh,
+        degree,
+        Ground.half_space(poisson_ratio),
+        displacement.element,
+        highest_ratio=HIGHEST_POISSON_RATIO,
     )
     full_space = full_pressure_space(mesh, rings.ring_edges, degree)
     half_space = HalfSpace(solid, full_space, enough_poles(truncation(mesh), FAR_FIELD_ERROR))

@@ -17,7 +17,7 @@ box = MeshTri.init_tensor(np.linspace(0, outer, 9), np.linspace(0, outer, 9))
 for refined in range(8):
     length = np.maximum(np.hypot(*box.p), 1e-300)
     disc = as_half_space(MeshTri(box.p * box.p.max(axis=0) / length, box.t), ring_edges)
-    solid = AxisymmetricElasticity(disc, degree=3, nominal_poisson_ratio=0.3)
+    solid = AxisymmetricElasticity(disc, degree=3)
     half = HalfSpace(solid, pressure_space(solid, ring_edges), enough_poles(outer, 1e-6))
     # flat punch under the force 1 with a continuous pressure: A p = d b, b . p = 1
     continuous = half.space.joined()

@@ -107,12 +107,12 @@ def draw_stress(result: Outcome) -> Figure:
     return figure
 
 
-def _bottoms_of_views(ground: Ground | None, unit: float, depths: Array) -> Array:
+def _bottoms_of_views(ground: Ground, unit: float, depths: Array) -> Array:
     """Return the depths (n,) at which views end that are otherwise as deep as `depths` (n,).
 
     They end below a rigid base, so that thin layers fill them; `unit` scales depths of the ground.
     """
-    if ground is None or not ground.rigid:
+    if not ground.rigid:
         return depths
     base = float(ground.depths[-1]) * unit
     return np.where(base < LEAST_DEPTH_OF_BASE * depths, SHOWN_BELOW_BASE * base, depths)
@@ -229,7 +229,7 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
         f"half-space mesh by {mesher}, {mesh.nelements} elements; the punch is red, ring edges are "
         "marked"
     )
-    if scene.problem.ground is not None:
+    if scene.problem.ground.layered:
         title += ", interfaces of layers are blue"
     return complete(figure, [title])
 
@@ -242,10 +242,8 @@ def _draw_punch(axes: Axes, depth: float, parts: Array, ring_edges: Array) -> No
     axes.plot(edges, np.full(len(edges), -0.03 * depth), "|", color=RED, markersize=3)
 
 
-def _draw_layers(axes: Axes, ground: Ground | None, unit: float, width: float) -> None:
+def _draw_layers(axes: Axes, ground: Ground, unit: float, width: float) -> None:
     """Mark the interfaces of layers, and hatch a rigid base; `unit` scales the depths."""
-    if ground is None:
-        return
     depths = ground.depths * unit
     for depth in depths:
         axes.axhline(depth, color=BLUE, linewidth=1)

@@ -109,7 +109,7 @@ def fit(
     True
     """
     scene = Scene.of(scene)
-    if scene.problem.ground is not None:
+    if scene.problem.ground.layered:
         raise SceneError(
             "half_space.layers: measurements can be fitted only on a homogeneous half-space; leave "
             "out the layers and half_space.rigid"

@@ -248,7 +248,7 @@ def compare_half_spaces(
             fine[field][state, far] - coarse[field][state, far] for field in (2, 3)
         )
         mean = 2 * P0 * force / reach**2
-        ground = problem.ground.in_units_of(reach) if problem.ground else None
+        ground = problem.ground.in_units_of(reach)
         indentation = flat_punch(0.0, ground).indentation * force / reach
         # the von Mises stress is a norm: that of the difference is at least the difference of the
         # two

@@ -231,7 +231,7 @@ class Method(ABC):
 
         Settings that only have to be changed are no such reason, but `refusal` names them, too.
         """
-        if problem.ground is not None and not self.knows_layers:
+        if problem.ground.layered and not self.knows_layers:
             return Refusal(f"{self.name} does not solve half_space.layers")
         refused = flat_punches_only(self.name) if self.refused is None else self.refused
         return next((refused[regime] for regime in problem.regimes if regime in refused), None)

@@ -55,13 +55,7 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below the contact is smoother: lowering its degree by a fifth has no effect on the
     # contact
-    solid = AxisymmetricElasticity(
-        chosen.mesh,
-        degree,
-        problem.poisson_ratio,
-        lowered_degrees=degree // 5,
-        ground=problem.ground,
-    )
+    solid = AxisymmetricElasticity(chosen.mesh, degree, problem.ground, lowered_degrees=degree // 5)
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
     space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
     return HalfSpace(solid, space, poles).without_dependent_poles()
@@ -117,7 +111,7 @@ class Fem(ComplianceMethod):
     def remedy(self, problem: Problem) -> str:
         """Return what would make the method more accurate, if that is not a smaller `rtol`."""
         if problem.fem.far_field == "fixed":
-            error = "an error" if problem.ground else "an error of 1.1 a/R"
+            error = "an error" if problem.ground.layered else "an error of 1.1 a/R"
             return f"the clamped boundary causes {error}; give far_field = 'boussinesq'"
         return super().remedy(problem)
 
@@ -126,7 +120,7 @@ class Fem(ComplianceMethod):
         if problem.fem.far_field != "fixed":
             return {}
         why = "the scene clamps the outer boundary: the indentation has an error of 1.1 a/R"
-        if problem.ground is not None:
+        if problem.ground.layered:
             why = "the scene clamps the outer boundary, on layers: the indentation has an error"
         return {"far field": why}
 
@@ -160,7 +154,7 @@ def _half_space_on_cells(problem: Problem) -> "HalfSpace":
     from ...fem.contact_meshes import even_half_space
 
     cells, _ = contact_cells(problem)
-    return even_half_space(cells, problem.poisson_ratio, ground=problem.ground)
+    return even_half_space(cells, problem.ground)
 
 
 def _refused_degree(problem: Problem) -> str:
@@ -193,7 +187,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
     with stages("condensing"):
         # the first of the compliances by poles is that of the clamped outer boundary
         fine = half_space.compliances_by_poles()[0] if fixed else half_space.compliance()
-    extrapolated = problem.ground is not None and half_space.more_compressible is not None
+    extrapolated = problem.ground.layered and half_space.more_compressible is not None
     settings = {
         "mesher": chosen.mesher,
         "elements": chosen.mesh.nelements,
@@ -260,26 +254,24 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
     """Return the half-space of a punch whose contact edges move: triangles below cells."""
     from ...fem.contact_meshes import COARSER_GROWTH, even_half_space, fitted_half_space
 
-    ratio, degree = problem.poisson_ratio, problem.fem.degree or DEGREE_ON_CELLS
+    ground, degree = problem.ground, problem.fem.degree or DEGREE_ON_CELLS
     halvings = LINEAR_HALVINGS if degree == 1 else (0, 0)
     cells, coarser_cells = contact_cells(problem)
     with stages("condensing"):
-        half_space = even_half_space(
-            cells, ratio, degree=degree, halvings=halvings[0], ground=problem.ground
-        )
+        half_space = even_half_space(cells, ground, degree=degree, halvings=halvings[0])
         compliance = half_space.compliance()
 
     def fitted(
         edges: tuple[float, ...],
         infinite: tuple[bool, ...],
-        scaled_ground: "Ground | None",
+        scaled_ground: "Ground",
         degree: int,
     ) -> "Compliance":
-        return fitted_half_space(edges, infinite, degree, ratio, scaled_ground).compliance()
+        return fitted_half_space(edges, infinite, degree, scaled_ground).compliance()
 
     def coarser() -> "Compliance":
         return even_half_space(
-            coarser_cells, ratio, COARSER_GROWTH, degree, halvings[1], problem.ground
+            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
         ).compliance()
 
     return Discretised(
@@ -323,7 +315,7 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
     wanted_poles = defaults.pole_orders(problem, truncation(fine.solid.mesh))
     if problem.fem.far_field == "fixed" or len(fine.poles) < min(2, len(wanted_poles)):
         poles = fine.poles
-    elif problem.ground is not None and problem.ground.rigid and len(fine.poles) < 2:
+    elif problem.ground.rigid and len(fine.poles) < 2:
         # the scene gives one pole, and above a rigid base a second one may depend on it
         poles = ()
     return HalfSpace(

@@ -2,7 +2,7 @@
 
 from ...mdr import energy
 from ...meshes.compliance import Compliance
-from ...meshes.ground.ground import Ground
+from ...meshes.ground.ground import HALF_SPACE, Ground
 from ...meshes.pressure_space import PressureSpace
 from .pipeline import AnySpaceMethod
 
@@ -17,7 +17,7 @@ class Mdr(AnySpaceMethod):
         "pressure space"
     )
 
-    def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:
+    def compliance(self, space: PressureSpace, ground: Ground = HALF_SPACE) -> Compliance:
         """Return the compliance on a space by the energy of the MDR."""
         return energy.compliance(space, ground)
 

@@ -19,7 +19,7 @@ import numpy as np
 from ...meshes.compliance import Compliance
 from ...meshes.contact_cells import fitted_space
 from ...meshes.errors import RingwearError
-from ...meshes.ground.ground import Ground
+from ...meshes.ground.ground import HALF_SPACE, Ground
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..contact.edges import covers_face
@@ -163,8 +163,8 @@ class AnySpaceMethod(ComplianceMethod):
     """A method that can compute a compliance on any pressure space."""
 
     @abstractmethod
-    def compliance(self, space: PressureSpace, ground: Ground | None = None) -> Compliance:
-        """Return the compliance on a space, including layered ground if there are layers."""
+    def compliance(self, space: PressureSpace, ground: Ground = HALF_SPACE) -> Compliance:
+        """Return the compliance of the ground on a space."""
 
     def sizes_of_flat_punches(self, problem: Problem) -> str:
         """Return which sizes of the radial mesh to leave out; empty if the scene sets none."""
@@ -184,7 +184,7 @@ class AnySpaceMethod(ComplianceMethod):
         def fitted(
             edges: tuple[float, ...],
             infinite: tuple[bool, ...],
-            scaled_ground: Ground | None,
+            scaled_ground: Ground,
             degree: int,
         ) -> Compliance:
             space = fitted_space(edges, infinite, degree)
@@ -231,7 +231,7 @@ def _solve_one(
         FullContact(problem, compliance, discretisation.safety, smallest, *floors)
         for compliance in compliances
     )
-    may_need_tension = problem.ground is not None or problem.keeps_contact
+    may_need_tension = problem.ground.layered or problem.keeps_contact
     if may_need_tension and problem.earliest:
         refuse_tension(problem, fine.compliance.space, fine.history_at)
     return _solution(method.remedy(problem), discretisation, fine, coarse)

@@ -7,6 +7,7 @@ from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.half_space import HalfSpace, pressure_space
 from ...mdr.flat_punch import flat_punch
 from ...meshes.compliance import Compliance
+from ...meshes.ground.ground import Ground
 from ...meshes.radial import Array
 from ..wear.flat_contact import press_flat
 
@@ -35,7 +36,7 @@ def condense(
     poles : number of poles of its far field
     hollow : whether the punch is hollow
     """
-    solid = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    solid = AxisymmetricElasticity(mesh, degree, Ground.half_space(poisson_ratio))
     orders = tuple(range(0, 2 * poles, 2))
     half_space = HalfSpace(solid, pressure_space(solid, ring_edges, hollow), orders)
     return half_space.compliance(), half_space.unknowns

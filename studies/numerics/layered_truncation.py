@@ -57,7 +57,7 @@ def move_outwards_on_layers(radii: tuple[float, ...], ground: Ground) -> Family:
             interfaces=interfaces,
             rigid=ground.rigid,
         ).mesh
-        solid = AxisymmetricElasticity(mesh, DEGREE, ground.poisson_ratios[0], ground=ground)
+        solid = AxisymmetricElasticity(mesh, DEGREE, ground)
         loads = tuple(range(0, 2 * LOADS, 2))
         half_space = HalfSpace(solid, pressure_space(solid, FLAT), loads).without_dependent_poles()
         errors = {

@@ -40,7 +40,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     """Compute the errors of several R, far fields and Poisson's ratios."""
     radii = (4, 5, 6, 7, 8) if options.quick else (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024)
     ratios = {0.3} if options.quick else {0.0, 0.3, 0.4999, 0.5}
-    if (ground := scene.problem.ground) is not None:
+    if (ground := scene.problem.ground).layered:
         families = [
             move_outwards_on_layers(RADII_ON_LAYERS[: 6 if options.quick else None], ground)
         ]

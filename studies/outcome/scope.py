@@ -91,7 +91,7 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "two elastic bodies: one half-space with their combined modulus; the punch is also "
             "treated as a half-space, so that the deformation of its real shape is not modelled"
         )
-    if problem.ground is not None:
+    if problem.ground.layered:
         count, base = len(problem.ground.thicknesses), "a rigid base"
         if not problem.ground.rigid:
             base = "an elastic half-space"
@@ -120,7 +120,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         **problem.contact.left_out,
         **problem.load_regime.left_out,
     }
-    if problem.ground is not None and problem.full_contact:
+    if problem.ground.layered and problem.full_contact:
         reasons |= {
             "inequality p >= 0": "on these layers a flat punch is in contact everywhere at the "
             "start; a run that would lead to tension later is refused"
@@ -172,7 +172,7 @@ def refusals(scene: Scene, methods: Methods) -> list[str]:
             "output.field_times asks for fields inside the half-space under a contact that "
             "changes, which need a history: give wear.times, and ask for a quantity over time"
         )
-    if problem.ground is not None and scene.output.depth is not None:
+    if problem.ground.layered and scene.output.depth is not None:
         # triangles under contact that moves have a mesh of their own size
         remedy = "leave it out: half_space.vtu has all of the mesh"
         if problem.full_contact:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...mdr.flat_punch import flat_punch, presses_everywhere
 from ...meshes.errors import SceneError
-from ...meshes.ground.ground import Ground
+from ...meshes.ground.ground import HALF_SPACE, Ground
 from ...meshes.radial import (
     Array,
     Indices,
@@ -75,7 +75,6 @@ class Problem:
         modelled are `merged`
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
-    poisson_ratio : of the half-space; the greatest one if there are layers
     rtol : requested relative accuracy
     march, step : march in time, and its step, which is None for the modal march
     gradient_average : "line" or "area", the average in the RMS slope (Eq. 18)
@@ -93,7 +92,7 @@ class Problem:
         determine the steady state
     shared_amplitude : `edge_amplitude` for several problems that share a discretisation
         (`studies/sizes/shared.py`); None to compute it for this problem
-    ground : layers; None for a homogeneous half-space
+    ground : layers, if there are any
     keeps_contact : whether a flat punch stays in full contact while the force falls, as
         `studies/contact/falling_force.py` predicts
     """
@@ -101,7 +100,6 @@ class Problem:
     rings: Rings
     times: Array = field(default_factory=lambda: np.empty(0))
     steady: bool = True
-    poisson_ratio: float = 0.3
     rtol: float = 1e-4
     march: str = "modal"
     step: float | None = None
@@ -117,7 +115,7 @@ class Problem:
     quantities: frozenset[str] | None = None
     loading: Loading = field(default_factory=Loading)
     shared_amplitude: EdgeAmplitude | None = None
-    ground: Ground | None = None
+    ground: Ground = HALF_SPACE
     keeps_contact: bool = False
 
     @classmethod
@@ -158,7 +156,6 @@ class Problem:
             rings=Rings(ring_edges, coefficients),
             times=np.array(wear.times) / time,
             steady=wear.steady and load.indentation is None,
-            poisson_ratio=half_space.greatest_poisson_ratio,
             rtol=accuracy.rtol,
             march=wear.march,
             step=None if wear.step is None else wear.step / time,
@@ -191,6 +188,11 @@ class Problem:
         return float(self.ring_edges[0])
 
     @property
+    def poisson_ratio(self) -> float:
+        """Poisson's ratio of the half-space; the greatest one if there are layers."""
+        return self.ground.greatest_poisson_ratio
+
+    @property
     def full_contact(self) -> bool:
         """Whether all of the face stays in contact.
 
@@ -198,8 +200,8 @@ class Problem:
         layers bend away from it, which matters in a history only. Any other may lose contact,
         unless a prediction excludes this.
         """
-        ground = self.ground if len(self.times) else None
-        keeps = ground is None or presses_everywhere(ground, self.inner_radius)
+        may_bend_away = bool(len(self.times)) and self.ground.layered
+        keeps = not may_bend_away or presses_everywhere(self.ground, self.inner_radius)
         return self.profile.flat and (self.loading.rising or self.keeps_contact) and keeps
 
     @property
@@ -416,10 +418,8 @@ class Problem:
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
         # integrals over each ring of the scene need its edges, even between rings of equal wear
         breakpoints = np.union1d(breakpoints, self.ring_edges)
-        cells = self.contact.cells_of_face
-        if self.ground is not None:
-            # fields vary over the thickness of the first layer
-            cells = max(cells, int(np.ceil(1 / self.ground.first_thickness)))
+        # on layers, fields vary over the thickness of the first one
+        cells = max(self.contact.cells_of_face, int(np.ceil(1 / self.ground.first_thickness)))
         if cells:
             even_breakpoints = np.linspace(0, 1, cells + 1)
             # omit breakpoints that would make very narrow elements, in which slopes are roundoff

@@ -156,8 +156,8 @@ class HalfSpaceSection(Section):
             below = (self.plane_strain_modulus or np.inf) * (1 - self.poisson_ratio**2)
         return [*(layer.youngs_modulus for layer in self.layers), below]
 
-    def ground(self, radius: float) -> Ground | None:
-        """Return the layers in units of the punch radius; None if there are none.
+    def ground(self, radius: float) -> Ground:
+        """Return the ground in units of the punch radius and of the modulus at the surface.
 
         Raises
         ------
@@ -165,7 +165,7 @@ class HalfSpaceSection(Section):
             if the first layer is too thin
         """
         if not self.layers:
-            return None
+            return Ground.half_space(self.poisson_ratio)
         thicknesses = [layer.thickness / radius for layer in self.layers]
         if thicknesses[0] < THINNEST_LAYER:
             raise SceneError(

@@ -187,7 +187,7 @@ class Case:
         The tolerance `rtol` determines the number of poles of the far field.
         """
         rings = self.problem.merged
-        solid = AxisymmetricElasticity(mesh, degree, self.problem.poisson_ratio)
+        solid = AxisymmetricElasticity(mesh, degree, self.problem.ground)
         poles = pole_orders(replace(self.problem, rtol=rtol), truncation(mesh))
         return HalfSpace(solid, pressure_space(solid, rings.ring_edges, rings.hollow), poles)
 

@@ -26,7 +26,6 @@ from .degrees import (
     shortest_slow_waves,
     with_affordable_field_tolerance,
 )
-from .layers import depths_of_interfaces
 from .ring_edges import (
     QUAD_GRADING,
     RADIAL_ROUNDOFF,
@@ -187,7 +186,7 @@ def quad_sizes(problem: Problem) -> QuadSizes:
     scene_sizes, fields = problem.fem, with_affordable_field_tolerance(problem, QUAD_GRADING)
     wanted = np.maximum(ring_sizes(problem, fields), fem_smallest(problem))
     truncation = TRUNCATION if scene_sizes.far_field == "boussinesq" else WIDER_TRUNCATION
-    interfaces = depths_of_interfaces(problem)
+    interfaces = tuple(problem.ground.depths.tolist())
     return {
         "sizes": np.full(len(wanted), scene_sizes.ring_size) if scene_sizes.ring_size else wanted,
         "rim_size": scene_sizes.rim_size or max(rim_size(problem, fields), fem_smallest(problem)),
@@ -197,7 +196,7 @@ def quad_sizes(problem: Problem) -> QuadSizes:
         "edge_amplitude": fields.edge_amplitude,
         "lacking_degrees": max(wanted_quad_degree(problem) - quad_degree(problem), 0),
         "interfaces": interfaces,
-        "rigid": problem.ground is not None and problem.ground.rigid,
+        "rigid": problem.ground.rigid,
         "under_face": largest_under_face(problem),
     }
 
@@ -214,9 +213,7 @@ def largest_under_face(problem: Problem) -> Array:
     modes are their longest ones. Shown by
     physics/test_thin_layers.py::test_slowest_modes_of_thin_layers.
     """
-    waves = np.zeros(len(problem.merged.widths))
-    if problem.ground is not None:
-        waves = shortest_slow_waves(problem)
+    waves = shortest_slow_waves(problem)
     with np.errstate(divide="ignore"):
         return np.asarray(PHASE_PER_DEGREE * quad_degree(problem) / waves)
 

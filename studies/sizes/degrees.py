@@ -137,15 +137,10 @@ def relaxation_times_by_ring(problem: Problem, least_count: int) -> list[Array]:
     rings, ground = problem.merged, problem.ground
     times = []
     for width, wear in zip(rings.widths, rings.ends.mean(axis=0), strict=True):
-        count = least_count
-        if ground is not None:
-            greatest = GREATEST_WAVE_NUMBER / ground.first_thickness
-            count = max(count, int(greatest * width / np.pi))
+        greatest = GREATEST_WAVE_NUMBER / ground.first_thickness
+        count = max(least_count, int(greatest * width / np.pi))
         numbers = np.arange(1, count + 1)
-        of_ring = width / wear / numbers
-        if ground is not None:
-            of_ring = of_ring * relative_compliance(ground, np.pi * numbers / width)
-        times.append(of_ring)
+        times.append(width / wear / numbers * relative_compliance(ground, np.pi * numbers / width))
     return times
 
 

@@ -56,7 +56,7 @@ def half_space_mesh(problem: Problem) -> ChosenMesh:
         return _mesh_with(problem, problem.fem.chosen_mesher)
     except MeshError as error:
         # bisection cannot mesh interfaces of layers
-        if problem.fem.chosen_mesher == "bisection" or problem.ground is not None:
+        if problem.fem.chosen_mesher == "bisection" or problem.ground.layered:
             raise
         note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
     return replace(_mesh_with(problem, "bisection"), notes=(note,))

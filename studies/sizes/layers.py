@@ -20,23 +20,14 @@ MIN_MESHED_THICKNESS = 0.01
 NEARLY_HALF, FINEST_RTOL_NEARLY_HALF = 0.4999, 1e-5
 
 
-def narrowed_for_layers(space: PressureSpace, ground: Ground | None) -> PressureSpace:
+def narrowed_for_layers(space: PressureSpace, ground: Ground) -> PressureSpace:
     """Return the space, refined where elements are too wide for the first layer."""
-    if ground is None:
-        return space
     return space.no_wider(MAX_WIDTH_PER_LAYER_THICKNESS * ground.first_thickness)
-
-
-def depths_of_interfaces(problem: Problem) -> tuple[float, ...]:
-    """Return the depths of the interfaces between layers, in punch radii; empty without layers."""
-    return () if problem.ground is None else tuple(problem.ground.depths.tolist())
 
 
 def layers_beyond_meshes(problem: Problem) -> Refusal | None:
     """Return why finite elements cannot solve the layers on any mesh; None if they can."""
     ground = problem.ground
-    if ground is None:
-        return None
     for number, thickness in enumerate(ground.thicknesses):
         if thickness < MIN_MESHED_THICKNESS:
             return Refusal(
@@ -44,13 +35,14 @@ def layers_beyond_meshes(problem: Problem) -> Refusal | None:
                 f"than {MIN_MESHED_THICKNESS:g} a cannot be meshed",
                 "leave fem out of methods",
             )
-    if ground.greatest_poisson_ratio > NEARLY_HALF and not problem.full_contact:
+    locks = ground.layered and ground.greatest_poisson_ratio > NEARLY_HALF
+    if locks and not problem.full_contact:
         return Refusal(
             f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem "
             "under flat punches only, because triangles lock",
             "leave fem out of methods, or use mdr and bem",
         )
-    if problem.rtol < FINEST_RTOL_NEARLY_HALF and ground.greatest_poisson_ratio > NEARLY_HALF:
+    if locks and problem.rtol < FINEST_RTOL_NEARLY_HALF:
         return Refusal(
             f"half_space.layers with a Poisson's ratio above {NEARLY_HALF:g} are solved by fem to "
             f"accuracy.rtol = {FINEST_RTOL_NEARLY_HALF:g} at best",
@@ -61,7 +53,7 @@ def layers_beyond_meshes(problem: Problem) -> Refusal | None:
 
 def why_layers_are_not_meshed(problem: Problem) -> str:
     """Return why finite elements cannot mesh the layers, with the remedy; empty if they can."""
-    if problem.ground is not None and problem.fem.chosen_mesher != "quads":
+    if problem.ground.layered and problem.fem.chosen_mesher != "quads":
         return (
             "half_space.layers are meshed in quadrilaterals only: leave out accuracy.fem.mesher, "
             f"and give accuracy.fem.degree = {LAYERED} or more, or neither"

@@ -87,9 +87,7 @@ def edge_sizes(problem: Problem) -> Array:
     `ringwear study tradeoff` shows the cost of a tolerance.
     """
     rtol, edge_amplitude = problem.rtol, problem.edge_amplitude
-    widths = problem.merged.widths_at_edges
-    if problem.ground is not None:
-        widths = np.minimum(widths, problem.ground.first_thickness)
+    widths = np.minimum(problem.merged.widths_at_edges, problem.ground.first_thickness)
     at_rim = np.arange(len(widths)) == len(widths) - 1
     amplitude = np.where(at_rim, 1.0, np.minimum(1.0, edge_amplitude.worn_length_fast / widths))
     slope_share = np.where(at_rim, SLOPE_SHARE_AT_RIM, SLOPE_SHARE)

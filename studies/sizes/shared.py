@@ -52,7 +52,7 @@ def discretisation_key(problem: Problem) -> Hashable:
     It leaves out the amplitudes at ring edges, which may differ.
     """
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
-    numbers = problem.poisson_ratio, problem.ground, problem.rtol, problem.gradient_average
+    numbers = problem.ground, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.contact
     rings = problem.merged
     edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow

@@ -168,7 +168,7 @@ def refuse_what_does_not_fit(name: str, scene: Scene, options: Options) -> None:
             "punch.wear_coefficients instead of punch.wear_coefficient along the radius; the "
             f"studies {_studies_with('radial_wear')} accept it"
         )
-    if problem.ground is not None and not listed.layered:
+    if problem.ground.layered and not listed.layered:
         accepting = " and ".join(name for name, study in STUDIES.items() if study.layered)
         raise SceneError(
             f"study {name} accepts only a homogeneous half-space: leave out half_space.layers; "

@@ -150,7 +150,7 @@ class Ways:
         computed = {"pressure", group_problem.load_regime.response} - {"normal_force"}
         solvable = (
             TOLERANCES[group_problem.contact].with_full_contact_methods
-            and group_problem.ground is None
+            and not group_problem.ground.layered
         )
         if not solvable or not any(map(group_problem.wants, computed)):
             return {}

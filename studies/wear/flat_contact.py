@@ -125,13 +125,13 @@ def flat_start(
     return FlatStart(series @ coefficients, projected @ coefficients, depth, space.inner_radius)
 
 
-def _start_series(inner_radius: float, count: int, ground: Ground | None) -> tuple[Array, Array]:
+def _start_series(inner_radius: float, count: int, ground: Ground) -> tuple[Array, Array]:
     """Return the functions of the flat start, as coefficients (J, count), and forces (count,).
 
     Each column is a function. The first one is the pressure of the flat punch itself.
     """
     if not inner_radius:
-        punch = (1.0,) if ground is None else flat_series(ground)
+        punch = flat_series(ground)
         series = np.eye(max(count, len(punch)))[:, :count]
         series[: len(punch), 0] = punch
         return series, 2 * np.pi * series[0]

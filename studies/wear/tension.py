@@ -39,7 +39,7 @@ def refuse_tension(
     allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
     if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:
         time = float(problem.times[later][lost_contact[0]]) * problem.units.time
-        if problem.ground is None:
+        if not problem.ground.layered:
             raise SolverError(
                 f"the pressure becomes negative by t = {time:.3g}, while the force falls, although "
                 "a small solution predicted full contact: end wear.times before that"

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...mdr.energy import compliance
 from ...meshes.compliance import Compliance
-from ...meshes.ground.ground import Ground
+from ...meshes.ground.ground import HALF_SPACE, Ground
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array, graded_breakpoints
 from ..problem.problem import Problem, Rings
@@ -20,7 +20,7 @@ from ..problem.sections import RUNNING_IN
 from .modes import BandedCholesky, slowest_times
 
 # a function that returns the compliance of the half-space on a pressure space
-HalfSpaceOn = Callable[[PressureSpace, Ground | None], Compliance]
+HalfSpaceOn = Callable[[PressureSpace, Ground], Compliance]
 # greatest number of rings; with more, the prediction would take longer than many runs do
 MOST_RINGS = 64
 # (polynomial degree, element size at the rim in punch radii, ratio of neighbouring element sizes):
@@ -93,7 +93,7 @@ def slowest_relaxation_times(
     fixed: bool,
     sizes: tuple[int, float, float] = COARSE,
     half_space: HalfSpaceOn = compliance,
-    ground: Ground | None = None,
+    ground: Ground = HALF_SPACE,
 ) -> Array:
     """Return the slowest relaxation times (m,), non-dimensional, to a few digits.
 
@@ -111,7 +111,7 @@ def slowest_relaxation_times(
     half_space : callable
         Returns the compliance on a pressure space.
     ground : Ground, optional
-        Layers, if there are any.
+        Layers.
     """
     if len(rings.widths) > MOST_RINGS:
         return np.empty(0)
@@ -126,7 +126,7 @@ def _slowest_times(
     fixed: bool,
     sizes: tuple[int, float, float],
     half_space: HalfSpaceOn,
-    ground: Ground | None,
+    ground: Ground,
 ) -> Array:
     degree, rim_size, grading = sizes
     rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
@@ -136,9 +136,7 @@ def _slowest_times(
     in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
     space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
     widest = rings.widths[space.ring] / ELEMENTS_PER_RING
-    if ground is not None:
-        widest = np.minimum(widest, ground.first_thickness)
-    space = space.no_wider(widest)
+    space = space.no_wider(np.minimum(widest, ground.first_thickness))
     to_pressure = space.joined(rings.wear_coefficients)
     mass = BandedCholesky(to_pressure.T @ space.mass(rings.wear_coefficients) @ to_pressure)
     factor = mass.forward(to_pressure.T @ half_space(space, ground).factor.T)

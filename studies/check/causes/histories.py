@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ....meshes.ground.ground import HALF_SPACE
 from ....meshes.radial import Array
 from ...problem.face import Rings
 from ...problem.problem import Problem
@@ -166,7 +167,7 @@ class Histories:
             rings = swapped(rings)
             problem = replace(problem, rings=rings)
         if setting.ground == "homogeneous":
-            problem = replace(problem, ground=None)
+            problem = replace(problem, ground=HALF_SPACE)
         if setting.ground in ("ours", "homogeneous"):
             results, _ = self.solution if problem is self.problem else self.solve(problem)
             return _printed(results, problem)

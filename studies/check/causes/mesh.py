@@ -45,9 +45,8 @@ class TruncatedHalfSpace(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        if model.problem.ground is not None:
-            return False
-        return model.flat or (model.pressed_by_force and not model.at_indentation)
+        recognisable = model.flat or (model.pressed_by_force and not model.at_indentation)
+        return recognisable and not model.problem.ground.layered
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""

@@ -139,7 +139,7 @@ class PoissonsRatio(Stiffness):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return model.problem.ground is None and abs(model.problem.poisson_ratio) > 0.1
+        return not model.problem.ground.layered and abs(model.problem.poisson_ratio) > 0.1
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""
@@ -165,7 +165,7 @@ class Diameter(Cause):
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
         # not on layers: their thickness over the radius would change, too
-        return model.problem.ground is None
+        return not model.problem.ground.layered
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""
@@ -219,7 +219,7 @@ class PlaneStrain(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return model.flat and model.pressed_by_force and model.problem.ground is None
+        return model.flat and model.pressed_by_force and not model.problem.ground.layered
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""
@@ -256,12 +256,11 @@ class NoLayers(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        return model.flat and model.problem.ground is not None
+        return model.flat and model.problem.ground.layered
 
     def candidates(self, model: Model) -> list[Sizes]:
         """Return the sizes to try or to begin a search at."""
         ground = model.problem.ground
-        assert ground is not None  # because `applies` holds
         # plane strain moduli, which are divided by that of the first layer below
         moduli = [
             2 * shear / (1 - ratio)
@@ -293,7 +292,7 @@ class Layer(Cause):
 
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
-        homogeneous = model.problem.ground is None and model.problem.poisson_ratio < 0.5
+        homogeneous = not model.problem.ground.layered and model.problem.poisson_ratio < 0.5
         return model.flat and model.pressed_by_force and homogeneous
 
     def candidates(self, model: Model) -> list[Sizes]:

@@ -15,6 +15,7 @@ from ringwear.fem.condensation import trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.meshes.by_gmsh import quads
+from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.half_space import contact_facets
 
 SOLVERS = ["superlu"] + ["cholmod"] * bool(importlib.util.find_spec("kvxopt"))
@@ -39,7 +40,7 @@ def half_space(solid, poisson_ratio=0.3, poles=(0, 2, 4)):
         mesh = quads.graded(EDGES, size, size / 10, 0.25, 0.8, 5.0).mesh
     else:
         mesh = bisection.mesh(SizeField(tuple(EDGES), 1e-4, 1e-2, 0.7, 5.0))
-    elastic = AxisymmetricElasticity(mesh, degree, poisson_ratio)
+    elastic = AxisymmetricElasticity(mesh, degree, Ground.half_space(poisson_ratio))
     return HalfSpace(elastic, pressure_space(elastic, EDGES), poles)
 
 

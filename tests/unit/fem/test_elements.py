@@ -12,6 +12,7 @@ from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.fem.weak_form import tables
 from ringwear.meshes.by_gmsh import quads
+from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.half_space import as_half_space
 
 FLAT = np.array([0.0, 1.0])
@@ -86,7 +87,7 @@ def test_flat_punch_by_elements(element, degree):
     """The indentation is F / (2 a E*) = 1/2; ten linear facets have an error of about h^2."""
     assert degree_along_side(element) == degree
     mesh = mesh_for(element)
-    solid = AxisymmetricElasticity(mesh, degree, 0.3, own_element=element)
+    solid = AxisymmetricElasticity(mesh, degree, Ground.half_space(0.3), own_element=element)
     poles = enough_poles(float(mesh.p[0].max()), 1e-9)
     half_space = HalfSpace(solid, pressure_space(solid, FLAT), poles)
     error = press_flat(half_space.compliance()).indentation / 0.5 - 1
@@ -120,8 +121,12 @@ def test_unsuitable_elements_are_refused_in_one_line(element, reason):
 
 def test_an_element_has_to_fit_mesh_and_degree():
     with pytest.raises(SceneError, match="use ElementTriP1 to"):
-        AxisymmetricElasticity(TRIANGLES, 2, 0.3, own_element=skfem.ElementQuad2())
+        AxisymmetricElasticity(
+            TRIANGLES, 2, Ground.half_space(0.3), own_element=skfem.ElementQuad2()
+        )
     with pytest.raises(SceneError, match="give degree = 2"):
-        AxisymmetricElasticity(TRIANGLES, 3, 0.3, own_element=skfem.ElementTriP2())
+        AxisymmetricElasticity(
+            TRIANGLES, 3, Ground.half_space(0.3), own_element=skfem.ElementTriP2()
+        )
     with pytest.raises(SceneError, match="1 to 4 on triangles"):
-        _ = AxisymmetricElasticity(TRIANGLES, 5, 0.3).dofs
+        _ = AxisymmetricElasticity(TRIANGLES, 5, Ground.half_space(0.3)).dofs

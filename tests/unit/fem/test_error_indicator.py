@@ -11,6 +11,7 @@ from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.error_indicator import fewest_with_share, squared_indicators
 from ringwear.fem.half_space import pressure_space
 from ringwear.fem.weak_form import moduli
+from ringwear.meshes.ground.ground import Ground
 
 EDGES = np.array([0.0, 0.5, 1.0])
 RATIO = 0.3
@@ -20,7 +21,7 @@ LAME, SHEAR = moduli(RATIO)
 @pytest.fixture(params=[2, 3, 4])
 def solid(request):
     mesh = bisection.mesh(SizeField(tuple(EDGES), 0.1, 0.1, 0.5, 3.0))
-    return AxisymmetricElasticity(mesh, request.param, RATIO)
+    return AxisymmetricElasticity(mesh, request.param, Ground.half_space(RATIO))
 
 
 def places(solid):
@@ -73,7 +74,7 @@ def test_a_residual_inside_is_indicated_with_its_weight(solid):
 
 
 def test_quadrilaterals_are_refused():
-    solid = AxisymmetricElasticity(MeshQuad(), 4, RATIO)
+    solid = AxisymmetricElasticity(MeshQuad(), 4, Ground.half_space(RATIO))
     space = PressureSpace(EDGES, np.ones(2, dtype=int), EDGES)
     with pytest.raises(MeshError, match="triangles"):
         squared_indicators(solid, np.zeros((1, 25, 2)), space, np.zeros((1, space.size)))

@@ -12,6 +12,7 @@ from ringwear import PressureSpace, SizeField, SolverError, bisection, energy
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.far_field import enough_poles
 from ringwear.fem.half_space import HalfSpace, contact_breakpoints, pressure_space
+from ringwear.meshes.ground.ground import Ground
 from ringwear.meshes.half_space import as_half_space
 
 EDGES = np.array([0.0, 0.3, 0.7, 1.0])
@@ -36,7 +37,7 @@ def half_space(degree, pressures, broken_at, halvings=0):
     breakpoints, below = contact_breakpoints(mesh, EDGES)
     breaks = {"nowhere": EDGES[[0, -1]], "rings": EDGES, "everywhere": breakpoints}[broken_at]
     space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, pressures), breaks, below)
-    solid = AxisymmetricElasticity(mesh, degree, 0.3)
+    solid = AxisymmetricElasticity(mesh, degree, Ground.half_space(0.3))
     return HalfSpace(solid, space, enough_poles(4.0, 1e-9))
 
 
@@ -79,7 +80,7 @@ def test_the_stability_of_checkerboards_falls_as_the_square_of_the_size(degree):
 @pytest.mark.parametrize("halvings", [0, 1, 2])
 def test_linear_pressures_beneath_linear_displacements_are_stable(halvings):
     """Pressures are discontinuous at ring edges, where two facets share one linear pressure."""
-    solid = AxisymmetricElasticity(meshed(halvings), 1, 0.3)
+    solid = AxisymmetricElasticity(meshed(halvings), 1, Ground.half_space(0.3))
     space = pressure_space(solid, EDGES)
     assert np.isin(EDGES, space.breakpoints).all()
     whole = HalfSpace(solid, space, enough_poles(4.0, 1e-9))

@@ -89,7 +89,7 @@ def edges_in_time(history, space):
 )
 def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
     rings, times = FACES[name][0], np.array([0.0, *np.geomspace(1e-2, 1e3, 11), 1e4])
-    half_space = even_half_space(cells(rings), 0.3).compliance()
+    half_space = even_half_space(cells(rings)).compliance()
     space = half_space.space
     history, by_elements = (
         march_on(compliance, FACES[name]).adaptive(times, 2e-5).history
@@ -164,7 +164,7 @@ def test_a_part_of_the_contact_opens_and_closes_again():
     """When the hard recessed disc comes into contact, the inner part of its ring loses contact."""
     rings = Rings(np.array([0.0, 0.73, 1.0]), np.array([0.081, 1.0]))
     times, lifted = np.array([2.6, 2.7604, 2.9, 3.5]), []
-    for compliance in (theory(rings), even_half_space(cells(rings), 0.3).compliance()):
+    for compliance in (theory(rings), even_half_space(cells(rings)).compliance()):
         march = march_on(compliance, face(rings, [0.29, 0.0]), Load(None, 0.3))
         history = march.adaptive(times, 5e-6).history
         first, *later = edges_in_time(history, compliance.space)

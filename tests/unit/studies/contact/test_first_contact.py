@@ -165,7 +165,7 @@ def test_refinement_reaches_the_sizes_of_any_cells():
         }
     )
     _, cells = first_contact(scene.problem)
-    mesh = even_half_space(cells, 0.3).solid.mesh
+    mesh = even_half_space(cells).solid.mesh
     radii = contact_radii(mesh)
     assert all(np.abs(radii - edge).min() < 1e-12 for edge in cells.ring_edges)
     # facets are as small as the cells, except that the size varies over a triangle

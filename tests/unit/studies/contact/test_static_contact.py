@@ -19,6 +19,7 @@ from ringwear import (
 )
 from ringwear.fem.contact_meshes import fitted_half_space
 from ringwear.meshes.contact_cells import fitted_space
+from ringwear.meshes.ground.ground import HALF_SPACE
 from ringwear.studies.contact.fitted_press import fit_press, fit_presses
 from ringwear.studies.wear.unilateral import MOST_CHANGES, Contact, Interval
 
@@ -31,7 +32,7 @@ ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 @cache
 def compliance_on(method, degree, edges, infinite, _):
     if method == "fem":
-        return fitted_half_space(edges, infinite, degree, 0.3).compliance()
+        return fitted_half_space(edges, infinite, degree, HALF_SPACE).compliance()
     make = energy.compliance if method == "mdr" else ring_kernel.compliance
     return make(fitted_space(edges, infinite, degree))
 
@@ -155,7 +156,7 @@ def press_on(compliance, profile, force):
 
 
 def test_a_pressed_sphere_by_finite_elements_agrees_with_mdr():
-    by_elements = even_half_space(ContactCells((0.0, 1.0), 1 / 100, 1e-3), 0.3).compliance()
+    by_elements = even_half_space(ContactCells((0.0, 1.0), 1 / 100, 1e-3)).compliance()
     by_theory = energy.compliance(by_elements.space)
     first, second = (press_on(compliance, SPHERE, 0.2) for compliance in (by_elements, by_theory))
     assert first.indentation == pytest.approx(second.indentation, rel=2e-6)
