@@ -179,7 +179,7 @@ class Reported:
     @cached_property
     def steady_pressures(self) -> Array:
         """(N,) steady pressures of the rings that are modelled, under the force 1 (Eq. 24)."""
-        return np.asarray(self.steady_wear_rate / self.problem.merged.wear_coefficients)
+        return np.asarray(self.steady_wear_rate / self.problem.merged.wear_coefficients[0])
 
     def steady_displacement(self, radii: Array) -> Array:
         """Return the steady displacement at radii, in closed form (Eq. 21)."""

@@ -76,11 +76,11 @@ That rate without units by what runs are built of. It is the same on every ring:
 >>> import numpy as np
 >>> from ringwear import PressureSpace, RunningIn, Scene, direct, energy
 >>> rings = Scene.load("five_rings").problem.merged
->>> float(rings.wear_coefficients[0] * direct.steady_pressures(*rings)[0])  # doctest: +ELLIPSIS
+>>> edges, (coefficients, _) = rings  # the coefficients are constant on each ring
+>>> float((coefficients * direct.steady_pressures(edges, coefficients))[0])  # doctest: +ELLIPSIS
 0.0497359...
->>> edges = rings.ring_edges
 >>> space = PressureSpace(edges, np.full(len(rings.widths), 8), edges)
->>> wear = RunningIn(energy.compliance(space), rings.wear_coefficients)
+>>> wear = RunningIn(energy.compliance(space), coefficients)
 >>> float(wear.steady.wear_rate)  # doctest: +ELLIPSIS
 0.0497359...
 

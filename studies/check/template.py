@@ -95,7 +95,7 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
             f"{write(wear[: 1 + (wear[0] != wear[1])], 'wear_coefficient')}"
             for ends, wear in zip(
                 pairwise(rings.ring_edges * problem.units.length),
-                rings.ends.T * problem.units.wear_coefficient,
+                rings.wear_coefficients.T * problem.units.wear_coefficient,
                 strict=True,
             )
         ),

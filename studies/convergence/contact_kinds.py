@@ -127,7 +127,7 @@ class FlatPunch(ContactKind):
             rings = problem.merged
             slope = direct.rms_slope(
                 rings.ring_edges,
-                direct.steady_pressures(*rings),
+                direct.steady_pressures(rings.ring_edges, rings.wear_coefficients[0]),
                 problem.gradient_average,
                 problem.inner_radius,
             )

@@ -130,7 +130,7 @@ def mdr_on_rings(problem: Problem) -> Family:
     """
     edges, hollow = problem.merged.ring_edges, problem.merged.hollow
     exact = ring_quantities(problem, discretise_by_mdr(edges, RING_EDGE_SIZE, 10, 0.15, hollow)[0])
-    steady = direct.steady_pressures(*problem.merged)
+    steady = direct.steady_pressures(edges, problem.merged.wear_coefficients[0])
     exact["RMS gradient"] = direct.rms_slope(edges, steady, inner_radius=problem.inner_radius)
 
     def solve(grading: float) -> Row:

@@ -69,7 +69,7 @@ def notes(model: Model, states: Sequence[State], scale: float, lowest: float) ->
     lowest : height that is added to the displacement of the punch to obtain the indentation
     """
     rings = model.scene.problem.graded or model.scene.problem.rings
-    inner, outer = rings.ends
+    inner, outer = rings.wear_coefficients
     values_by_name = {
         "times": [state.time for state in states],
         "ring edges": rings.ring_edges * model.radius,

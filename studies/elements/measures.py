@@ -23,7 +23,7 @@ from ...meshes.errors import SolverError
 from ...meshes.ground.ground import Ground
 from ...meshes.half_space import truncation
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, gauss, graded_breakpoints, ring_of
+from ...meshes.radial import Array, gauss, graded_breakpoints, ring_of, values_on_rings
 from ..crosscheck.operators import least_ratio_of_energies
 from ..problem.problem import Rings
 from ..tables import Row
@@ -226,7 +226,9 @@ def wear_errors(
         if the pressures of the basis are linearly dependent
     """
     middles = (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
-    mass = space.mass(rings.wear_coefficients[ring_of(rings.ring_edges, middles)])
+    ring = ring_of(rings.ring_edges, middles)
+    ends = space.breakpoints[:-1], space.breakpoints[1:]
+    mass = space.mass(np.stack([values_on_rings(*rings, radii, ring) for radii in ends]))
     try:
         root = np.linalg.cholesky((basis.T @ mass @ basis).toarray())
     except LinAlgError as error:
@@ -258,7 +260,7 @@ def _pressure_error(
     half = np.diff(cuts)[:, None] / 2
     radii = (cuts[:-1, None] + half * (1 + node)).ravel()
     weights = 2 * np.pi * radii * (half * weight).ravel()
-    weights *= rings.wear_coefficients[ring_of(rings.ring_edges, radii)]
+    weights *= rings.at(radii)
     values = space.matrix(radii) @ np.transpose(pressures)
     exact_values = exact.space.matrix(radii) @ exact.pressure.T
     squares = weights @ (values - exact_values) ** 2 / (weights @ exact_values**2)

@@ -145,7 +145,7 @@ def pressure_spaces(displacement: Displacement, rings: Rings) -> list[Pressures]
     degrees = [lower for lower in (degree - 1, degree, degree - 2) if lower >= 1]
     kinds: tuple[Kind, ...] = ("continuous", "broken everywhere")
     continuous_rate = list[Pressures]()
-    if len(rings.wear_coefficients) > 1:
+    if len(rings.widths) > 1:
         kinds = ("continuous", "broken at ring edges", "broken everywhere")
         continuous_rate = [Pressures("wear rate continuous", max(degree - 1, 1))]
     spaces = [Pressures(kind, lower) for kind in kinds for lower in degrees]

@@ -103,7 +103,7 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
     study = Study("elements", scene, table, orders=orders, conclusions=tuple(record.conclusions))
     if compared.empty:
         return study
-    choice = choose(compared, orders, several_rings=len(problem.merged.wear_coefficients) > 1)
+    choice = choose(compared, orders, several_rings=len(problem.merged.widths) > 1)
     return replace(
         study,
         conclusions=(*conclude(choice, compared), *bench.notes, *record.conclusions),

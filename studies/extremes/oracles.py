@@ -90,7 +90,7 @@ def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Itera
             )
     if problem.load_regime is not ONE_FORCE:
         return
-    wear = problem.rings.ends.mean(axis=0)[-len(problem.rings.widths) :]
+    wear = problem.wear_coefficients
     for name, balance, factors, sums in (
         ("ring_force", "ring forces add up to F", np.ones(len(wear)), np.ones(len(times))),
         ("ring_worn_volume", "Archard's balance of worn volumes", 1 / wear, times),

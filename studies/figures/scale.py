@@ -192,7 +192,8 @@ class Scale:
             if self.many_rings:
                 look |= {"marker": "", "linewidth": 0.5 * look["linewidth"]}
             self.plot(axes, name, "radius", radii[finite], curve[finite], **look)
-        shade_rings(axes, *self.problem.rings, self.shown("radius", self.problem.units.length))
+        radius = self.shown("radius", self.problem.units.length)
+        shade_rings(axes, self.problem.ring_edges, self.problem.wear_coefficients, radius)
 
     def first_radius(self, last: float) -> float:
         """Return the start of an axis of the radius that ends at `last`, in units of the scene."""

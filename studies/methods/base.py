@@ -192,6 +192,8 @@ class Method(ABC):
         names
     refused : regimes of problems that it cannot solve, each with the reason and the remedy; if
         None, it solves only flat punches under a force
+    linear_wear : the reason and the remedy if it needs wear coefficients that are constant on each
+        ring; None if they may vary along the radius
     knows_layers : whether it solves problems on layered ground
     """
 
@@ -199,6 +201,7 @@ class Method(ABC):
     what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
     refused: ClassVar[Mapping[Regime, Refusal] | None] = None
+    linear_wear: ClassVar[Refusal | None] = None
     knows_layers: ClassVar[bool] = False
 
     @abstractmethod
@@ -233,6 +236,8 @@ class Method(ABC):
         """
         if problem.ground.layered and not self.knows_layers:
             return Refusal(f"{self.name} does not solve half_space.layers")
+        if self.linear_wear and problem.merged.linear:
+            return self.linear_wear
         refused = flat_punches_only(self.name) if self.refused is None else self.refused
         return next((refused[regime] for regime in problem.regimes if regime in refused), None)
 

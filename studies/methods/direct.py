@@ -10,7 +10,7 @@ from ...meshes.radial import Array, ring_of
 from ..problem.face import Face
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, STEADY
-from ..problem.regimes import FIXED_INDENTATIONS, WEAR_ALONG_RADIUS, Refusal, Regime
+from ..problem.regimes import FIXED_INDENTATIONS, Refusal, Regime
 from ..progress import Stages
 from ..sampling.answers import steady_answers
 from ..sampling.norms import Results
@@ -24,20 +24,18 @@ class Direct(Method):
     knows_layers = True
     what = "the steady state by direct integration, in closed form"
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration gives the steady state only"}
-    refused: ClassVar[Mapping[Regime, Refusal]] = {
-        WEAR_ALONG_RADIUS: Refusal(
-            "direct integration needs pressures that are constant on each ring, and with "
-            "punch.wear_coefficient along the radius they are not",
-            "leave direct out of methods, or give steps, or many rings",
+    refused: ClassVar[Mapping[Regime, Refusal]] = dict.fromkeys(
+        FIXED_INDENTATIONS,
+        Refusal(
+            "direct gives the steady state only, and with load.indentation nothing presses in "
+            "the end"
         ),
-        **dict.fromkeys(
-            FIXED_INDENTATIONS,
-            Refusal(
-                "direct gives the steady state only, and with load.indentation nothing presses in "
-                "the end"
-            ),
-        ),
-    }
+    )
+    linear_wear = Refusal(
+        "direct integration needs pressures that are constant on each ring, and with "
+        "punch.wear_coefficient along the radius they are not",
+        "leave direct out of methods, or give steps, or many rings",
+    )
 
     def beyond(self, problem: Problem) -> Refusal | None:
         """Return why problems of this kind are beyond the method; None if it can solve them.
@@ -58,12 +56,13 @@ class Direct(Method):
     def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the steady states of several problems on the same ring edges, in closed form."""
         ring_edges, ground = problems[0].merged.ring_edges, problems[0].ground
+        coefficients = [problem.merged.wear_coefficients[0] for problem in problems]
         slopes = max_displacements = np.full(len(problems), np.nan)
         wanted = {name for name in STEADY for problem in problems if problem.wants(name)}
         with stages("integrating"):
             pressures = [
-                problem.loading.forces[-1] * direct.steady_pressures(*problem.merged)
-                for problem in problems
+                problem.loading.forces[-1] * direct.steady_pressures(ring_edges, wear)
+                for problem, wear in zip(problems, coefficients, strict=True)
             ]
             columns = np.stack(pressures, axis=1)
             if "steady_rms_slope" in wanted:
@@ -79,7 +78,7 @@ class Direct(Method):
 
 def _solution(problem: Problem, pressures: Array, greatest: float, slope: float) -> Solution:
     """Return the steady state for ring pressures (N,); NaN marks values that are not wanted."""
-    ring_edges, wear_coefficients = problem.merged
+    ring_edges, (wear_coefficients, _) = problem.merged
     force, speed = problem.loading.forces[-1], problem.loading.speeds[-1]
 
     def sample(grid: Problem | Face) -> Results:

@@ -9,7 +9,6 @@ difference by a factor.
 from abc import ABC, abstractmethod
 from collections.abc import Set
 from functools import cached_property
-from math import prod
 from typing import ClassVar
 
 import numpy as np
@@ -190,7 +189,7 @@ class FullContact(Evaluation):
     ) -> None:
         super().__init__(problem, compliance)
         self._slope_roundoff, self._least_error = slope_roundoff, least_error
-        wear_factor = prod(map(error_factor, problem.wear_regime.error_factors))
+        wear_factor = error_factor("wear along the radius") if problem.merged.linear else 1.0
         self.safety, self.smallest, self._wear_factor = wear_factor * safety, smallest, wear_factor
         wear_coefficients = problem.merged.wear_coefficients
         self.wear: RunningIn = RunningIn(

@@ -15,13 +15,7 @@ from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..problem.quantities import GROUPS
-from ..problem.regimes import (
-    FALLING_FORCE,
-    VARYING_FORCE,
-    WEAR_ALONG_RADIUS,
-    Refusal,
-    Regime,
-)
+from ..problem.regimes import FALLING_FORCE, VARYING_FORCE, Refusal, Regime
 from ..progress import Stages
 from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
@@ -42,11 +36,6 @@ class MdrGrid(Method):
         "steady state": "the paper's algorithm marches towards it, but never reaches it"
     }
     refused: ClassVar[Mapping[Regime, Refusal]] = {
-        WEAR_ALONG_RADIUS: Refusal(
-            "mdr-grid needs wear that is constant on each ring",
-            "leave it out of methods, or give steps or many rings in place of "
-            "punch.wear_coefficient along the radius",
-        ),
         **dict.fromkeys(
             (VARYING_FORCE, FALLING_FORCE),
             Refusal(
@@ -57,6 +46,11 @@ class MdrGrid(Method):
         ),
         **flat_punches_only("mdr-grid"),
     }
+    linear_wear = Refusal(
+        "mdr-grid needs wear that is constant on each ring",
+        "leave it out of methods, or give steps or many rings in place of "
+        "punch.wear_coefficient along the radius",
+    )
 
     def beyond(self, problem: Problem) -> Refusal | None:
         """Return why problems of this kind are beyond the method; None if it can solve them.
@@ -146,16 +140,22 @@ class MdrGrid(Method):
         )
 
     def _step(self, problem: Problem) -> float:
-        return grid_step(problem, UniformGrid(*problem.merged, problem.mdr.grid).stability_limit())
+        return grid_step(problem, _grid(problem, problem.mdr.grid).stability_limit())
+
+
+def _grid(problem: Problem, count: int) -> UniformGrid:
+    """Return the grid of `count` springs for the rings of a problem, which wear evenly."""
+    ring_edges, (wear_coefficients, _) = problem.merged
+    return UniformGrid(ring_edges, wear_coefficients, count)
 
 
 def _march(problem: Problem, count: int, step: float) -> tuple[Sampler, History]:
     """Return the history on a grid, linear between its points, and a sampler for it."""
-    grid = UniformGrid(*problem.merged, count)
+    grid = _grid(problem, count)
     space = PressureSpace(grid.radii, np.ones(count, dtype=np.int64), np.array([0.0, 1.0]))
     pressure, profile, indentation = grid.march(problem.times, step)
     # k p of the steady state, which is the same on every ring
-    rates = problem.merged.wear_coefficients * steady_pressures(*problem.merged)
+    rates = grid.wear_coefficients * steady_pressures(grid.ring_edges, grid.wear_coefficients)
     even_wear = rates[0] * problem.times
     history = History.in_full_contact(
         problem.times,

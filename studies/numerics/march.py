@@ -80,7 +80,8 @@ def refine_grid(problem: Problem, springs: tuple[int, ...]) -> Family:
     """Return grids of the paper, with their stability limit relative to that for many springs."""
 
     def solve(count: int) -> Row:
-        grid = UniformGrid(*problem.merged, count)
+        ring_edges, (wear_coefficients, _) = problem.merged
+        grid = UniformGrid(ring_edges, wear_coefficients, count)
         greatest_rate = np.abs(np.linalg.eigvals(grid.rate_matrix())).max()
         return {"unknowns": count, LIMIT: float(2 / greatest_rate / grid.stability_limit() - 1)}
 

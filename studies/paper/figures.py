@@ -55,7 +55,7 @@ def draw_states(states: xarray.Dataset) -> Figure:
                 # markers of different methods are at different points
                 look = method_curve(solver, len(radii)) | {"markevery": (9 * order, 28)}
                 axes.plot(*broken_at(rings.ring_edges, radii, values), **look)
-            shade_rings(axes, *rings)
+            shade_rings(axes, rings.ring_edges, rings.wear_coefficients[0])
     for axes, label in zip(panels[:, 0], fields.values(), strict=True):
         axes.set_ylabel(label)
     panels[0, 0].invert_yaxis()
@@ -123,12 +123,14 @@ def draw_gradients(number: int, curves: xarray.Dataset) -> Figure:
     radii = np.linspace(0, 1, 600)
     for panel, (value, rings) in zip("23", punches.items(), strict=True):
         axes = panels[panel]
-        profile = direct.limiting_profile(rings.ring_edges, direct.steady_pressures(*rings), radii)
+        edges, (wear_coefficients, _) = rings
+        pressures = direct.steady_pressures(edges, wear_coefficients)
+        profile = direct.limiting_profile(edges, pressures, radii)
         axes.plot(radii, profile / D0, color="black")
-        shade_rings(axes, *rings)
+        shade_rings(axes, edges, wear_coefficients)
         axes.invert_yaxis()
         axes.set_ylabel("$f_{stat}/d_0$")
-        count, symbol = len(rings.wear_coefficients), ratio.split()[-1]
+        count, symbol = len(rings.widths), ratio.split()[-1]
         axes.set_title(f"$N$ = {count}, {symbol} = {value:g}", fontsize=9)
     legend_of(figure, [panels["0"]])
     figure.suptitle(

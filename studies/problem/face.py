@@ -33,13 +33,18 @@ class Rings(NamedTuple):
     ----------
     ring_edges : (N+1,) array
         Edges up to the rim at 1.
-    wear_coefficients : (N,) or (2, N) array
-        Wear coefficient of each ring, over the greatest one. If wear is graded, those at the inner
-        and outer edge of each ring, linear between.
+    wear_coefficients : (2, N) array
+        Wear coefficients at the inner and outer edge of each ring, over the greatest one; linear
+        between.
     """
 
     ring_edges: Array
     wear_coefficients: Array
+
+    @classmethod
+    def constant(cls, ring_edges: Array, wear_coefficients: Array) -> "Rings":
+        """Return rings with one wear coefficient each, given as (N,)."""
+        return cls(ring_edges, np.tile(wear_coefficients, (2, 1)))
 
     @classmethod
     def alternating(cls, count: int, width_ratio: float, wear_ratio: float) -> "Rings":
@@ -48,7 +53,9 @@ class Rings(NamedTuple):
         The ratios are ``h2/h1`` of the widths and ``k2/k1`` of the wear coefficients.
         """
         coefficients = np.where(np.arange(count) % 2, wear_ratio, 1.0)
-        return cls(alternating_edges(count, width_ratio), coefficients / coefficients.max())
+        return cls.constant(
+            alternating_edges(count, width_ratio), coefficients / coefficients.max()
+        )
 
     @classmethod
     def graded(cls, radii: Array, values: Array, ring_edges: Array) -> "Rings":
@@ -81,24 +88,19 @@ class Rings(NamedTuple):
                 break
         # omit what lies in the hole
         wide_enough &= radii[:-1] >= inner_edge
-        end_values = np.stack([values[:-1], values[1:]])[:, wide_enough]
         edges = np.array([inner_edge, *radii[:-1][wide_enough][1:], 1.0])
-        return cls(edges, end_values if np.ptp(end_values, axis=0).any() else end_values[0])
-
-    @property
-    def ends(self) -> Array:
-        """(2, N) wear coefficient at the inner and outer edge of each ring."""
-        return np.broadcast_to(self.wear_coefficients, (2, len(self.widths)))
+        return cls(edges, np.stack([values[:-1], values[1:]])[:, wide_enough])
 
     @property
     def linear(self) -> bool:
-        """Whether wear coefficients are linear on rings instead of constant."""
-        return self.wear_coefficients.ndim == 2
+        """Whether the wear coefficient varies on a ring."""
+        inner, outer = self.wear_coefficients
+        return bool((inner != outer).any())
 
     @property
     def hollow(self) -> bool:
         """Whether the first ring represents a hole."""
-        return bool(np.isinf(self.ends[0, 0]))
+        return bool(np.isinf(self.wear_coefficients[0, 0]))
 
     def with_hole(self) -> "Rings":
         """Return the rings from the axis on; a hole becomes the first ring."""
@@ -110,7 +112,7 @@ class Rings(NamedTuple):
     @property
     def smooth(self) -> Array:
         """(N,) whether graded wear is continuous at each edge except the centre."""
-        inner, outer = self.ends
+        inner, outer = self.wear_coefficients
         return np.append((outer[:-1] == inner[1:]) & self.linear, False)
 
     @property
@@ -120,7 +122,7 @@ class Rings(NamedTuple):
         At edges where the coefficient k is continuous, it is ``sqrt(|change of slope| * width /
         k)`` with the width of the narrower adjacent ring, and at most 1. At steps it is 1.
         """
-        inner, outer = self.ends
+        inner, outer = self.wear_coefficients
         # a hole has no slope
         slopes = np.where(np.isinf(inner), 0.0, outer - np.where(np.isinf(inner), 0.0, inner))
         slopes = np.where(np.isinf(inner), 0.0, slopes / self.widths)
@@ -136,7 +138,7 @@ class Rings(NamedTuple):
         The steady pressure is proportional to 1 / k. If k is linear, 1 / k has a pole at the
         distance ``1 / gradient`` from the end of the ring with the smaller k.
         """
-        inner, outer = self.ends
+        inner, outer = self.wear_coefficients
         in_hole = np.isinf(inner)
         rises = np.abs(np.subtract(outer, inner, out=np.zeros(inner.shape), where=~in_hole))
         gradients = rises / np.minimum(inner, outer) / self.widths
@@ -163,7 +165,7 @@ class Rings(NamedTuple):
 
         The rim has one side only.
         """
-        inner, wear = self.ends
+        inner, wear = self.wear_coefficients
         outside = np.append(inner[1:], wear[-1])
         return np.minimum(wear, outside), np.maximum(wear, outside)
 
@@ -173,10 +175,12 @@ class Rings(NamedTuple):
 
     def merged(self) -> "Rings":
         """Return rings in which neighbours of equal, constant wear coefficients are merged."""
-        if self.linear:
-            return self
-        changes = np.flatnonzero(np.diff(self.wear_coefficients) != 0) + 1
-        return Rings(self.ring_edges[[0, *changes, -1]], self.wear_coefficients[[0, *changes]])
+        inner, outer = self.wear_coefficients
+        constant = inner == outer
+        changes = ~(constant[:-1] & constant[1:]) | (outer[:-1] != inner[1:])
+        first, last = np.append(True, changes), np.append(changes, True)
+        edges = self.ring_edges[np.append(True, last)]
+        return Rings(edges, np.stack([inner[first], outer[last]]))
 
 
 @dataclass(frozen=True, eq=False)

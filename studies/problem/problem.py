@@ -31,12 +31,9 @@ from .regimes import (
     FULL_CONTACT,
     LOADS,
     MOVING_CONTACT,
-    WEAR_ALONG_RADIUS,
-    WEAR_ON_RINGS,
     ContactRegime,
     LoadRegime,
     Regime,
-    WearRegime,
 )
 from .sections import (
     AccuracySection,
@@ -153,7 +150,7 @@ class Problem:
             recess = profile.recess[ring_of(ring_edges, graded.ring_edges[:-1])]
             profile = replace(profile, ring_edges=graded.ring_edges, recess=recess)
         problem = cls(
-            rings=Rings(ring_edges, coefficients),
+            rings=Rings.constant(ring_edges, coefficients),
             times=np.array(wear.times) / time,
             steady=wear.steady and load.indentation is None,
             rtol=accuracy.rtol,
@@ -217,14 +214,9 @@ class Problem:
         return LOADS[self.indentation is not None, self.loading.varies]
 
     @property
-    def wear_regime(self) -> WearRegime:
-        """The regime of wear: coefficients constant on rings, or varying along the radius."""
-        return WEAR_ALONG_RADIUS if self.merged.linear else WEAR_ON_RINGS
-
-    @property
     def regimes(self) -> tuple[Regime, ...]:
-        """The regimes of wear, contact and load, in the order in which methods may refuse them."""
-        return self.wear_regime, self.contact, self.load_regime
+        """The regimes of contact and load, in the order in which methods may refuse them."""
+        return self.contact, self.load_regime
 
     @property
     def quantities_missing(self) -> frozenset[str]:
@@ -269,7 +261,7 @@ class Problem:
         if self.full_contact or not self.earliest:
             return ""
         # running-in takes about the slowest relaxation time, 1 / least wear coefficient
-        running_in = 1 / float(self.merged.ends[1].min())
+        running_in = 1 / float(self.merged.wear_coefficients[1].min())
         if self.time_to_wear_flat <= MOST_TIME_TO_WEAR_FLAT * max(
             float(self.distances[-1]), running_in
         ):
@@ -289,7 +281,7 @@ class Problem:
     @property
     def wear_coefficients(self) -> Array:
         """(N,) wear coefficients of these rings over the greatest; harmonic means if graded."""
-        return self.rings.wear_coefficients
+        return self.rings.wear_coefficients[0]
 
     @cached_property
     def distances(self) -> Array:

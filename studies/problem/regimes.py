@@ -1,9 +1,9 @@
-"""Define the regimes of contact, load and wear of a problem, and the data that differ with them.
+"""Define the regimes of contact and load of a problem, and the data that differ with them.
 
 Each regime is a frozen value with its texts, quantities and limits. A problem has one regime of
-each kind (`Problem.contact`, `Problem.load_regime`, `Problem.wear_regime`). Other code reads these
-data, or looks up a regime in a table, instead of testing for the kind of problem. What a method
-cannot solve is a table from regimes to reasons (`Method.refused`).
+each kind (`Problem.contact`, `Problem.load_regime`). Other code reads these data, or looks up a
+regime in a table, instead of testing for the kind of problem. What a method cannot solve is a table
+from regimes to reasons (`Method.refused`).
 """
 
 from collections.abc import Mapping
@@ -133,21 +133,7 @@ class LoadRegime:
         return TIMES_OF_RUNNING_IN - self.remaining_fractions.keys()
 
 
-@dataclass(frozen=True, eq=False)
-class WearRegime:
-    """The regime of wear: coefficients are constant on rings, or vary along the radius.
-
-    Parameters
-    ----------
-    error_factors : tuple of str
-        Names of additional factors by which error estimates of flat punches are multiplied
-        (`studies/methods/error_factors.py`).
-    """
-
-    error_factors: tuple[str, ...] = ()
-
-
-Regime = ContactRegime | LoadRegime | WearRegime
+Regime = ContactRegime | LoadRegime
 
 
 class Refusal(NamedTuple):
@@ -291,6 +277,3 @@ LOADS = {
     (True, False): FIXED_INDENTATION,
     (True, True): INDENTATION_AT_VARYING_SPEED,
 }
-
-WEAR_ON_RINGS = WearRegime()
-WEAR_ALONG_RADIUS = WearRegime(error_factors=("wear along the radius",))

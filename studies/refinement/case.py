@@ -154,8 +154,10 @@ class Case:
             mdr=MdrAccuracy(),
             gradient_average="line",
         )
-        yield cls("flat punch", replace(with_times, rings=Rings(FLAT, np.ones(1)), graded=None))
-        if len(with_times.merged.wear_coefficients) > 1 or with_times.inner_radius:
+        yield cls(
+            "flat punch", replace(with_times, rings=Rings.constant(FLAT, np.ones(1)), graded=None)
+        )
+        if len(with_times.merged.widths) > 1 or with_times.inner_radius:
             yield cls("scene", with_times)
 
     @property

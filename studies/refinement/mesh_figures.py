@@ -130,7 +130,7 @@ def _draw_mesh(axes: Axes, case: Case, level: Level) -> None:
         )
     axes.add_collection(elements)
     rings = case.problem.merged
-    wear = np.broadcast_to(rings.ends.mean(axis=0), len(rings.widths))
+    wear = rings.wear_coefficients.mean(axis=0)
     for inner, outer, ring_wear in zip(rings.ring_edges, rings.ring_edges[1:], wear, strict=False):
         if np.isfinite(ring_wear):  # a hole is not part of the punch
             shade = (

@@ -134,7 +134,7 @@ def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
         rate = np.sum(face.weights * pressure) / np.sum(face.areas)
         rings = problem.graded
         middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
-        at_ends = rate / rings.ends
+        at_ends = rate / rings.wear_coefficients
         ring = ring_of(problem.ring_edges, middles)
         for index in range(len(least)):
             least[index] = at_ends[:, ring == index].min()

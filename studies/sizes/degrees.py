@@ -136,7 +136,7 @@ def relaxation_times_by_ring(problem: Problem, least_count: int) -> list[Array]:
     """
     rings, ground = problem.merged, problem.ground
     times = []
-    for width, wear in zip(rings.widths, rings.ends.mean(axis=0), strict=True):
+    for width, wear in zip(rings.widths, rings.wear_coefficients.mean(axis=0), strict=True):
         greatest = GREATEST_WAVE_NUMBER / ground.first_thickness
         count = max(least_count, int(greatest * width / np.pi))
         numbers = np.arange(1, count + 1)

@@ -158,7 +158,7 @@ def smallest_size(problem: Problem, roundoff: float) -> float:
     size is then MAX_ROUNDOFF_SIZE. Shown by
     physics/test_promise.py::test_layers_thinner_than_the_roundoff_of_radii_are_resolved.
     """
-    slowest_rate = float(problem.merged.ends.min())
+    slowest_rate = float(problem.merged.wear_coefficients.min())
     if 0 < problem.earliest * slowest_rate < MODE_ROUNDOFF_TIME:
         return MAX_ROUNDOFF_SIZE
     return min(ROUNDOFF_MARGIN * roundoff / problem.rtol, MAX_ROUNDOFF_SIZE)
@@ -201,8 +201,7 @@ def root_of_unresolved_wear(problem: Problem, size: float, at_hole: bool = False
         ``sqrt(L / b)`` with the worn length ``L = k s`` after the sliding distance s and the width
         b of the face, or 0 if L is larger than the element.
     """
-    # if wear is graded, there are two rows: at the inner and at the outer edge of each ring
-    at_edges = np.atleast_2d(problem.rings.wear_coefficients)
+    at_edges = problem.rings.wear_coefficients
     worn_length = (at_edges[0, 0] if at_hole else at_edges[-1, -1]) * problem.distances
     share = worn_length / (1 - problem.inner_radius)
     return np.sqrt(np.where(worn_length < size, share, 0.0))

@@ -83,19 +83,31 @@ class RunningIn:
     loading: Loading = field(default_factory=Loading)
 
     @cached_property
+    def _at_edges(self) -> Array:
+        """(2, N) wear coefficients at the inner and outer edge of each ring."""
+        count = len(self.compliance.space.ring_edges) - 1
+        return np.broadcast_to(self.wear_coefficients, (2, count))
+
+    @property
+    def _linear(self) -> bool:
+        """Whether the wear coefficient varies on a ring."""
+        inner, outer = self._at_edges
+        return bool((inner != outer).any())
+
+    @cached_property
     def steady(self) -> SteadyState:
         """The steady state of wear, computed without a march; its ring forces sum to 1."""
-        space, wear_coefficients = self.compliance.space, self.wear_coefficients
+        space = self.compliance.space
         if self.indentation is not None:
             zero = np.zeros(space.size)
             return SteadyState(zero, zero, zero, 0.0)
-        if wear_coefficients.ndim == 2:
+        if self._linear:
             # 1 / k is not a polynomial: take the pressure whose product with k is nearest to a
             # constant
             pressure = self._pressures_from_rates(self._weights)
         else:
             # the hole, which is the first ring, has no pressure
-            pressure = space.ring_indicator() @ (1 / wear_coefficients[int(space.hollow) :])
+            pressure = space.ring_indicator() @ (1 / self._at_edges[0, int(space.hollow) :])
         wear_rate = float(1 / (space.weights @ pressure))
         pressure = wear_rate * pressure
         moments = self.compliance.factor.T @ (self.compliance.factor @ pressure)
@@ -155,7 +167,7 @@ class RunningIn:
         it is the continuous function of the space with these moments: k times a polynomial would
         not contain constants, and its slope would be wrong by far where k is steep.
         """
-        if self.continuous and self.wear_coefficients.ndim == 2:
+        if self.continuous and self._linear:
             coefficients = self._continuous_mass.solve(self._mass.multiply(moments.T))
         else:
             coefficients = self._mass.backward(moments.T)

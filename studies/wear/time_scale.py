@@ -115,7 +115,7 @@ def slowest_relaxation_times(
     """
     if len(rings.widths) > MOST_RINGS:
         return np.empty(0)
-    coefficients = tuple(map(tuple, rings.ends))
+    coefficients = tuple(map(tuple, rings.wear_coefficients))
     return _slowest_times(tuple(rings.ring_edges), coefficients, fixed, sizes, half_space, ground)
 
 

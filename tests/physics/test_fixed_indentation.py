@@ -40,8 +40,8 @@ def result(request):
 @cache
 def decay(problem):
     """Return singular values of an independent problem, and the initial force of each mode."""
-    rings = problem.merged
-    punch = Reference(*rings, np.full(len(rings.widths), 1e-9))
+    edges, (wear, _) = problem.merged
+    punch = Reference(edges, wear, np.full(len(wear), 1e-9))
     _, singular, shapes = np.linalg.svd(punch.triangle)
     return singular, (shapes @ punch.weights.ravel()) ** 2 / singular**2
 

@@ -175,7 +175,7 @@ def test_worn_volume_over_k_is_the_integral_of_the_force(height):
     times = np.union1d(loading.times[1:], np.linspace(0.05, 2, 9))
     history = march(half_space, loading, 1e-4, times, height)
     ring = half_space.space.ring_indicator() @ np.arange(5)
-    carried = history.profile / FIVE.wear_coefficients[ring.astype(int)]
+    carried = history.profile / FIVE.wear_coefficients[0, ring.astype(int)]
     assert carried @ half_space.space.weights == pytest.approx(loading.at(times).work, rel=1e-10)
     forces = loading.at(times).force
     assert history.pressure @ half_space.space.weights == pytest.approx(forces, rel=1e-10)

@@ -53,7 +53,9 @@ def test_rms_slopes_by_mdr_against_direct_integration():
     ratios = 10.0 ** np.linspace(-4, 4, 9)
     rings = [Rings.alternating(5, 1.0, ratio) for ratio in ratios]
     # the force is 2
-    pressures = np.stack([2 * direct.steady_pressures(*each) for each in rings], axis=1)
+    pressures = np.stack(
+        [2 * direct.steady_pressures(edges, wear) for edges, (wear, _) in rings], axis=1
+    )
     for average in ("line", "area"):
         averaged = base.changed(output__gradient_average=average)
         swept = sweep(averaged, {"punch.wear_ratio": ratios.tolist()}, ["steady_rms_slope"])

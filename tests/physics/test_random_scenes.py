@@ -12,7 +12,7 @@ FIVE = Scene.load("five_rings")
 
 def rings_of(scene):
     rings = scene.problem.merged
-    return Pieces(rings.ring_edges, rings.wear_coefficients, rings.wear_coefficients)
+    return Pieces(rings.ring_edges, *rings.wear_coefficients)
 
 
 CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))

@@ -156,16 +156,17 @@ def exact_results(problem, finer=0.01):
     Errors are about `finer` rtol. The start and the steady state are closed forms.
     """
     rings, times = problem.merged, problem.times[problem.checked]
+    edges, (wear, _) = rings
     error = finer * problem.rtol
     # the slower ring sets the length over which wear has smoothed the pressure at an edge
-    slower = np.minimum(rings.wear_coefficients, np.append(rings.wear_coefficients[1:], np.inf))
+    slower = np.minimum(wear, np.append(wear[1:], np.inf))
     narrowest = np.minimum(rings.widths.min(), slower * (problem.earliest or np.inf))
     # sizes in s; thinner elements would change slopes only, and by little
     smallest = np.maximum(0.1 * error * narrowest, 1e-12 * finer)
     degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
     results = method("direct").solve(problem, Stages("direct")).checked if problem.steady else {}
     if len(times):
-        punch = Reference(*rings, smallest, degree)
+        punch = Reference(edges, wear, smallest, degree)
         history = _later(problem, punch, times[times > 0])
         if times[0] == 0:
             start = _start(problem)

@@ -194,7 +194,8 @@ class SwappedMaterials(Cause):
     def applies(self, model: Model) -> bool:
         """Return whether the mistake could be recognised in these results."""
         rings = model.problem.graded or model.problem.rings
-        return model.has_later_times and len(set(rings.wear_coefficients)) == 2
+        two_materials = not rings.linear and len(set(rings.wear_coefficients[0])) == 2
+        return model.has_later_times and two_materials
 
     def change(self, setting: Setting, sizes: Sizes) -> Setting:
         """Return the setting with this mistake added."""

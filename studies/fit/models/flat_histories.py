@@ -76,9 +76,9 @@ class FlatHistories:
         quantities = {"indentation", "profile"} if fields else {"indentation"}
         times = np.array([earliest / TIME_SPAN, latest * TIME_SPAN])
         problem = replace(problem, times=times, steady=False, quantities=frozenset(quantities))
-        covered: Problem = problem
         if problem.graded and table_radii is not None:
             rings = problem.graded
+            covered: Problem = replace(problem, graded=_with_unequal_knots(rings))
             wear_shapes = _hats(table_radii, rings)
         else:
             rings = problem.rings
@@ -313,9 +313,19 @@ def _with_contrasts(problem: Problem) -> list[Problem]:
     wear = problem.wear_coefficients * np.where(odd, 1.0, 1 + 1e-9)
     contrasts = wear, 1 + (WEAR_RATIO - 1) * odd, WEAR_RATIO - (WEAR_RATIO - 1) * odd
     return [
-        replace(problem, rings=Rings(problem.ring_edges, np.asarray(each, dtype=float)))
+        replace(problem, rings=Rings.constant(problem.ring_edges, np.asarray(each, dtype=float)))
         for each in contrasts
     ]
+
+
+def _with_unequal_knots(rings: Rings) -> Rings:
+    """Return rings whose wear coefficients at neighbouring edges differ slightly.
+
+    None of them are merged then: the coefficients may differ in a fit.
+    """
+    factors = np.where(np.arange(len(rings.ring_edges)) % 2, 1.0, 1 + 1e-9)
+    factors_at_edges = np.stack([factors[:-1], factors[1:]])
+    return rings._replace(wear_coefficients=rings.wear_coefficients * factors_at_edges)
 
 
 def _hats(radii: Array, rings: Rings) -> list[Array]:

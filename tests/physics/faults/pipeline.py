@@ -46,10 +46,10 @@ def rings(edges=None, wear=None) -> Put:
     """Change ring edges and wear coefficients of the punch."""
 
     def change(problem):
-        right_edges, right_wear = problem.rings
+        right_edges, (right_wear, _) = problem.rings
         new_edges = right_edges if edges is None else edges(right_edges.copy())
         worn = right_wear if wear is None else wear(right_wear.copy())
-        return {"rings": Rings(new_edges, worn)}
+        return {"rings": Rings.constant(new_edges, worn)}
 
     return pose(change)
 
@@ -259,7 +259,9 @@ FACES: dict[str, Put] = {
     "volumes": worn_volumes(0.05),
 }
 GRADED: dict[str, Put] = {
-    "k of r in steps": graded(lambda of: Rings(of.ring_edges, of.wear_coefficients.mean(axis=0))),
+    "k of r in steps": graded(
+        lambda of: Rings.constant(of.ring_edges, of.wear_coefficients.mean(axis=0))
+    ),
     "k of r turned": graded(lambda of: Rings(of.ring_edges, of.wear_coefficients[::-1])),
     "k of r shifted": graded(
         lambda of: Rings(

@@ -10,7 +10,9 @@ from ringwear.studies.paper.theory import homogeneous, many_rings
 def gradients_of(count, wear_ratios, width_ratio=1.0):
     """Return (2, M) normalised RMS gradients of alternating rings by direct integration."""
     rings = [Rings.alternating(count, width_ratio, ratio) for ratio in wear_ratios]
-    pressures = np.stack([np.pi * direct.steady_pressures(*each) for each in rings], axis=1)
+    pressures = np.stack(
+        [np.pi * direct.steady_pressures(edges, wear) for edges, (wear, _) in rings], axis=1
+    )
     edges = rings[0].ring_edges
     slopes = [direct.rms_slope(edges, pressures, average) for average in ("line", "area")]
     return np.array(slopes) / homogeneous()[:, None]

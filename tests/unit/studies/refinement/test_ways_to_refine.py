@@ -24,7 +24,8 @@ PUNCHES = {"flat": [1.0], "five": [0.2, 0.4, 0.6, 0.8, 1.0], "narrow": [0.2, 0.4
 
 def case_of(edges, degree=4):
     (*_, case) = Case.all_of(Scene.load("five_rings"))
-    rings = Rings(np.array([0.0, *edges]), np.array([0.1, 1.0, 0.1, 1.0, 0.1])[: len(edges)])
+    wear_coefficients = np.array([0.1, 1.0, 0.1, 1.0, 0.1])[: len(edges)]
+    rings = Rings.constant(np.array([0.0, *edges]), wear_coefficients)
     fem = FemAccuracy.model_validate({"degree": degree, "mesher": "gmsh"})
     return Case("test", replace(case.problem, rings=rings, fem=fem))
 
@@ -132,5 +133,5 @@ def test_a_mesh_file_fits_if_its_ring_edges_are_vertices(tmp_path):
     problem, file = Scene.load("five_rings").problem, make_mesh(tmp_path / "mine.vtu", 0.1, 0.1)
     with pytest.raises(MeshError, match=r"ring edge at r = 0\.2 a"):
         own_mesh(problem, file)
-    fitting = Rings(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
+    fitting = Rings.constant(np.array([0.0, 0.5, 1.0]), np.array([1.0, 0.1]))
     assert 0.5 in contact_radii(own_mesh(replace(problem, rings=fitting), file))
