@@ -23,7 +23,7 @@ def check_times_of_running_in(report: Reported) -> Rows:
     integration. The method's own total change may differ from it by the errors that the method
     states for the start and for the steady state.
     """
-    running_in, fractions = report.solution.wear, report.problem.load_regime.remaining_fractions
+    running_in, fractions = report.solution.wear, report.problem.remaining_parts
     # the verdict is undecided if such a number is missing
     reported = {name: part for name, part in fractions.items() if report.has(name)}
     if running_in is None or not report.full_contact or not reported:
@@ -77,9 +77,11 @@ def check_repeated_numbers(report: Reported) -> Rows:
     problem = report.problem
     has_start = len(report.reading.times) > 0 and report.reading.times[0] == 0
     if report.full_contact and report.has("force_start"):
-        # F = 2 a E* d of a flat punch is the unit of force
+        # at a fixed indentation, F = 2 a E* d of a flat punch is the unit of force
+        exact = 1.0 if report.fixed_indentation else float(report.reading.load(np.zeros(1))[0][0])
         tolerance = report.tolerance("force_start")
-        yield Row("force_start in closed form", report.take("force_start"), 1.0, tolerance)
+        force, scale = report.take("force_start"), exact or 1.0
+        yield Row("force_start in closed form", force, exact, tolerance, scale)
     for answer, name, index in (
         ("force_start", "normal_force", 0),
         ("force_end", "normal_force", -1),

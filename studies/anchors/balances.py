@@ -4,6 +4,7 @@ import numpy as np
 
 from ...meshes.radial import ring_areas
 from ..problem.face import POINTS
+from ..problem.norms import LEAST_VOLUME
 from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
@@ -61,8 +62,10 @@ def check_decay(report: Reported) -> Rows:
     # while the punch does not slide, nothing changes: use each sliding distance once
     distances, rows = np.unique(report.distances, return_index=True)
     force_scale = np.maximum.accumulate(force)
-    # the error of every ring's volume, also of a ring that hardly wears, is relative to their sum
-    volume_scale = volumes.sum(axis=1) * np.sum(1 / coefficients)
+    # the error of every ring's volume, also of a ring that hardly wears, is relative to their sum,
+    # or to a part of the depth if that is greater
+    least = LEAST_VOLUME * report.depth_scale * report.area
+    volume_scale = np.maximum(volumes.sum(axis=1), least) * np.sum(1 / coefficients)
     errors = report.errors("normal_force", "ring_worn_volume") * [force_scale, volume_scale]
     steps, force, worn, errors = np.diff(distances), force[rows], worn[rows], errors[:, rows]
     force_error, volume_error = errors[:, 1:] + errors[:, :-1]

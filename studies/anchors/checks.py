@@ -27,7 +27,6 @@ from numpy.typing import ArrayLike
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..scene.scene import Scene
 from . import answers, balances, fields, inputs, modes, moving, start, steady, wear
 from .anchor import Anchor, Rows, judge
@@ -135,8 +134,9 @@ INPUT_ANCHORS = (
     "reported outer radii",
 )
 STEADY_ANCHORS = ("steady_wear_rate in closed form", "steady pressures of Eq. 24")
+# by whether the punch is in full contact
 CONTACT_ANCHORS = {
-    FULL_CONTACT: (
+    True: (
         "flat start of the answer",
         "force shares of the answer at the start",
         "running-in time of the answer",
@@ -146,7 +146,7 @@ CONTACT_ANCHORS = {
         "modes add up to the flat start",
         "worn volumes of the answer, from the profile",
     ),
-    MOVING_CONTACT: (
+    False: (
         "u + f = d in contact",
         "no negative gap",
         "F = int p dA",
@@ -214,4 +214,4 @@ def expected_anchors(problem: Problem, solution: Solution) -> tuple[str, ...]:
         return names
     if problem.keeps_contact:
         names += (fields.RADIUS_OF_FULL_CONTACT,)
-    return names + CONTACT_ANCHORS[problem.contact] + RESPONSE_ANCHORS[problem.load_regime.response]
+    return names + CONTACT_ANCHORS[problem.full_contact] + RESPONSE_ANCHORS[problem.response]

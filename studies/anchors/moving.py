@@ -14,8 +14,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ...meshes.radial import Array
-from ..problem.quantities import LEAST_SLOPE
-from ..sampling.norms import radial_weight
+from ..problem.face import radial_weight
+from ..problem.norms import LEAST_SLOPE
 from ..sizes.cells import tolerance_range
 from ..wear.unilateral import Mask
 from .anchor import Row, Rows

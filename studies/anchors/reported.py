@@ -10,9 +10,8 @@ from ...mdr import direct
 from ...mdr.flat_punch import FlatPunch, flat_punch
 from ...meshes.radial import Array
 from ..methods.base import Solution
-from ..problem.face import POINTS
+from ..problem.face import POINTS, radial_weight
 from ..problem.quantities import DESCRIBED, STEADY
-from ..sampling.norms import radial_weight
 from ..scene.scene import Scene
 from .reading import Reading
 

@@ -123,9 +123,9 @@ if TYPE_CHECKING:
     from ringwear.studies.problem.loading import Loading
     from ringwear.studies.problem.problem import Problem, Rings
     from ringwear.studies.problem.profile import InitialProfile
+    from ringwear.studies.problem.quantities import differences
     from ringwear.studies.progress import Stages
     from ringwear.studies.results import Result, check, load, run
-    from ringwear.studies.sampling.norms import differences
     from ringwear.studies.scene.scene import Scene
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
@@ -220,7 +220,7 @@ _LATER = {
     "studies.problem.profile": ["InitialProfile"],
     "studies.progress": ["Stages"],
     "studies.results": ["Result", "check", "load", "run"],
-    "studies.sampling.norms": ["differences"],
+    "studies.problem.quantities": ["differences"],
     "studies.scene.scene": ["Scene"],
     "studies.study.conduct": ["study"],
     "studies.study.study": ["Study"],

@@ -152,7 +152,7 @@ def _numbers_at_each_time(scene: Scene, table: pd.DataFrame) -> float:
 
 def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:
     """Return a solution that contains the force if it is prescribed, with an error of 0."""
-    if problem.load_regime.response == "normal_force":
+    if problem.response == "normal_force":
         return solution
     force = {"normal_force": problem.loading.at(problem.times).force}
     zero_error = {"normal_force": np.zeros(len(problem.times))}

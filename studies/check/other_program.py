@@ -6,10 +6,10 @@ from typing import ClassVar
 import pandas as pd
 
 from ..methods.base import Method, Solution
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import FIELDS, QUANTITIES
 from ..progress import Stages
-from ..sampling.norms import Results
 from ..scene.scene import Scene
 
 

@@ -3,9 +3,9 @@
 from ...mdr import energy
 from ..methods.base import method
 from ..methods.spaces import choose_spaces
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..progress import Stages
-from ..sampling.norms import Results
 from ..sampling.sampler import Sampler
 from ..wear.full_contact import RunningIn
 

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..methods.base import Solution
-from ..problem.quantities import FIELDS
+from ..problem.quantities import FIELDS, QUANTITIES
 from ..progress import LOG
-from ..sampling.field_differences import root_mean_square
-from ..sampling.norms import differences
 from ..scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -103,26 +101,25 @@ def verdicts(
             for values in (results[quantity], our_values)
         )
         reference_values = our_solution.results | {quantity: ours}
-        errors = differences({quantity: theirs}, reference_values, face)[quantity]
-        gaps = (theirs - ours).reshape(len(times), -1)
+        values, norm = {quantity: theirs}, QUANTITIES[quantity].norm
+        errors = QUANTITIES[quantity].difference(values, reference_values, face)
+        signed_gaps = (theirs - ours).reshape(len(times), -1)
         # where nothing presses, there is no value to which an error could be relative
-        unbounded = (errors == 0) & (np.abs(gaps) > 1e-9 * np.abs(ours).max()).any(axis=1)
-        errors = np.where(unbounded, np.inf, errors)
-        sizes = np.abs(gaps)
+        gaps = np.abs(signed_gaps)
+        is_gap = gaps > 1e-9 * np.abs(ours).max()
+        errors = np.where((errors == 0) & is_gap.any(axis=1), np.inf, errors)
         if quantity == "pressure":
-            unworn = problem.distances[:, None] == 0
-            root_weights = np.where(unworn, np.sqrt(face.edge_weights), 1.0)
-            weights = face.weights * compared[:, columns]
-            scale = root_mean_square(ours * root_weights, weights)[:, None]
-            sizes = sizes * root_weights
-            infinite = np.where(sizes > 0, np.inf, 0.0)
-            sizes = np.divide(sizes, scale, out=infinite, where=scale > 0)
-        worst = np.arange(len(times)), sizes.argmax(axis=1)
-        local = np.copysign(errors, gaps[worst])
+            gaps = norm.gaps(quantity, values, reference_values, face)
+        worst = np.arange(len(times)), gaps.argmax(axis=1)
+        local = np.copysign(errors, signed_gaps[worst])
         signed, largest = local, errors
         if quantity == "pressure":
-            signed, local = errors, gaps[worst] / np.where(ours[worst], ours[worst], np.nan)
-            largest = np.where(np.isinf(errors), np.inf, sizes[worst])
+            scale = norm.size(quantity, reference_values, face)[:, 0]
+            infinite = np.where(gaps[worst] > 0, np.inf, 0.0)
+            sizes = np.divide(gaps[worst], scale, out=infinite, where=scale > 0)
+            signed = errors
+            local = signed_gaps[worst] / np.where(ours[worst], ours[worst], np.nan)
+            largest = np.where(np.isinf(errors), np.inf, sizes)
         for row in np.flatnonzero(compared.reshape(len(times), -1).any(axis=1)):
             radius = radii[worst[1][row]] * problem.units.length if is_field else np.nan
             stated = our_solution.errors[quantity][row]

@@ -13,8 +13,7 @@ from ...meshes.compliance import Compliance
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
 from ..problem.loading import Loading
-from ..problem.regimes import MOVING_CONTACT
-from ..sizes.marching import steps_between
+from ..sizes.marching import MOST_STEPS, steps_between
 from ..wear.history import History, Instant, Steps
 from ..wear.unilateral import Load
 from .full_face import FullFace
@@ -154,9 +153,9 @@ class ContactMarch:
                     if dt < remaining and apart and (doubled or due):
                         watched.append(current)
                         last_end = control.taken
-                if control.taken + control.rejected > MOVING_CONTACT.most_steps:
+                if control.taken + control.rejected > MOST_STEPS[False]:
                     raise SceneError(
-                        f"the march took more than {MOVING_CONTACT.most_steps} steps to a sliding "
+                        f"the march took more than {MOST_STEPS[False]} steps to a sliding "
                         f"distance of {current.distance:.3g}: give a larger rtol"
                     )
             if load_at_event.force is not None and current.press.force != load_at_event.force:
@@ -179,9 +178,9 @@ class ContactMarch:
             if the march would take too many steps
         """
         counts = steps_between(times, step).astype(int)
-        if counts.sum() > MOVING_CONTACT.most_steps:
+        if counts.sum() > MOST_STEPS[False]:
             raise SceneError(
-                f"{counts.sum()} steps are needed, more than {MOVING_CONTACT.most_steps}: "
+                f"{counts.sum()} steps are needed, more than {MOST_STEPS[False]}: "
                 "give a larger wear.step"
             )
         stages, face = self._stages, self.face

@@ -7,7 +7,7 @@ every requested time.
 
 import numpy as np
 
-from ..problem.quantities import LEAST_SLOPE
+from ..problem.norms import LEAST_SLOPE
 from .stages import StepError
 
 # length of the first step over the total sliding distance

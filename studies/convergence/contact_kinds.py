@@ -22,12 +22,11 @@ from ..methods.mdr import METHOD as MDR
 from ..methods.moving_evaluation import MovingContact
 from ..methods.pipeline import fitted_starts
 from ..methods.spaces import first_contact, scaled_cells
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST_RTOL
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
-from ..sampling.norms import Results
 from ..study.levels import Theory
 from ..wear.flat_contact import FittedPress, press_flat
 from . import theories
@@ -183,11 +182,8 @@ class ShapedPunch(ContactKind):
         return theories.for_steps_in_moving_contact
 
 
-CONTACT_KINDS: dict[object, ContactKind] = {
-    FULL_CONTACT: FlatPunch(),
-    MOVING_CONTACT: ShapedPunch(),
-}
-"""Treatment of problems by their contact regime."""
+CONTACT_KINDS: dict[bool, ContactKind] = {True: FlatPunch(), False: ShapedPunch()}
+"""Treatment of problems, by whether the punch is in full contact."""
 
 
 def fitted_start(problem: Problem, stages: Stages) -> FittedPress | None:

@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..problem.face import Face
+from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..sampling.norms import Results, differences
+from ..problem.quantities import differences
 from ..study.orders import FieldLevels
 
 FLAT_INDENTATION, FLAT_PRESSURE, STRESSES = "flat indentation", "flat pressure", "stresses"
@@ -77,7 +78,7 @@ def measures_of(problem: Problem, exact: Results) -> tuple[Measure, ...]:
     """Return the measures that a problem has, given its exact results."""
     candidates = [D0, P0]
     at_start, later = rows_at(exact, "start"), rows_at(exact, "later")
-    prescribed = {problem.load_regime.given}
+    prescribed = {problem.prescribed}
     if "normal_force" in prescribed and len(problem.wear_coefficients) == 1:
         # a single ring carries the prescribed force, which determines its worn volume
         prescribed |= {"ring_force", "ring_worn_volume"}

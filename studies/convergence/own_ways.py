@@ -74,7 +74,7 @@ def ways_of_meshes(problem: Problem, options: Options) -> Iterator[Way]:
     SceneError
         if a mesh is not a mesh of the scene's half-space, or if an element does not fit the meshes
     """
-    if refusal := CONTACT_KINDS[problem.contact].elements_refusal:
+    if refusal := CONTACT_KINDS[problem.full_contact].elements_refusal:
         raise SceneError(refusal)
     meshes = {
         name: mesh_of_option(problem, source)
@@ -153,7 +153,7 @@ def way_of_steps(problem: Problem, steps: Sequence[float]) -> Way:
         return replace(problem, march="implicit", step=setting / problem.units.time)
 
     short = max(steps) / problem.units.time <= LONGEST_STEP_FRACTION * problem.earliest
-    theory = CONTACT_KINDS[problem.contact].theory_of_steps(short)
+    theory = CONTACT_KINDS[problem.full_contact].theory_of_steps(short)
     sizes = {step: step for step in steps}
     name = "MDR, implicit march"
     return Way(

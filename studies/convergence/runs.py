@@ -20,9 +20,9 @@ from ..methods.evaluation import Evaluation
 from ..methods.moving_evaluation import MovingContact
 from ..numerics.core import flat_d0_error
 from ..outcome.outcome import Outcome
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..progress import Stages
-from ..sampling.norms import Results
 from ..scene.scene import Scene
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
@@ -100,7 +100,7 @@ class StudiedScene:
         RingwearError
             if the reference cannot be computed
         """
-        kind = CONTACT_KINDS[scene.problem.contact]
+        kind = CONTACT_KINDS[scene.problem.full_contact]
         problem, stages = kind.prepare(scene.problem), Stages("reference")
         evaluation = kind.reference(problem, cell_factor, stages)
         exact = evaluation.checked | kind.closed_forms(problem, evaluation.checked)
@@ -145,7 +145,7 @@ class StudiedScene:
         discretised = way.discretise(setting, stages)
         compliance, half_space = discretised.compliance, discretised.half_space
         with stages("marching"):
-            kind = CONTACT_KINDS[problem.contact]
+            kind = CONTACT_KINDS[problem.full_contact]
             evaluation = kind.evaluate(problem, compliance)
             values = evaluation.checked | kind.flat_start(problem, compliance)
         if half_space is not None and discretised.unknowns <= self.most_unknowns_inside:

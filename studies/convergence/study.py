@@ -17,7 +17,6 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes.errors import SceneError
 from ..problem.problem import Problem
-from ..problem.regimes import MOVING_CONTACT
 from ..registry import METHODS
 from ..scene.scene import Scene
 from ..study.levels import SECONDS, Family, Record
@@ -47,8 +46,8 @@ PRESSURE_DEGREES_REMARK = (
     "Higher degrees of the pressure are left out, because the sign of the pressure is enforced "
     "only at nodes and a contact edge inside an element makes them inaccurate."
 )
-REMARKS = {MOVING_CONTACT: (CELLS_REMARK, PRESSURE_DEGREES_REMARK)}
-"""Further conclusions, by contact regime."""
+REMARKS = {True: (), False: (CELLS_REMARK, PRESSURE_DEGREES_REMARK)}
+"""Further conclusions, by whether the punch is in full contact."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +120,7 @@ def refuse_unknown_methods(options: Options) -> None:
 def families(studied: StudiedScene, options: Options) -> Iterator[DrawnFamily]:
     """Yield the families of the study, or the user's sequences if there are any."""
     problem, quick = studied.problem, options.quick
-    kind = CONTACT_KINDS[problem.contact]
+    kind = CONTACT_KINDS[problem.full_contact]
     ways: Iterable[Way]
     if options.meshes or options.elements or options.steps:
         if options.elements and kind.elements_refusal:
@@ -214,7 +213,7 @@ def method_and_refinement(curve: Curve) -> str:
 
 def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     """Return sentences on the orders, the grid convergence indices and the finest errors."""
-    kind = CONTACT_KINDS[problem.contact]
+    kind = CONTACT_KINDS[problem.full_contact]
     judged = [sequence for sequence in sequences if sequence.verdict in ("yes", "no")]
     agreeing = [sequence for sequence in judged if sequence.verdict == "yes"]
     sentences = [
@@ -223,7 +222,7 @@ def conclude(sequences: list[Sequence], problem: Problem) -> list[str]:
     ]
     if not judged:
         sentences = [f"No order can be compared with theory. {kind.no_theory_reason}"]
-    sentences += REMARKS.get(problem.contact, ())
+    sentences += REMARKS[problem.full_contact]
     sentences += [
         f"{sequence.name}, {sequence.quantity}: the observed order is {sequence.order:.2f} "
         f"({sequence.last_order:.2f} between the last levels), but the theoretical order is "

@@ -11,9 +11,10 @@ from ...meshes.errors import RingwearError
 from ..methods.base import Method, Solution
 from ..methods.spaces import pressure_spaces
 from ..problem.problem import Problem
+from ..problem.quantities import DESCRIBED
 from ..progress import LOG, Stages
 from ..sizes.cells import tolerance_range
-from .promise import BY_CELLS, allowed_error, unresolved
+from .promise import allowed_error, unresolved
 
 # refinement stops if the last one left more than this part of the error estimate
 LITTLE_GAIN = 0.5
@@ -92,15 +93,14 @@ def with_rtol(problem: Problem, rtol: float) -> Problem:
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:
     """Return the greatest error estimate of the quantities that finer sizes make more accurate."""
-    # closed forms and the uniform grid have no sizes that follow `rtol`
-    discretisation = solution.parts.get("discretisation", solution.parts.get("force"))
-    if problem.full_contact and (problem.march != "modal" or discretisation is None):
-        return discretisation or 0.0
+    error = solution.error_by_sizes
+    if problem.full_contact and (problem.march != "modal" or error is None):
+        return error or 0.0
     solutions = {"": solution}
     names = [
         name
         for name in solution.errors
         if name not in solution.limited_by_degree
-        and (name in BY_CELLS or not unresolved(problem, name, solutions))
+        and (DESCRIBED[name].cells == "refined" or not unresolved(problem, name, solutions))
     ]
     return max(map(solution.greatest_error, names), default=0.0)

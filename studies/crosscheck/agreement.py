@@ -27,21 +27,26 @@ from numpy.typing import NDArray
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
+from ..problem.norms import Results, common
 from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
     COMPARED_MODES,
     DESCRIBED,
     FINEST_RTOL,
+    NOT_COMPARED,
     QUANTITIES,
     STEADY,
+    differences,
 )
 from ..problem.unit_names import UnitNames
-from ..sampling.norms import Results, answer_differences, common, differences
 from .promise import allowed_error, unresolved
 
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 NO_UNITS = UnitNames()
+# numbers of the answer in which two methods must be compared if the punch is in full contact, in
+# addition to the times of its running-in
+NUMBERS_OF_FLAT_PUNCHES = {"running_in_time", "indentation_start", "force_share", "worn_volume"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +141,7 @@ def _differences_over_larger(problem: Problem, first: Solution, second: Solution
     with np.errstate(invalid="ignore"):
         one_way, other_way = (
             differences(values.checked, reference.checked, problem.face)
-            | answer_differences(values.answers, reference.answers)
+            | differences(values.answers, reference.answers, problem.face)
             for values, reference in ((first, second), (second, first))
         )
     return {
@@ -153,11 +158,13 @@ def _differences_over_larger(problem: Problem, first: Solution, second: Solution
 
 def due(problem: Problem) -> set[str]:
     """Return the quantities in which two methods must be compared if both compute everything."""
-    names = set(QUANTITIES) - {"contact", "contact_edge"} - STEADY - problem.quantities_missing
+    names = QUANTITIES.keys() - NOT_COMPARED - STEADY
+    if not problem.full_contact:
+        names = names - {"relaxation_time"}
     if not len(problem.times):
         names = {"relaxation_time"} & names if problem.quantities else set()
-    else:
-        names |= problem.contact.compared_numbers - problem.load_regime.numbers_missing
+    elif problem.full_contact:
+        names |= NUMBERS_OF_FLAT_PUNCHES | problem.remaining_parts.keys()
     if problem.steady:
         names |= STEADY
     return {name for name in names if problem.wants(name)}
@@ -245,7 +252,7 @@ def when_in_words(
 
     The text is empty if the times are all compared times, or if the quantity has no times.
     """
-    if DESCRIBED[quantity].dims[:1] != ("time",) or selected.all():
+    if not DESCRIBED[quantity].over_time or selected.all():
         return ""
     times = problem.times[problem.checked] * problem.units.time
     last = int(np.flatnonzero(selected)[-1])

@@ -20,6 +20,9 @@ from ...meshes.radial import Array
 from ..problem.problem import Problem
 from ..wear.full_contact import RunningIn
 
+# name of this comparison in the list of what is left out
+OPERATORS = "methods as operators"
+
 
 @dataclass(frozen=True, eq=False)
 class OperatorDifference:

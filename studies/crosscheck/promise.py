@@ -22,30 +22,15 @@ from ..sizes.ring_edges import (
     edge_sizes,
 )
 
-# quantities that are only resolved to a cell, for any `rtol`, if the contact has edges within the
-# face
-AT_EDGES = (
-    "pressure",
-    "profile",
-    "displacement",
-    "displacement_centre",
-    "displacement_max",
-    "rms_slope",
-    "contact_radius",
-    "time_to_full_contact",
-    "time_to_90",
-    "time_to_99",
-    "running_in_time",
-)
-# quantities of single rings, which cells with an edge of the contact limit: they are refined, but
-# not promised if the contact has edges within the face
-BY_CELLS = ("ring_force", "ring_worn_volume", "force_share", "worn_volume")
 # why an RMS slope is not a number
 SLOPE_IS_INFINITE = (
     "the slope of the unworn part of the face is infinite at a ring edge, at the rim or at a kink, "
     "and its root mean square has no finite value; choose times at which that part has worn, or "
     "another profile"
 )
+# error that each method may state, relative to rtol, by whether the punch is in full contact: under
+# contact that moves, half of the uncertainty that the difference of two methods may have
+ALLOWED_OVER_RTOL = {True: 1.0, False: 2.0}
 # number of quantities that the verdict names, of those that are left out at the same times
 MOST_NAMES = 4
 
@@ -68,7 +53,7 @@ class LeftOut:
 
 def allowed_error(problem: Problem) -> float:
     """Return the largest error estimate with which methods can agree, relative."""
-    return problem.rtol * problem.contact.allowed_over_rtol
+    return problem.rtol * ALLOWED_OVER_RTOL[problem.full_contact]
 
 
 def unresolved(
@@ -90,9 +75,9 @@ def unresolved(
     ):
         return SLOPE_IS_INFINITE
     if not problem.full_contact:
-        return _limit_of_cells(problem, solutions) if quantity in (*AT_EDGES, *BY_CELLS) else ""
+        return _limit_of_cells(problem, solutions) if DESCRIBED[quantity].cells else ""
     # earlier times, which need smaller elements, have no influence
-    first = int(problem.checked[at]) if DESCRIBED[quantity].dims[:1] == ("time",) else 0
+    first = int(problem.checked[at]) if DESCRIBED[quantity].over_time else 0
     if quantity in LAYER_QUANTITIES:
         needed_size = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
@@ -188,7 +173,7 @@ def left_out_of_promise(
         if not reasons:
             continue
         excluded_times: tuple[float, ...] = ()
-        if DESCRIBED[quantity].dims[:1] == ("time",):
+        if DESCRIBED[quantity].over_time:
             compared = np.asarray(times)[problem.checked]
             excluded_times = tuple(compared[list(reasons)].tolist())
         rows.append(LeftOut(quantity, excluded_times, next(iter(reasons.values()))))

@@ -25,8 +25,8 @@ from skfem import (
 
 from ...meshes.errors import SolverError
 from ...meshes.radial import Array
+from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..sampling.norms import Results
 
 DEFAULT_CELLS = 20
 """Elements on the radius of the punch."""

@@ -21,7 +21,6 @@ from ..crosscheck.promise import allowed_error, unresolved
 from ..methods.base import Solution, method
 from ..problem.fields import Cone, Parabola
 from ..problem.problem import Problem
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ONE_FORCE
 from ..problem.sections import FemAccuracy, MdrAccuracy
 from ..progress import Stages
 from ..scene.scene import Scene
@@ -88,7 +87,7 @@ def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Itera
             yield verdict_on_promise(
                 f"{quantity} at the start, in closed form", error, estimate, allowed
             )
-    if problem.load_regime is not ONE_FORCE:
+    if not problem.constant_force:
         return
     wear = problem.wear_coefficients
     for name, balance, factors, sums in (
@@ -113,7 +112,7 @@ def start_in_closed_form(scene: Scene) -> dict[str, float]:
     of a shaped punch is not a disc within the face.
     """
     problem = scene.problem
-    return STARTS[problem.contact](scene) if problem.load_regime is ONE_FORCE else {}
+    return STARTS[problem.full_contact](scene) if problem.constant_force else {}
 
 
 def _start_of_flat(scene: Scene) -> dict[str, float]:
@@ -139,5 +138,5 @@ def _start_of_shaped(scene: Scene) -> dict[str, float]:
     return {"contact_radius": float(contact), "indentation": float(depth / pressed)}
 
 
-STARTS = {FULL_CONTACT: _start_of_flat, MOVING_CONTACT: _start_of_shaped}
-"""Functions that compute the start in closed form, by the kind of contact."""
+STARTS = {True: _start_of_flat, False: _start_of_shaped}
+"""Functions that compute the start in closed form, by whether the punch is in full contact."""

@@ -20,8 +20,8 @@ from ..crosscheck.promise import allowed_error
 from ..methods.base import Solution, method
 from ..problem.fields import TomlTable
 from ..problem.problem import Problem
+from ..problem.quantities import differences
 from ..progress import Stages
-from ..sampling.norms import differences
 from ..scene.scene import Scene
 from ..study.levels import Family
 from ..tables import Row
@@ -190,7 +190,7 @@ def naive_errors(panel: Panel, x: float, exact: Solution) -> dict[str, float]:
             for name, value in values.items()
         }
         errors = differences(compared, exact.checked, problem.face)
-    given_quantity = problem.load_regime.given
+    given_quantity = problem.prescribed
     return {
         name: float(np.nan_to_num(np.max(error), nan=np.inf))
         for name, error in errors.items()

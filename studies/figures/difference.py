@@ -194,7 +194,7 @@ def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
     shown = scale.shown("time", times)
     if len(shown) == 1:
         return shown, {float(shown[0]): short_number(shown[0])}
-    if not scale.problem.load_regime.logarithmic_times or (shown > 0).sum() < 2:
+    if scale.problem.loading.varies or (shown > 0).sum() < 2:
         return shown, {}
     heights = np.log10(np.where(shown > 0, shown, 1.0))
     later = heights[shown > 0]

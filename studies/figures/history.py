@@ -37,7 +37,8 @@ def draw_history(result: Outcome) -> Figure:
     after_start = result.coordinates["time"] > 0
     times = result.coordinates["time"][after_start]
     # results of other programs may contain the indentation only
-    candidates = result.scene.problem.load_regime.running_in_quantity, "indentation"
+    fixed = result.scene.problem.indentation is not None
+    candidates = "normal_force" if fixed else "displacement_max", "indentation"
     names = [max(candidates, key=lambda name: len(result.by_method(name)))]
     if result.gives("rms_slope"):
         names.append("rms_slope")

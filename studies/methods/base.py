@@ -12,11 +12,11 @@ from ...meshes.compliance import Compliance
 from ...meshes.radial import Array
 from ..contact.fitted_press import CompliancesOn
 from ..contact.marched import Marched
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, DESCRIBED
-from ..problem.regimes import FIXED_INDENTATIONS, MOVING_CONTACT, Refusal, Regime
+from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
-from ..sampling.norms import Results
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from .error_factors import error_factor
@@ -51,6 +51,8 @@ class Solution:
     remedy : what would make the solution more accurate, if that is not a smaller `rtol`
     limited_by_degree : quantities that a smaller `rtol` does not make more accurate, because the
         elements already have their highest degree
+    error_by_sizes : the part of the error of the response to the load that finer sizes reduce; None
+        for closed forms and grids, whose sizes do not follow `rtol`
     """
 
     results: Results
@@ -70,6 +72,7 @@ class Solution:
     steady_part: "Solution | None" = None
     remedy: str = ""
     limited_by_degree: frozenset[str] = frozenset()
+    error_by_sizes: float | None = None
 
     @property
     def error_estimate(self) -> float:
@@ -87,7 +90,7 @@ class Solution:
     def checked_error(self, problem: Problem, name: str) -> Array:
         """Return the error of a quantity at the times `problem.checked`."""
         error = self.errors[name]
-        return error[problem.checked] if DESCRIBED[name].dims[:1] == ("time",) else error
+        return error[problem.checked] if DESCRIBED[name].over_time else error
 
     @property
     def max_error(self) -> float:
@@ -175,10 +178,10 @@ class SystemSize(NamedTuple):
     pressures: int
 
 
-def flat_punches_only(name: str) -> dict[Regime, Refusal]:
-    """Return the refused regimes of a method that solves only flat punches under a force."""
+def flat_punches_only(name: str) -> dict[Feature, Refusal]:
+    """Return what a method refuses that solves only flat punches under a force."""
     refusal = Refusal(f"{name} solves only flat punches under a given force")
-    return dict.fromkeys((MOVING_CONTACT, *FIXED_INDENTATIONS), refusal)
+    return {"moving contact": refusal, "fixed indentation": refusal}
 
 
 class Method(ABC):
@@ -190,18 +193,15 @@ class Method(ABC):
     what : description for the user
     lacks : reasons for which it does not compute the `history` or the `steady state`, by these
         names
-    refused : regimes of problems that it cannot solve, each with the reason and the remedy; if
+    refused : features of problems that it cannot solve, each with the reason and the remedy; if
         None, it solves only flat punches under a force
-    linear_wear : the reason and the remedy if it needs wear coefficients that are constant on each
-        ring; None if they may vary along the radius
     knows_layers : whether it solves problems on layered ground
     """
 
     name: str
     what: str = ""
     lacks: ClassVar[dict[str, str]] = {}
-    refused: ClassVar[Mapping[Regime, Refusal] | None] = None
-    linear_wear: ClassVar[Refusal | None] = None
+    refused: ClassVar[Mapping[Feature, Refusal] | None] = None
     knows_layers: ClassVar[bool] = False
 
     @abstractmethod
@@ -234,12 +234,13 @@ class Method(ABC):
 
         Settings that only have to be changed are no such reason, but `refusal` names them, too.
         """
-        if problem.ground.layered and not self.knows_layers:
-            return Refusal(f"{self.name} does not solve half_space.layers")
-        if self.linear_wear and problem.merged.linear:
-            return self.linear_wear
         refused = flat_punches_only(self.name) if self.refused is None else self.refused
-        return next((refused[regime] for regime in problem.regimes if regime in refused), None)
+        if not self.knows_layers:
+            refused = {
+                "layers": Refusal(f"{self.name} does not solve half_space.layers"),
+                **refused,
+            }
+        return next((refused[each] for each in problem.features if each in refused), None)
 
     def refusal(self, problem: Problem) -> str:
         """Return why the method cannot solve the problem, with the remedy; empty if it can."""

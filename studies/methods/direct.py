@@ -1,19 +1,19 @@
 """Direct integration: the steady state in closed form (Eqs. 21 to 27)."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from ...mdr import direct
 from ...meshes.radial import Array, ring_of
-from ..problem.face import Face
+from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..problem.quantities import ANSWER, STEADY
-from ..problem.regimes import FIXED_INDENTATIONS, Refusal, Regime
+from ..problem.quantities import ANSWER, QUANTITIES, STEADY
+from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
-from ..sampling.answers import steady_answers
-from ..sampling.norms import Results
+from ..sampling.answers import SteadyRun, answers_of
 from .base import Method, Solution
 
 
@@ -24,18 +24,17 @@ class Direct(Method):
     knows_layers = True
     what = "the steady state by direct integration, in closed form"
     lacks: ClassVar[dict[str, str]] = {"history": "direct integration gives the steady state only"}
-    refused: ClassVar[Mapping[Regime, Refusal]] = dict.fromkeys(
-        FIXED_INDENTATIONS,
-        Refusal(
-            "direct gives the steady state only, and with load.indentation nothing presses in "
-            "the end"
+    refused: ClassVar[Mapping[Feature, Refusal]] = {
+        "wear along the radius": Refusal(
+            "direct integration needs pressures that are constant on each ring, and with "
+            "punch.wear_coefficient along the radius they are not",
+            "leave direct out of methods, or give steps, or many rings",
         ),
-    )
-    linear_wear = Refusal(
-        "direct integration needs pressures that are constant on each ring, and with "
-        "punch.wear_coefficient along the radius they are not",
-        "leave direct out of methods, or give steps, or many rings",
-    )
+        "fixed indentation": Refusal(
+            "direct gives the steady state only, and with load.indentation nothing presses in the "
+            "end"
+        ),
+    }
 
     def beyond(self, problem: Problem) -> Refusal | None:
         """Return why problems of this kind are beyond the method; None if it can solve them.
@@ -76,23 +75,53 @@ class Direct(Method):
             ]
 
 
+@dataclass(frozen=True, eq=False)
+class ClosedForm:
+    """The steady state in closed form: `problem.quantities.SteadyState`.
+
+    Parameters
+    ----------
+    problem : the problem
+    pressures : (N,) pressure on each ring
+    radii : (R,) radii of the fields
+    displacement_max, rms_slope : () NaN if they are not wanted
+    """
+
+    problem: Problem
+    pressures: Array
+    radii: Array
+    displacement_max: Array
+    rms_slope: Array
+
+    @property
+    def pressure(self) -> Array:
+        """(R,) contact pressure."""
+        return np.asarray(self.pressures[ring_of(self.problem.merged.ring_edges, self.radii)])
+
+    @property
+    def displacement(self) -> Array:
+        """(R,) displacement of the half-space."""
+        edges, ground = self.problem.merged.ring_edges, self.problem.ground
+        return direct.displacement(edges, self.pressures, self.radii, ground)
+
+    @property
+    def wear_rate(self) -> Array:
+        """() rate at which height is lost."""
+        speed = self.problem.loading.speeds[-1]
+        return np.asarray(speed * self.problem.merged.wear_coefficients[0, -1] * self.pressures[-1])
+
+
 def _solution(problem: Problem, pressures: Array, greatest: float, slope: float) -> Solution:
     """Return the steady state for ring pressures (N,); NaN marks values that are not wanted."""
-    ring_edges, (wear_coefficients, _) = problem.merged
-    force, speed = problem.loading.forces[-1], problem.loading.speeds[-1]
+    ring_edges, force = problem.merged.ring_edges, problem.loading.forces[-1]
 
-    def sample(grid: Problem | Face) -> Results:
-        values: dict[str, Callable[[], Array]] = {
-            "steady_pressure": lambda: pressures[ring_of(ring_edges, grid.radii)],
-            "steady_profile": lambda: np.maximum(
-                greatest - direct.displacement(ring_edges, pressures, grid.radii, problem.ground),
-                0.0,
-            ),
-            "steady_displacement_max": lambda: np.asarray(greatest),
-            "steady_rms_slope": lambda: np.asarray(slope),
-            "steady_wear_rate": lambda: np.asarray(speed * wear_coefficients[-1] * pressures[-1]),
+    def sample(radii: Array) -> Results:
+        steady = ClosedForm(problem, pressures, radii, np.asarray(greatest), np.asarray(slope))
+        return {
+            name: np.asarray(QUANTITIES[name].value(steady))
+            for name in QUANTITIES
+            if name in STEADY and problem.wants(name)
         }
-        return {name: value() for name, value in values.items() if problem.wants(name)}
 
     # cancellation: the displacement of a narrow ring of high pressure is the small difference of
     # those of two discs
@@ -102,12 +131,12 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
     roundoff = 1e-12 + 4 * np.finfo(float).eps * cancellation / float(
         np.fmax(greatest, 4 / np.pi**2 * force)
     )
-    results = sample(problem)
+    results = sample(problem.radii)
     errors = dict.fromkeys(results, np.asarray(roundoff))
     # without fields, sampling on the face would only compute the same scalars again
     fields = {"steady_pressure", "steady_profile"} & results.keys()
-    checked = sample(problem.face) if fields else results
-    answers = steady_answers(problem, checked)
+    checked = sample(problem.face.radii) if fields else results
+    answers = answers_of(SteadyRun(problem, checked))
     for name, value in answers.items():
         estimate = np.where(np.isnan(value), np.nan, roundoff)
         errors[name] = estimate[..., 0] if "ring" in ANSWER[name].dims else estimate

@@ -8,7 +8,8 @@ raises it to its floor; each kind of contact does this in its own way. The facto
 import numpy as np
 
 from ...meshes.radial import Array
-from ..sampling.norms import answer_differences, differences, radial_weight
+from ..problem.face import radial_weight
+from ..problem.quantities import differences
 from .error_factors import error_factor
 from .evaluation import Evaluation
 
@@ -50,7 +51,7 @@ def estimate_errors(
     for name in fine.point_values & errors.keys():
         if "displacement" in errors:
             errors[name] = np.maximum(errors[name], part_of_field * errors["displacement"])
-    differences_of_answers = answer_differences(coarse.answers, fine.answers)
+    differences_of_answers = differences(coarse.answers, fine.answers, problem.face)
     for name, difference in differences_of_answers.items():
         errors[name] = fine.estimate_answer(name, difference, errors)
     if fine.sampler.maxima_from_fields:
@@ -75,7 +76,7 @@ def estimate_errors(
             for history in (fine.history, fine.exact_in_time)
         )
         steps = differences(marched, exact, problem.face)
-        steps |= answer_differences(fine.answers, fine.answers_exact_in_time)
+        steps |= differences(fine.answers, fine.answers_exact_in_time, problem.face)
         errors |= {name: errors[name] + step for name, step in steps.items()}
         parts["time step"] = float(steps["indentation"].max())
     return errors, parts

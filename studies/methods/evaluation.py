@@ -15,10 +15,10 @@ import numpy as np
 
 from ...meshes.compliance import Compliance
 from ...meshes.radial import Array, Indices
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES, LAYER_QUANTITIES
-from ..sampling.answers import flat_answers
-from ..sampling.norms import Results
+from ..sampling.answers import FlatRun, SteadyRun, answers_of
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import missing_layers
 from ..sizes.ring_edges import amplified_roundoff, root_of_unresolved_wear
@@ -257,7 +257,10 @@ class FullContact(Evaluation):
 
     def _answers(self, ends: History | None) -> Results:
         """Return the answer from the history at the first and at the last time."""
-        return flat_answers(self.problem, self.wear, self._time_independent_on_face, ends)
+        steady = self._time_independent_on_face
+        if ends is None:
+            return answers_of(SteadyRun(self.problem, steady))
+        return answers_of(FlatRun(self.problem, self.wear, steady, ends))
 
     def safety_factor(self, name: str) -> float:
         """Return the factor on differences to a coarser evaluation, the same for every quantity."""
@@ -285,7 +288,7 @@ class FullContact(Evaluation):
             # the coarser mesh lacks one layer more than this one, and each layer makes about the
             # same difference
             error = error * (1 + self._missing_layers)
-        if DESCRIBED[name].dims[:1] == ("time",):
+        if DESCRIBED[name].over_time:
             near = near_in_time(self.problem.times, self.problem.estimate_times)
             error = greatest_in_ranges(error, *near)
         return np.maximum(error, self._floor(name))
@@ -305,10 +308,8 @@ class FullContact(Evaluation):
         if name in ("pressure_min", "pressure_max"):
             # the element at the rim changes the coefficients of all other functions of the start
             return max(floor, error_factor("pressure at the rim") * self._rim_size)
-        if name in self.problem.load_regime.remaining_fractions:
-            return max(
-                floor, self._time_error_by_start(self.problem.load_regime.remaining_fractions[name])
-            )
+        if name in self.problem.remaining_parts:
+            return max(floor, self._time_error_by_start(self.problem.remaining_parts[name]))
         return floor
 
     def _time_error_by_start(self, remaining_part: float) -> float:

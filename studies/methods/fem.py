@@ -10,7 +10,7 @@ from ...fem.condensation import solver, unloadable
 from ...meshes.sizes import NARROWEST_RING
 from ..problem.problem import Problem
 from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, Refusal
+from ..problem.refusal import Refusal
 from ..problem.sections import DEGREES
 from ..progress import Stages
 from ..sizes import defaults
@@ -126,7 +126,7 @@ class Fem(ComplianceMethod):
 
     def system_size(self, problem: Problem) -> SystemSize:
         """Return the number of unknowns and of pressures of the finite elements."""
-        half_space = HALF_SPACES[problem.contact](problem)
+        half_space = HALF_SPACES[problem.full_contact](problem)
         return SystemSize(half_space.unknowns, half_space.space.size)
 
     def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
@@ -143,7 +143,7 @@ class Fem(ComplianceMethod):
         For a flat punch, elements are small at ring edges and at the rim. For any other punch, they
         are small triangles below cells of the face.
         """
-        return DISCRETISED[problem.contact](problem, stages)
+        return DISCRETISED[problem.full_contact](problem, stages)
 
 
 def _flat_half_space(problem: Problem) -> "HalfSpace":
@@ -223,7 +223,7 @@ def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
     """
     if mesher != "quads" or degree < DEGREES[mesher][-1]:
         return frozenset()
-    return frozenset(DESCRIBED.keys() - {*ENERGIES, *LAYER_QUANTITIES})
+    return frozenset(DESCRIBED) - ENERGIES - LAYER_QUANTITIES
 
 
 def _factor_name(chosen: ChosenMesh) -> str:
@@ -323,7 +323,8 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
     )
 
 
-HALF_SPACES = {FULL_CONTACT: _flat_half_space, MOVING_CONTACT: _half_space_on_cells}
-DISCRETISED = {FULL_CONTACT: _discretise_flat, MOVING_CONTACT: _discretise_on_cells}
+# by whether the punch is in full contact
+HALF_SPACES = {True: _flat_half_space, False: _half_space_on_cells}
+DISCRETISED = {True: _discretise_flat, False: _discretise_on_cells}
 
 METHOD = Fem()

@@ -14,10 +14,9 @@ from ...mdr.uniform_grid import UniformGrid
 from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..problem.problem import Problem
-from ..problem.quantities import GROUPS
-from ..problem.regimes import FALLING_FORCE, VARYING_FORCE, Refusal, Regime
+from ..problem.quantities import GROUPS, differences
+from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
-from ..sampling.norms import answer_differences, differences
 from ..sampling.sampler import Sampler
 from ..sizes.defaults import grid_step
 from ..sizes.marching import steps_between, why_too_many_steps
@@ -35,22 +34,18 @@ class MdrGrid(Method):
     lacks: ClassVar[dict[str, str]] = {
         "steady state": "the paper's algorithm marches towards it, but never reaches it"
     }
-    refused: ClassVar[Mapping[Regime, Refusal]] = {
-        **dict.fromkeys(
-            (VARYING_FORCE, FALLING_FORCE),
-            Refusal(
-                "mdr-grid needs a constant force and sliding speed",
-                "leave it out of methods, or give load.normal_force and load.sliding_speed as "
-                "numbers",
-            ),
+    refused: ClassVar[Mapping[Feature, Refusal]] = {
+        "wear along the radius": Refusal(
+            "mdr-grid needs wear that is constant on each ring",
+            "leave it out of methods, or give steps or many rings in place of "
+            "punch.wear_coefficient along the radius",
+        ),
+        "varying load": Refusal(
+            "mdr-grid needs a constant force and sliding speed",
+            "leave it out of methods, or give load.normal_force and load.sliding_speed as numbers",
         ),
         **flat_punches_only("mdr-grid"),
     }
-    linear_wear = Refusal(
-        "mdr-grid needs wear that is constant on each ring",
-        "leave it out of methods, or give steps or many rings in place of "
-        "punch.wear_coefficient along the radius",
-    )
 
     def beyond(self, problem: Problem) -> Refusal | None:
         """Return why problems of this kind are beyond the method; None if it can solve them.
@@ -129,7 +124,7 @@ class MdrGrid(Method):
                 name: _factor(name) * unresolved * _largest_nearby(difference)
                 for name, difference in quantity_differences.items()
             }
-            for name, difference in answer_differences(coarser, answers).items():
+            for name, difference in differences(coarser, answers, problem.face).items():
                 errors[name] = _factor(name) * unresolved[-1] * difference
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}

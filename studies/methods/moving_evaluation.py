@@ -11,24 +11,27 @@ from ..contact.edges import pressures_beside_edges, widths_at_edges
 from ..contact.march import ContactMarch
 from ..contact.marched import Marched
 from ..contact.moments import moments, unresolved_height
+from ..problem.norms import DEPTH, Results
 from ..problem.problem import Problem
-from ..problem.quantities import DESCRIBED
-from ..sampling.answers import moving_answers
-from ..sampling.norms import Results
+from ..problem.quantities import ANSWER, DESCRIBED, ENERGIES
+from ..sampling.answers import MarchedRun, answers_of
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
 from .error_factors import error_factor
 from .evaluation import ENDS, Evaluation, greatest_in_ranges, near_in_time
 from .spaces import load_of
 
-# Numbers of the answer that are a quantity at the first (0) or at the last (-1) of the times.
-REPORTED_AT = {
-    "indentation_start": ("indentation", 0),
-    "force_start": ("normal_force", 0),
-    "force_share": ("ring_force", 0),
-    "force_end": ("normal_force", -1),
-    "worn_volume": ("ring_worn_volume", -1),
-}
+# Numbers of the answer whose error is that of a quantity at the first (0) or at the last (-1) time:
+# the shares of the force have that of the forces. The fitted start has its own edges.
+REPEATED = {
+    name: number.at
+    for name, number in ANSWER.items()
+    if number.at and name != "contact_radius_start"
+} | {"force_share": ("ring_force", 0)}
+# Quantities that converge with second or higher order in the cells of a face under one load.
+SECOND_ORDER = ENERGIES | {"ring_worn_volume"}
+# Quantities that decay during wear at a fixed indentation.
+DECAYING = frozenset({"normal_force", "ring_force"})
 
 # Error of slopes that a step in thin layers may add, over rtol. The worn depth alone would be right
 # after a few steps, with slopes and pressures that are far off (physics/test_random_scenes.py::
@@ -132,13 +135,13 @@ class MovingContact(Evaluation):
     @cached_property
     def answers(self) -> Results:
         """The numbers of the answer, by the requested march and step."""
-        return moving_answers(self.problem, self.marched, self.start, self.history[ENDS])
+        return answers_of(MarchedRun(self.problem, self.marched, self.start, self.history[ENDS]))
 
     @property
     def answers_exact_in_time(self) -> Results:
         """The numbers of the answer, in adaptive steps that suit the tolerance."""
         ends = self.exact_in_time[ENDS]
-        return moving_answers(self.problem, self._marched_adaptively, self.start, ends)
+        return answers_of(MarchedRun(self.problem, self._marched_adaptively, self.start, ends))
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
         """Return the error estimate of a number of the answer.
@@ -147,8 +150,8 @@ class MovingContact(Evaluation):
         The error of any other is its difference to a coarser evaluation times its factor, but at
         least a floor.
         """
-        if name in REPORTED_AT:
-            quantity, row = REPORTED_AT[name]
+        if name in REPEATED:
+            quantity, row = REPEATED[name]
             if quantity in errors:
                 return np.broadcast_to(errors[quantity][row], difference.shape)
         floors = {
@@ -213,12 +216,12 @@ class MovingContact(Evaluation):
             return error_factor("decaying force") * self.safety
         # under one load, energies and volumes converge at least at second order in the cells, so
         # that the difference is three times the error
-        if name in self.problem.load_regime.second_order:
+        if name in SECOND_ORDER and not self.problem.loading.varies:
             return error_factor("moving contact, energies and volumes")
         return self.safety
 
     def _decays(self, name: str) -> bool:
-        return name in self.problem.load_regime.decaying
+        return self.problem.indentation is not None and name in DECAYING
 
     def _floor(self, name: str) -> Array:
         """Return the smallest error (T,) that is reported for a quantity at the requested times."""
@@ -258,7 +261,7 @@ class MovingContact(Evaluation):
             return np.maximum(floors, np.where(at_edges, widths, 0.0))
         if self._decays(name):
             return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
-        is_height = DESCRIBED[name].norm == "depth"
+        is_height = DESCRIBED[name].norm is DEPTH
         # the unworn face is given, and a start that is fitted to the edges integrates all of it
         exact_start = name == "profile" or (name == "indentation" and self.start is not None)
         by_cells = is_height & (later | (not exact_start))

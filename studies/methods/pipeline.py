@@ -24,16 +24,16 @@ from ...meshes.pressure_space import PressureSpace
 from ...meshes.radial import Array
 from ..contact.edges import covers_face
 from ..contact.fitted_press import fit_presses
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
 from ..problem.quantities import COMPARED_MODES, GROUPS
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT, ContactRegime, Refusal, Regime
+from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..sampling.answers import merged_answers
-from ..sampling.norms import Results
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.layers import narrowed_for_layers
-from ..sizes.marching import steps_between, why_too_many_steps
+from ..sizes.marching import MOST_STEPS, steps_between, why_too_many_steps
 from ..sizes.shared import covering
 from ..wear.flat_contact import FittedPress
 from ..wear.tension import refuse_tension
@@ -68,8 +68,8 @@ class ComplianceMethod(Method):
     passed to `run`.
     """
 
-    # No regime is refused as such; `refusal` checks the march and the times.
-    refused: ClassVar[Mapping[Regime, Refusal]] = {}
+    # No feature is refused as such; `refusal` checks the march and the times.
+    refused: ClassVar[Mapping[Feature, Refusal]] = {}
 
     @abstractmethod
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
@@ -85,7 +85,7 @@ class ComplianceMethod(Method):
             return reason
         if not problem.full_contact and (reason := self.sizes_of_flat_punches(problem)):
             return reason
-        if problem.march not in problem.load_regime.marches:
+        if problem.march != "modal" and problem.loading.varies:
             return (
                 f"wear.march = '{problem.march}' takes equal steps under a constant load: with a "
                 "load that varies give 'modal'"
@@ -97,11 +97,14 @@ class ComplianceMethod(Method):
         elif not problem.full_contact:
             steps = problem.least_steps
             remedy = "a step ends at each of wear.times and of the times of the load: give fewer"
-        if reason := why_too_many_steps(steps, remedy, problem.contact.most_steps):
+        if reason := why_too_many_steps(steps, remedy, MOST_STEPS[problem.full_contact]):
             return reason
-        if not len(problem.times) and (reason := problem.load_regime.refused_without_times):
-            return reason
-        if problem.march not in problem.contact.marches:
+        if not len(problem.times) and problem.indentation is not None:
+            return (
+                "with load.indentation the pressure vanishes in the steady state, so that there is "
+                "nothing to compute without a history: give wear.times"
+            )
+        if problem.march == "explicit" and not problem.full_contact:
             return (
                 f"wear.march = '{problem.march}' is not possible for {self.name} with an initial "
                 "profile, where contact is an inequality: give 'implicit', or 'modal' for steps "
@@ -135,7 +138,7 @@ class ComplianceMethod(Method):
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the solution: discretise, wear, sample, and estimate errors."""
-        return PIPELINES[problem.contact](self, [problem], stages)[0]
+        return PIPELINES[problem.full_contact](self, [problem], stages)[0]
 
     def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the solutions of several problems on one discretisation, if they are flat punches.
@@ -143,7 +146,7 @@ class ComplianceMethod(Method):
         The discretisation has the smallest sizes that any of the problems needs. Shaped punches are
         solved one by one.
         """
-        return PIPELINES[problems[0].contact](self, problems, stages)
+        return PIPELINES[problems[0].full_contact](self, problems, stages)
 
     def solve_again(
         self, problem: Problem, earlier: Solution, allowed_error: float, stages: Stages
@@ -300,9 +303,10 @@ def solve_each_in_moving_contact(
 
 Pipeline = Callable[[ComplianceMethod, Sequence[Problem], Stages], list[Solution]]
 """A function that solves problems of one contact regime, by any such method."""
-PIPELINES: dict[ContactRegime, Pipeline] = {
-    FULL_CONTACT: solve_in_full_contact,
-    MOVING_CONTACT: solve_each_in_moving_contact,
+# by whether the punch is in full contact
+PIPELINES: dict[bool, Pipeline] = {
+    True: solve_in_full_contact,
+    False: solve_each_in_moving_contact,
 }
 
 
@@ -356,6 +360,8 @@ def _solution(
     remedy: str, discretisation: Discretised, fine: Evaluation, coarse: Evaluation
 ) -> Solution:
     errors, parts = estimate_errors(fine, coarse, discretisation.same_elements)
+    # the first part is that of the discretisation; others are those of steps in time
+    error_by_sizes = next(iter(parts.values()))
     return Solution(
         _without_unresolved_modes(fine.results, errors),
         fine.checked,
@@ -371,6 +377,7 @@ def _solution(
         answers=fine.answers,
         remedy=remedy,
         limited_by_degree=discretisation.limited_by_degree,
+        error_by_sizes=error_by_sizes,
     )
 
 

@@ -27,7 +27,6 @@ from ..contact.edges import (
 )
 from ..problem.problem import Problem
 from ..problem.profile import InitialProfile
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from ..sizes.defaults import mdr_sizes, pressure_degree, with_affordable_field_tolerance
 from ..sizes.layers import narrowed_for_layers
@@ -63,7 +62,7 @@ class PressureSpaces(NamedTuple):
 
 def choose_spaces(problem: Problem) -> PressureSpaces:
     """Return the pressure spaces that suit the contact of a problem."""
-    return SPACES[problem.contact](problem)
+    return SPACES[problem.full_contact](problem)
 
 
 def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
@@ -84,7 +83,8 @@ def _spaces_of_cells(problem: Problem) -> PressureSpaces:
     return PressureSpaces(fine.space(), coarse.space(), False, {})
 
 
-SPACES = {FULL_CONTACT: _graded_spaces, MOVING_CONTACT: _spaces_of_cells}
+# by whether the punch is in full contact
+SPACES = {True: _graded_spaces, False: _spaces_of_cells}
 
 
 def load_of(problem: Problem) -> Load:

@@ -6,7 +6,7 @@ from ...meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER
-from ..sampling.answers import empty_answers
+from ..sampling.answers import empty_answer
 
 # quantities that are reported together with the answer
 ALSO = ("steady_wear_rate", "steady_rms_slope")
@@ -28,13 +28,11 @@ class Answers(dict[str, dict[str, Array]]):
 def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
     """Return the values of `ANSWER` by one method, non-dimensional.
 
-    A number is NaN if the method does not compute it or the scene does not need it. If it is also a
-    number that only some runs have (`Quantity.always` is False), it is left out instead.
+    A number is NaN if the method does not compute it or the scene does not have it.
     """
     return {
-        name: solution.answers.get(name, nothing)
-        for name, nothing in empty_answers(problem).items()
-        if name in solution.answers or ANSWER[name].always
+        name: solution.answers.get(name, empty_answer(problem, quantity))
+        for name, quantity in ANSWER.items()
     }
 
 

@@ -18,7 +18,7 @@ from ...meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..anchors.checks import anchors, expected_anchors
 from ..crosscheck.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity, overall
-from ..crosscheck.operators import MOST_PRESSURES, OperatorDifference
+from ..crosscheck.operators import MOST_PRESSURES, OPERATORS, OperatorDifference
 from ..crosscheck.promise import LeftOut, allowed_error, in_words, left_out_of_promise
 from ..inside.interior import Interior, interior
 from ..methods.base import Method, Solution
@@ -26,7 +26,6 @@ from ..problem.quantities import (
     FIELDS,
     error_name,
 )
-from ..problem.regimes import OPERATORS
 from ..problem.written import shown
 from ..progress import Stages
 from ..sampling.field_differences import (
@@ -101,7 +100,7 @@ class Outcome:
         with_wear = [name for name, solution in self.solutions.items() if solution.wear is not None]
         compared = {frozenset(row.methods) for row in self.operators}
         pairs = [pair for pair in combinations(with_wear, 2) if frozenset(pair) not in compared]
-        if OPERATORS in self.scene.problem.contact.left_out or not pairs:
+        if not (self.scene.problem.full_contact and pairs):
             return {}
         names = ", ".join(" and ".join(pair) for pair in pairs)
         return {

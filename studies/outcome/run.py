@@ -18,7 +18,6 @@ from ..crosscheck.operators import (
 from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
-from ..problem.regimes import OPERATORS
 from ..progress import Stages
 from ..scene.scene import Scene
 from .outcome import Outcome
@@ -80,7 +79,7 @@ def compare_operators(
     the space; the other methods compute their compliance on it. On a space that is too large, both
     are restricted to a coarser one. Two methods with fixed spaces are not compared.
     """
-    if OPERATORS in problem.contact.left_out:
+    if not problem.full_contact:
         return
     wears = {
         name: solution.wear for name, solution in solutions.items() if solution.wear is not None

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...meshes.errors import SceneError
+from ..crosscheck.operators import OPERATORS
 from ..methods.base import Method, method
 from ..problem.problem import Problem
 from ..problem.sections import LEAST_TRUNCATION
@@ -18,6 +19,31 @@ from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_tim
 Methods = Mapping[str, Method]
 # mean pressure over the plane strain modulus above which strains are not small
 MOST_STRAIN = 0.01
+# what a history starts from, and how the modal march proceeds in time, by whether the punch is in
+# full contact
+HISTORY = {
+    True: ("the flat start", "exact in time, by its relaxation modes"),
+    False: ("the unworn face", "in implicit steps of second order, chosen from rtol"),
+}
+INEQUALITIES = (
+    "inequalities: pressure >= 0, gap >= 0, and one of them is zero at each point; contact opens, "
+    "closes and spreads"
+)
+# what is not computed, with the reasons, by whether the punch is in full contact
+LEFT_OUT = {
+    True: {
+        "inequality p >= 0": "a punch that starts flat never loses contact, because the pressure "
+        "can only rise where it is close to zero",
+    },
+    False: {
+        "springs' rule of the MDR": "q = d - g holds only if the contact is one disc; the energy "
+        "of the MDR is used instead, which is valid for any contact",
+        "relaxation modes": "modes exist only while the contact does not change; running-in times "
+        "are reported if all of the face comes into contact",
+        "ring pressures at the start": "they may be infinite at contact edges or on the axis",
+        OPERATORS: "compared only for flat punches",
+    },
+}
 
 
 def methods_of(entries: Sequence[str | Method]) -> Methods:
@@ -81,11 +107,12 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
     lines = [f"{name}: {entry.what or 'a user-defined method'}" for name, entry in methods.items()]
     # describe the march if some method computes everything; the others describe their own
     if len(problem.times) and not all(entry.lacks for entry in methods.values()):
-        contact, march = problem.contact, f"by steps of {problem.march} Euler"
-        if problem.march == "modal":
-            march = contact.march_description
-        lines += contact.modelled
-        lines.append(f"history: {len(problem.times)} times from {contact.start}, {march}")
+        start, march = HISTORY[problem.full_contact]
+        if problem.march != "modal":
+            march = f"by steps of {problem.march} Euler"
+        if not problem.full_contact:
+            lines.append(INEQUALITIES)
+        lines.append(f"history: {len(problem.times)} times from {start}, {march}")
     if scene.half_space.punch_youngs_modulus is not None:
         lines.append(
             "two elastic bodies: one half-space with their combined modulus; the punch is also "
@@ -101,14 +128,22 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "hole: the surface under it is free; the flat start is computed with the pressures of "
             "a flat annulus"
         )
-    lines += problem.load_regime.modelled
+    if problem.loading.varies:
+        lines.append(
+            "load over time: linear between the given times, and wear is integrated over the "
+            "sliding distance; the steady state is that of the last force and speed, and "
+            "relaxation times are those at the greatest speed"
+        )
     if not problem.loading.forces.all():
         lines.append(
             "no force: while it is 0, the punch rests on its foremost point and does not wear"
         )
     lacking = all("steady state" in entry.lacks for entry in methods.values())
     if problem.steady and not lacking:
-        lines.append(f"steady state: without any march{problem.contact.steady_state}")
+        line = "steady state: without any march"
+        if not problem.full_contact:
+            line += "; it is that of the flat punch: wear ends with all of the face in contact"
+        lines.append(line)
     return lines
 
 
@@ -117,9 +152,17 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
     problem = scene.problem
     reasons = {
         "friction and temperature": "not part of the model: the contact is frictionless",
-        **problem.contact.left_out,
-        **problem.load_regime.left_out,
+        **LEFT_OUT[problem.full_contact],
     }
+    if problem.loading.varies:
+        reasons["times to 90 % and 99 % of running-in"] = (
+            "they are defined only for a constant load"
+        )
+    if problem.keeps_contact:
+        reasons["inequality p >= 0"] = (
+            "although the force falls, the punch stays in full contact: in a small solution, the "
+            "pressure stays positive everywhere"
+        )
     if problem.ground.layered and problem.full_contact:
         reasons |= {
             "inequality p >= 0": "on these layers a flat punch is in contact everywhere at the "
@@ -130,8 +173,10 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons["all other quantities"] = selection
     if not len(problem.times):
         reasons["history"] = selection if scene.wear.times else "the scene gives no times"
-    if why_not_steady := problem.load_regime.no_steady_state:
-        reasons["steady state"] = why_not_steady
+    if problem.indentation is not None:
+        reasons["steady state"] = (
+            "at a fixed indentation, wear continues until the pressure vanishes"
+        )
     elif scene.wear.steady and problem.reason_not_steady:
         reasons["steady state"] = problem.reason_not_steady
     elif not problem.steady:
@@ -227,10 +272,10 @@ def time_scale(scene: Scene) -> list[str]:
 
     lines = [f"running-in: slowest relaxation time of the full face {written(slowest)}"]
     # the spreading of contact has another time scale
-    until = problem.load_regime.spreading_end_text
-    if not problem.full_contact and until is not None:
+    if not (problem.full_contact or problem.loading.varies):
         start, end = map(written, spreading_times(problem))
-        lines.append(f"contact spreads from about {start}{until.format(end=end)}")
+        until = f"to {end}" if problem.constant_force else "on"
+        lines.append(f"contact spreads from about {start} {until}")
     return lines + [f"note: {line}" for line in outside(problem, slowest)]
 
 

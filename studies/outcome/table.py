@@ -2,30 +2,42 @@
 
 import json
 from collections.abc import Iterable, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
 from ...meshes.radial import Array
 from ..methods.base import Solution
+from ..problem.norms import Results, common
 from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
     DESCRIBED,
     ERROR,
-    MOVING_CONTACT_QUANTITIES,
-    NORMS,
+    NOT_COMPARED,
     QUANTITIES,
     STATES,
     STEPS,
-    Quantity,
     error_name,
 )
 from ..problem.unit_names import NO_UNIT
-from ..sampling.norms import Results, common
 from ..scene.scene import Scene
 from ..versions import versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
 from .arrays import Labelled, Table
+
+
+class StepsOfMarch(NamedTuple):
+    """The steps of a march: `problem.quantities.Path`.
+
+    Parameters
+    ----------
+    path : (S, 4) time, indentation from the first touch, force and relative contact area
+    standoff : height of the plane of the face above the first touch
+    """
+
+    path: Array
+    standoff: float
 
 
 def tabulate(
@@ -39,8 +51,9 @@ def tabulate(
     for name, solution in solutions.items():
         results, march = solution.results, solution.march
         if scene.output.every_step and march is not None:
-            offsets = [0.0, problem.profile.standoff, 0.0, 0.0]
-            results = results | dict(zip(STEPS, (march.path + offsets).T, strict=True))
+            path = StepsOfMarch(march.path, problem.profile.standoff)
+            steps = {name: np.asarray(step.value(path)) for name, step in STEPS.items()}
+            results = results | steps
         errors = {error_name(key): error for key, error in solution.errors.items()}
         # with their units; scaled copies of all fields would take as much memory as the table
         scaled = {key: (results[key], size) for key, size in unit_sizes(problem, results).items()}
@@ -59,36 +72,30 @@ def tabulate(
         "edge": longest("contact_edge"),
         "step": longest("step_time"),
     }
-    # quantities that only some runs have
-    optional = {
-        *MOVING_CONTACT_QUANTITIES,
-        *STEPS,
-        *(name for name, quantity in ANSWER.items() if not quantity.always),
-    }
-    table = dict[str, Quantity]()
+    # name, dimensions, unit and definition of each variable
+    table: list[tuple[str, tuple[str, ...], str, str]] = []
     for name, quantity in (QUANTITIES | STEPS | ANSWER).items():
-        if name in optional and not any(name in values for values in reported):
+        if name in STEPS and not sizes["step"]:
             continue
         if name in QUANTITIES and not problem.wants(name):
             continue
-        table[name] = quantity
-        if name in DESCRIBED and name not in ("contact", "contact_edge"):
-            definition = ERROR.format(name, NORMS[quantity.norm])
-            table[error_name(name)] = Quantity(quantity.error_dims, "number", definition)
+        table.append((name, quantity.dims, quantity.unit, quantity.definition))
+        if name in DESCRIBED.keys() - NOT_COMPARED:
+            definition = ERROR.format(name, quantity.norm.definition)
+            table.append((error_name(name), quantity.error_dims, "number", definition))
 
     def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind)}
 
     variables: Labelled = {}
-    for name, quantity in table.items():
-        array = np.full((len(reported), *(sizes[dim] for dim in quantity.dims)), np.nan)
+    for name, dims, unit, definition in table:
+        array = np.full((len(reported), *(sizes[dim] for dim in dims)), np.nan)
         for row, values in enumerate(reported):
             if name in values:
                 own, scale = values[name]
                 common_part = common(own.shape, array.shape[1:])
                 array[row, ...][common_part] = own[common_part] * scale
-        attributes = describe(quantity.definition, quantity.unit)
-        variables[name] = (("solver", *quantity.dims), array, attributes)
+        variables[name] = (("solver", *dims), array, describe(definition, unit))
     # take the radii from the scene, because scaling non-dimensional ones may change the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length

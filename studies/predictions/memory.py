@@ -106,7 +106,7 @@ def _memory_of_matrices(problem: Problem, methods: Collection[Method], pressures
 
 def _results_at_each_time(problem: Problem) -> tuple[float, float]:
     """Return how many numbers the results of a method contain at each time: in fields, and else."""
-    wanted = [name for name in HISTORIES - problem.quantities_missing if problem.wants(name)]
+    wanted = [name for name in HISTORIES if problem.wants(name)]
     fields = sum(name in FIELDS for name in wanted)
     ring_quantities = sum("ring" in QUANTITIES[name].dims for name in wanted)
     rings = len(problem.wear_coefficients)

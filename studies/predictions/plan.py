@@ -25,7 +25,6 @@ from ..methods.base import Method, Solution, SystemSize
 from ..methods.spaces import pressure_spaces
 from ..outcome.scope import chosen_methods, refusals
 from ..problem.problem import Problem
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
 from ..progress import Stages
 from ..scene.calls import naming_arguments
 from ..scene.scene import Scene, Source
@@ -38,7 +37,7 @@ from .memory import predict_memory, why_beyond_memory
 MAX_WORK_WITHOUT_PROBE, MAX_SECONDS_TO_SOLVE = 1.0, 5.0
 # Greatest number of times of a probe, and greatest number of steps that a march must make at least
 # for it to have a probe.
-MOST_PROBE_TIMES, MOST_PROBE_STEPS = 50, 200
+MOST_PROBE_TIMES, MOST_PROBE_STEPS, MOST_PROBE_RINGS = 50, 200, 16
 # Error estimate of a probe over the allowed error, below which a solution in full contact is
 # expected to need no refinement: over 20 scenes that ratio was at most five times as large at the
 # requested tolerance as in the probe.
@@ -97,8 +96,9 @@ def _work_of_steps(problem: Problem, order: float) -> float:
     return float(steps * order**2)
 
 
-# Functions that predict the work of dense algebra from a problem and its thousands of pressures.
-DENSE_WORK = {FULL_CONTACT: _work_of_modes, MOVING_CONTACT: _work_of_steps}
+# Functions that predict the work of dense algebra from a problem and its thousands of pressures, by
+# whether the punch is in full contact.
+DENSE_WORK = {True: _work_of_modes, False: _work_of_steps}
 
 
 def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
@@ -109,7 +109,7 @@ def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
     """
     order, step = size.pressures / 1e3, method.step(problem)
     steps = float(steps_between(problem.times, step).sum()) if step else 0.0
-    dense = DENSE_WORK[problem.contact](problem, order)
+    dense = DENSE_WORK[problem.full_contact](problem, order)
     return 0.02 + dense + 0.1 * (size.unknowns / 1e4) ** 1.5 + 6e-4 * steps * order**2
 
 
@@ -132,10 +132,9 @@ def coarsen(scene: Scene) -> Scene:
         rows = np.linspace(0, len(times) - 1, MOST_PROBE_TIMES).round().astype(int)
         times = [times[row] for row in rows]
     changes: dict[str, object] = {"accuracy": accuracy, "wear__times": times, "output__radii": None}
-    max_rings = problem.contact.most_probe_rings
-    if max_rings is not None and len(problem.wear_coefficients) > max_rings:
-        edges = (problem.ring_edges[1 : max_rings + 1] * problem.units.length).tolist()
-        coefficients = problem.wear_coefficients[:max_rings] * problem.units.wear_coefficient
+    if problem.full_contact and len(problem.wear_coefficients) > MOST_PROBE_RINGS:
+        edges = (problem.ring_edges[1 : MOST_PROBE_RINGS + 1] * problem.units.length).tolist()
+        coefficients = problem.wear_coefficients[:MOST_PROBE_RINGS] * problem.units.wear_coefficient
         changes["punch"] = {
             "radius": edges[-1],
             "ring_edges": edges,

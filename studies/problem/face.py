@@ -22,6 +22,18 @@ POINTS = 8
 NARROWEST_INTERVAL = 1e-9
 
 
+def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
+    """Return the weight of an average over the face at some radii.
+
+    The average is over the radius (`line`) or over the area (`area`) of a face from `inner_radius`
+    to 1. The weight is 0 in a hole.
+    """
+    on_face = radii > inner_radius
+    if average == "line":
+        return on_face / (1 - inner_radius)
+    return on_face * 2 * radii / ((1 - inner_radius) * (1 + inner_radius))
+
+
 class Rings(NamedTuple):
     """Rings of a punch.
 

@@ -26,15 +26,7 @@ from .loading import Loading
 from .profile import FLAT, InitialProfile
 from .punch import PunchSection
 from .quantities import ENERGIES, HISTORIES, STEADY, Units
-from .regimes import (
-    FALLING_FORCE,
-    FULL_CONTACT,
-    LOADS,
-    MOVING_CONTACT,
-    ContactRegime,
-    LoadRegime,
-    Regime,
-)
+from .refusal import Feature
 from .sections import (
     AccuracySection,
     FemAccuracy,
@@ -52,6 +44,9 @@ MOST_TIME_TO_WEAR_FLAT = 1e3
 MOST_COMPARED_TIMES, MOST_ESTIMATE_TIMES = 40, 60
 # part of rtol below which a change of the force, over the force, has no effect on the results
 LEAST_CHANGE = 0.01
+# least number of equal cells of the face on which norms are computed, by whether the punch is in
+# full contact; else the pressure is steep at contact edges, which may be anywhere on the face
+CELLS_OF_FACE = {True: 0, False: 250}
 # greatest number of pairs of a time and a change of the load that are considered at once
 MOST_CHANGES_AT_ONCE = 1_000_000
 
@@ -202,26 +197,43 @@ class Problem:
         return self.profile.flat and (self.loading.rising or self.keeps_contact) and keeps
 
     @property
-    def contact(self) -> ContactRegime:
-        """The regime of contact: full or moving."""
-        return FULL_CONTACT if self.full_contact else MOVING_CONTACT
+    def constant_force(self) -> bool:
+        """Whether one force and one sliding speed are given."""
+        return self.indentation is None and not self.loading.varies
 
     @property
-    def load_regime(self) -> LoadRegime:
-        """The regime of the load: a force or an indentation, constant or varying."""
-        if self.keeps_contact:
-            return FALLING_FORCE
-        return LOADS[self.indentation is not None, self.loading.varies]
+    def prescribed(self) -> str:
+        """The quantity that the load prescribes, in which no method has an error."""
+        return "normal_force" if self.indentation is None else "indentation"
 
     @property
-    def regimes(self) -> tuple[Regime, ...]:
-        """The regimes of contact and load, in the order in which methods may refuse them."""
-        return self.contact, self.load_regime
+    def response(self) -> str:
+        """The quantity that methods compute because the load does not prescribe it."""
+        return "indentation" if self.indentation is None else "normal_force"
 
     @property
-    def quantities_missing(self) -> frozenset[str]:
-        """Names of the quantities that do not exist for this contact and load."""
-        return self.contact.quantities_missing - self.load_regime.added_quantities
+    def remaining_parts(self) -> dict[str, float]:
+        """The part of the running-in that remains at each time of it in the answer.
+
+        These times are defined for a constant load.
+        """
+        if self.loading.varies:
+            return {}
+        if self.indentation is None:
+            return {"time_to_90": 0.1, "time_to_99": 0.01}
+        return {"time_to_half_force": 0.5}
+
+    @property
+    def features(self) -> tuple[Feature, ...]:
+        """The features that methods may refuse, in the order in which they do."""
+        present: dict[Feature, bool] = {
+            "layers": self.ground.layered,
+            "wear along the radius": self.merged.linear,
+            "moving contact": not self.full_contact,
+            "fixed indentation": self.indentation is not None,
+            "varying load": self.loading.varies,
+        }
+        return tuple(feature for feature, has in present.items() if has)
 
     @cached_property
     def time_to_wear_flat(self) -> float:
@@ -358,7 +370,10 @@ class Problem:
         SceneError
             if the scene has none of these quantities
         """
-        requested = quantities - self.quantities_missing
+        requested = quantities
+        if not self.full_contact:
+            # relaxation modes exist only while the contact does not change
+            requested -= {"relaxation_time"}
         if not len(self.times):
             requested -= HISTORIES
         if not self.steady:
@@ -381,7 +396,7 @@ class Problem:
     @property
     def energies_only(self) -> bool:
         """Whether only energies are requested, which converge twice as fast as fields."""
-        return self.quantities is not None and self.quantities <= set(ENERGIES)
+        return self.quantities is not None and self.quantities <= ENERGIES
 
     @cached_property
     def radii(self) -> Array:
@@ -411,7 +426,7 @@ class Problem:
         # integrals over each ring of the scene need its edges, even between rings of equal wear
         breakpoints = np.union1d(breakpoints, self.ring_edges)
         # on layers, fields vary over the thickness of the first one
-        cells = max(self.contact.cells_of_face, int(np.ceil(1 / self.ground.first_thickness)))
+        cells = max(CELLS_OF_FACE[self.full_contact], int(np.ceil(1 / self.ground.first_thickness)))
         if cells:
             even_breakpoints = np.linspace(0, 1, cells + 1)
             # omit breakpoints that would make very narrow elements, in which slopes are roundoff

@@ -24,10 +24,11 @@ from ...meshes.radial import Array
 from ..methods.base import method
 from ..methods.evaluation import FullContact
 from ..numerics.core import FLAT, flat_d0_error
+from ..problem.norms import Results
 from ..problem.problem import Problem, Rings
+from ..problem.quantities import differences
 from ..problem.sections import MdrAccuracy
 from ..progress import Stages
-from ..sampling.norms import Results, differences
 from ..scene.scene import Scene
 from ..sizes.defaults import pole_orders
 from ..study.levels import SECONDS

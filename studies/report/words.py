@@ -55,8 +55,8 @@ class Account:
             *("time_to_90", "time_to_99", "indentation_start", "indentation_steady"),
             *("steady_wear_rate", "steady_rms_slope", "running_in_time"),
         )
-        quantities = ANSWER | QUANTITIES
-        values = {key: float(self.result.first(key)) for key in keys}
+        quantities, known = ANSWER | QUANTITIES, self._known_numbers
+        values = {key: float(self.result.first(key)) for key in keys if key not in known}
         values = {key: value for key, value in values.items() if np.isfinite(value)}
         written = dict[str, str]()
         # all numbers of a kind have the same unit, so that they can be compared at a glance
@@ -73,6 +73,16 @@ class Account:
                 meaning = meaning.partition(";")[0]
             lines.append((name, written[key], meaning))
         return lines
+
+    @property
+    def _known_numbers(self) -> set[str]:
+        """Numbers of the answer that the scene itself determines."""
+        problem, known = self.scene.problem, set[str]()
+        if problem.prescribed == "normal_force":
+            known |= {"force_start", "force_end"}
+        if problem.full_contact:
+            known |= {"contact_radius_start", "time_to_full_contact"}
+        return known
 
     @property
     def warnings(self) -> list[str]:

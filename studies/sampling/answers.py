@@ -14,64 +14,108 @@ import numpy as np
 
 from ...meshes.radial import Array, ring_of
 from ..contact.marched import Marched
+from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..problem.quantities import ANSWER, STATES
+from ..problem.quantities import ANSWER, STATES, Quantity
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
-from .norms import Results
-from .sampler import Sampler
+from .functions import Functions
 
 # Times of running-in are located on the logarithm of (part that is left / part wanted); this is the
 # smallest value of that ratio.
 SMALLEST_RATIO = 1e-3
 
 
-def empty_answers(problem: Problem) -> Results:
-    """Return arrays of NaN for all numbers of the answer."""
-    sizes = {"state": len(STATES), "ring": len(problem.wear_coefficients)}
-    return {
-        name: np.full([sizes[dim] for dim in quantity.dims], np.nan)
-        for name, quantity in ANSWER.items()
-    }
+class SteadyRun:
+    """What a method knows that computes only the steady state: `problem.quantities.Run`.
+
+    Parameters
+    ----------
+    problem : the problem
+    steady : the steady quantities on the face, those that are wanted
+    """
+
+    def __init__(self, problem: Problem, steady: Results) -> None:
+        self.problem, self.steady = problem, steady
+        self.indentation_at_start = self.slowest_time = np.nan
+        self.contact_radius_at_start = self.peak_at_start = self.time_to_full_contact = np.nan
+        self.forces = np.full(2, np.nan)
+        self.worn_volumes = np.full(len(problem.wear_coefficients), np.nan)
+
+    def time_until(self, remaining_part: float) -> float:
+        """Return the time after which a given part of the running-in remains."""
+        return np.nan
+
+    @property
+    def pressures(self) -> Array:
+        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring.
+
+        Pressures of the start may be infinite, and have no closed form if the face is shaped.
+        """
+        values = np.full((2, len(STATES), len(self.worn_volumes)), np.nan)
+        if "steady_pressure" in self.steady:
+            values[:, 1] = _steady_extremes(self.problem, self.steady)
+        return values
+
+    @property
+    def force_shares(self) -> Array:
+        """(2, N) share of the force at the start and in the steady state, by ring."""
+        values = np.full((len(STATES), len(self.worn_volumes)), np.nan)
+        if "steady_pressure" in self.steady:
+            face, pressure = self.problem.face, self.steady["steady_pressure"]
+            final = self.problem.loading.forces[-1]
+            values[1] = face.ring_sums(face.areas * pressure) / final
+        return values
+
+    @property
+    def greatest_steady_displacement(self) -> float:
+        """Greatest displacement in the steady state."""
+        return float(self.steady.get("steady_displacement_max", np.nan))
 
 
-def flat_answers(
-    problem: Problem, wear: RunningIn, steady: Results, ends: History | None
-) -> Results:
-    """Return the answer of a flat punch in full contact.
+class FlatRun(SteadyRun):
+    """A flat punch in full contact.
 
     Parameters
     ----------
     problem : the problem
     wear : the running-in on a compliance
     steady : the steady quantities on the face, those that are wanted
-    ends : the history at the first and at the last of the times, if there are any
+    ends : the history at the first and at the last of the times
     """
-    values = empty_answers(problem)
-    if ends is not None:
-        flat, edges = wear.flat, problem.ring_edges
-        values["pressure_min"][0], values["pressure_max"][0] = flat.extremes_on(edges)
-        forces = flat.ring_forces(edges)
-        values["force_share"][0] = forces / forces.sum()
-        values["indentation_start"][...] = flat.indentation + problem.profile.standoff
-        values["running_in_time"][...] = wear.relaxation_times[0]
-        for name, remaining_part in problem.load_regime.remaining_fractions.items():
-            values[name][...] = wear.time_until(remaining_part)
-        sampler = Sampler(problem, wear.compliance.space)
-        values["worn_volume"] = sampler.worn_volumes(ends)[-1]
-        add_forces(values, problem, sampler.ring_forces(ends).sum(axis=1))
-    add_steady_values(values, problem, steady)
-    return without_missing(values)
+
+    def __init__(self, problem: Problem, wear: RunningIn, steady: Results, ends: History) -> None:
+        super().__init__(problem, steady)
+        self.wear = wear
+        functions = Functions(problem, wear.compliance.space)
+        self.indentation_at_start = wear.flat.indentation + problem.profile.standoff
+        self.slowest_time = wear.relaxation_times[0]
+        self.worn_volumes = functions.worn_volumes(ends)[-1]
+        self.forces = _forces(problem, functions.ring_forces(ends))
+        self.contact_radius_at_start, self.time_to_full_contact = 1.0, 0.0
+
+    def time_until(self, remaining_part: float) -> float:
+        """Return the time after which a given part of the running-in remains."""
+        return self.wear.time_until(remaining_part)
+
+    @property
+    def pressures(self) -> Array:
+        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring."""
+        values = super().pressures
+        values[:, 0] = self.wear.flat.extremes_on(self.problem.ring_edges)
+        return values
+
+    @property
+    def force_shares(self) -> Array:
+        """(2, N) share of the force at the start and in the steady state, by ring."""
+        values, forces = super().force_shares, self.wear.flat.ring_forces(self.problem.ring_edges)
+        values[0] = forces / forces.sum()
+        return values
 
 
-def moving_answers(
-    problem: Problem,
-    march: Marched,
-    start: FittedPress | None,
-    ends: History,
-) -> Results:
-    """Return the answer of a punch whose contact opens, closes or spreads.
+class MarchedRun(SteadyRun):
+    """A punch whose contact opens, closes or spreads.
 
     Parameters
     ----------
@@ -80,47 +124,59 @@ def moving_answers(
     start : the initial contact, if it is fitted to the edges of the contact
     ends : the history at the first and at the last of the times
     """
-    values = empty_answers(problem)
-    sampler = Sampler(problem, march.space)
-    forces = sampler.ring_forces(ends)
-    if not problem.reason_not_steady:
-        values["running_in_time"][...] = march.face.slowest_time
-    values["worn_volume"] = sampler.worn_volumes(ends)[-1]
-    add_forces(values, problem, forces.sum(axis=1))
-    if not problem.loading.varies:
-        values["time_to_full_contact"][...] = march.time_of_full_contact
-        for name, remaining_part in problem.load_regime.remaining_fractions.items():
-            values[name][...] = _time_of_march(march, remaining_part)
-        if problem.times[0] == 0:
-            values["indentation_start"][...] = ends.indentation[0] + problem.profile.standoff
-            total = forces[0].sum()
-            values["force_share"][0] = forces[0] / total if total > 0 else np.nan
-    if start is not None:
-        values["contact_radius_start"][...] = start.radius
-        values["pressure_peak_start"][...] = _peak(start)
-    return without_missing(values)
+
+    def __init__(
+        self, problem: Problem, march: Marched, start: FittedPress | None, ends: History
+    ) -> None:
+        super().__init__(problem, {})
+        self.march, self.ends = march, ends
+        functions = Functions(problem, march.space)
+        self.ring_forces = functions.ring_forces(ends)
+        if not problem.reason_not_steady:
+            self.slowest_time = march.face.slowest_time
+        self.worn_volumes = functions.worn_volumes(ends)[-1]
+        self.forces = _forces(problem, self.ring_forces)
+        if not problem.loading.varies:
+            self.time_to_full_contact = march.time_of_full_contact
+            if problem.times[0] == 0:
+                self.indentation_at_start = ends.indentation[0] + problem.profile.standoff
+        if start is not None:
+            self.contact_radius_at_start, self.peak_at_start = start.radius, _peak(start)
+
+    def time_until(self, remaining_part: float) -> float:
+        """Return the time after which a given part of the running-in remains."""
+        return _time_of_march(self.march, remaining_part)
+
+    @property
+    def force_shares(self) -> Array:
+        """(2, N) share of the force at the start and in the steady state, by ring."""
+        values, total = super().force_shares, self.ring_forces[0].sum()
+        if self.problem.times[0] == 0 and not self.problem.loading.varies and total > 0:
+            values[0] = self.ring_forces[0] / total
+        return values
 
 
-def steady_answers(problem: Problem, steady: Results) -> Results:
-    """Return the answer of a method that computes only steady quantities on the face."""
-    values = empty_answers(problem)
-    add_steady_values(values, problem, steady)
-    return without_missing(values)
+def answers_of(run: SteadyRun) -> Results:
+    """Return the numbers of the answer without those that are NaN in all their parts."""
+    problem = run.problem
+    values = {
+        name: np.array(quantity.value(run), dtype=float)
+        for name, quantity in ANSWER.items()
+        if quantity.remaining is None or name in problem.remaining_parts
+    }
+    return {name: value for name, value in values.items() if not np.isnan(value).all()}
 
 
-def add_steady_values(values: Results, problem: Problem, steady: Results) -> None:
-    """Add the numbers of the steady state to the answer.
+def empty_answer(problem: Problem, quantity: Quantity) -> Array:
+    """Return the NaN of a number of the answer that a method does not compute."""
+    sizes = {"state": len(STATES), "ring": len(problem.wear_coefficients)}
+    return np.full([sizes[dim] for dim in quantity.dims], np.nan)
 
-    Pressures of the start may be infinite, and have no closed form if the face is shaped. Then the
-    steady pressures are the only pressures in the answer.
-    """
-    if "steady_displacement_max" in steady:
-        values["indentation_steady"] = steady["steady_displacement_max"]
-    if "steady_pressure" in steady:
-        face, pressure = problem.face, steady["steady_pressure"]
-        values["pressure_min"][1], values["pressure_max"][1] = _steady_extremes(problem, steady)
-        final = problem.loading.forces[-1]
-        values["force_share"][1] = face.ring_sums(face.areas * pressure) / final
+
+def _forces(problem: Problem, ring_forces: Array) -> Array:
+    """Return the force (2,) at the start, if that is the first time, and at the last time."""
+    forces = ring_forces.sum(axis=1)
+    return np.where([problem.times[0] == 0, True], forces, np.nan)
 
 
 def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
@@ -140,27 +196,6 @@ def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
             least[index] = at_ends[:, ring == index].min()
             greatest[index] = at_ends[:, ring == index].max()
     return least, greatest
-
-
-def add_forces(values: Results, problem: Problem, forces: Array) -> None:
-    """Add the forces that the load does not prescribe to the answer.
-
-    The force at the start is known only if the start is one of the times.
-
-    Parameters
-    ----------
-    values : the answer
-    problem : the problem
-    forces : (2,) at the first and at the last of the times
-    """
-    for name, index in problem.load_regime.reported_forces.items():
-        if name != "force_start" or problem.times[0] == 0:
-            values[name][...] = forces[index]
-
-
-def without_missing(values: Results) -> Results:
-    """Return the answer without numbers that are NaN in all their parts."""
-    return {name: value for name, value in values.items() if not np.isnan(value).all()}
 
 
 def merged_answers(history: Results, steady: Results) -> Results:

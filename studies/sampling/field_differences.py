@@ -11,7 +11,7 @@ import numpy as np
 
 from ...meshes.radial import Array, Indices
 from ..problem.problem import Problem
-from ..problem.quantities import error_name
+from ..problem.quantities import QUANTITIES, error_name
 
 OVER_TIME = ("pressure", "profile", "displacement")
 IN_STEADY_STATE = ("steady_pressure", "steady_profile")
@@ -142,50 +142,46 @@ def _difference(
     values, other_values : (T, R) at these times, or (1, R) for the steady state
     estimates : error estimates (T,) or (1,) of the reference and of the other report
     """
-    over_time, units = name in OVER_TIME, problem.units
+    over_time, units, quantity = name in OVER_TIME, problem.units, QUANTITIES[name]
     with np.errstate(invalid="ignore"):
         # both pressures at the rim of a flat punch are infinite
-        gaps = other_values - values
-    if name == "profile":
-        gaps -= _difference_in_even_wear(problem, reference, rows, values, gaps)[:, None]
-    gaps = np.abs(gaps)
+        compared = np.isfinite(other_values - values)
     radii = reference["radius"] / units.length
     if "pressure" in name:
         # pressures jump at ring edges, and have no value there
         jumps = np.isclose(radii[:, None], problem.merged.ring_edges[1:-1], 0, 1e-9)
-        gaps[:, jumps.any(axis=1)] = np.nan
-    compared = np.isfinite(gaps)
+        compared[:, jumps.any(axis=1)] = False
     times_compared, radii_compared = compared.any(axis=1), compared.any(axis=0)
     if not times_compared.any():
         return []
     block = np.ix_(times_compared, radii_compared)
-    gaps, compared, values, radii = (
-        gaps[block],
-        compared[block],
-        values[block],
-        radii[radii_compared],
-    )
+    compared = compared[block]
+    ours, theirs = (np.where(compared, each[block], 0.0) for each in (values, other_values))
     times = reference["time"][rows][times_compared] if over_time else np.array([np.inf])
-    face = problem.sampled_face(radii)
-    if "pressure" in name:
-        if over_time:
-            unworn = problem.loading.at(times / units.time).distance == 0
-            root_weights = np.where(unworn[:, None], np.sqrt(face.edge_weights), 1.0)
-            gaps, values = gaps * root_weights, np.where(compared, values, 0.0) * root_weights
-        weights = face.weights * compared
-        scale = root_mean_square(values, weights)
-    elif over_time:
-        scale = _depth(problem, reference)[rows][times_compared]
+    face = problem.sampled_face(radii[radii_compared])
+    greatest = reference.get("steady_displacement_max", np.asarray(units.displacement))
+    scales = {"steady_displacement_max": greatest}
+    if over_time:
+        scales = {
+            "pressed": problem.loading.at(times / units.time).distance == 0,
+            "depth": _depth(problem, reference)[rows][times_compared],
+            "even_wear": _least_worn_depth(problem, reference)[rows][times_compared],
+        }
     else:
-        scale = np.atleast_1d(reference.get("steady_displacement_max", units.displacement))
-    if not scale.max() > 0:
+        ours, theirs = ours[0], theirs[0]
+    results = scales | {name: ours, "time": times}
+    gaps = np.atleast_2d(quantity.norm.gaps(name, {name: theirs}, results, face))
+    size = np.atleast_2d(quantity.norm.size(name, results, face))
+    if not size.max() > 0:
         return []
     # if nothing presses, only roundoff is left
-    relative = gaps / np.maximum(scale, ROUNDOFF * scale.max())[:, None]
+    larger = np.maximum(size, ROUNDOFF * size.max())
+    norms = quantity.difference({name: theirs}, results, face) * (size / larger)[:, 0]
     if "pressure" in name:
-        norms = root_mean_square(relative, weights)
-    else:
-        norms = np.nanmax(relative, axis=1)
+        # the root mean square is that over the radii at which both have a value
+        share = (face.weights * compared).sum(axis=1, keepdims=True) / face.weights.sum()
+        larger = larger / np.sqrt(share)
+    relative = np.where(compared, gaps / larger, np.nan)
     errors = (error[times_compared] for error in estimates)
     return [
         FieldDifference(name, times, reference["radius"][radii_compared], relative, norms, *errors)
@@ -215,31 +211,6 @@ def _least_worn_depth(problem: Problem, reference: Mapping[str, Array]) -> Array
     worn = reference["profile"] - unworn
     on_face = radii >= problem.inner_radius
     return np.nan_to_num(np.fmin.reduce(worn[:, on_face], axis=1, initial=np.inf), posinf=0.0)
-
-
-def _difference_in_even_wear(
-    problem: Problem, reference: Mapping[str, Array], rows: Indices, values: Array, gaps: Array
-) -> Array:
-    """Return the part (T,) of differences of profiles that is a difference in even wear.
-
-    The depth by which the whole face has worn grows without bound. Its relative difference is that
-    of the mean heights. What remains is the difference of the shapes.
-
-    Parameters
-    ----------
-    problem, reference, rows : as in `_difference`
-    values, gaps : (T, R) profiles of the reference, and their differences
-    """
-    common = np.isfinite(gaps) & np.isfinite(values)
-    sums, differences = (np.where(common, each, 0.0).sum(axis=1) for each in (values, gaps))
-    ratios = np.divide(differences, sums, out=np.zeros(len(sums)), where=sums > 0)
-    return np.asarray(_least_worn_depth(problem, reference)[rows] * ratios)
-
-
-def root_mean_square(values: Array, weights: Array) -> Array:
-    """Return the weighted root mean square (T,) of values (T, R), by weights (T, R)."""
-    squares = np.where(weights > 0, values, 0.0) ** 2
-    return np.asarray(np.sqrt((weights * squares).sum(axis=1) / weights.sum(axis=1)))
 
 
 def _interpolated(radii: Array, other_radii: Array, other_values: Array) -> Array:

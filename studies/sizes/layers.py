@@ -7,7 +7,7 @@ between layers.
 from ...meshes.ground.ground import Ground
 from ...meshes.pressure_space import PressureSpace
 from ..problem.problem import Problem
-from ..problem.regimes import Refusal
+from ..problem.refusal import Refusal
 from ..problem.sections import LAYERED
 
 # Largest width of a pressure element over the thickness of the first layer, which is the length

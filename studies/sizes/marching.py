@@ -3,7 +3,10 @@
 import numpy as np
 
 from ...meshes.radial import Array
-from ..problem.regimes import FULL_CONTACT
+
+# Greatest number of steps in time, by whether the punch is in full contact: then a step is only a
+# product of matrices, and else a contact problem.
+MOST_STEPS = {True: 2_000_000, False: 200_000}
 
 
 def steps_between(times: Array, step: float) -> Array:
@@ -14,7 +17,7 @@ def steps_between(times: Array, step: float) -> Array:
     return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
 
 
-def why_too_many_steps(count: float, remedy: str, max_steps: int = FULL_CONTACT.most_steps) -> str:
+def why_too_many_steps(count: float, remedy: str, max_steps: int = MOST_STEPS[True]) -> str:
     """Return why a march of `count` steps is refused, with the remedy; empty if it is not."""
     return (
         f"{count:.3g} steps are needed to reach the last time, more than {max_steps}: {remedy}"

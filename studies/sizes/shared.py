@@ -53,7 +53,7 @@ def discretisation_key(problem: Problem) -> Hashable:
     """
     sizes = problem.fem.model_dump_json(), problem.mdr.model_dump_json()
     numbers = problem.ground, problem.rtol, problem.gradient_average
-    kinds = bool(len(problem.times)), problem.contact
+    kinds = bool(len(problem.times)), problem.full_contact
     rings = problem.merged
     edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow
     return *edges, *numbers, *kinds, *sizes

@@ -17,10 +17,10 @@ from ..crosscheck.agreement import disagreement
 from ..methods.base import Method, Solution, method
 from ..outcome.answer import answer
 from ..outcome.table import in_units
+from ..problem.norms import common
 from ..problem.problem import Problem
 from ..problem.quantities import error_name
 from ..progress import Stages
-from ..sampling.norms import common
 from ..sizes.shared import groups
 from ..versions import stamp
 from .axes import ANSWERS, Sweep

@@ -24,7 +24,7 @@ from zarr.codecs import ZstdCodec
 
 from ...meshes.errors import SceneError
 from ...meshes.radial import Array
-from ..problem.quantities import ERROR, NORMS, STATES, error_name
+from ..problem.quantities import ERROR, STATES, error_name
 from ..problem.unit_names import UnitNames, kind_of
 from ..scene.scene import Scene
 from ..versions import code, stamp, versions
@@ -32,6 +32,11 @@ from ..wear.modes import SHOWN_RELAXATION_TIMES
 from .axes import ANSWERS, KEEPABLE, Sweep
 from .flags import DONE, FAILED, PENDING
 
+# beginnings of keys in which scenes of a flat punch may differ and still share a discretisation
+SHARED_KEYS = (
+    *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
+    *("load.", "wear.", "output.", "title"),
+)
 # file of a Zarr group with its metadata
 ROOT = "zarr.json"
 
@@ -74,7 +79,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
         quantity = KEEPABLE[name]
         add(name, ("solver", *quantity.dims), described(quantity.definition, quantity.unit))
         if name not in ANSWERS:
-            error = described(ERROR.format(name, NORMS[quantity.norm]))
+            error = described(ERROR.format(name, quantity.norm.definition))
             add(error_name(name), ("solver", *quantity.error_dims), error)
     if dataset.sizes["solver"] > 1:
         definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
@@ -95,7 +100,7 @@ def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
     geometry, up to a limit, because they share a discretisation. If one geometry has few scenes, or
     if punches are shaped, a block contains several geometries. Blocks of large sweeps are larger.
     """
-    shared = sweep.first.problem.contact.shared_keys
+    shared = SHARED_KEYS if sweep.first.problem.full_contact else ()
     scale = min(max(sweep.count // 8192, 1), 64)
     # scenes whose results take 128 MiB
     most_in_memory = 2**27 * sweep.count // blank.nbytes

@@ -17,9 +17,10 @@ from ..crosscheck.accuracy import solved_to_accuracy
 from ..crosscheck.agreement import compare
 from ..extremes import naive
 from ..methods.base import Solution, method
+from ..problem.norms import Results
 from ..problem.problem import Problem
+from ..problem.quantities import differences
 from ..progress import Stages
-from ..sampling.norms import Results, differences
 from ..tables import Row
 
 RUNS = 3

@@ -20,7 +20,7 @@ def families_of_quantities(
     scene: Scene, options: Options, names: tuple[str, ...]
 ) -> Iterator[Family]:
     """Yield a family for each quantity of the user and each method."""
-    problem, tolerances = scene.problem, TOLERANCES[scene.problem.contact]
+    problem, tolerances = scene.problem, TOLERANCES[scene.problem.full_contact]
     finest = scene.changed(accuracy={"rtol": tolerances.of_reference(options.quick)})
     reference_methods = dict.fromkeys(map(other_theory, names))
     references = {name: run(finest, [name]) for name in reference_methods}

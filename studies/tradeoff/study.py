@@ -119,7 +119,7 @@ def choose_methods(options: Options) -> tuple[str, ...]:
 
 def list_omissions(names: tuple[str, ...], scene: Scene, options: Options) -> Iterator[str]:
     """Yield the methods that are left out for a scene, with the reason."""
-    applicable = TOLERANCES[scene.problem.contact].with_full_contact_methods
+    applicable = TOLERANCES[scene.problem.full_contact].with_full_contact_methods
     if NAIVE in names and not applicable and not options.quantities:
         yield (
             "Left out for a shaped punch: the naive finite elements, because their nodes stick to "

@@ -9,8 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problem.regimes import FULL_CONTACT, MOVING_CONTACT
-
 EXPECTED_SECONDS = {"mdr": 0.05, "bem": 0.05, "fem": 0.2, "mdr-grid": 0.3, "naive": 0.3}
 """Seconds of a run of a flat punch at the coarsest level, by method."""
 EXPECTED_PRICE = 1.4
@@ -61,8 +59,9 @@ def _seconds_of_shaped(name: str, tolerance: float) -> float:
     return 2 * seconds if name == "fem" else seconds
 
 
+# by whether the punch is in full contact
 TOLERANCES = {
-    FULL_CONTACT: Tolerances(
+    True: Tolerances(
         full=tuple(10.0**-digits for digits in range(1, 9)),
         quick=tuple(10.0**-digits for digits in range(1, 4)),
         reference=1e-9,
@@ -72,7 +71,7 @@ TOLERANCES = {
     ),
     # a run at 1e-1 is refined to a tenth of that at most; sizes follow rtol up to a greatest
     # number of cells
-    MOVING_CONTACT: Tolerances(
+    False: Tolerances(
         full=(1e-1, 1e-2, 3e-3, 1e-3),
         quick=(1e-1, 1e-2),
         reference=1e-5,

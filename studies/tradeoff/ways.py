@@ -80,7 +80,7 @@ class Ways:
         RingwearError
             if a reference cannot be computed
         """
-        rtol = TOLERANCES[problem.contact].of_reference(quick)
+        rtol = TOLERANCES[problem.full_contact].of_reference(quick)
         problem = replace(problem, march="modal", step=None)
         problem = replace(problem, compared_on=replace(problem, rtol=rtol).face)
         reference_methods = dict.fromkeys(other_theory(name.split()[0]) for name in names)
@@ -113,7 +113,7 @@ class Ways:
         if name == NAIVE:
             return self._naive_levels(group_problem)
         problems: dict[str, Problem] = {}
-        tolerances = TOLERANCES[self.problem.contact]
+        tolerances = TOLERANCES[self.problem.full_contact]
         can_march = tolerances.with_full_contact_methods and quantities <= GROUPS["history"]
         if name in BY_TOLERANCE:
             problems = {
@@ -147,9 +147,9 @@ class Ways:
         face, and they have no layers.
         """
         # they compute the pressure and the indentation; a given indentation has no error
-        computed = {"pressure", group_problem.load_regime.response} - {"normal_force"}
+        computed = {"pressure", group_problem.response} - {"normal_force"}
         solvable = (
-            TOLERANCES[group_problem.contact].with_full_contact_methods
+            TOLERANCES[group_problem.full_contact].with_full_contact_methods
             and not group_problem.ground.layered
         )
         if not solvable or not any(map(group_problem.wants, computed)):
@@ -189,7 +189,7 @@ def tolerance_of(setting: str) -> float:
 
 def expected_seconds(problem: Problem, name: str, setting: str) -> float:
     """Return the expected seconds of all runs of a level."""
-    return measure.RUNS * TOLERANCES[problem.contact].seconds(name, tolerance_of(setting))
+    return measure.RUNS * TOLERANCES[problem.full_contact].seconds(name, tolerance_of(setting))
 
 
 def _explicit_problems(group_problem: Problem) -> dict[str, Problem]:

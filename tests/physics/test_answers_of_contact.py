@@ -39,17 +39,16 @@ def test_a_sphere_starts_with_hertz_contact():
         assert answers["indentation_start"] == pytest.approx(radius**2 / CURVATURE, rel=1e-6)
         # the last time is long before full contact, so these numbers are missing
         assert np.isnan(answers["time_to_90"])
-        assert "time_to_full_contact" not in answers
-        assert "force_start" not in answers
-    assert "time_to_full_contact" not in result.dataset
+        assert np.isnan(answers["time_to_full_contact"])
+        assert answers["force_start"] == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder"])
 def test_infinite_peak_pressures_are_left_out_of_the_answer(name):
     scene = Scene.load(name).changed(wear__times=[0.0], wear__steady=False)
     answers = run(scene, methods=["mdr"]).answers["mdr"]
-    assert "pressure_peak_start" not in answers
-    assert "contact_radius_start" in answers
+    assert np.isnan(answers["pressure_peak_start"])
+    assert answers["contact_radius_start"] > 0
 
 
 @pytest.fixture(scope="module")

@@ -38,7 +38,9 @@ def test_flat_starts_against_boussinesq(number):
 def test_histories_against_an_independent_solution(number):
     problem = Scene.load(PROBLEMS[number]).problem
     rings, unit, later = problem.merged, problem.units, problem.times[1:]
-    punch = Reference(*rings, np.full(len(rings.widths), 1e-11), degree=20)
+    punch = Reference(
+        rings.ring_edges, rings.wear_coefficients[0], np.full(len(rings.widths), 1e-11), degree=20
+    )
     for time, pressure, worn, depth in zip(later, *punch.at(later), strict=True):
         exact = {
             "pressure": lambda radii, of=pressure: punch.values(of[None], radii)[0] * unit.pressure,

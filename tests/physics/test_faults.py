@@ -8,7 +8,7 @@ import pytest
 from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, run
 from ringwear import method as named
 from ringwear.studies.anchors.checks import anchors
-from ringwear.studies.sampling.norms import WITHOUT_EVEN_WEAR
+from ringwear.studies.problem.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.sampling.sampler import Sampler
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes

@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from ....meshes.radial import Array, Indices
+from ...problem.norms import Results
 from ...problem.quantities import FIELDS
-from ...sampling.norms import Results
 from ...scene.scene import Scene
 
 # least and greatest number of parts of the face over which fields are averaged

@@ -10,9 +10,9 @@ import numpy as np
 from ....meshes.ground.ground import HALF_SPACE
 from ....meshes.radial import Array
 from ...problem.face import Rings
+from ...problem.norms import Results
 from ...problem.problem import Problem
 from ...problem.quantities import QUANTITIES
-from ...sampling.norms import Results
 from ...scene.scene import Scene
 from ...wear.full_contact import RunningIn
 from . import grounds
@@ -105,7 +105,7 @@ class Histories:
             problem,
             rtol=TABLE_RTOL,
             steady=False,
-            quantities=frozenset(PRINTED) - problem.quantities_missing,
+            quantities=frozenset(PRINTED),
             compared_on=None,
             times=self.times,
             output_radii=self.radii,

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from ....meshes.radial import Array
+from ...problem.norms import Results
 from ...problem.problem import Problem
 from ...problem.quantities import QUANTITIES
 from ...problem.unit_names import UnitNames
-from ...sampling.norms import Results
 from ...sampling.sampler import Sampler
 from .comparison import Comparison
 from .histories import LENGTHS, Histories, Solve

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ringwear import Compliance, Loading, PressureSpace, Problem, Rings, RunningIn, method
-from ringwear.studies.sampling import sampler
+from ringwear.studies.sampling import functions, sampler
 from ringwear.studies.wear import full_contact
 from ringwear.studies.wear.modes import Modes
 
@@ -154,7 +154,7 @@ def area_in_place_of_line() -> Put:
     """Average the RMS slope over the area instead of the radius."""
 
     def put(patch):
-        patch.setattr(sampler, "radial_weight", lambda radii, *_: 2 * radii)
+        patch.setattr(functions, "radial_weight", lambda radii, *_: 2 * radii)
 
     return put
 
@@ -183,7 +183,7 @@ def move_force(size: float) -> Put:
 
 
 def greatest(size: float) -> Put:
-    return change_result(sampler.Sampler, "_greatest", lambda values: values * (1 + size))
+    return change_result(sampler.Sampler, "greatest", lambda values: values * (1 + size))
 
 
 def worn_volumes(size: float) -> Put:

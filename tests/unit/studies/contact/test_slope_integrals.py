@@ -5,7 +5,7 @@ import pytest
 
 from ringwear import InitialProfile
 from ringwear.studies.contact.slope_integrals import slope_integrals
-from ringwear.studies.sampling.norms import radial_weight
+from ringwear.studies.problem.face import radial_weight
 
 BREAKPOINTS = np.concatenate([np.linspace(0, 0.99, 34), [0.995, 0.998, 0.999, 1.0]])
 
