@@ -114,7 +114,7 @@ def even_half_space(
         outline = Outline.of_layers(outer, interfaces, ground.rigid)
         mesh = cell_triangles.mesh(cells, growth, outline)
     breakpoints, low_parts = contact_breakpoints(mesh, np.array(edges))
-    linear = np.where((breakpoints[1:] <= edges[1]) & cells.hollow, 0, 1)
+    linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
     space = PressureSpace(breakpoints, linear, np.array(edges), low_parts)
     if halvings:
         mesh = halved(mesh, np.array(edges), halvings)

@@ -38,9 +38,7 @@ from .far_field import exterior_stiffness, poles
 from .stability import least_ratio, refuse_singular
 
 
-def pressure_space(
-    solid: AxisymmetricElasticity, ring_edges: Array, hollow: bool = False
-) -> PressureSpace:
+def pressure_space(solid: AxisymmetricElasticity, ring_edges: Array) -> PressureSpace:
     """Return a pressure space on the contact facets that is stable with the displacements.
 
     Pressures have a lower degree than displacements. With linear displacements they are linear,
@@ -51,8 +49,7 @@ def pressure_space(
     Parameters
     ----------
     solid : elastic solid
-    ring_edges : (N+1,) ring edges, 0 to 1
-    hollow : whether the first ring is a hole, where the surface is free
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1
     """
     breakpoints, low = contact_breakpoints(solid.mesh, ring_edges)
     if isinstance(solid.mesh, MeshQuad):
@@ -64,8 +61,6 @@ def pressure_space(
         # lower degree is as accurate.
         highest, lowest = max(solid.degree - 1, 1), max(solid.degree - 2, 1)
         degrees = layer_degrees(breakpoints, ring_edges, highest, rise=0.5, lowest=lowest)
-    if hollow:
-        degrees = np.where(breakpoints[1:] <= ring_edges[1], 0, degrees)
     space = PressureSpace(breakpoints, degrees, ring_edges, low)
     return space.joined_beside_ring_edges() if solid.degree == 1 else space
 

@@ -58,10 +58,10 @@ def _lower_bound(inner_radius: float) -> float:
 
     A is the compliance of the space, and b the forces of its basis functions.
     """
-    edges, size = np.array([0.0, inner_radius, 1.0]), EDGE_SIZE * (1 - inner_radius)
+    edges, size = np.array([inner_radius, 1.0]), EDGE_SIZE * (1 - inner_radius)
     at_hole = min(size, EDGE_SIZE * inner_radius)
     breakpoints, low_parts = exact_graded_breakpoints(edges, [at_hole], size, RATIO)
-    degrees = np.where(breakpoints[1:] <= inner_radius, 0, DEGREE)
+    degrees = np.full(len(breakpoints) - 1, DEGREE)
     space = PressureSpace(breakpoints, degrees, edges, low_parts)
     # the triangular factor is used because the compliance itself would lose the digits of small
     # elements

@@ -23,7 +23,14 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1, elliprd
 
 from ..meshes.ground.ground import HALF_SPACE, Ground
-from ..meshes.radial import Array, cut_evenly, graded_breakpoints, ring_areas, unit_gauss
+from ..meshes.radial import (
+    Array,
+    cut_evenly,
+    from_axis,
+    graded_breakpoints,
+    ring_areas,
+    unit_gauss,
+)
 from .layers import OfStates, added_displacement, added_slope, ring_spectrum
 
 # number of (radius, disc) pairs that are evaluated together, small enough for the cache
@@ -86,7 +93,7 @@ def displacement(
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, 0 to 1
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1
     pressures : (N,) or (N, M)
     radii : (R,)
     ground : layers, which add a Hankel integral
@@ -95,20 +102,22 @@ def displacement(
     -------
     (R,) or (R, M)
     """
-    steps, radii = pressure_steps(pressures), np.asarray(radii, dtype=float)
+    discs, steps = pressure_steps(ring_edges, pressures)
+    radii = np.asarray(radii, dtype=float)
     blocks = np.array_split(radii[:, None], 1 + radii.size * len(steps) // PAIRS_PER_BLOCK)
-    values = np.concatenate([disc_displacement(ring_edges[1:], block) @ steps for block in blocks])
+    values = np.concatenate([disc_displacement(discs, block) @ steps for block in blocks])
     return values + added_displacement(ring_edges, steps, radii, ground)
 
 
-def pressure_steps(pressures: Array) -> Array:
-    """Return the pressures on discs that add up to a constant pressure on each ring.
+def pressure_steps(ring_edges: Array, pressures: Array) -> tuple[Array, Array]:
+    """Return discs, and pressures on them, that add up to a constant pressure on each ring.
 
-    There is one disc for each ring edge except the centre. Ring pressures (N, ...) give disc
-    pressures (N, ...).
+    There is one disc for each ring edge except the centre. Ring pressures (N, ...) give radii of
+    discs (M,) and disc pressures (M, ...).
     """
-    outside_pressure = np.zeros_like(pressures[:1])
-    return -np.diff(np.concatenate([pressures, outside_pressure]), axis=0)
+    no_pressure = np.zeros_like(pressures[:1])
+    steps = -np.diff(np.concatenate([no_pressure, pressures, no_pressure]), axis=0)
+    return ring_edges[ring_edges > 0], steps[ring_edges > 0]
 
 
 def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground = HALF_SPACE) -> Any:
@@ -120,16 +129,16 @@ def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground = 
     cells = cut_evenly(ring_edges, ground.first_thickness)
     radii = np.unique(np.linspace(cells[:-1], cells[1:], SAMPLES_PER_CELL))
     values = displacement(ring_edges, states, radii, ground)
-    steps, best = pressure_steps(states), values.argmax(axis=0)
+    (discs, steps), best = pressure_steps(ring_edges, states), values.argmax(axis=0)
     added = OfStates(*ring_spectrum(ring_edges, steps, ground))
     low, high = radii[np.maximum(best - 1, 0)], radii[np.minimum(best + 1, len(radii) - 1)]
     # the slope changes its sign between the neighbours of the greatest value: bisect
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        slopes = np.sum(disc_slope(ring_edges[1:], middle[:, None]) * steps.T, axis=1)
+        slopes = np.sum(disc_slope(discs, middle[:, None]) * steps.T, axis=1)
         rises = slopes + added.slope(middle) > 0
         low, high = np.where(rises, middle, low), np.where(rises, high, middle)
-    top = np.sum(disc_displacement(ring_edges[1:], low[:, None]) * steps.T, axis=1)
+    top = np.sum(disc_displacement(discs, low[:, None]) * steps.T, axis=1)
     greatest = np.maximum(values.max(axis=0), top + added.displacement(low))
     return greatest.reshape(pressures.shape[1:])[()]
 
@@ -145,7 +154,7 @@ def limiting_profile(ring_edges: Array, pressures: Array, radii: Array) -> Array
 def slopes_everywhere(
     ring_edges: Array, pressures: Array, ground: Ground = HALF_SPACE
 ) -> tuple[Array, Array, Array]:
-    """Return a quadrature on (0, 1), and the slopes of the displacement at its points.
+    """Return a quadrature on the face, and the slopes of the displacement at its points.
 
     The radii and weights of the quadrature are (R,) each. The slopes under a constant pressure on
     each ring are (R,) for pressures (N,), or (R, M) for pressures (N, M).
@@ -157,7 +166,7 @@ def slopes_everywhere(
     power of the Gauss points smooths the logarithms at ring edges. The relative error of RMS
     gradients is 4e-14 for width ratios from 0.1 to 10.
     """
-    widths, factor = np.diff(ring_edges), 0.15
+    widths, factor = np.diff(from_axis(ring_edges)), 0.15
     sizes = np.minimum(widths, np.append(widths[1:], np.inf)) * factor**0.5
     breakpoints = graded_breakpoints(
         ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
@@ -170,14 +179,15 @@ def slopes_everywhere(
     offsets[~from_left] *= -1
     radii = start[:, None] + offsets
     weights = width * np.where(at_edge, 7 * node**6, 1.0) * weight
-    steps, slopes = pressure_steps(pressures), []
+    discs, steps = pressure_steps(ring_edges, pressures)
+    slopes = []
     for block in np.array_split(
         np.arange(len(start)), 1 + radii.size * len(steps) // PAIRS_PER_BLOCK
     ):
         # near an edge the radii have too few digits, so that distances are not computed as their
         # differences
-        gaps = np.abs((start[block, None] - ring_edges[1:])[:, None] + offsets[block, :, None])
-        slopes.append(disc_slope(ring_edges[1:], radii[block, :, None], gaps) @ steps)
+        gaps = np.abs((start[block, None] - discs)[:, None] + offsets[block, :, None])
+        slopes.append(disc_slope(discs, radii[block, :, None], gaps) @ steps)
     values = np.concatenate(slopes).reshape(-1, *steps.shape[1:])
     values += added_slope(ring_edges, steps, radii.ravel(), ground)
     return radii.ravel(), weights.ravel(), values
@@ -187,24 +197,20 @@ def rms_slope(
     ring_edges: Array,
     pressures: Array,
     average: str = "line",
-    inner_radius: float = 0.0,
     ground: Ground = HALF_SPACE,
 ) -> Any:
     """Return the RMS gradients of the limiting profiles of (N,) or (N, M) pressures: Eq. 18.
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, 0 to 1
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1
     pressures : (N,) or (N, M) pressure on each ring
     average : `line` (over the radius) or `area`
-    inner_radius : start of the average; one of the ring edges
     ground : layers
     """
     radii, weights, slopes = slopes_everywhere(ring_edges, pressures, ground)
-    # Points beside an edge may be rounded to either side of it, so that whole elements are assigned
-    # to the face or the hole.
-    on_face = np.mean(radii.reshape(-1, POINTS), axis=1) > inner_radius
-    weights = np.where(np.repeat(on_face, POINTS), weights, 0.0) / (1 - inner_radius)
+    inner_radius = ring_edges[0]
+    weights = weights / (1 - inner_radius)
     if average == "area":
         weights = 2 * radii * weights / (1 + inner_radius)
     return np.sqrt(weights @ slopes**2)

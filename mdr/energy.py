@@ -12,7 +12,7 @@ from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.ground.line_energy import even_legendre, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
-from .transforms import EXTRA_POINTS, line_density, panel_quadrature
+from .transforms import EXTRA_POINTS, line_density, panel_quadrature, panels_from_axis
 
 # greatest width of a quadrature panel, relative to the thickness of the first layer
 # (tests/physics/test_layers.py)
@@ -30,7 +30,7 @@ def compliance(
     ground : layers
     extra_points : points of the quadrature on each panel (`panel_quadrature`)
     """
-    panels = space.no_wider(WIDEST_PANEL * ground.first_thickness)
+    panels = panels_from_axis(space).no_wider(WIDEST_PANEL * ground.first_thickness)
     positions, weights, low_parts = panel_quadrature(panels, extra_points)
     factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
     return Compliance(space, factor + _added(factor, positions, weights, ground), ground)

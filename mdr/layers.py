@@ -63,11 +63,11 @@ def ring_spectrum(ring_edges: Array, steps: Array, ground: Ground) -> tuple[Arra
     Parameters
     ----------
     ring_edges : (N+1,) ring edges
-    steps : (N, ...) pressures on the discs that end at the ring edges, except the centre
+    steps : (M, ...) pressures on the discs that end at the ring edges, except the centre
     ground : the layers
     """
     s, weights = spectrum(ground)
-    edges = ring_edges[1:]
+    edges = ring_edges[ring_edges > 0]
     loads = (edges * j1(np.outer(s, edges))) @ steps
     return s, np.asarray(2 * ((weights / s) * loads.T).T)
 

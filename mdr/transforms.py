@@ -13,8 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..meshes.pressure_space import PressureSpace, shapes
-from ..meshes.radial import Array, Indices, exact_sum, gauss, unit_gauss
+from ..meshes.radial import Array, Indices, exact_graded_breakpoints, exact_sum, gauss, unit_gauss
 
+HOLE_GRADING = 1 / 3
+"""Size ratio of neighbouring panels in a hole, towards its edge.
+
+With it, ten points on each panel are right to 1e-11.
+"""
 EXTRA_POINTS = 8
 """Points on each panel, besides two for each degree, that integrate energies to 1e-10.
 
@@ -190,6 +195,27 @@ def _from_near(
     return values
 
 
+def panels_from_axis(space: PressureSpace) -> PressureSpace:
+    """Return a space on [0, 1] with the elements of a space, and with elements that fill its hole.
+
+    The line density of a hollow punch is not zero in the hole. The elements there become smaller
+    towards its edge, down to the size of the first element of the face.
+    """
+    inner_radius, low_parts = space.inner_radius, space.sort_keys.imag
+    if not inner_radius:
+        return space
+    hole, low_parts_in_hole = exact_graded_breakpoints(
+        [0.0, inner_radius], 0.0, min(float(space.widths[0]), inner_radius), HOLE_GRADING
+    )
+    degrees_in_hole = np.full(len(hole) - 1, space.top)
+    return PressureSpace(
+        np.append(hole[:-1], space.breakpoints),
+        np.append(degrees_in_hole, space.degrees),
+        np.append(0.0, space.ring_edges),
+        np.append(low_parts_in_hole[:-1], low_parts),
+    )
+
+
 def panel_quadrature(
     space: PressureSpace, extra_points: int = EXTRA_POINTS
 ) -> tuple[Array, Array, Array]:
@@ -207,8 +233,8 @@ def panel_quadrature(
     A line density has a square-root singularity on the left of every breakpoint, and ``x^2 log x``
     at the axis. Substituting squares at these ends makes the integrand smooth.
     """
-    # line densities in a hole are smooth, but not polynomials
-    degrees = np.where(space.degrees > 0, space.degrees, space.top)
+    space = panels_from_axis(space)
+    degrees = space.degrees
     # the innermost panel is singular at both ends, so that the substitution needs twice the degree
     node, weight = unit_gauss(4 * int(degrees[0]) + 2 * extra_points)
     first, folded = space.breakpoints[1], node * (2 - node)

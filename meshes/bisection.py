@@ -14,7 +14,7 @@ from skfem import MeshTri
 
 from .errors import MeshError
 from .half_space import as_half_space, truncation
-from .radial import Array, Indices
+from .radial import Array, Indices, from_axis
 from .sizes import SizeField
 
 # largest side of a triangle, relative to the target size there
@@ -41,11 +41,11 @@ def mesh(field: SizeField) -> MeshTri:
     MeshError
         if the sizes are not reached
     """
-    ring_edges = np.array(field.ring_edges)
-    dyadic, spacing = _dyadic_image(ring_edges)
+    ring_edges, edges = np.array(field.ring_edges), from_axis(field.ring_edges)
+    dyadic, spacing = _dyadic_image(edges)
     current_mesh = _polar_quarter_disc(field.truncation)
     for round_number in itertools.count():
-        corners = _with_moved_edges(current_mesh.p, dyadic, ring_edges)[:, current_mesh.t]
+        corners = _with_moved_edges(current_mesh.p, dyadic, edges)[:, current_mesh.t]
         longest_sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
         target_sizes = field(corners.mean(axis=1).T)
         halvings = np.log2(field.truncation / target_sizes.min())
@@ -61,7 +61,7 @@ def mesh(field: SizeField) -> MeshTri:
         if not len(marked):
             break
         current_mesh = _bisected(current_mesh, marked)
-    points = _with_moved_edges(current_mesh.p, dyadic, ring_edges)
+    points = _with_moved_edges(current_mesh.p, dyadic, edges)
     return as_half_space(replace(current_mesh, doflocs=points), ring_edges)
 
 
@@ -101,18 +101,18 @@ def _bisected(mesh: MeshTri, marked: Indices) -> MeshTri:
     return replace(finer, doflocs=points)
 
 
-def _dyadic_image(ring_edges: Array) -> tuple[Array, float]:
+def _dyadic_image(edges: Array) -> tuple[Array, float]:
     """Return a dyadic radius close to each edge, in the same order, and the dyadic spacing."""
-    level = int(np.ceil(np.log2(2 / np.diff(ring_edges).min())))
-    return np.round(ring_edges * 2.0**level) / 2.0**level, 0.5**level
+    level = int(np.ceil(np.log2(2 / np.diff(edges).min())))
+    return np.round(edges * 2.0**level) / 2.0**level, 0.5**level
 
 
-def _with_moved_edges(points: Array, dyadic: Array, ring_edges: Array) -> Array:
+def _with_moved_edges(points: Array, dyadic: Array, edges: Array) -> Array:
     """Return points moved radially, so that the dyadic radii become the ring edges."""
     radius = np.hypot(*points)
     in_punch = (radius > 0) & (radius < 1)
     scale = np.ones_like(radius)
-    scale[in_punch] = np.interp(radius[in_punch], dyadic, ring_edges) / radius[in_punch]
+    scale[in_punch] = np.interp(radius[in_punch], dyadic, edges) / radius[in_punch]
     return points * scale
 
 

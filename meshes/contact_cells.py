@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .pressure_space import PressureSpace
-from .radial import Array, graded_breakpoints, layer_degrees
+from .radial import Array, from_axis, graded_breakpoints, layer_degrees
 
 # number of points of the grid on which 1 / size is integrated, for each end of a ring and each side
 # of a free edge
@@ -59,7 +59,7 @@ class ContactCells:
 
     Parameters
     ----------
-    ring_edges : ring edges, from 0 to 1 (the rim)
+    ring_edges : ring edges, from 0 or the radius of a hole to 1 (the rim)
     largest : largest size
     edge_size : size at ring edges and rim
     growth : increase of the size per distance from ring edges and rim
@@ -67,7 +67,6 @@ class ContactCells:
     refinements : intervals where contact begins, with the size there: (inner radius, outer radius,
         size)
     free_edges : edges of the first contact that need smaller cells
-    hollow : whether the first ring is a hole, where the pressure is zero
     """
 
     ring_edges: tuple[float, ...]
@@ -77,12 +76,11 @@ class ContactCells:
     spread: float = 0.2
     refinements: tuple[tuple[float, float, float], ...] = ()
     free_edges: tuple[FreeEdge, ...] = ()
-    hollow: bool = False
 
     def __call__(self, radii: Array) -> Array:
         """Return the target sizes at radii, an array of any shape."""
         size = np.full(np.shape(radii), self.largest)
-        for ring_edge in self.ring_edges[1:]:
+        for ring_edge in filter(None, self.ring_edges):
             size = np.minimum(size, self.edge_size + self.growth * np.abs(radii - ring_edge))
         for inner, outer, smallest in self.refinements:
             distance = np.maximum(np.maximum(inner - radii, radii - outer), 0.0)
@@ -91,12 +89,16 @@ class ContactCells:
             size = np.minimum(size, edge.sizes(radii))
         return size
 
+    def from_axis(self) -> "ContactCells":
+        """Return cells that also fill a hole, as the mesh of a half-space does."""
+        return replace(self, ring_edges=tuple(from_axis(self.ring_edges).tolist()))
+
     def breakpoints(self) -> Array:
         """Return the boundaries of the cells of a radial mesh.
 
         In each ring, the integral of 1 / size over a cell is the same for all cells.
         """
-        pieces = [np.zeros(1)]
+        pieces = [np.array(self.ring_edges[:1])]
         for inner, outer in itertools.pairwise(self.ring_edges):
             width = outer - inner
             # the grid is finer at both ends, where sizes are small, so that 1 / size is integrated
@@ -140,9 +142,8 @@ class ContactCells:
     def space(self) -> PressureSpace:
         """Return the space of piecewise linear pressures that are continuous inside each ring."""
         breakpoints = self.breakpoints()
-        inner_radius = self.ring_edges[1] if self.hollow else 0.0
-        degrees = np.where(breakpoints[1:] <= inner_radius, 0, 1)
-        return PressureSpace(breakpoints, degrees, np.array(self.ring_edges))
+        linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
+        return PressureSpace(breakpoints, linear, np.array(self.ring_edges))
 
 
 def fitted_space(

@@ -34,7 +34,8 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> Mesh:
     ----------
     path : file that meshio can read; the first coordinate is the radius, the second the depth, and
         the surface has depth 0
-    ring_edges : (N+1,) ring edges in punch radii, 0 to 1; each must be a vertex
+    ring_edges : (N+1,) ring edges in punch radii, from 0 or the radius of a hole to 1; each must be
+        a vertex
     radius : radius of the punch in the units of the file
 
     Raises

@@ -1,16 +1,17 @@
 """The truncated half-space: a scikit-fem mesh of a quarter disc with named boundaries.
 
 Non-dimensional: the punch has radius 1. Depth is positive into the half-space, and the surface has
-depth zero. The boundaries are `contact` (the surface under the punch), `free` (the surface beside
-it), `axis`, `far` (the arc) and, for layers on a rigid base, `base`. Meshes of triangles
-(`MeshTri`) and of quadrilaterals (`MeshQuad`) are accepted. Quadrilaterals are reoriented so that
-elements of any degree are continuous across their sides.
+depth zero. The boundaries are `contact` (the surface under the face of the punch), `free` (the
+surface beside it and in a hole), `axis`, `far` (the arc) and, for layers on a rigid base, `base`.
+Meshes of triangles (`MeshTri`) and of quadrilaterals (`MeshQuad`) are accepted. Quadrilaterals are
+reoriented so that elements of any degree are continuous across their sides.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad
@@ -100,7 +101,7 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
     Parameters
     ----------
     mesh : triangles or quadrilaterals; the first coordinate is the radius, the second the depth
-    ring_edges : (N+1,) ring edges, 0 to 1; each must be a vertex
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1; each must be a vertex
     base : depth of a rigid base at which the quarter disc ends, on the boundary `base`; infinite
         without one
 
@@ -129,9 +130,10 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
     # low parts show this, because both ends may be rounded to r = 1.
     low = low_parts(mesh)[mesh.facets[:, outer]]
     inside_rim = ((r < 1) | ((r == 1) & (low < 0))).any(axis=0)
+    on_face = surface & inside_rim & _beyond_hole(mesh, surface, outer, float(ring_edges[0]))
     names = {
-        "contact": surface & inside_rim,
-        "free": surface & ~inside_rim,
+        "contact": on_face,
+        "free": surface & ~on_face,
         "axis": axis,
         "far": ~surface & ~axis & ~(z == base).all(axis=0),
     }
@@ -140,6 +142,28 @@ def as_half_space(mesh: Mesh, ring_edges: Array, base: float = np.inf) -> Mesh:
     mesh = mesh.with_boundaries({name: outer[mask] for name, mask in names.items()})
     _check(mesh, np.asarray(ring_edges))
     return mesh
+
+
+def _beyond_hole(
+    mesh: Mesh, surface: NDArray[np.bool_], outer: Indices, radius: float
+) -> NDArray[np.bool_]:
+    """Return which facets lie outside a hole that may have the radius 0.
+
+    Its edge is the vertex on the surface that is nearest to the radius.
+
+    Parameters
+    ----------
+    mesh : the mesh
+    surface : (k,) which facets lie on the surface
+    outer : (k,) facets of the boundary
+    radius : radius of the hole
+    """
+    if not radius:
+        return np.ones(len(outer), dtype=bool)
+    vertices, ranks = np.unique(mesh.facets[:, outer[surface]]), radial_ranks(mesh)
+    distances = np.abs((mesh.p[0, vertices] - radius) + low_parts(mesh)[vertices])
+    edge = vertices[distances.argmin()]
+    return np.asarray((ranks[mesh.facets[:, outer]] >= ranks[edge]).all(axis=0))
 
 
 def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
@@ -256,18 +280,18 @@ def truncation(mesh: Mesh) -> float:
 
 
 def contact_facets(mesh: Mesh) -> Indices:
-    """Return the facets of the contact, from the axis to the rim."""
+    """Return the facets of the contact, from the axis or a hole to the rim."""
     facets = mesh.boundaries["contact"]
     return np.asarray(facets[np.argsort(radial_ranks(mesh)[mesh.facets[:, facets]].sum(axis=0))])
 
 
 def contact_radii(mesh: Mesh) -> Array:
-    """Return the radii of the vertices on the contact, from 0 to 1."""
+    """Return the radii of the vertices on the contact, from 0 or a hole to 1."""
     return np.asarray(mesh.p[0, contact_vertices(mesh)])
 
 
 def contact_vertices(mesh: Mesh) -> Indices:
-    """Return the vertices on the contact, from the axis to the rim."""
+    """Return the vertices on the contact, from the axis or a hole to the rim."""
     vertices = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
     return np.asarray(vertices[np.argsort(radial_ranks(mesh)[vertices])])
 

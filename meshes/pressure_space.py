@@ -6,8 +6,7 @@ This space contains the pressures of all cases: the flat start (pressure continu
 basis is hierarchical (hats and integrated Legendre bubbles) and numbered along the radius, so that
 matrices that couple only neighbours (mass, slope) have a narrow band.
 
-On the first ring of a hollow punch, the hole, the pressure is zero: elements of degree 0 have no
-functions.
+The space begins at the axis or, under a hollow punch, at the edge of the hole.
 
 All areas are areas of the punch face: ``dA = 2 pi r dr``.
 
@@ -23,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 
-from .radial import Array, Indices, gauss, ring_of, values_on_rings
+from .radial import Array, Indices, from_axis, gauss, ring_of, values_on_rings
 
 # values of functions (float) or numbers of rings (int)
 Values = TypeVar("Values", Array, Indices)
@@ -45,9 +44,8 @@ class PressureSpace:
 
     Parameters
     ----------
-    breakpoints : (n+1,) element boundaries, 0 to 1
-    degrees : (n,) polynomial degree of each element, at least 1; 0 on the first ring if it is a
-        hole
+    breakpoints : (n+1,) element boundaries, from 0 or the radius of a hole to 1
+    degrees : (n,) polynomial degree of each element, at least 1
     ring_edges : (N+1,) ring edges, each one a breakpoint
     low_parts : (n+1,) low part of each breakpoint, by default zero; with it, elements beside an
         edge may be far narrower than the roundoff of its radius
@@ -94,17 +92,12 @@ class PressureSpace:
     @cached_property
     def size(self) -> int:
         """Number of basis functions."""
-        return int(self.degrees.sum()) + len(self.ring_edges) - 1 - self.hollow
-
-    @property
-    def hollow(self) -> bool:
-        """Whether the first ring is a hole, where the pressure is zero."""
-        return bool(self.degrees[0] == 0)
+        return int(self.degrees.sum()) + len(self.ring_edges) - 1
 
     @property
     def inner_radius(self) -> float:
         """Radius of the hole; 0 without a hole."""
-        return float(self.ring_edges[1]) if self.hollow else 0.0
+        return float(self.breakpoints[0])
 
     @property
     def top(self) -> int:
@@ -122,13 +115,12 @@ class PressureSpace:
 
         The number is `size` if the element does not have the function.
         """
-        left = self.ring - self.hollow + np.cumsum(self.degrees) - self.degrees
+        left = self.ring + np.cumsum(self.degrees) - self.degrees
         # global numbers follow the radius: left vertex, bubbles, right vertex; the columns of the
         # table start with both vertices
         order = np.arange(self.top + 1)
         table = np.where(order <= self.degrees[:, None], left[:, None] + order - 1, self.size)
         table[:, 0], table[:, 1] = left, left + self.degrees
-        table[self.degrees == 0] = self.size
         return table
 
     def _of_functions(self, values: Values) -> Values:
@@ -149,7 +141,7 @@ class PressureSpace:
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
         """Return the values, or slopes, (radii, size) of all basis functions at radii.
 
-        A radius on a ring edge belongs to the ring outside it.
+        A radius on a ring edge belongs to the ring outside it. In a hole, the values are zero.
         """
         radii = np.asarray(radii, dtype=float)
         element = np.clip(
@@ -158,7 +150,9 @@ class PressureSpace:
         left, right = self.breakpoints[element], self.breakpoints[element + 1]
         left_low, right_low = self._low[element], self._low[element + 1]
         local = ((radii - left) - left_low) - ((right - radii) + right_low)
-        return self._values(element, np.clip(local / self.widths[element], -1.0, 1.0), derivative)
+        local = np.clip(local / self.widths[element], -1.0, 1.0)
+        functions = np.where((radii < self.inner_radius)[:, None], self.size, self.dofs[element])
+        return self._values(element, local, functions, derivative)
 
     def on_elements(self, local: Array, derivative: bool = False) -> csr_matrix:
         """Return the values, or slopes, of the basis at local coordinates of every element.
@@ -169,16 +163,21 @@ class PressureSpace:
         """
         count = len(self.degrees)
         element = np.repeat(np.arange(count), len(local))
-        return self._values(element, np.tile(local, count), derivative)
+        return self._values(element, np.tile(local, count), self.dofs[element], derivative)
 
-    def _values(self, element: Indices, local: Array, derivative: bool) -> csr_matrix:
-        """Return values, or slopes, of the basis (points, size) at local coordinates."""
+    def _values(
+        self, element: Indices, local: Array, functions: Indices, derivative: bool
+    ) -> csr_matrix:
+        """Return values, or slopes, of the basis (points, size) at local coordinates.
+
+        `functions` (points, top+1) are the numbers of the shape functions of the elements.
+        """
         values = shapes(local, self.top)
         if derivative:
             values = shape_slopes(local, self.top)
             values *= (2 / self.widths[element])[:, None]
         rows = np.arange(len(local))[:, None]
-        return self._assembled(values, rows, self.dofs[element], len(local))
+        return self._assembled(values, rows, functions, len(local))
 
     def _assembled(
         self, values: Array, rows: Indices | int, columns: Indices, height: int
@@ -210,8 +209,6 @@ class PressureSpace:
         """
         radii, lengths, local = self.quadrature
         factors = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
-        # the wear coefficient of a hole is infinite, but there are no functions on it
-        factors = np.where(self.degrees[:, None] > 0, factors, 0.0)
         areas = 2 * np.pi * radii * lengths * factors
         values = shapes(local, self.top)
         blocks = np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True)
@@ -246,13 +243,15 @@ class PressureSpace:
         if np.isin(ring_edges, self.breakpoints).all():
             radii, lengths, _ = self.quadrature
             ring = np.searchsorted(ring_edges + 0j, self.sort_keys[:-1], side="right")[:, None] - 1
-            # elements in a hole, which have no functions, may lie inside the first edge
-            ring = np.maximum(ring, 0)
             values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(node, self.top))
+            # elements inside the first edge are on no ring
+            on_rings = ring[:, 0] >= 0
+            values, ring, functions = values[on_rings], ring[on_rings], self.dofs[on_rings]
             return np.asarray(
-                self._assembled(values, ring, self.dofs, len(ring_edges) - 1).toarray()
+                self._assembled(values, ring, functions, len(ring_edges) - 1).toarray()
             )
         cuts = np.union1d(self.breakpoints, ring_edges)
+        cuts = cuts[cuts >= max(self.inner_radius, ring_edges[0])]
         half = np.diff(cuts)[:, None] / 2
         element = np.searchsorted(self.breakpoints, cuts[:-1], side="right") - 1
         left, width = self.breakpoints[element, None], np.diff(self.breakpoints)[element, None]
@@ -269,10 +268,10 @@ class PressureSpace:
     def ring_indicator(self) -> Array:
         """Return the coefficients of the pressures that are 1 on one ring and 0 on all others.
 
-        The coefficients (size, N) have one column for each ring. A hole has none.
+        The coefficients (size, N) have one column for each ring.
         """
         ring = self._of_functions(self.ring[:, None])
-        rings = np.arange(int(self.hollow), len(self.ring_edges) - 1)
+        rings = np.arange(len(self.ring_edges) - 1)
         return self.uniform[:, None] * (ring[:, None] == rings)
 
     def joined(self, ring_coefficients: ArrayLike = 1.0) -> csr_matrix:
@@ -284,7 +283,7 @@ class PressureSpace:
         """
         ring, function = self._of_functions(self.ring[:, None]), np.arange(self.size)
         # the last function of a ring and the first of the next share one column
-        values, column = 1 / self.at_vertices(ring_coefficients), function - (ring - ring[0])
+        values, column = 1 / self.at_vertices(ring_coefficients), function - ring
         return csr_matrix((values, (function, column)), (self.size, int(column[-1]) + 1))
 
     def coarser(self) -> "PressureSpace":
@@ -300,19 +299,21 @@ class PressureSpace:
         count, edges = len(self.breakpoints), np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         dropped = np.arange(1, count, 2)
         if self.top > 1:
-            widths, rings = np.diff(self.breakpoints), np.diff(self.ring_edges)
+            widths, rings = np.diff(self.breakpoints), np.diff(from_axis(self.ring_edges))
             # slightly less than half, so that roundoff does not decide about elements of exactly
             # half
             largest_layer = 0.499 * np.minimum(rings, np.append(rings[1:], rings[-1]))
-            inner_elements, outer_elements = edges[1:] - 1, edges[1:-1]
-            inner_elements = inner_elements[widths[inner_elements] < largest_layer]
-            outer_elements = outer_elements[widths[outer_elements] < largest_layer[:-1]]
-            dropped = np.concatenate([inner_elements, outer_elements + 1])
+            at_edge = edges[self.ring_edges > 0]
+            # an edge has no inner side at a hole, and no outer side at the rim
+            inner, outer = at_edge > 0, at_edge < count - 1
+            inner &= widths[at_edge - 1] < largest_layer
+            outer[outer] = widths[at_edge[outer]] < largest_layer[outer]
+            dropped = np.concatenate([at_edge[inner] - 1, at_edge[outer] + 1])
         remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
         lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
         return PressureSpace(
             self.breakpoints[remaining],
-            np.maximum(lowest - 1, np.minimum(lowest, 1)),
+            np.maximum(lowest - 1, 1),
             self.ring_edges,
             None if self.low_parts is None else self.low_parts[remaining],
         )
@@ -324,7 +325,7 @@ class PressureSpace:
         edge of a hole are not merged, because the pressure does not jump there.
         """
         edges = np.searchsorted(self.sort_keys, self.ring_edges + 0j)
-        inner = edges[1 + self.hollow : -1]
+        inner = edges[1:-1]
         dropped = np.setdiff1d(np.concatenate([inner - 1, inner + 1]), edges)
         remaining = np.setdiff1d(np.arange(len(self.breakpoints)), dropped)
         return PressureSpace(

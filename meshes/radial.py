@@ -23,6 +23,11 @@ def alternating_edges(count: int, width_ratio: float = 1.0) -> Array:
     return ring_edges / ring_edges[-1]
 
 
+def from_axis(ring_edges: ArrayLike) -> Array:
+    """Return ring edges that begin at 0: in front of the edge of a hole, the axis is added."""
+    return np.union1d(0.0, np.asarray(ring_edges, dtype=float))
+
+
 def ring_areas(ring_edges: ArrayLike) -> Array:
     """Return the area of each ring, ``pi (r_o^2 - r_i^2)``, to all digits for narrow rings."""
     ring_edges = np.asarray(ring_edges, dtype=float)
@@ -46,15 +51,13 @@ def values_on_rings(
     ----------
     ring_edges : (N+1,) ring edges
     ring_values : constant of each ring (N,), one constant for all, or values (2, N) at the inner
-        and outer edge of each ring, with linear interpolation between them; equal infinite values
-        are allowed
+        and outer edge of each ring, with linear interpolation between them
     radii : radii at which the function is evaluated
     ring : number of the ring of each radius
     """
     inner, outer = np.broadcast_to(ring_values, (2, len(ring_edges) - 1))[:, ring]
     fraction = (radii - ring_edges[ring]) / (ring_edges[ring + 1] - ring_edges[ring])
-    rise = np.subtract(outer, inner, out=np.zeros(inner.shape), where=outer != inner)
-    return inner + rise * fraction
+    return np.asarray(inner + (outer - inner) * fraction)
 
 
 def graded_breakpoints(
@@ -68,14 +71,14 @@ def graded_breakpoints(
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, 0 first and the rim last
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to the rim
     edge_size : approximate size of the smallest elements at ring edges, one size for all, or one
         for each edge between the centre and the rim
     rim_size : approximate size of the smallest elements at the rim
     factor : ratio of the sizes of neighbouring elements, below 1
-    axis_size : approximate size of the smallest elements at the axis; by default the innermost ring
-        is refined towards its outer edge only, because fields that are smooth in ``r^2`` need no
-        refinement at the axis
+    axis_size : approximate size of the smallest elements at the axis; by default a ring that begins
+        at the axis is refined towards its outer edge only, because fields that are smooth in
+        ``r^2`` need no refinement at the axis
     """
     return exact_graded_breakpoints(ring_edges, edge_size, rim_size, factor, axis_size)[0]
 
@@ -93,8 +96,11 @@ def exact_graded_breakpoints(
     narrower than the roundoff of its radius.
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
-    sizes = np.append(np.broadcast_to(edge_size, len(ring_edges) - 2), rim_size)
+    edges = ring_edges[ring_edges > 0]
+    sizes = np.append(np.broadcast_to(edge_size, len(edges) - 1), rim_size)
     rounded, low_parts, at_inner = [], [], axis_size
+    if ring_edges[0] > 0:
+        at_inner, sizes = sizes[0], sizes[1:]
     for (inner, outer), at_outer in zip(itertools.pairwise(ring_edges), sizes, strict=True):
         # the layers of both edges end in the middle of the ring
         span = (outer - inner) / (1 if at_inner is None else 2)
@@ -149,11 +155,9 @@ def layer_degrees(
     `degree`.
     """
     index = np.arange(len(breakpoints) - 1)
-    # the first mark, for the axis, is far from every element, because degrees do not fall towards
-    # the axis
-    marks = np.append(
-        -len(index), np.searchsorted(breakpoints, np.asarray(ring_edges, dtype=float)[1:])
-    )
+    ring_edges = np.asarray(ring_edges, dtype=float)
+    # a mark at the axis is far from every element, because degrees do not fall towards the axis
+    marks = np.where(ring_edges > 0, np.searchsorted(breakpoints, ring_edges), -len(index))
     next_mark = np.searchsorted(marks, index, side="right")
     layer = np.minimum(marks[next_mark] - 1 - index, index - marks[next_mark - 1])
     return np.minimum(degree, lowest + np.floor(rise * layer).astype(np.int64))

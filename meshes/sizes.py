@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .radial import Array, Indices
+from .radial import Array, Indices, from_axis
 
 # Function that estimates the amplitude of the highest polynomial degree on elements. Its arguments
 # are the distance of the far end of each element from the nearest edge, half the width of the ring
@@ -67,7 +67,7 @@ class SizeField:
 
     Parameters
     ----------
-    ring_edges : ring edges, from 0 to 1 (the rim)
+    ring_edges : ring edges, from 0 or the radius of a hole to 1 (the rim)
     rim_size : size at the rim
     ring_size : size at the other ring edges, either one number or one for each edge
     growth : increase of the size per distance from the edges
@@ -93,7 +93,7 @@ class SizeField:
         """Return the target sizes (n,) at the points (n, 2)."""
         radius, depth = points.T
         size = np.full(len(points), self.largest)
-        for edge, smallest in zip(self.ring_edges, self.sizes, strict=True):
+        for edge, smallest in zip(from_axis(self.ring_edges), self.sizes, strict=True):
             size = np.minimum(size, smallest + self.growth * np.hypot(radius - edge, depth))
         if self.cells:
             contact_distance = np.hypot(depth, np.maximum(radius - 1, 0))
@@ -121,7 +121,7 @@ class SizeField:
     @property
     def sizes(self) -> Array:
         """Sizes at the centre, at each ring edge and at the rim."""
-        rings = np.broadcast_to(self.ring_size, len(self.ring_edges) - 2)
+        rings = np.broadcast_to(self.ring_size, len(from_axis(self.ring_edges)) - 2)
         return np.concatenate([[self.centre_size], rings, [self.rim_size]])
 
 
@@ -140,7 +140,7 @@ def patch_widths(ring_edges: Array) -> Array:
     unit/meshes/test_half_space_mesh.py::test_meshes_cover_the_quarter_disc and
     physics/test_hollow.py::test_relaxation_times_beside_a_narrow_hole.
     """
-    rings = np.diff(ring_edges)
+    rings = np.diff(from_axis(ring_edges))
     half = np.minimum(rings, np.append(rings[1:], np.inf)) / 2
     widths = np.stack([half, half], axis=1)
     middle = rings[1:] / 2

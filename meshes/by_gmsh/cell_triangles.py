@@ -49,7 +49,7 @@ def mesh(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
 
 def _generate(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
     """Mesh the quarter disc once."""
-    radii = cells.breakpoints()
+    radii = cells.from_axis().breakpoints()
     widths = np.diff(radii)
     narrower = np.minimum(np.append(widths, np.inf), np.append(np.inf, widths))
     largest = FAR_SIZE * outline.outer

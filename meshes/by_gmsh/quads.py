@@ -22,7 +22,7 @@ from skfem import MeshQuad
 
 from ..errors import MeshError
 from ..half_space import DEEP_SUBDOMAIN, LOWERED_DEGREE_PREFIX, ExactQuads, as_half_space, quality
-from ..radial import Array, Indices, exact_sum
+from ..radial import Array, Indices, exact_sum, from_axis
 from ..sizes import (
     LARGEST_QUADRILATERAL,
     Amplitude,
@@ -53,10 +53,10 @@ class GradedQuads:
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, from 0 to 1 (the rim)
-    widths : (N, 2) half-widths of the patch at each edge except the centre, towards the axis and
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1 (the rim)
+    widths : (M, 2) half-widths of the patch at each edge except the centre, towards the axis and
         away from it
-    layers : (N,) number of layers of each patch outside its two kites
+    layers : (M,) number of layers of each patch outside its two kites
     factor : ratio of the size of a layer to that of the next outer layer
     between : points (2, n) and quadrilaterals (4, m) outside the patches
     edge_amplitude : estimate of the amplitude of the highest degree near an edge, which determines
@@ -135,7 +135,7 @@ class GradedQuads:
             self.widths, self.layers, self.factor, self.edge_amplitude, self.lacking_degrees
         )
         for centre, (inner, outer), patch_reductions in zip(
-            self.ring_edges[1:], self.widths, reductions_of_patches, strict=True
+            self.ring_edges[self.ring_edges > 0], self.widths, reductions_of_patches, strict=True
         ):
             depth = len(patch_reductions) - 1
             shapes = np.stack([outline, *[layer] * depth])
@@ -181,9 +181,9 @@ def graded(
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges, from 0 to 1 (the rim)
-    sizes : largest size of the kites at each of the N-1 edges between centre and rim, either one
-        number or one for each
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1 (the rim)
+    sizes : largest size of the kites at each edge between centre and rim, either one number or one
+        for each
     rim_size : largest size of the kites at the rim
     factor : ratio of the size of a layer to that of the next outer layer
     growth : increase of the element size per distance from the patches
@@ -212,17 +212,20 @@ def graded(
     # once if the least sine of its corners is at least `accepted_quality`.
     algorithms, accepted_quality = ((6, 3), (5, 3), (5, 2)), 0.1
     ring_edges = np.asarray(ring_edges, dtype=float)
+    edges = from_axis(ring_edges)
     # coordinates cannot resolve a narrower ring and its layers
-    if np.diff(ring_edges).min() < 1e-10:
+    if np.diff(edges).min() < 1e-10:
         raise MeshError("a ring is narrower than 1e-10 a: merge it with a neighbour")
     widths = patch_widths(ring_edges)
     outline = Outline.of_layers(outer, interfaces, rigid)
     if outline.interfaces:
         widths = np.minimum(widths, PATCH_TO_LAYER_RATIO * outline.interfaces[0])
     layers = patch_layers(
-        widths, np.append(np.broadcast_to(sizes, len(ring_edges) - 2), rim_size), factor
+        widths, np.append(np.broadcast_to(sizes, len(edges) - 2), rim_size), factor
     )
     under_face = np.broadcast_to(under_face, len(ring_edges) - 1)
+    # sizes are not limited under a hole
+    under_face = np.append(np.full(len(edges) - len(ring_edges), np.inf), under_face)
     edge_amplitude = edge_amplitude or EdgeAmplitude(
         0.0, np.zeros(len(widths)), np.ones(len(widths))
     )
@@ -235,7 +238,7 @@ def graded(
             break
         sizes_between = SizesBetween(growth, under_face, flatness)
         try:
-            between = _between(ring_edges, widths, sizes_between, outline, algorithm_pair)
+            between = _between(edges, widths, sizes_between, outline, algorithm_pair)
             graded = GradedQuads(
                 ring_edges,
                 widths,
@@ -263,7 +266,7 @@ class SizesBetween(NamedTuple):
     Parameters
     ----------
     growth : increase of the size per distance from the patches
-    under_face : (N,) largest size in the first layer under each ring
+    under_face : (M,) largest size in the first layer under each ring and under a hole
     flattest : largest size over the thickness of a layer above the lowest interface
     """
 
@@ -273,7 +276,7 @@ class SizesBetween(NamedTuple):
 
 
 def _between(
-    ring_edges: Array,
+    edges: Array,
     widths: Array,
     sizes: SizesBetween,
     outline: Outline,
@@ -292,7 +295,7 @@ def _between(
         gmsh.option.setNumber("Mesh.RecombineAll", 1)
         gmsh.option.setNumber("Mesh.Algorithm", algorithm_pair[0])
         gmsh.option.setNumber("Mesh.RecombinationAlgorithm", algorithm_pair[1])
-        _geometry(gmsh, ring_edges, widths, sizes, outline)
+        _geometry(gmsh, edges, widths, sizes, outline)
         # gmsh divides every curve into an even number of sides, except curves that have only one
         # side
         gmsh.model.mesh.generate(1)
@@ -310,20 +313,20 @@ def _between(
 
 def _geometry(
     gmsh: ModuleType,
-    ring_edges: Array,
+    edges: Array,
     widths: Array,
     sizes: SizesBetween,
     outline: Outline,
 ) -> None:
     geometry = gmsh.model.geo
     corners = add_corners(geometry, outline)
-    columns, blocks = columns_under_face(ring_edges, widths, sizes), None
+    columns, blocks = columns_under_face(edges, widths, sizes), None
     if columns:
         axis = geometry.addLine(corners.axis_ends[0], corners.origin)
         blocks = Blocks(geometry, outline.bottoms[0], corners.axis_ends[0], axis)
     curves, previous, at_patches, end = [], corners.origin, [], 0.0
     for number, (inside, outside) in enumerate(widths):
-        centre, start = ring_edges[number + 1], previous
+        centre, start = edges[number + 1], previous
         if blocks and (block := columns.get(number)):
             for radius, count in ((block.inner, None), (block.outer, block.columns)):
                 if radius == 0:
@@ -347,7 +350,7 @@ def _geometry(
     add_surfaces(geometry, outline, corners, curves, blocks)
     geometry.synchronize()
     largest = LARGEST_QUADRILATERAL * outline.outer
-    bands = _bands(ring_edges, sizes, outline, largest)
+    bands = _bands(edges, sizes, outline, largest)
     set_sizes(gmsh, np.array(at_patches), adjacent_sizes(widths), sizes.growth, largest, bands)
 
 
@@ -365,7 +368,7 @@ class Columns(NamedTuple):
     columns: int
 
 
-def columns_under_face(ring_edges: Array, widths: Array, sizes: SizesBetween) -> dict[int, Columns]:
+def columns_under_face(edges: Array, widths: Array, sizes: SizesBetween) -> dict[int, Columns]:
     """Return the columns of quadrilaterals in the first layer, by the number of the ring.
 
     Between two patches gmsh would make sheared quadrilaterals in a thin layer, with which some
@@ -374,8 +377,8 @@ def columns_under_face(ring_edges: Array, widths: Array, sizes: SizesBetween) ->
 
     Parameters
     ----------
-    ring_edges : (N+1,) ring edges
-    widths : (N, 2) half-widths of the patch at each edge except the centre
+    edges : (M+1,) ring edges from the axis
+    widths : (M, 2) half-widths of the patch at each edge except the centre
     sizes : sizes between the patches; there are columns only where `under_face` is finite
     """
     columns = {}
@@ -383,8 +386,8 @@ def columns_under_face(ring_edges: Array, widths: Array, sizes: SizesBetween) ->
         if not np.isfinite(limit):
             continue
         distances = np.maximum(limit - adjacent_sizes(widths), 0.0) / sizes.growth
-        inner = ring_edges[ring] + widths[ring - 1, 1] + distances[ring - 1] if ring else 0.0
-        outer = ring_edges[ring + 1] - widths[ring, 0] - distances[ring]
+        inner = edges[ring] + widths[ring - 1, 1] + distances[ring - 1] if ring else 0.0
+        outer = edges[ring + 1] - widths[ring, 0] - distances[ring]
         if outer - inner > LEAST_COLUMNS * limit:
             # gmsh divides all other curves into an even number of sides
             count = 2 * int(np.ceil((outer - inner) / (2 * limit)))
@@ -392,13 +395,11 @@ def columns_under_face(ring_edges: Array, widths: Array, sizes: SizesBetween) ->
     return columns
 
 
-def _bands(ring_edges: Array, sizes: SizesBetween, outline: Outline, largest: float) -> list[Band]:
+def _bands(edges: Array, sizes: SizesBetween, outline: Outline, largest: float) -> list[Band]:
     """Return the limits on sizes in layers; `largest` is the largest size anywhere."""
     bands = [
         Band(0.0, outline.bottoms[0], float(size), float(inner), float(outer))
-        for size, inner, outer in zip(
-            sizes.under_face, ring_edges[:-1], ring_edges[1:], strict=True
-        )
+        for size, inner, outer in zip(sizes.under_face, edges[:-1], edges[1:], strict=True)
         if size < largest
     ]
     for top, bottom in itertools.pairwise((0.0, *outline.interfaces)):

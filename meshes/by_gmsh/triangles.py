@@ -9,6 +9,7 @@ from skfem import MeshTri
 
 from ..errors import MeshError
 from ..half_space import as_half_space
+from ..radial import from_axis
 from ..sizes import SizeField
 from .session import TRIANGLE, elements, session, set_sizes
 
@@ -36,7 +37,7 @@ def _generate(field: SizeField) -> MeshTri:
     """Mesh the quarter disc once."""
     with session() as gmsh:
         geometry, outer = gmsh.model.geo, field.truncation
-        on_contact = [geometry.addPoint(edge, 0, 0) for edge in field.ring_edges]
+        on_contact = [geometry.addPoint(edge, 0, 0) for edge in from_axis(field.ring_edges)]
         surface_end, axis_end = geometry.addPoint(outer, 0, 0), geometry.addPoint(0, outer, 0)
         curves = [geometry.addLine(a, b) for a, b in itertools.pairwise([*on_contact, surface_end])]
         curves += [

@@ -89,10 +89,7 @@ def _rings_of(reading: Reading) -> tuple[_Rings, _Rings]:
 
 
 def _mean_pressures(reading: Reading, edges: Array) -> _Rings:
-    """Return rings between edges (n+1,), with the mean of the steady pressure on each.
-
-    A hole is a ring without pressure.
-    """
+    """Return rings between edges (n+1,), with the mean of the steady pressure on each."""
     nodes, weights = unit_gauss(3)
     widths = np.diff(edges)[:, None]
     radii = edges[:-1, None] + widths * nodes
@@ -100,8 +97,6 @@ def _mean_pressures(reading: Reading, edges: Array) -> _Rings:
     means = np.sum(pressures * radii * weights * widths, axis=1) / (np.diff(edges**2) / 2)
     narrower = np.minimum(widths[1:, 0], widths[:-1, 0])
     step = float(np.max(np.abs(np.diff(means)) * narrower, initial=0.0))
-    if reading.edges[0]:
-        edges, means = np.append(0.0, edges), np.append(0.0, means)
     return _Rings(edges, means, step)
 
 

@@ -145,10 +145,8 @@ class Reported:
     @cached_property
     def uniform_displacement(self) -> Array:
         """(R,) displacement of the face under the pressure 1 on all of it."""
-        edges, pressures = np.array([0.0, 1.0]), np.ones(1)
-        if self.inner_radius:
-            edges, pressures = np.array([0.0, self.inner_radius, 1.0]), np.array([0.0, 1.0])
-        return direct.displacement(edges, pressures, self.face.radii, self.reading.ground)
+        edges = np.array([self.inner_radius, 1.0])
+        return direct.displacement(edges, np.ones(1), self.face.radii, self.reading.ground)
 
     @property
     def graded(self) -> bool:

@@ -50,7 +50,7 @@ def check_steady_state(report: Reported) -> Rows:
         ("steady_displacement_max", greatest, None),
         (
             "steady_rms_slope",
-            direct.rms_slope(*rings, report.average, report.inner_radius, ground),
+            direct.rms_slope(*rings, report.average, ground),
             None,
         ),
         ("steady_profile", limit, greatest),

@@ -37,11 +37,10 @@ MOST_REFINEMENTS, MOST_CELLS_RATIO = 12, 4
 
 def nodes(space: PressureSpace) -> tuple[Array, Indices]:
     """Return the radius (size,) and the ring (size,) of the node of each linear pressure."""
-    # the last entry receives the values of cells in a hole, which have no unknowns
-    radius, ring = np.empty(space.size + 1), np.empty(space.size + 1, dtype=np.int64)
+    radius, ring = np.empty(space.size), np.empty(space.size, dtype=np.int64)
     radius[space.dofs] = np.stack([space.breakpoints[:-1], space.breakpoints[1:]], axis=1)
     ring[space.dofs] = space.ring[:, None]
-    return radius[:-1], ring[:-1]
+    return radius, ring
 
 
 def _contact_runs(contact: Mask, broken: Mask) -> list[tuple[int, int]]:
@@ -135,7 +134,7 @@ def find_first_contact(
         Cells to start from.
     """
     # limit on the number of cells, for narrow first contacts
-    most_cells = 5 * len(cells.breakpoints())
+    most_cells = 5 * _count(cells)
     seen_sizes: set[int] = set()
     for _ in range(24):
         space = cells.space()
@@ -197,12 +196,12 @@ def refine_at_free_edges(
     tolerance : float
         Greatest relative change of the indentation or force by the last refinement.
     """
-    most_cells = MOST_CELLS_RATIO * len(cells.breakpoints())
+    most_cells = MOST_CELLS_RATIO * _count(cells)
     last_accepted: tuple[tuple[Interval, ...], ContactCells] = (), cells
     last_response, refined = np.nan, cells
     for _ in range(MOST_REFINEMENTS):
         space = refined.space()
-        if len(space.degrees) > most_cells:
+        if _count(refined) > most_cells + 1:
             break
         matrix = compliance(space).matrix
         press = Contact(matrix, space.weights).press(moments(profile, space), load)
@@ -253,10 +252,15 @@ def _refine_narrow_parts(
     """
     while cells.spread < 0.3:
         with_refinements = replace(cells, refinements=refinements_of(cells.spread, narrow_parts))
-        if len(with_refinements.breakpoints()) <= most_cells:
+        if _count(with_refinements) <= most_cells:
             return with_refinements
         cells = replace(cells, spread=2 * cells.spread)
     return None
+
+
+def _count(cells: ContactCells) -> int:
+    """Return the number of ends of cells, with those in a hole, which finite elements have."""
+    return len(cells.from_axis().breakpoints())
 
 
 def refinements_of(

@@ -45,7 +45,7 @@ def with_prediction(problem: Problem) -> Problem:
     """
     if not (problem.profile.flat and len(problem.times) and not problem.ground.layered):
         return problem
-    rings = (problem.graded or problem.rings).merged().with_hole()
+    rings = (problem.graded or problem.rings).merged()
     kept = keeps_contact(rings, problem.loading, float(problem.times[-1]))
     return replace(problem, keeps_contact=kept)
 
@@ -110,5 +110,5 @@ def _space(rings: Rings, length: float) -> PressureSpace:
     breakpoints, low_parts = exact_graded_breakpoints(
         rings.ring_edges, sizes[:-1], float(sizes[-1]), GRADING
     )
-    degrees = np.where(breakpoints[1:] <= rings.ring_edges[int(rings.hollow)], 0, DEGREE)
+    degrees = np.full(len(breakpoints) - 1, DEGREE)
     return PressureSpace(breakpoints, degrees, rings.ring_edges, low_parts)

@@ -66,7 +66,7 @@ def unresolved_height(profile: InitialProfile, space: PressureSpace, depth: floa
     missed = np.abs(points.heights - np.einsum("eqj,ej->eq", legendre, parabolas[points.element]))
     least = np.full(count, np.inf)
     np.minimum.at(least, points.element, points.heights.min(axis=1))
-    touched = (least[points.element] <= depth) & (space.degrees[points.element] > 0)
+    touched = least[points.element] <= depth
     return float(missed.max(axis=1)[touched].max(initial=0.0))
 
 

@@ -64,9 +64,9 @@ def slope_integrals(
     profile : InitialProfile
         Unworn face.
     breakpoints : (E+1,) array
-        Boundaries of the cells, from 0 to 1.
+        Boundaries of the cells of the face.
     weight : callable
-        Returns the weight of radii; it is smooth outside a hole, and zero in it.
+        Returns the weight of radii, which is smooth.
     """
     parts = _SmoothParts(profile)
     infinite = parts.sides_with_infinite_slope()

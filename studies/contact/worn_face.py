@@ -76,8 +76,7 @@ class WornFace:
         depth does. The interpolation error of linear functions is proportional to that change.
         """
         # the axis, the edge of a hole and the rim are not free edges
-        contact = np.pad(self.history.contact, ((0, 0), (0, 1)), constant_values=True)
-        touches = contact[:, self.space.dofs].all(axis=2)
+        touches = self.history.contact[:, self.space.dofs].all(axis=2)
         outside = np.pad(~touches, ((0, 0), (CELLS_FROM_EDGES, CELLS_FROM_EDGES)))
         window = 2 * CELLS_FROM_EDGES + 1
         near_edge = sliding_window_view(outside, window, axis=1).any(axis=2)
@@ -92,15 +91,13 @@ class WornFace:
         """
         space = self.space
         width = np.diff(space.breakpoints)
-        # the additional entry is for the cells of a hole, which have no unknowns
-        functions = np.pad(functions, ((0, 0), (0, 1)))
         slope = (functions[:, space.dofs[:, 1]] - functions[:, space.dofs[:, 0]]) / width
         # at the axis the next cell is the mirror image
         change = np.abs(np.diff(slope, axis=1, prepend=-slope[:, :1]))
         # fields may have kinks at ring edges; these are breakpoints, so no accuracy is lost there
         same_ring = np.diff(space.ring) == 0
         wider = np.where(same_ring, np.maximum(width[1:], width[:-1]), 0.0)
-        change = change * np.append(width[0], wider)
+        change = change * np.append(0.0 if space.inner_radius else width[0], wider)
         return np.maximum(change, np.pad(change[:, 1:], ((0, 0), (0, 1))))
 
     @property
@@ -121,7 +118,7 @@ class WornFace:
         """
         worn = self.profile(radii) + (at_radii @ self.history.shape.T).T
         cells = np.searchsorted(self.space.breakpoints, radii, side="right") - 1
-        follows = self.follows_half_space[:, np.minimum(cells, len(self.space.degrees) - 1)]
+        follows = self.follows_half_space[:, np.clip(cells, 0, len(self.space.degrees) - 1)]
         below = self.history.depth[:, None] - (at_radii @ self.displacement.T).T
         return np.where(follows, below, worn)
 

@@ -96,7 +96,7 @@ def elements_on(
             bisection.mesh(field), 1, np.array(edges), into_quads=True, log_polar=False
         )
         solid = AxisymmetricElasticity(mesh, degree, problem.ground)
-        space = pressure_space(solid, np.array(edges), larger.hollow)
+        space = pressure_space(solid, np.array(edges))
         linear = replace(space, degrees=np.minimum(space.degrees, 1))
         half_space = HalfSpace(solid, linear, enough_poles(TRUNCATION, NEGLIGIBLE_ENERGY))
     if degree == 1:

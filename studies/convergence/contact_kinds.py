@@ -128,7 +128,6 @@ class FlatPunch(ContactKind):
                 rings.ring_edges,
                 direct.steady_pressures(rings.ring_edges, rings.wear_coefficients[0]),
                 problem.gradient_average,
-                problem.inner_radius,
             )
             exact["steady_rms_slope"] = np.asarray(problem.loading.forces[-1] * slope)
         return exact

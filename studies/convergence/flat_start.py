@@ -128,13 +128,14 @@ def mdr_on_rings(problem: Problem) -> Family:
     Higher degrees would reach roundoff after a few levels. Exact values are those of a fine MDR,
     except for the gradient, which has a closed form.
     """
-    edges, hollow = problem.merged.ring_edges, problem.merged.hollow
-    exact = ring_quantities(problem, discretise_by_mdr(edges, RING_EDGE_SIZE, 10, 0.15, hollow)[0])
-    steady = direct.steady_pressures(edges, problem.merged.wear_coefficients[0])
-    exact["RMS gradient"] = direct.rms_slope(edges, steady, inner_radius=problem.inner_radius)
+    edges, (wear_coefficients, _) = problem.merged
+    exact = ring_quantities(problem, discretise_by_mdr(edges, RING_EDGE_SIZE, 10, 0.15)[0])
+    exact["RMS gradient"] = direct.rms_slope(
+        edges, direct.steady_pressures(edges, wear_coefficients)
+    )
 
     def solve(grading: float) -> Row:
-        compliance, unknowns = discretise_by_mdr(edges, RING_EDGE_SIZE, 1, grading, hollow)
+        compliance, unknowns = discretise_by_mdr(edges, RING_EDGE_SIZE, 1, grading)
         values = ring_quantities(problem, compliance)
         errors = {quantity: values[quantity] / exact[quantity] - 1 for quantity in exact}
         return {"unknowns": unknowns, **errors}
@@ -168,12 +169,11 @@ def convergence_rates(gradings: Iterable[float]) -> dict[Any, float]:
 
 
 def discretise_by_mdr(
-    ring_edges: Array, smallest: float, degree: int, grading: float, hollow: bool = False
+    ring_edges: Array, smallest: float, degree: int, grading: float
 ) -> Discretised:
     """Discretise by MDR of one degree, on a radial mesh with one smallest size at all edges."""
     breakpoints = graded_breakpoints(ring_edges, smallest, smallest, grading)
-    in_hole = (breakpoints[1:] <= ring_edges[1]) & hollow
-    space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), ring_edges)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), ring_edges)
     return energy.compliance(space), space.size
 
 
@@ -192,7 +192,7 @@ def discretise_by_uniform_triangles(
 
 
 def discretise_by_quads(
-    ring_edges: Array, lower_bound: float, poisson_ratio: float, degree: int, hollow: bool = False
+    ring_edges: Array, lower_bound: float, poisson_ratio: float, degree: int
 ) -> Discretised:
     """Discretise by quadrilaterals whose smallest size is 0.1^(degree + 1), but >= `lower_bound`.
 
@@ -203,7 +203,7 @@ def discretise_by_quads(
     """
     smallest = max(0.1 ** (degree + 1), lower_bound)
     mesh = graded(ring_edges, smallest, smallest, QUAD_GRADING, GROWTH, outer=2.5).mesh
-    return condense(mesh, ring_edges, degree, poisson_ratio, 8, hollow)
+    return condense(mesh, ring_edges, degree, poisson_ratio, 8)
 
 
 def ring_quantities(problem: Problem, compliance: Compliance) -> dict[str, float]:

@@ -148,7 +148,7 @@ def discretised_on(
         mesh = make_mesh()
     with stages("condensing"):
         solid = AxisymmetricElasticity(mesh, degree, problem.ground, element)
-        space = pressure_space(solid, rings.ring_edges, rings.hollow)
+        space = pressure_space(solid, rings.ring_edges)
         half_space = HalfSpace(solid, space, POLES if poles is None else poles)
         compliance = half_space.compliance()
     return Discretised(compliance, lambda: compliance, half_space.unknowns, half_space=half_space)
@@ -270,10 +270,9 @@ def radial_compliance(method: str, space: PressureSpace) -> Discretised:
 
 
 def radial_space(problem: Problem, breakpoints: Array, degree: int) -> PressureSpace:
-    """Return pressures of one degree on a radial mesh; a hole carries no pressure."""
-    rings = problem.merged
-    in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
-    return PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
+    """Return pressures of one degree on a radial mesh."""
+    degrees = np.full(len(breakpoints) - 1, degree)
+    return PressureSpace(breakpoints, degrees, problem.merged.ring_edges)
 
 
 def radial_uniform_way(problem: Problem, method: str, degree: int, counts: Iterable[int]) -> Way:

@@ -128,10 +128,9 @@ def _shortest_resolved_wave(space: PressureSpace) -> float:
 
     A polynomial needs pi degrees per wave; therefore an element of width h and degree p resolves
     waves down to the length ``pi h / p`` (Gottlieb and Orszag, Numerical Analysis of Spectral
-    Methods, 1977, section 3). A hole, whose degree is zero, has no pressure and is left out.
+    Methods, 1977, section 3).
     """
-    carries = space.degrees > 0
-    return float(np.pi * (space.widths[carries] / space.degrees[carries]).max())
+    return float(np.pi * (space.widths / space.degrees).max())
 
 
 def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:

@@ -132,8 +132,7 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
         raise SceneError(reason)
     problem, writer = scene.problem, PROGRAMS[choice.program]
     quadratic = choice.elements == "quadratic"
-    hole = problem.inner_radius
-    mesh = deck_mesh(problem.merged.ring_edges, hole, choice.size, choice.reach, quadratic)
+    mesh = deck_mesh(problem.merged.ring_edges, choice.size, choice.reach, quadratic)
     model = Model(scene, mesh, hybrid=problem.poisson_ratio > LOCKING)
     punch_states = states(scene, _times(scene, choice.times), model.radii)
     # contact decks have linear elements, whose nodes are the corners

@@ -14,7 +14,7 @@ from skfem import MeshQuad
 
 from ...meshes.errors import SceneError
 from ...meshes.half_space import as_half_space, contact_facets, facet_ends
-from ...meshes.radial import Array, Indices
+from ...meshes.radial import Array, Indices, from_axis
 
 SQUARE = 2.0
 """Side of the square below the punch, in punch radii."""
@@ -41,12 +41,10 @@ class DeckMesh:
     Parameters
     ----------
     mesh : mesh of scikit-fem, with named boundaries
-    inner_radius : of the hole of the punch; 0 if there is none
     quadratic : whether elements also have nodes in the middles of their sides
     """
 
     mesh: MeshQuad
-    inner_radius: float
     quadratic: bool
 
     @cached_property
@@ -104,9 +102,7 @@ class DeckMesh:
 
     @property
     def _facets(self) -> Indices:
-        facets = contact_facets(self.mesh)
-        middles = self.mesh.p[0, self.mesh.facets[:, facets]].mean(axis=0)
-        return np.asarray(facets[middles > self.inner_radius])
+        return contact_facets(self.mesh)
 
     def _nodes_along(self, facets: Indices) -> Indices:
         """Return the nodes of facets, sorted by radius and then by depth."""
@@ -116,15 +112,12 @@ class DeckMesh:
         return np.asarray(nodes[np.lexsort((z, r))])
 
 
-def deck_mesh(
-    ring_edges: Array, inner_radius: float, size: float, reach: float, quadratic: bool
-) -> DeckMesh:
+def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> DeckMesh:
     """Return the mesh of a quarter disc for a deck.
 
     Parameters
     ----------
-    ring_edges : (N+1,) from 0 to 1; a hole counts as the first ring
-    inner_radius : of the hole of the punch; 0 if there is none
+    ring_edges : (N+1,) from 0 or the radius of a hole to 1
     size : of the elements below the punch, away from ring edges, in punch radii
     reach : radius of the quarter disc, in punch radii
     quadratic : whether elements also have nodes in the middles of their sides
@@ -141,7 +134,8 @@ def deck_mesh(
             f"--reach {reach:g}: give the radius of the modelled half-space in punch radii, "
             f"{MIN_REACH:g} to 1e6"
         )
-    radii, depths = _radii(ring_edges, size), _depths(ring_edges, size)
+    edges = from_axis(ring_edges)
+    radii, depths = _radii(edges, size), _depths(edges, size)
     shells = np.geomspace(SQUARE, reach, 2 + int(np.log(reach / SQUARE) / np.log1p(GROWTH * size)))
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
@@ -151,16 +145,16 @@ def deck_mesh(
             "give a larger size, or fewer rings"
         )
     mesh = _quadrilaterals(radii, depths, shells)
-    return DeckMesh(as_half_space(mesh, ring_edges), inner_radius, quadratic)
+    return DeckMesh(as_half_space(mesh, ring_edges), quadratic)
 
 
-def _radii(ring_edges: Array, size: float) -> Array:
+def _radii(edges: Array, size: float) -> Array:
     """Return the radii of the vertices of the square, from 0 to its side."""
-    widths, lines = np.diff(ring_edges), [np.zeros(1)]
+    widths, lines = np.diff(edges), [np.zeros(1)]
     scales = np.minimum(widths / WIDE, 1.0)
     outer_scales = np.append(scales[1:], np.inf)
     edge_sizes = np.append(0.0, RIM_SIZE * size**2 * np.minimum(scales, outer_scales))
-    for number, (start, end) in enumerate(itertools.pairwise(ring_edges)):
+    for number, (start, end) in enumerate(itertools.pairwise(edges)):
         largest, half = size * scales[number], widths[number] / 2
         if start == 0:
             from_edge = graded(widths[number], edge_sizes[1], largest, GROWTH * size)
@@ -174,14 +168,14 @@ def _radii(ring_edges: Array, size: float) -> Array:
     beyond_rim = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
     radii = np.concatenate([*lines, 1 + beyond_rim[1:]])
     # remove the roundoff of ring edges and of the end
-    for exact in (*ring_edges, SQUARE):
+    for exact in (*edges, SQUARE):
         radii[np.abs(radii - exact).argmin()] = exact
     return radii
 
 
-def _depths(ring_edges: Array, size: float) -> Array:
+def _depths(edges: Array, size: float) -> Array:
     """Return the depths of the vertices of the square, from the surface to its side."""
-    scale = min(float(np.diff(ring_edges).min()) / WIDE, 1.0)
+    scale = min(float(np.diff(edges).min()) / WIDE, 1.0)
     return graded(SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size)
 
 

@@ -142,11 +142,9 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             spaces = []
             for lowered, pole_orders in enumerate(orders):
                 solid = replace(half_space.solid, degree=degree - lowered, lowered_degrees=0)
-                ring_edges = problem.merged.ring_edges
-                hollow = problem.merged.hollow
-                space = (
-                    pressure_space(solid, ring_edges, hollow) if full_contact else half_space.space
-                )
+                space = half_space.space
+                if full_contact:
+                    space = pressure_space(solid, problem.merged.ring_edges)
                 spaces.append(HalfSpace(solid, space, pole_orders).without_dependent_poles())
             fine, coarse = spaces
             pressures = (
@@ -238,7 +236,8 @@ def compare_half_spaces(
         in_contact = middles @ pressure > 0
         ends = space.breakpoints[np.diff(in_contact, prepend=False, append=False)]
         parts.append(ends.reshape(-1, 2))
-        edges = np.union1d(problem.merged.ring_edges, ends)[1:]
+        edges = np.union1d(problem.merged.ring_edges, ends)
+        edges = edges[edges > 0]
         if labels[state] != STEADY_LABEL:
             edges = np.union1d(edges, creases)
         reaches[state] = reach = float(ends.max(initial=0.0)) or 1.0

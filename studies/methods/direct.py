@@ -65,8 +65,8 @@ class Direct(Method):
             ]
             columns = np.stack(pressures, axis=1)
             if "steady_rms_slope" in wanted:
-                average = problems[0].gradient_average, problems[0].inner_radius
-                slopes = direct.rms_slope(ring_edges, columns, *average, ground)
+                average = problems[0].gradient_average
+                slopes = direct.rms_slope(ring_edges, columns, average, ground)
             if wanted & {"steady_displacement_max", "steady_profile"}:
                 max_displacements = direct.greatest_displacement(ring_edges, columns, ground)
             return [
@@ -125,7 +125,8 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
 
     # cancellation: the displacement of a narrow ring of high pressure is the small difference of
     # those of two discs
-    cancellation = float(np.abs(direct.pressure_steps(pressures)) @ ring_edges[1:])
+    discs, steps = direct.pressure_steps(ring_edges, pressures)
+    cancellation = float(np.abs(steps) @ discs)
     # scale of the roundoff: the mean displacement is at least that of the mean pressure at the rim
     # (Betti)
     roundoff = 1e-12 + 4 * np.finfo(float).eps * cancellation / float(

@@ -352,8 +352,7 @@ class FullContact(Evaluation):
     def _sizes_at_rim_and_hole(self) -> tuple[float, float]:
         """Width of the element at the rim, and of the element at the hole (0 without a hole)."""
         space = self.compliance.space
-        carrying = space.widths[space.degrees > 0]
-        return float(carrying[-1]), float(carrying[0]) if space.hollow else 0.0
+        return float(space.widths[-1]), float(space.widths[0]) if space.inner_radius else 0.0
 
     @property
     def _rim_force_roundoff(self) -> float:

@@ -57,7 +57,7 @@ def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
     # contact
     solid = AxisymmetricElasticity(chosen.mesh, degree, problem.ground, lowered_degrees=degree // 5)
     poles = defaults.pole_orders(problem, truncation(chosen.mesh))
-    space = pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow)
+    space = pressure_space(solid, problem.merged.ring_edges)
     return HalfSpace(solid, space, poles).without_dependent_poles()
 
 
@@ -318,9 +318,7 @@ def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace")
     elif problem.ground.rigid and len(fine.poles) < 2:
         # the scene gives one pole, and above a rigid base a second one may depend on it
         poles = ()
-    return HalfSpace(
-        solid, pressure_space(solid, problem.merged.ring_edges, problem.merged.hollow), poles
-    )
+    return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
 
 
 # by whether the punch is in full contact

@@ -181,7 +181,7 @@ def degrees(
     The degree is `highest` where the amplitude of high degrees is largest. Elsewhere it is lower,
     as far as the amplitude allows, but at least 2 and at least the degree that smooth modes need.
     That degree halves from layer to layer towards the edges, because the elements there are several
-    times smaller. In a hole the degree is 0.
+    times smaller.
 
     Parameters
     ----------
@@ -193,9 +193,10 @@ def degrees(
     edges, ring = problem.merged.ring_edges, space.ring
     at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
     # distances of the far end of each element from both edges of its ring
-    from_inner = np.where(ring > 0, space.distance(at_edges[ring], element + 1), np.inf)
+    from_inner = np.where(edges[ring] > 0, space.distance(at_edges[ring], element + 1), np.inf)
     from_outer = space.distance(element, at_edges[ring + 1])
-    nearest = np.where(from_outer <= from_inner, ring, ring - 1)
+    # amplitudes are those at edges except the centre
+    nearest = np.where(from_outer <= from_inner, ring + 1, ring) - int(edges[0] == 0)
     distance, half_width = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
     fields = with_affordable_field_tolerance(problem, grading)
     amplitude = fields.edge_amplitude(distance, half_width, nearest)
@@ -203,7 +204,10 @@ def degrees(
     lowest = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
     # If `highest` is below the wanted degree, elements whose own wanted degree is possible keep it.
     lacking = max(int(np.ceil(pressure_degree(fields, grading))) - highest, 0)
-    reduction = degree_reduction(amplitude.max() / amplitude, grading)
+    # `pressure_degree` counts a hole like a ring at the axis
+    hole = edges[:1][edges[:1] > 0]
+    in_hole = fields.edge_amplitude(hole, hole / 2, np.zeros(len(hole), dtype=np.int64))
+    greatest = max(amplitude.max(), in_hole.max(initial=0.0))
+    reduction = degree_reduction(greatest / amplitude, grading)
     lowered = highest - np.maximum(reduction - lacking, 0)
-    final = np.maximum(lowered, np.minimum(lowest, max(highest, of_modes)))
-    return np.where((ring == 0) & problem.merged.hollow, 0, final)
+    return np.maximum(lowered, np.minimum(lowest, max(highest, of_modes)))

@@ -18,27 +18,21 @@ FLAT = np.array([0.0, 1.0])
 
 
 def condense(
-    mesh: Mesh,
-    ring_edges: Array,
-    degree: int,
-    poisson_ratio: float,
-    poles: int,
-    hollow: bool = False,
+    mesh: Mesh, ring_edges: Array, degree: int, poisson_ratio: float, poles: int
 ) -> Discretised:
     """Condense the finite-element half-space on a mesh to a compliance.
 
     Parameters
     ----------
     mesh : mesh of the half-space
-    ring_edges : (N+1,) ring edges; for a hollow punch the first ring is the hole
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1
     degree : degree of the displacement
     poisson_ratio : Poisson's ratio of the half-space
     poles : number of poles of its far field
-    hollow : whether the punch is hollow
     """
     solid = AxisymmetricElasticity(mesh, degree, Ground.half_space(poisson_ratio))
     orders = tuple(range(0, 2 * poles, 2))
-    half_space = HalfSpace(solid, pressure_space(solid, ring_edges, hollow), orders)
+    half_space = HalfSpace(solid, pressure_space(solid, ring_edges), orders)
     return half_space.compliance(), half_space.unknowns
 
 

@@ -55,7 +55,7 @@ def subdivided(
     mesh : triangles of the quarter disc, with a vertex at each ring edge
     count : number of parts into which each side of a triangle is divided, or each half of it for
         quadrilaterals
-    ring_edges : (N+1,) ring edges, 0 first and 1 (the rim) last
+    ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to 1 (the rim)
     into_quads : whether each triangle becomes three quadrilaterals that meet in its middle
     log_polar : whether triangles near the rim, near ring edges and far away are divided in
         log-polar coordinates; all others are divided in plain coordinates
@@ -115,8 +115,9 @@ def interpolate(
     points = plain.copy()
     to_axis = np.abs(vertices)
     centres = [(0.0, to_axis, to_axis > 1 + LOG_POLAR)]
-    for edge in ring_edges[1:]:
-        others = np.abs(ring_edges[1:] - edge)
+    edges = ring_edges[ring_edges > 0]
+    for edge in edges:
+        others = np.abs(edges - edge)
         reach = min(LOG_POLAR * edge, BETWEEN_EDGES * min(others[others > 0], default=np.inf))
         distance = np.abs(vertices - edge)
         centres.append((edge, distance, distance < reach))

@@ -200,8 +200,7 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
         reasons |= lacks
     for entry in methods.values():
         reasons |= entry.modelling_errors(problem)
-    modelled = len(problem.merged.ring_edges) - bool(problem.inner_radius)
-    if (merged := len(problem.ring_edges) - modelled) > 0:
+    if (merged := len(problem.ring_edges) - len(problem.merged.ring_edges)) > 0:
         reasons["ring edges"] = (
             f"{merged} of them separate rings with equal k and therefore have no effect"
         )

@@ -14,7 +14,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial.legendre import legder, legval, legvander
 
-from ...meshes.radial import Array, Indices, alternating_edges, gauss, ring_of, values_on_rings
+from ...meshes.radial import (
+    Array,
+    Indices,
+    alternating_edges,
+    from_axis,
+    gauss,
+    ring_of,
+    values_on_rings,
+)
 
 # Gauss points in each element of a face
 POINTS = 8
@@ -23,28 +31,25 @@ NARROWEST_INTERVAL = 1e-9
 
 
 def radial_weight(radii: Array, average: str, inner_radius: float) -> Array:
-    """Return the weight of an average over the face at some radii.
+    """Return the weight of an average over the face at some of its radii.
 
     The average is over the radius (`line`) or over the area (`area`) of a face from `inner_radius`
-    to 1. The weight is 0 in a hole.
+    to 1.
     """
-    on_face = radii > inner_radius
     if average == "line":
-        return on_face / (1 - inner_radius)
-    return on_face * 2 * radii / ((1 - inner_radius) * (1 + inner_radius))
+        return np.full(radii.shape, 1 / (1 - inner_radius))
+    return 2 * radii / ((1 - inner_radius) * (1 + inner_radius))
 
 
 class Rings(NamedTuple):
     """Rings of a punch.
 
-    The edges begin at 0, or at the hole of a hollow punch. In the rings that are modelled
-    (`with_hole`) they always begin at 0; a hole is then the first ring, with an infinite wear
-    coefficient, so that its steady pressure is zero. It has no pressure unknowns at any time.
+    Values at edges are given for each of the M edges except the centre; the rim is the last.
 
     Parameters
     ----------
     ring_edges : (N+1,) array
-        Edges up to the rim at 1.
+        Edges from 0, or from the hole of a hollow punch, up to the rim at 1.
     wear_coefficients : (2, N) array
         Wear coefficients at the inner and outer edge of each ring, over the greatest one; linear
         between.
@@ -110,51 +115,50 @@ class Rings(NamedTuple):
         return bool((inner != outer).any())
 
     @property
-    def hollow(self) -> bool:
-        """Whether the first ring represents a hole."""
-        return bool(np.isinf(self.wear_coefficients[0, 0]))
+    def from_axis(self) -> Array:
+        """(M+1,) edges from the axis on: 0, the radius of a hole, and the other ring edges."""
+        return from_axis(self.ring_edges)
 
-    def with_hole(self) -> "Rings":
-        """Return the rings from the axis on; a hole becomes the first ring."""
-        if self.ring_edges[0] == 0:
-            return self
-        wear = np.insert(self.wear_coefficients, 0, np.inf, axis=-1)
-        return Rings(np.append(0.0, self.ring_edges), wear)
+    def _at_edges(self, at_hole: float, at_outer_edges: Array) -> Array:
+        """Return the values (M,) at edges, from those at the outer edges of rings (N,).
+
+        `at_hole` is the value at the edge of a hole, if there is one.
+        """
+        return np.append(at_hole, at_outer_edges)[-np.count_nonzero(self.ring_edges) :]
 
     @property
     def smooth(self) -> Array:
-        """(N,) whether graded wear is continuous at each edge except the centre."""
+        """(M,) whether graded wear is continuous at each edge except the centre."""
         inner, outer = self.wear_coefficients
-        return np.append((outer[:-1] == inner[1:]) & self.linear, False)
+        inside_rim = (outer[:-1] == inner[1:]) & self.linear
+        return self._at_edges(False, np.append(inside_rim, False))
 
     @property
     def kinks(self) -> Array:
-        """(N,) strength of the kink of the wear coefficient at each edge except the centre.
+        """(M,) strength of the kink of the wear coefficient at each edge except the centre.
 
         At edges where the coefficient k is continuous, it is ``sqrt(|change of slope| * width /
         k)`` with the width of the narrower adjacent ring, and at most 1. At steps it is 1.
         """
         inner, outer = self.wear_coefficients
-        # a hole has no slope
-        slopes = np.where(np.isinf(inner), 0.0, outer - np.where(np.isinf(inner), 0.0, inner))
-        slopes = np.where(np.isinf(inner), 0.0, slopes / self.widths)
-        changes = np.abs(np.diff(slopes)) * self.narrower / outer[:-1]
+        slopes = (outer - inner) / self.widths
+        narrower = np.minimum(self.widths[:-1], self.widths[1:])
+        changes = np.abs(np.diff(slopes)) * narrower / outer[:-1]
         # square root: with layers chosen from it, the error estimate detects part of the effect
-        strengths = np.sqrt(np.minimum(np.append(changes, 1.0), 1.0))
+        strengths = self._at_edges(1.0, np.sqrt(np.minimum(np.append(changes, 1.0), 1.0)))
         return np.where(self.smooth, strengths, 1.0)
 
     @property
     def wear_gradients(self) -> Array:
-        """(N,) greatest ``|dk/dr| / k`` on the rings beside each edge but the centre.
+        """(M,) greatest ``|dk/dr| / k`` on the rings beside each edge but the centre.
 
         The steady pressure is proportional to 1 / k. If k is linear, 1 / k has a pole at the
         distance ``1 / gradient`` from the end of the ring with the smaller k.
         """
         inner, outer = self.wear_coefficients
-        in_hole = np.isinf(inner)
-        rises = np.abs(np.subtract(outer, inner, out=np.zeros(inner.shape), where=~in_hole))
-        gradients = rises / np.minimum(inner, outer) / self.widths
-        return np.maximum(gradients, np.append(gradients[1:], 0.0))
+        gradients = np.abs(outer - inner) / np.minimum(inner, outer) / self.widths
+        beside = np.maximum(gradients, np.append(gradients[1:], 0.0))
+        return self._at_edges(gradients[0], beside)
 
     @property
     def widths(self) -> Array:
@@ -163,23 +167,25 @@ class Rings(NamedTuple):
 
     @property
     def narrower(self) -> Array:
-        """(N-1,) width of the narrower ring next to each edge between centre and rim."""
-        return np.minimum(self.widths[:-1], self.widths[1:])
+        """(M-1,) width of the narrower ring, or hole, beside each edge between centre and rim."""
+        widths = np.diff(self.from_axis)
+        return np.minimum(widths[:-1], widths[1:])
 
     @property
     def widths_at_edges(self) -> Array:
-        """(N,) `narrower`, and the width of the last ring at the rim."""
+        """(M,) `narrower`, and the width of the last ring at the rim."""
         return np.append(self.narrower, self.widths[-1])
 
     @property
     def wear_at_edges(self) -> tuple[Array, Array]:
-        """Wear coefficients (N,) on the slower and on the faster side of each edge but the centre.
+        """Wear coefficients (M,) on the slower and on the faster side of each edge but the centre.
 
-        The rim has one side only.
+        The rim has one side only. In a hole, wear is infinitely fast.
         """
         inner, wear = self.wear_coefficients
         outside = np.append(inner[1:], wear[-1])
-        return np.minimum(wear, outside), np.maximum(wear, outside)
+        slower, faster = np.minimum(wear, outside), np.maximum(wear, outside)
+        return self._at_edges(inner[0], slower), self._at_edges(np.inf, faster)
 
     def at(self, radii: Array) -> Array:
         """Return the wear coefficient at each radius."""

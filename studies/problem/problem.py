@@ -166,13 +166,13 @@ class Problem:
 
     @cached_property
     def merged(self) -> Rings:
-        """The rings that are modelled; a hole is the first one.
+        """The rings that are modelled.
 
         In full contact, neighbours of equal wear are merged. On shaped faces they are not, because
         recesses end at ring edges.
         """
         rings = self.graded or self.rings
-        return (rings.merged() if self.full_contact else rings).with_hole()
+        return rings.merged() if self.full_contact else rings
 
     @property
     def inner_radius(self) -> float:
@@ -419,7 +419,7 @@ class Problem:
         # early slopes are greatest within the length over which wear has smoothed the pressure
         farthest = (1e-8 if self.full_contact else 1e-4) * rings.narrower
         nearest = np.clip(0.1 * self.edge_amplitude.worn_length_slow[:-1], 1e-12, farthest)
-        if rings.hollow:
+        if self.inner_radius:
             # pressures at the hole are infinite, and the first radius must not be rounded to it
             nearest[0] = max(nearest[0], 1e-12)
         breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)

@@ -192,7 +192,7 @@ class Case:
         rings = self.problem.merged
         solid = AxisymmetricElasticity(mesh, degree, self.problem.ground)
         poles = pole_orders(replace(self.problem, rtol=rtol), truncation(mesh))
-        return HalfSpace(solid, pressure_space(solid, rings.ring_edges, rings.hollow), poles)
+        return HalfSpace(solid, pressure_space(solid, rings.ring_edges), poles)
 
     def solve(self, half_space: HalfSpace, stages: Stages) -> MeshSolution:
         """Condense a half-space, and compute the wear of the punch on it."""

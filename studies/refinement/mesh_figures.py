@@ -132,13 +132,10 @@ def _draw_mesh(axes: Axes, case: Case, level: Level) -> None:
     rings = case.problem.merged
     wear = rings.wear_coefficients.mean(axis=0)
     for inner, outer, ring_wear in zip(rings.ring_edges, rings.ring_edges[1:], wear, strict=False):
-        if np.isfinite(ring_wear):  # a hole is not part of the punch
-            shade = (
-                "0.5" if ring_wear > np.sqrt(wear.min() * wear[np.isfinite(wear)].max()) else "0.8"
-            )
-            axes.add_patch(
-                Rectangle((inner, -PUNCH), outer - inner, PUNCH, facecolor=shade, edgecolor="white")
-            )
+        shade = "0.5" if ring_wear > np.sqrt(wear.min() * wear.max()) else "0.8"
+        axes.add_patch(
+            Rectangle((inner, -PUNCH), outer - inner, PUNCH, facecolor=shade, edgecolor="white")
+        )
     axes.set(xlim=(0, WIDTH), ylim=(DEPTH, -PUNCH), aspect="equal", yticks=[0, DEPTH / 2, DEPTH])
 
 

@@ -122,7 +122,7 @@ def worst_place(case: Case, level: Level) -> WorstPlace:
     squares = face.weights * level.pressure_errors**2
     worst_time = int(squares.sum(axis=1).argmax())
     shares = squares[worst_time] / squares[worst_time].sum()
-    edges = case.problem.merged.ring_edges[1:]
+    edges = case.problem.merged.from_axis[1:]
     nearest = np.abs(face.radii[:, None] - edges).argmin(axis=1)
     edge_shares = np.bincount(nearest, shares, len(edges))
     edge = int(edge_shares.argmax())

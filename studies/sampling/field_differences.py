@@ -149,7 +149,7 @@ def _difference(
     radii = reference["radius"] / units.length
     if "pressure" in name:
         # pressures jump at ring edges, and have no value there
-        jumps = np.isclose(radii[:, None], problem.merged.ring_edges[1:-1], 0, 1e-9)
+        jumps = np.isclose(radii[:, None], problem.merged.from_axis[1:-1], 0, 1e-9)
         compared[:, jumps.any(axis=1)] = False
     times_compared, radii_compared = compared.any(axis=1), compared.any(axis=0)
     if not times_compared.any():

@@ -175,7 +175,7 @@ class Functions:
         rings, space = self.problem.merged, self.space
         integral = history.shape / space.at_vertices(rings.wear_coefficients)
         volumes = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
-        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1]) - space.hollow
+        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         return np.asarray(np.add.reduceat(volumes, first, axis=1)) + self._even_volumes(history)
 
     def worn_face(self, history: History) -> WornFace:

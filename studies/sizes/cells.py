@@ -94,7 +94,6 @@ def cells_of(problem: Problem) -> ContactCells:
         min(problem.rtol, MAX_CELL_SIZE_AT_EDGES),
         growth=CELL_GROWTH,
         spread=size,
-        hollow=problem.merged.hollow,
     )
 
 
@@ -111,7 +110,7 @@ def graded_to_worn_layers(problem: Problem, cells: ContactCells) -> ContactCells
     size = min(max(size_per_length * worn_length, SMALLEST_CELL_IN_LAYERS), cells.edge_size)
     # cells of the layers on one side of an edge, times their growth: from `size` to `largest`
     cells_times_growth = np.log(cells.largest / size)
-    sides = 2 * len(problem.merged.ring_edges) - 3
+    sides = 2 * len(problem.merged.from_axis) - 3
     growth = max(
         GROWTH_IN_LAYERS * problem.rtol**0.5, sides * cells_times_growth / MOST_CELLS_IN_LAYERS
     )

@@ -254,7 +254,7 @@ def wanted_quad_degree(problem: Problem) -> int:
 
 
 def triangle_ring_sizes(problem: Problem) -> Array:
-    """Return the wanted sizes (N-1,) of triangles at the ring edges, rounded down to powers of two.
+    """Return the wanted sizes (M-1,) of triangles at the ring edges, rounded down to powers of two.
 
     Notes
     -----
@@ -275,7 +275,7 @@ def triangle_ring_sizes(problem: Problem) -> Array:
         TRIANGLE_SIZE_AT_RINGS * rtol**TRIANGLE_SIZE_POWER_AT_RINGS, MAX_TRIANGLE_SIZE_AT_RINGS
     )
     wanted = np.minimum(size_per_width * narrower, worn_length)
-    if problem.merged.hollow:
+    if problem.inner_radius:
         wanted[0] = min(TRIANGLE_SIZE_AT_RIM * rtol, float(narrower[0]) / MIN_TRIANGLES_ACROSS_RING)
     return np.asarray(2.0 ** np.floor(np.log2(wanted)))
 

@@ -64,7 +64,7 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
     this a little; the result is at least LOWEST_DEGREE. Shown by
     unit/studies/convergence/test_orders.py::test_rings_on_quadrilaterals_by_the_degree.
     """
-    half_width, amplitude = problem.merged.widths / 2, problem.edge_amplitude
+    half_width, amplitude = np.diff(problem.merged.from_axis) / 2, problem.edge_amplitude
     edges = np.arange(len(half_width))
     greatest = max(
         float(amplitude(half_width, half_width, edges).max()),
@@ -173,7 +173,7 @@ def pressure_count(problem: Problem, ratio: float) -> float:
     `edge_sizes`.
     """
     half_width, sizes, amplitude = (
-        problem.merged.widths / 2,
+        np.diff(problem.merged.from_axis) / 2,
         edge_sizes(problem),
         problem.edge_amplitude,
     )

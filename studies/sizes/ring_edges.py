@@ -60,7 +60,7 @@ ELEMENTS_PER_THIN_LAYER = QUAD_GRADING**-2
 
 
 def edge_sizes(problem: Problem) -> Array:
-    """Return the wanted element size (N,) at every ring edge except the centre; the rim is last.
+    """Return the wanted element size (M,) at every ring edge except the centre; the rim is last.
 
     Notes
     -----
@@ -121,7 +121,7 @@ def rim_size(problem: Problem, fields: Problem) -> float:
 
 
 def ring_sizes(problem: Problem, fields: Problem) -> Array:
-    """Return the wanted sizes (N-1,) at the ring edges between centre and rim.
+    """Return the wanted sizes (M-1,) at the ring edges between centre and rim.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def ring_sizes(problem: Problem, fields: Problem) -> Array:
     the width b of the ring next to the hole. Shown by physics/test_hollow.py.
     """
     sizes = edge_sizes(fields)[:-1]
-    if problem.merged.hollow:
+    if problem.inner_radius:
         scale = min(1.0, HOLE_SIZE_PER_RING_WIDTH * float(problem.merged.narrower[0]))
         sizes[0] = min(sizes[0], rim_size(problem, fields) * scale)
     return np.asarray(2.0 ** np.floor(np.log2(sizes)))

@@ -55,7 +55,7 @@ def discretisation_key(problem: Problem) -> Hashable:
     numbers = problem.ground, problem.rtol, problem.gradient_average
     kinds = bool(len(problem.times)), problem.full_contact
     rings = problem.merged
-    edges = rings.ring_edges.tobytes(), rings.smooth.tobytes(), rings.hollow
+    edges = rings.ring_edges.tobytes(), rings.smooth.tobytes()
     return *edges, *numbers, *kinds, *sizes
 
 

@@ -263,20 +263,20 @@ def _moments(space: PressureSpace, count: int) -> Array:
     # the singularity is at least one element away, so each Gauss point reduces the error sevenfold;
     # functions of higher degree oscillate and need more points
     node, weight = unit_gauss(space.top + 18 + 2 * max(count, MOST_FUNCTIONS))
-    elements, rim = np.flatnonzero(space.degrees > 0), len(space.degrees)
-    if space.hollow and len(elements) < 2:
+    elements, rim = np.arange(len(space.degrees)), len(space.degrees)
+    if space.inner_radius and rim < 2:
         raise SolverError("the face of a hollow punch needs two elements: ask for smaller sizes")
-    size = space.widths[elements, None]
-    fraction, weights = (np.tile(part, (len(elements), 1)) for part in (node, weight))
+    size = space.widths[:, None]
+    fraction, weights = (np.tile(part, (rim, 1)) for part in (node, weight))
     fraction[-1], weights[-1] = 1 - node**2, 2 * node * weight
-    if space.hollow:
+    if space.inner_radius:
         fraction[0], weights[0] = node**2, 2 * node * weight
     # distances from both edges without cancellation
-    hole_distance = space.distance(np.full(len(elements), elements[0]), elements)[:, None]
+    hole_distance = space.distance(np.zeros_like(elements), elements)[:, None]
     hole_distance = hole_distance + size * fraction
-    rim_distance = space.distance(elements, np.full(len(elements), rim))[:, None] - size * fraction
+    rim_distance = space.distance(elements, np.full(rim, rim))[:, None] - size * fraction
     rim_distance[-1] = size[-1] * node**2
-    radii = space.breakpoints[elements, None] + size * fraction
+    radii = space.breakpoints[:-1, None] + size * fraction
     functions, factor = _start_functions(space.inner_radius, hole_distance, rim_distance, count)
     values = np.einsum(
         "eq,eqj,eqi->eij",
@@ -286,7 +286,7 @@ def _moments(space: PressureSpace, count: int) -> Array:
         optimize=True,
     )
     moments = np.zeros((space.size + 1, count))
-    np.add.at(moments, space.dofs[elements], values)
+    np.add.at(moments, space.dofs, values)
     return moments[:-1]
 
 

@@ -106,8 +106,7 @@ class RunningIn:
             # constant
             pressure = self._pressures_from_rates(self._weights)
         else:
-            # the hole, which is the first ring, has no pressure
-            pressure = space.ring_indicator() @ (1 / self._at_edges[0, int(space.hollow) :])
+            pressure = space.ring_indicator() @ (1 / self._at_edges[0])
         wear_rate = float(1 / (space.weights @ pressure))
         pressure = wear_rate * pressure
         moments = self.compliance.factor.T @ (self.compliance.factor @ pressure)

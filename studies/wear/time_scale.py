@@ -133,8 +133,7 @@ def _slowest_times(
     breakpoints = graded_breakpoints(
         rings.ring_edges, 0.2 * rings.narrower, min(rim_size, 0.1 * rings.widths[-1]), grading
     )
-    in_hole = (breakpoints[1:] <= rings.ring_edges[1]) & rings.hollow
-    space = PressureSpace(breakpoints, np.where(in_hole, 0, degree), rings.ring_edges)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), rings.ring_edges)
     widest = rings.widths[space.ring] / ELEMENTS_PER_RING
     space = space.no_wider(np.minimum(widest, ground.first_thickness))
     to_pressure = space.joined(rings.wear_coefficients)

@@ -22,8 +22,8 @@ def test_running_in_against_an_independent_history(five, reference):
     assert five.answers["mdr"]["running_in_time"] == pytest.approx(slowest, rel=1e-9)
     # final value of d(t) minus the steady wear, under the force F = 2: d F = int u p dA
     pressures = 2 * direct.steady_pressures(EDGES, K)
-    rate, steps = K[0] * pressures[0], direct.pressure_steps(pressures)
-    end = steps @ disc_energies(EDGES[1:]) @ steps / 2.0
+    rate, (discs, steps) = K[0] * pressures[0], direct.pressure_steps(EDGES, pressures)
+    end = steps @ disc_energies(discs) @ steps / 2.0
     for state in reference["states"]:
         way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
         # the unit of time belongs to the greatest wear coefficient, which is 10

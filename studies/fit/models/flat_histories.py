@@ -47,8 +47,7 @@ class FlatHistories:
     compliance : of the half-space
     wear_shapes : J arrays (2, N): the shape k_j of each coefficient at both ends of the N rings of
         the pressure space
-    scene_rings : (N,) index of the scene's ring in which each ring of that space lies; -1 for a
-        hole
+    scene_rings : (N,) index of the scene's ring in which each ring of that space lies
     """
 
     compliance: Compliance
@@ -86,9 +85,6 @@ class FlatHistories:
             wear_shapes = [np.tile(row, (2, 1)) for row in np.eye(len(rings.widths))]
         middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
         scene_rings = ring_of(problem.ring_edges, middles)
-        if problem.inner_radius:
-            scene_rings = np.append(-1, scene_rings)
-            wear_shapes = [np.insert(shape, 0, 0.0, axis=1) for shape in wear_shapes]
         compliance = energy.compliance(choose_spaces(covered).fine)
         return cls(compliance, tuple(wear_shapes), scene_rings)
 

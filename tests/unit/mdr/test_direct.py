@@ -29,7 +29,8 @@ def test_discs_against_integrals_over_chords(radius, function):
     point.
     """
     expected, r = mp.mpf(0), mp.mpf(radius)
-    for step, disc in zip(direct.pressure_steps(PRESSURES), EDGES[1:], strict=True):
+    discs, steps = direct.pressure_steps(EDGES, PRESSURES)
+    for disc, step in zip(discs, steps, strict=True):
         c = mp.mpf(float(disc))
 
         def integrand(angle, c=c):
@@ -38,7 +39,7 @@ def test_discs_against_integrals_over_chords(radius, function):
 
         widest = mp.pi / 2 if r < c else mp.asin(c / r)
         expected += mp.mpf(float(step)) * 4 / mp.pi * mp.quad(integrand, [0, widest])
-    value = function(EDGES[1:], np.array(radius)) @ direct.pressure_steps(PRESSURES)
+    value = function(discs, np.array(radius)) @ steps
     assert value == pytest.approx(float(expected), rel=1e-11, abs=1e-13)
 
 
@@ -65,7 +66,8 @@ def test_rms_slopes_against_quadrature_and_limits(average):
     homogeneous = direct.rms_slope(EDGES[[0, -1]], np.ones(1), average)
     assert homogeneous == pytest.approx(HOMOGENEOUS[average], rel=1e-10)
     radii, weights = quadrature()
-    slopes = direct.disc_slope(EDGES[1:], radii.reshape(-1, 1)) @ direct.pressure_steps(PRESSURES)
+    discs, steps = direct.pressure_steps(EDGES, PRESSURES)
+    slopes = direct.disc_slope(discs, radii.reshape(-1, 1)) @ steps
     squares = slopes**2 * weights.ravel()
     expected = np.sqrt(np.sum(squares * (2 * radii.ravel() if average == "area" else 1)))
     assert direct.rms_slope(EDGES, PRESSURES, average) == pytest.approx(expected, rel=1e-11)

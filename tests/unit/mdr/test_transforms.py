@@ -19,16 +19,17 @@ from ringwear.meshes.radial import graded_breakpoints, layer_degrees
 EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 
 
-@pytest.fixture(params=[6, 9])
+@pytest.fixture(params=[(6, EDGES), (9, EDGES), (6, EDGES[1:])], ids=["6", "9", "6, hollow"])
 def space(request):
-    radii = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
-    return PressureSpace(radii, layer_degrees(radii, EDGES, request.param, rise=1), EDGES)
+    degree, edges = request.param
+    radii = graded_breakpoints(edges, 1e-4, 1e-4, 0.2)
+    return PressureSpace(radii, layer_degrees(radii, edges, degree, rise=1), edges)
 
 
 def test_line_density_of_rings(space):
     """Rings are differences of discs, whose line density is ``2 sqrt(c^2 - x^2)``."""
     x = np.linspace(0.001, 0.999, 500)
-    discs = 2 * np.sqrt(np.maximum(EDGES**2 - x[:, None] ** 2, 0))
+    discs = 2 * np.sqrt(np.maximum(space.ring_edges**2 - x[:, None] ** 2, 0))
     densities = line_density(space, x) @ space.ring_indicator()
     np.testing.assert_allclose(densities, np.diff(discs, axis=1), atol=1e-14)
 

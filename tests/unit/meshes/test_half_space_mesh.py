@@ -3,7 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -105,6 +105,31 @@ def test_meshes_cover_the_quarter_disc(mesher, wanted):
     again = mesher(wanted)
     np.testing.assert_array_equal(again.p, mesh.p)
     np.testing.assert_array_equal(again.t, mesh.t)
+
+
+FIELD_OF_HOLE = {"hollow": SizeField((0.4, 0.7, 1.0), 1e-5, (1e-4, 1e-3), 0.6, 5.0)}
+LAYERS_OF_HOLE = {"hollow": Layers((0.4, 0.7, 1.0), np.array([1e-9, 1e-4]), 1e-9)}
+
+
+@pytest.mark.parametrize(
+    ("mesher", "wanted"),
+    [
+        *cases(bisection.mesh, FIELD_OF_HOLE),
+        *cases(triangles.mesh, FIELD_OF_HOLE, pytest.mark.gmsh),
+        *cases(mesh_quads, LAYERS_OF_HOLE, pytest.mark.gmsh),
+    ],
+)
+def test_the_surface_in_a_hole_is_free(mesher, wanted):
+    """The mesh is that of a full punch with one more ring, which is not in contact."""
+    mesh = mesher(wanted)
+    full = mesher(replace(wanted, ring_edges=(0.0, *wanted.ring_edges)))
+    np.testing.assert_array_equal(mesh.p, full.p)
+    radii = contact_radii(full)
+    np.testing.assert_array_equal(contact_radii(mesh), radii[radii > 0.4 - 1e-15])
+    on_surface = segments(mesh, mesh.boundaries["free"])[..., 0]
+    in_hole = on_surface[on_surface.max(axis=1) <= 0.5]
+    assert np.ptp(in_hole) == pytest.approx(0.4, rel=1e-15)
+    assert np.diff(in_hole, axis=1).sum() == pytest.approx(0.4, rel=1e-12)
 
 
 @pytest.mark.parametrize(("mesher", "field"), TRIANGLES)

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from ringwear import PressureSpace, ring_areas
-from ringwear.meshes.radial import graded_breakpoints, layer_degrees, ring_of
+from ringwear.meshes.radial import (
+    exact_graded_breakpoints,
+    graded_breakpoints,
+    layer_degrees,
+    ring_of,
+)
 
 EDGES = np.array([0.0, 0.25, 0.3, 0.8, 1.0])
 WEAR = np.array([0.2, 1.0, 0.05, 0.6])
@@ -43,6 +48,34 @@ def test_graded_breakpoints(edges, edge_size, rim_size, factor, axis_size):
     assert (widths[at[1:] - 1] <= np.maximum(sizes, spans) * (1 + 1e-9)).all()
     assert (widths[at[1:-1]] <= np.maximum(sizes[:-1], spans[1:]) * (1 + 1e-9)).all()
     assert axis_size is None or widths[0] <= max(axis_size / np.sqrt(factor), spans[0])
+
+
+@pytest.mark.parametrize("edge_size", [1e-2, [1e-3, 1e-6, 0.1]])
+def test_the_elements_of_a_hollow_punch_are_those_outside_its_hole(edge_size):
+    (whole, low), (hollow, low_in_hollow) = (
+        exact_graded_breakpoints(edges, edge_size, 1e-8, 0.3) for edges in (EDGES, EDGES[1:])
+    )
+    outside = np.searchsorted(whole + 1j * low, EDGES[1] + 0j)
+    np.testing.assert_array_equal(hollow, whole[outside:])
+    np.testing.assert_array_equal(low_in_hollow, low[outside:])
+    degrees = layer_degrees(whole, EDGES, 6, rise=1)[outside:]
+    np.testing.assert_array_equal(layer_degrees(hollow, EDGES[1:], 6, rise=1), degrees)
+
+
+def test_the_space_of_a_hollow_punch():
+    """It has no pressure in the hole, and forces on other rings are those outside of it."""
+    edges = EDGES[1:]
+    radii = graded_breakpoints(edges, 1e-3, 1e-5, 0.3)
+    space = PressureSpace(radii, layer_degrees(radii, edges, 5, rise=1), edges)
+    rings = space.ring_indicator()
+    values = space.matrix([0.0, 0.2, 0.25, 0.27, 1.0]) @ rings
+    np.testing.assert_allclose(values, np.eye(5)[[4, 4, 0, 0, 2], :3], atol=1e-14)
+    others = np.array([0.0, 0.27, 1.0])
+    exact = ring_areas([0.25, 0.27, 1.0])
+    np.testing.assert_allclose(space.ring_forces(others) @ rings.sum(axis=1), exact, rtol=1e-12)
+    coarse = space.coarser()
+    assert coarse.inner_radius == 0.25
+    assert coarse.widths[0] > space.widths[0]
 
 
 def test_layer_degrees():

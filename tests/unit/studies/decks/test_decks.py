@@ -69,7 +69,7 @@ def write(folder, ending, text):
 
 @pytest.mark.parametrize("quadratic", [False, True])
 def test_meshes_are_what_programs_ask_for(quadratic):
-    mesh = deck_mesh(RINGS, 0.3, 0.2, 50.0, quadratic)
+    mesh = deck_mesh(RINGS[1:], 0.2, 50.0, quadratic)
     points = mesh.points * [1, -1]
     corners = points[mesh.cells[:, :4]]
     sides = np.roll(corners, -1, axis=1)
@@ -176,7 +176,7 @@ def test_scenes_without_a_deck_are_refused():
     assert "lock" in refusal(soft, "calculix")
     assert not refusal(soft, "abaqus")
     with pytest.raises(SceneError, match="--reach"):
-        deck_mesh(RINGS, 0.0, 0.1, 2.0, False)
+        deck_mesh(RINGS, 0.1, 2.0, False)
 
 
 def test_results_of_a_deck_of_another_scene_are_reported(tmp_path, caplog):
