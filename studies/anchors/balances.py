@@ -29,6 +29,19 @@ def check_forces(report: Reported) -> Rows:
     )
 
 
+def check_mean_contact_radius(report: Reported) -> Rows:
+    """Compare the mean radius of the force with the first moment of the pressure."""
+    pressure, force = report.take("pressure"), report.take("normal_force")
+    parts = pressure * report.face.areas * report.face.radii
+    quadrature_error = REFERENCE_ERROR_FACTOR * report.face.integral_error(parts)
+    # with too few radii in contact, contact may lie between the radii of the face
+    quadrature_error[(parts > 0).sum(axis=1) < POINTS] = np.inf
+    scale = np.maximum(force, np.finfo(float).tiny)
+    tolerance = report.tolerance("pressure", "mean_contact_radius") + quadrature_error / scale
+    moment = report.take("mean_contact_radius") * force
+    yield Row("moment of the pressure, int p r dA", moment, parts.sum(axis=1), tolerance, scale)
+
+
 def check_worn_volumes(report: Reported) -> Rows:
     """Compare the sum of worn volumes over k with the work of the force (given force only).
 

@@ -83,6 +83,7 @@ CHECKS = (
     Check(inputs.check_times),
     Check(steady.check_steady_state, " ".join(sorted(STEADY))),
     Check(balances.check_forces, "ring_force pressure"),
+    Check(balances.check_mean_contact_radius, "mean_contact_radius normal_force pressure"),
     Check(balances.check_worn_volumes, "ring_worn_volume"),
     Check(balances.check_decay, "normal_force ring_worn_volume", _fixed_indentation),
     Check(

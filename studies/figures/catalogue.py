@@ -18,6 +18,15 @@ def _has_history(result: Outcome) -> bool:
 
 # quantities that the figure of a contact with moving edges needs
 IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
+
+
+def _has_changing_contact(result: Outcome) -> bool:
+    """Return whether the contact, or the force of a falling load, changes over the times."""
+    problem = result.scene.problem
+    changes = problem.keeps_contact or not problem.full_contact
+    return changes and problem.earliest > 0 and result.gives(*IN_CONTACT)
+
+
 PICTURES = (
     Picture(
         "profiles_and_pressures.png",
@@ -40,7 +49,7 @@ PICTURES = (
         "Edges of the contact over time, its inside shaded, and force and worn volume of each "
         "ring.",
         draw_contact,
-        lambda result: result.scene.problem.earliest > 0 and result.gives(*IN_CONTACT),
+        _has_changing_contact,
     ),
     Picture(
         "steady_state.png",

@@ -4,6 +4,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -70,6 +71,7 @@ def read_measurements(
     measurements, divisors = list[Measurement](), list[float]()
     by_source = dict[str, list[Measurement]]()
     for name, source in _sources_by_name(data).items():
+        source = _without_known(source, scene)
         table = read(source, name, scene, columns or {}, units, volumes, list(KINDS))
         _refuse_other_rings(table, name, rings)
         divisor = _density(scene, density, table, name)
@@ -92,6 +94,14 @@ def read_measurements(
         _with_noise(each, by_column.get(each.column), divisor)
         for each, divisor in zip(measurements, divisors, strict=True)
     )
+
+
+def _without_known(source: "OthersResults", scene: Scene) -> "OthersResults":
+    """Return results of ringwear without what the scene itself determines, else the same table."""
+    dataset: Any = source
+    if "solver" not in getattr(source, "coords", ()):
+        return source
+    return dataset.drop_vars(scene.problem.known, errors="ignore")
 
 
 def _sources_by_name(

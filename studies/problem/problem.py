@@ -212,6 +212,12 @@ class Problem:
         return "indentation" if self.indentation is None else "normal_force"
 
     @property
+    def known(self) -> frozenset[str]:
+        """The quantities over time that the scene itself determines."""
+        constant = frozenset({"normal_force"}) if self.constant_force else frozenset()
+        return constant | {"contact_radius"} if self.full_contact else constant
+
+    @property
     def remaining_parts(self) -> dict[str, float]:
         """The part of the running-in that remains at each time of it in the answer.
 

@@ -478,6 +478,19 @@ def contact_radius(state: State) -> Array:
     return np.asarray(np.nanmax(state.contact_edges, axis=1, initial=0.0))
 
 
+@over_time(
+    "",
+    "length",
+    "mean radius of the contact, weighted by the pressure: int p r dA / F",
+    RADIUS,
+    cells="unresolved",
+)
+def mean_contact_radius(state: State) -> Array:
+    """Return the mean radius (T,) at which the force acts; 0 without a force."""
+    force = state.ring_forces.sum(axis=1)
+    return np.divide(state.moment, force, out=np.zeros(len(force)), where=force > 0)
+
+
 @over_time("radius", "number", "1 in contact, 0 outside")
 def contact(state: State) -> Array:
     """Return where (T, R) the punch is in contact."""

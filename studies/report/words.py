@@ -77,12 +77,10 @@ class Account:
     @property
     def _known_numbers(self) -> set[str]:
         """Numbers of the answer that the scene itself determines."""
-        problem, known = self.scene.problem, set[str]()
-        if problem.prescribed == "normal_force":
-            known |= {"force_start", "force_end"}
-        if problem.full_contact:
-            known |= {"contact_radius_start", "time_to_full_contact"}
-        return known
+        problem = self.scene.problem
+        determined = problem.known | {problem.prescribed}
+        known = {name for name, each in ANSWER.items() if each.at and each.at[0] in determined}
+        return known | {"time_to_full_contact"} if problem.full_contact else known
 
     @property
     def warnings(self) -> list[str]:

@@ -7,11 +7,14 @@ from scipy.sparse import csr_matrix
 
 from ...meshes.compliance import Compliance
 from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, ring_areas
+from ...meshes.radial import Array, ring_areas, unit_gauss
 from ..contact.worn_face import WornFace
-from ..problem.face import Face, radial_weight
+from ..problem.face import radial_weight
 from ..problem.problem import Problem
-from ..wear.history import History
+from ..wear.history import History, Start
+
+# Gauss points in each element for the moment of an unworn punch
+START_POINTS = 24
 
 
 # cached, because problems on the same space are sampled at the same radii
@@ -26,25 +29,34 @@ def _ring_forces(space: PressureSpace, ring_edges: bytes) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _moments(space: PressureSpace, face: Face) -> Array:
+def _moments(space: PressureSpace) -> Array:
     """Return the integral (size,) of the radius times each function over the face."""
-    edges = np.concatenate([face.breakpoints[:1], face.radii, [1.0]])
-    return _moment_of_forces(space.ring_forces(edges), face)
+    radii, lengths, local = space.quadrature
+    weights = 2 * np.pi * radii**2 * lengths
+    return np.asarray(space.on_elements(local).T @ weights.ravel())
 
 
-def _moment_of_forces(forces: Array, face: Face) -> Array:
-    """Return the integral (...) of the radius times the pressure over the face.
+def _moment_of_start(start: Start, breakpoints: Array) -> float:
+    """Return the integral of the radius times the pressure of an unworn punch.
 
     It is integrated by parts, because the force within a radius is smoother than the pressure,
-    which may be infinite at edges.
+    which may be infinite at edges. The variable is an angle in which roots at both ends of each
+    element are smooth.
 
     Parameters
     ----------
-    forces : (R + 1, ...) forces between the inner edge, the R radii of the face, and the rim
-    face : the face
+    start : the unworn punch
+    breakpoints : (n+1,) radii, edges and kinks of the contact among them
     """
-    within = np.cumsum(forces, axis=0)
-    return np.asarray(within[-1] - face.lengths @ within[:-1])
+    node, weight = unit_gauss(START_POINTS)
+    angle = np.pi * node
+    middle = (breakpoints[1:, None] + breakpoints[:-1, None]) / 2
+    half = np.diff(breakpoints)[:, None] / 2
+    radii = (middle - half * np.cos(angle)).ravel()
+    lengths = (half * np.sin(angle) * np.pi * weight).ravel()
+    edges = np.concatenate([breakpoints[:1], radii, breakpoints[-1:]])
+    within = np.cumsum(start.ring_forces(edges))
+    return float(breakpoints[-1] * within[-1] - lengths @ within[:-1])
 
 
 @lru_cache(maxsize=8)
@@ -145,13 +157,15 @@ class Functions:
 
     def moments(self, history: History) -> Array:
         """Return the integrals (T,) of the radius times the pressure over the face."""
-        face = self.problem.face
-        of_functions = _moments(self.space, face)
+        of_functions = _moments(self.space)
         if (pressed := history.pressed) is None:
             return np.asarray(history.pressure @ of_functions)
-        edges = np.concatenate([face.breakpoints[:1], face.radii, [1.0]])
-        of_start = float(_moment_of_forces(pressed.start.ring_forces(edges), face))
-        return pressed.rest @ of_functions + pressed.force / pressed.start.force * of_start
+        start, profile = pressed.start, self.problem.profile
+        edges = [edge for part in start.intervals for edge in (part.inner, part.outer)]
+        breakpoints = np.union1d(self.problem.ring_edges, [*edges, *profile.kinks])
+        breakpoints = breakpoints[(breakpoints >= self.problem.inner_radius) & (breakpoints <= 1)]
+        of_start = _moment_of_start(start, breakpoints)
+        return pressed.rest @ of_functions + pressed.force / start.force * of_start
 
     def worn_volumes(self, history: History) -> Array:
         """Return the volume worn off each ring (T, N)."""

@@ -362,10 +362,11 @@ def _quantities_to_keep(
     available = set[str]().union(*map(_quantities_of, problems)) - set(axes)
     if keep is None:
         left_out = {"radius", "ring"} if len(problems[0].times) else {"radius", "ring", "mode"}
+        computed = available - frozenset.intersection(*(problem.known for problem in problems))
         return tuple(
             name
             for name in KEEPABLE
-            if name in available and left_out.isdisjoint(KEEPABLE[name].dims)
+            if name in computed and left_out.isdisjoint(KEEPABLE[name].dims)
         )
     computable = {name for name in KEEPABLE if not available.isdisjoint(ANSWERS.get(name, (name,)))}
     if not keep or not set(map(str, keep)) <= computable:

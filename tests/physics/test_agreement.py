@@ -114,7 +114,7 @@ def compare(flat, factors, errors=None):
 @pytest.mark.parametrize("factor", [0.98, 1.02])
 def test_a_result_wrong_by_two_per_cent_is_a_disagreement(flat, factor):
     quantities = flat.quantities
-    assert len(quantities) == 30
+    assert len(quantities) == 31
     # the whole face of a flat punch is in contact from the time 0 on
     for wrong in quantities.keys() - {"time_to_full_contact"}:
         rows = compare(flat, {wrong: factor})

@@ -117,7 +117,7 @@ def test_results_of_ringwear_have_errors_of_roundoff(tmp_path):
     scene = result.scene
     for given in (tmp_path / "out" / "results.nc", result.dataset):
         checked = check(scene, {"again": given}, methods=["mdr"])
-        assert len(errors(checked)) == 7 * len(scene.wear.times)
+        assert len(errors(checked)) == 10 * len(scene.wear.times)
         assert max(abs(row.error) for row in errors(checked)) < 1e-10
         assert checked.passes
     assert checked.dataset.sel(solver="again").indentation.notnull().all()

@@ -86,7 +86,7 @@ def test_results_that_cannot_be_compared_are_refused(other, words, folder, tmp_p
 def test_csv_tables_have_the_numbers_of_results_nc(folder):
     tables = {file.stem: pd.read_csv(file) for file in folder.glob("*.csv")}
     results = xarray.load_dataset(folder / "results.nc")
-    over_time = {"solver_time", "solver_time_radius", "solver_time_ring"}
+    over_time = {"solver_time", "solver_time_radius", "solver_time_ring", "solver_time_edge"}
     others = {"solver", "solver_ring", "solver_radius", "solver_mode", "solver_state_ring"}
     others.add("solver_state")  # errors of the numbers of each ring
     assert set(tables) == over_time | others

@@ -40,30 +40,24 @@ def check_inner_force(report):
 
 def add_inner_force(patch, factor):
     """Add a quantity: the force on the innermost ring, times a factor that is 1 if it is right."""
-    definition = "force on the innermost ring"
-    described = quantities.Quantity(("time",), "force", definition, "value")
-    # both tables are built from the same rows when the module is imported
-    patch.setitem(quantities.QUANTITIES, "inner_force", described)
-    patch.setitem(quantities.DESCRIBED, "inner_force", described)
+    patch.setattr(quantities, "QUANTITIES", quantities.QUANTITIES.copy())
 
-    def with_inner_force(others):
-        def values(sampler, history, radii):
-            value = {"inner_force": lambda: factor * sampler.ring_forces(history)[:, 0]}
-            return others(sampler, history, radii) | value
+    @quantities.over_time("", "force", "force on the innermost ring")
+    def inner_force(state):
+        return factor * state.ring_forces[:, 0]
 
-        return values
-
-    # the values of histories in full contact, and of those in which contact moves
-    for regime, others in list(sampler.FIELDS.items()):
-        patch.setitem(sampler.FIELDS, regime, with_inner_force(others))
+    # all tables are built from the declarations when the module is imported
+    for table in (sampler.QUANTITIES, quantities.DESCRIBED):
+        patch.setitem(table, "inner_force", inner_force)
+    for module in (sampler, checks):
+        patch.setattr(module, "HISTORIES", module.HISTORIES | {"inner_force"})
     check = checks.Check(check_inner_force, "inner_force")
     patch.setattr(checks, "CHECKS", (*checks.CHECKS, check))
 
 
 def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tmp_path):
     named = files_named_for("a quantity")
-    assert named[:2] == ["studies/problem/quantities.py", "studies/sampling/sampler.py"]
-    assert "studies/anchors/" in named
+    assert named[:2] == ["studies/problem/quantities.py", "studies/anchors/"]
     add_inner_force(monkeypatch, factor=1.0)
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
     # estimates, comparison, anchors and files need no further change

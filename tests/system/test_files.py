@@ -24,6 +24,10 @@ VARIABLES = {
     "displacement_max": ("time",),
     "rms_slope": ("time",),
     "ring_force": ("time", "ring"),
+    "normal_force": ("time",),
+    "ring_worn_volume": ("time", "ring"),
+    "contact_radius": ("time",),
+    "mean_contact_radius": ("time",),
     "relaxation_time": ("mode",),
     "steady_pressure": ("radius",),
     "steady_profile": ("radius",),
@@ -35,7 +39,7 @@ VARIABLES = {
 VARIABLES |= {
     f"{name}_error": tuple(dim for dim in dims if dim not in ("radius", "ring"))
     for name, dims in VARIABLES.items()
-}
+} | {"contact": ("time", "radius"), "contact_edge": ("time", "edge")}
 ANSWER = {
     "indentation_start": (),
     "indentation_steady": (),
@@ -46,6 +50,12 @@ ANSWER = {
     "pressure_max": ("state", "ring"),
     "force_share": ("state", "ring"),
     "worn_volume": ("ring",),
+    "force_start": (),
+    "force_end": (),
+    "time_to_half_force": (),
+    "contact_radius_start": (),
+    "pressure_peak_start": (),
+    "time_to_full_contact": (),
 }
 ANSWER |= {
     f"{name}_error": tuple(dim for dim in dims if dim != "ring") for name, dims in ANSWER.items()

@@ -61,7 +61,8 @@ def test_a_run_has_only_the_quantities_of_the_scene(names):
     result = run(FIVE.changed(accuracy__rtol=1e-2, output__quantities=names))
     wanted = set().union(*(in_group(name, everything) for name in names))
     assert result.verdict == "agree"
-    assert stored(result) == wanted == set(result.quantities) - ANSWERS
+    assert stored(result) == wanted
+    assert set(result.quantities) - ANSWERS == wanted - {"contact", "contact_edge"}
     along_radius = {name for name in wanted if "radius" in everything.dataset[name].dims}
     assert result.has_inside == bool(along_radius - {"steady_pressure"})
     if names != ["all"]:
@@ -126,7 +127,6 @@ def test_unknowns_grow_with_every_digit():
     [
         (["indentations"], {}),
         ([], {}),
-        (["contact_radius"], {}),
         (["indentation"], {"wear": {}}),
         (["steady"], {"wear": {"times": [1.0], "steady": False}}),
     ],
