@@ -325,7 +325,7 @@ def solved(
     roundoff : smallest size of elements at steps of k. Smaller layers are not resolved, which only
         a solution with another value shows
     """
-    times = problem.times[problem.checked]
+    times = problem.times[problem.compared_rows]
     fixed_indentation = problem.indentation is not None
     later = times[times > 0]
     distances = load.at(later)[1]

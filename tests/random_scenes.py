@@ -271,13 +271,13 @@ def excluded(result) -> dict[str, list[float]]:
 def _hold_results(outcome: Held, result, fine: dict, doubt: dict) -> None:
     problem = result.scene.problem
     for method, solution in result.solutions.items():
-        for name, error in differences(solution.checked, fine, problem.face).items():
+        for name, error in differences(solution.compared, fine, problem.face).items():
             unsure = np.atleast_1d(doubt[name])
             stated = solution.errors.get(name)
             if stated is None:
                 stated = np.full(len(unsure), np.nan)
             else:
-                stated = np.atleast_1d(solution.checked_error(problem, name))
+                stated = np.atleast_1d(solution.compared_error(problem, name))
             error = np.atleast_1d(error)
             if "mode" in DESCRIBED[name].dims:
                 error, unsure, stated = (part[:SHOWN_MODES] for part in (error, unsure, stated))
@@ -296,9 +296,9 @@ def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
         named[3:] = False
     if name in outcome.excluded:
         left_out = outcome.excluded[name]
-        if not left_out or count != len(problem.checked):
+        if not left_out or count != len(problem.compared_rows):
             return np.full(count, True)
-        times = problem.times[problem.checked] * problem.units.time
+        times = problem.times[problem.compared_rows] * problem.units.time
         named |= np.isclose(times[:, None], left_out, rtol=1e-6, atol=0.0).any(axis=1)
     return named
 

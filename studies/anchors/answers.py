@@ -104,7 +104,7 @@ def check_worn_volumes_of_profile(report: Reported) -> Rows:
     problem, face = report.problem, report.face
     unworn = problem.profile(face.radii) + problem.profile.standoff
     # both heights contain the standoff of a flat face, which cancels
-    parts = face.areas * (report.solution.checked["profile"][-1] - unworn)
+    parts = face.areas * (report.solution.compared["profile"][-1] - unworn)
     volumes, quadrature_error = (
         face.ring_sums(parts),
         REFERENCE_ERROR_FACTOR * face.integral_error(parts[None])[0],

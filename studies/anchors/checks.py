@@ -187,7 +187,7 @@ def anchors(
 def _anchors_of(report: Reported) -> list[Anchor]:
     """Return all anchors that apply to a method's report."""
     scene, solution = report.scene, report.solution
-    with_error = solution.checked.keys() & solution.errors.keys()
+    with_error = solution.compared.keys() & solution.errors.keys()
     wanted = set(filter(scene.problem.wants, with_error))
     if not report.times.size:
         wanted -= HISTORIES
@@ -208,7 +208,7 @@ def expected_anchors(problem: Problem, solution: Solution) -> tuple[str, ...]:
     names: tuple[str, ...] = INPUT_ANCHORS
     if problem.quantities is not None:
         return names
-    if problem.steady and "steady_pressure" in solution.checked:
+    if problem.steady and "steady_pressure" in solution.compared:
         names += STEADY_ANCHORS
     marched = solution.wear is not None or solution.march is not None
     if not (marched and problem.earliest and problem.march == "modal"):

@@ -65,12 +65,12 @@ class Reported:
         self.units, self.rtol = self.reading.units, self.reading.rtol
         self.face, self.average = self.problem.face, self.reading.average
         self.radii = np.asarray(table["radius"]) / self.units.length
-        times = np.asarray(table["time"])[self.problem.checked] / self.units.time
+        times = np.asarray(table["time"])[self.problem.compared_rows] / self.units.time
         # differences are relative, so that times without a force cannot be checked
         forces = self.reading.load(times)[0]
         self.in_contact = forces > ROUNDOFF * forces.max(initial=0.0)
         self.compared_rows, self.times = (
-            self.problem.checked[self.in_contact],
+            self.problem.compared_rows[self.in_contact],
             times[self.in_contact],
         )
         self.forces, self.distances, self.work = self.reading.load(self.times)
@@ -99,12 +99,12 @@ class Reported:
     @cached_property
     def even_wear(self) -> Array:
         """(T,) depth by which the whole face has worn at the steady rate, by the method."""
-        return self.solution.checked["even_wear"][self.in_contact]
+        return self.solution.compared["even_wear"][self.in_contact]
 
     @cached_property
     def shape(self) -> Array:
         """(T, R) profile over the face, from the first touch, less the even wear."""
-        return self.solution.checked["shape"][self.in_contact]
+        return self.solution.compared["shape"][self.in_contact]
 
     @property
     def first_touch(self) -> float:
@@ -122,7 +122,7 @@ class Reported:
     @cached_property
     def depth_scale(self) -> Array:
         """(T,) the same without the roundoff of the reported indentation, as a scale of errors."""
-        return self.solution.checked["depth"][self.in_contact]
+        return self.solution.compared["depth"][self.in_contact]
 
     @cached_property
     def depth_roundoff(self) -> Array:
@@ -206,7 +206,7 @@ class Reported:
         if self.full_contact and name in ("profile", "indentation", "indentation_start"):
             standoff = self.problem.profile.standoff
         if on_face and quantity.dims == ("time", "radius"):
-            return self.solution.checked[name][self.in_contact] - standoff
+            return self.solution.compared[name][self.in_contact] - standoff
         values = np.asarray(self.table[name]) / getattr(self.units, quantity.unit)
         values = values / self._load_factors.get(name, 1.0) - standoff
         return values[self.compared_rows] if "time" in quantity.dims else values
@@ -218,13 +218,13 @@ class Reported:
     @property
     def steady_profile_on_face(self) -> Array:
         """(R,) the steady profile over the face, per unit of the last force."""
-        return np.asarray(self.solution.checked["steady_profile"] / self._last_force)
+        return np.asarray(self.solution.compared["steady_profile"] / self._last_force)
 
     def errors(self, *names: str) -> Array:
         """Return the method's error estimates (names, ...) of some quantities."""
         over_time = "time" in DESCRIBED[names[0]].dims
         rows = self.in_contact if over_time else ...
-        return np.array([self.solution.checked_error(self.problem, name)[rows] for name in names])
+        return np.array([self.solution.compared_error(self.problem, name)[rows] for name in names])
 
     def tolerance(self, *names: str) -> Array:
         """Return `rtol`, or the method's largest error estimate if that is larger."""

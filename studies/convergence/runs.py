@@ -103,7 +103,7 @@ class StudiedScene:
         kind = CONTACT_KINDS[scene.problem.full_contact]
         problem, stages = kind.prepare(scene.problem), Stages("reference")
         evaluation = kind.reference(problem, cell_factor, stages)
-        exact = evaluation.checked | kind.closed_forms(problem, evaluation.checked)
+        exact = evaluation.compared | kind.closed_forms(problem, evaluation.compared)
         states = states_inside(problem, evaluation)
         if len(states):
             exact[STRESSES] = boussinesq_stresses(
@@ -147,7 +147,7 @@ class StudiedScene:
         with stages("marching"):
             kind = CONTACT_KINDS[problem.full_contact]
             evaluation = kind.evaluate(problem, compliance)
-            values = evaluation.checked | kind.flat_start(problem, compliance)
+            values = evaluation.compared | kind.flat_start(problem, compliance)
         if half_space is not None and discretised.unknowns <= self.most_unknowns_inside:
             states = states_inside(problem, evaluation)
             if len(states):
@@ -181,7 +181,7 @@ def states_inside(problem: Problem, evaluation: Evaluation) -> Array:
     """
     if not len(problem.times):
         return np.zeros((0, evaluation.compliance.space.size))
-    history = evaluation.history[problem.checked]
+    history = evaluation.history[problem.compared_rows]
     rows = (history.distances > 0) & (history.force > 0)
     if history.pressed is not None:
         rows &= history.pressed.force == 0
@@ -198,7 +198,7 @@ def result_of(
     moving = evaluation if isinstance(evaluation, MovingContact) else None
     solution = Solution(
         evaluation.results,
-        evaluation.checked,
+        evaluation.compared,
         {},
         {},
         discretised.unknowns or discretised.compliance.space.size,

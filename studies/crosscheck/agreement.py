@@ -116,7 +116,7 @@ def compare(problem: Problem, solutions: Sequence[Solution]) -> dict[str, Differ
     for name, difference in _differences_over_larger(problem, first, second).items():
         if name not in first.errors or name not in second.errors or not problem.wants(name):
             continue
-        arrays = [difference, *(solution.checked_error(problem, name) for solution in solutions)]
+        arrays = [difference, *(solution.compared_error(problem, name) for solution in solutions)]
         if "mode" in DESCRIBED[name].dims:
             arrays = [array[:COMPARED_MODES] for array in arrays]
         common_part = common(*(array.shape for array in arrays))
@@ -140,7 +140,7 @@ def _differences_over_larger(problem: Problem, first: Solution, second: Solution
     # relative to an infinite value, an infinite difference is NaN, which never agrees
     with np.errstate(invalid="ignore"):
         one_way, other_way = (
-            differences(values.checked, reference.checked, problem.face)
+            differences(values.compared, reference.compared, problem.face)
             | differences(values.answers, reference.answers, problem.face)
             for values, reference in ((first, second), (second, first))
         )
@@ -183,7 +183,7 @@ def agreements(
     compared, expected = compare(problem, solutions), due(problem)
     if any(solution.wear is None and solution.march is None for solution in solutions):
         # one of the methods computes no history
-        expected &= solutions[0].checked.keys() & solutions[1].checked.keys()
+        expected &= solutions[0].compared.keys() & solutions[1].compared.keys()
     missing = [
         Agreement(quantity, names, np.inf, np.inf, UNDECIDED, "a method has no error estimate")
         for quantity in sorted(expected - compared.keys())
@@ -254,7 +254,7 @@ def when_in_words(
     """
     if not DESCRIBED[quantity].over_time or selected.all():
         return ""
-    times = problem.times[problem.checked] * problem.units.time
+    times = problem.times[problem.compared_rows] * problem.units.time
     last = int(np.flatnonzero(selected)[-1])
     if not selected[: last + 1].all():
         return f"at {selected.sum()} of {len(times)} times"

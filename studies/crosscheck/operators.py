@@ -100,7 +100,7 @@ def difference(
     problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
 ) -> OperatorDifference:
     """Compare two compliances on the same pressure space, each with the running-in on it."""
-    pair, times = (first.compliance, second.compliance), problem.times[problem.checked]
+    pair, times = (first.compliance, second.compliance), problem.times[problem.compared_rows]
     times = times[problem.loading.at(times).force > 0]
     ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
     # use the pressures of the history instead of the span of the modes, which also contains short

@@ -69,15 +69,15 @@ def unresolved(
     at : index of the compared time, if the quantity has times
     """
     if quantity == "rms_slope" and any(
-        np.isnan(solution.checked[quantity][at])
+        np.isnan(solution.compared[quantity][at])
         for solution in solutions.values()
-        if quantity in solution.checked
+        if quantity in solution.compared
     ):
         return SLOPE_IS_INFINITE
     if not problem.full_contact:
         return _limit_of_cells(problem, solutions) if DESCRIBED[quantity].cells else ""
     # earlier times, which need smaller elements, have no influence
-    first = int(problem.checked[at]) if DESCRIBED[quantity].over_time else 0
+    first = int(problem.compared_rows[at]) if DESCRIBED[quantity].over_time else 0
     if quantity in LAYER_QUANTITIES:
         needed_size = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
@@ -155,7 +155,7 @@ def left_out_of_promise(
     names = {name for solution in solutions.values() for name in solution.errors}
     for quantity in (name for name in DESCRIBED if name in names):
         estimates = [
-            np.atleast_1d(solution.checked_error(problem, quantity))
+            np.atleast_1d(solution.compared_error(problem, quantity))
             for solution in solutions.values()
             if quantity in solution.errors
         ]
@@ -174,7 +174,7 @@ def left_out_of_promise(
             continue
         excluded_times: tuple[float, ...] = ()
         if DESCRIBED[quantity].over_time:
-            compared = np.asarray(times)[problem.checked]
+            compared = np.asarray(times)[problem.compared_rows]
             excluded_times = tuple(compared[list(reasons)].tolist())
         rows.append(LeftOut(quantity, excluded_times, next(iter(reasons.values()))))
     return rows

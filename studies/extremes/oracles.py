@@ -79,11 +79,11 @@ def judge_by_reference(
 
 def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Iterator[Verdict]:
     """Yield the verdicts on the start, if it has a closed form, and on both balances."""
-    allowed, times = allowed_error(problem), problem.times[problem.checked]
+    allowed, times = allowed_error(problem), problem.times[problem.compared_rows]
     if len(times) and times[0] == 0 and problem.march == "modal":
         for quantity, exact in start_in_closed_form(scene).items():
-            error = abs(float(solution.checked[quantity][0]) / exact - 1)
-            estimate = float(solution.checked_error(problem, quantity)[0])
+            error = abs(float(solution.compared[quantity][0]) / exact - 1)
+            estimate = float(solution.compared_error(problem, quantity)[0])
             yield verdict_on_promise(
                 f"{quantity} at the start, in closed form", error, estimate, allowed
             )
@@ -94,10 +94,10 @@ def judge_by_theory(scene: Scene, problem: Problem, solution: Solution) -> Itera
         ("ring_force", "ring forces add up to F", np.ones(len(wear)), np.ones(len(times))),
         ("ring_worn_volume", "Archard's balance of worn volumes", 1 / wear, times),
     ):
-        values = solution.checked.get(name)
+        values = solution.compared.get(name)
         if values is None or name not in solution.errors or values.shape[1] != len(factors):
             continue
-        estimates = solution.checked_error(problem, name)
+        estimates = solution.compared_error(problem, name)
         for value, exact, estimate in zip(values @ factors, sums, estimates, strict=True):
             if exact > 0:
                 error = abs(float(value) / float(exact) - 1)

@@ -186,10 +186,10 @@ def naive_errors(panel: Panel, x: float, exact: Solution) -> dict[str, float]:
     with np.errstate(all="ignore"):
         values = naive.solve(problem, **arguments)
         compared = {
-            name: value[problem.checked] if name != "time" else value
+            name: value[problem.compared_rows] if name != "time" else value
             for name, value in values.items()
         }
-        errors = differences(compared, exact.checked, problem.face)
+        errors = differences(compared, exact.compared, problem.face)
     given_quantity = problem.prescribed
     return {
         name: float(np.nan_to_num(np.max(error), nan=np.inf))

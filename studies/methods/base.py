@@ -32,8 +32,8 @@ class Solution:
     Parameters
     ----------
     results : the quantities at the requested times and radii; non-dimensional
-    checked : the same at the times `problem.checked`, on the face of the punch; these are compared
-        with other methods
+    compared : the same at the times `problem.compared_rows`, on the face of the punch; these are
+        compared with other methods
     errors : relative error of each quantity, and of each number of the answer, in its norm, as the
         method itself estimates it
     parts : error estimate of the indentation, split by cause
@@ -56,7 +56,7 @@ class Solution:
     """
 
     results: Results
-    checked: Results
+    compared: Results
     errors: dict[str, Array]
     parts: dict[str, float]
     unknowns: int = 0
@@ -87,10 +87,10 @@ class Solution:
         errors = {name: self.greatest_error(name) for name in self.errors}
         return {name: error for name, error in errors.items() if error > rtol}
 
-    def checked_error(self, problem: Problem, name: str) -> Array:
-        """Return the error of a quantity at the times `problem.checked`."""
+    def compared_error(self, problem: Problem, name: str) -> Array:
+        """Return the error of a quantity at the times `problem.compared_rows`."""
         error = self.errors[name]
-        return error[problem.checked] if DESCRIBED[name].over_time else error
+        return error[problem.compared_rows] if DESCRIBED[name].over_time else error
 
     @property
     def max_error(self) -> float:

@@ -136,12 +136,12 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
     errors = dict.fromkeys(results, np.asarray(roundoff))
     # without fields, sampling on the face would only compute the same scalars again
     fields = {"steady_pressure", "steady_profile"} & results.keys()
-    checked = sample(problem.face.radii) if fields else results
-    answers = answers_of(SteadyRun(problem, checked))
+    compared = sample(problem.face.radii) if fields else results
+    answers = answers_of(SteadyRun(problem, compared))
     for name, value in answers.items():
         estimate = np.where(np.isnan(value), np.nan, roundoff)
         errors[name] = estimate[..., 0] if "ring" in ANSWER[name].dims else estimate
-    return Solution(results, checked, errors, {"roundoff": roundoff}, answers=answers)
+    return Solution(results, compared, errors, {"roundoff": roundoff}, answers=answers)
 
 
 METHOD = Direct()

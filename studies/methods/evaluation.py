@@ -142,15 +142,15 @@ class Evaluation(ABC):
         return results | self.sampler.at_times(self.history_at, count) if count else results
 
     @cached_property
-    def checked(self) -> Results:
-        """The quantities at the times `problem.checked`, on the face of the punch.
+    def compared(self) -> Results:
+        """The quantities at the times `problem.compared_rows`, on the face of the punch.
 
         These are compared with other methods.
         """
         results = self._time_independent_on_face
         if len(self.problem.times):
             results = results | self.sampler.history(
-                self.history_at(self.problem.checked), on_face=True
+                self.history_at(self.problem.compared_rows), on_face=True
             )
         return results
 

@@ -364,7 +364,7 @@ def _solution(
     error_by_sizes = next(iter(parts.values()))
     return Solution(
         _without_unresolved_modes(fine.results, errors),
-        fine.checked,
+        fine.compared,
         errors,
         parts,
         discretisation.unknowns or discretisation.compliance.space.size,
@@ -414,7 +414,7 @@ def _join_steady_part(history: Solution, steady: Solution) -> Solution:
         history,
         steady_part=steady,
         results=steady.results | history.results,
-        checked=steady.checked | history.checked,
+        compared=steady.compared | history.compared,
         errors=history.errors | steady.errors | _join_errors(history, steady),
         answers=merged_answers(history.answers, steady.answers),
         notes=(*history.notes, *steady.notes),

@@ -84,13 +84,13 @@ class Outcome:
     @property
     def missing_anchors(self) -> tuple[str, ...]:
         """Names of anchors that the report of a method should have, but does not."""
-        checked = {(anchor.name, anchor.method) for anchor in self.anchors}
+        present = {(anchor.name, anchor.method) for anchor in self.anchors}
         missing = (
             name
             for method, solution in self.solutions.items()
             if method not in self.of_others
             for name in expected_anchors(self.scene.problem, solution)
-            if (name, method) not in checked
+            if (name, method) not in present
         )
         return tuple(dict.fromkeys(missing))
 

@@ -50,7 +50,7 @@ def read_folder(path: Path) -> tuple[Table, Json, bool]:
     -------
     table : content of `results.nc`
     entries : content of `summary.json` without the checksums
-    checked : whether the files have checksums
+    has_checksums : whether the files have checksums
 
     Raises
     ------

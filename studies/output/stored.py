@@ -157,17 +157,17 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
     if not isinstance(folder, str | Path):
         raise SceneError(f"{shown(folder)} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
-    table, entries, checked = read_folder(path)
+    table, entries, has_checksums = read_folder(path)
     try:
         summary = _rebuild(entries)
-        if not checked:
+        if not has_checksums:
             _refuse_malformed(table)
             _refuse_mixed(table, summary)
         scene = Scene.from_toml(_text(table, "scene"), str(path))
     except (Unreadable, RecursionError) as error:
         raise refused(path, error) from None
     methods = methods_of([name for name in summary.methods if name in METHODS])
-    remarks = () if checked else (UNCHECKED,)
+    remarks = () if has_checksums else (UNCHECKED,)
     for remark in remarks:
         LOG.warning("%s: %s", path, remark)
     rows = summary.agreement

@@ -447,7 +447,7 @@ class Problem:
         return SampledFace(radii, rings.ring_edges, rings.at, standoff, self.inner_radius)
 
     @cached_property
-    def checked(self) -> Indices:
+    def compared_rows(self) -> Indices:
         """(C,) indices of the times at which fields are compared: all, or evenly spaced ones."""
         count = len(self.times)
         return np.unique(
@@ -468,5 +468,5 @@ class Problem:
         times = [self.times[:1][self.times[:1] == 0], np.geomspace(later[0], 2 * later[-1], count)]
         if self.loading.varies:
             # changes of the load do not follow the geometric sequence
-            times.append(self.times[self.checked])
+            times.append(self.times[self.compared_rows])
         return np.unique(np.concatenate(times))

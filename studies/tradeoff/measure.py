@@ -133,10 +133,11 @@ def measure_naive(problem: Problem, reference: Solution, cells: int, step: float
 
     values, timing = time_runs(solve)
     compared = {
-        name: value[problem.checked] if name != "time" else value for name, value in values.items()
+        name: value[problem.compared_rows] if name != "time" else value
+        for name, value in values.items()
     }
     with np.errstate(all="ignore"):
-        naive_errors = differences(compared, reference.checked, problem.face)
+        naive_errors = differences(compared, reference.compared, problem.face)
     errors = {
         name: float(np.max(error)) for name, error in naive_errors.items() if problem.wants(name)
     }

@@ -34,7 +34,7 @@ def refuse_tension(
     SolverError
         with the time and the remedy
     """
-    later = problem.checked[problem.distances[problem.checked] > 0]
+    later = problem.compared_rows[problem.distances[problem.compared_rows] > 0]
     pressure = (space.matrix(problem.face.radii) @ history_at(later).pressure.T).T
     allowed_tension = MOST_TENSION * problem.rtol * np.abs(pressure).max(axis=1)
     if (lost_contact := np.flatnonzero(pressure.min(axis=1) < -allowed_tension)).size:

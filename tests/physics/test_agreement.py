@@ -103,9 +103,9 @@ def compare(flat, factors, errors=None):
     factors = factors | {without.get(name, name): factor for name, factor in factors.items()}
     wrong, answers = (
         part | {name: factors[name] * part[name] for name in factors.keys() & part.keys()}
-        for part in (fem.checked, fem.answers)
+        for part in (fem.compared, fem.answers)
     )
-    changed = replace(fem, checked=wrong, answers=answers, errors=fem.errors | (errors or {}))
+    changed = replace(fem, compared=wrong, answers=answers, errors=fem.errors | (errors or {}))
     rows = judge(flat.scene, mdr=mdr, fem=changed).agreement
     return {row.quantity: row for row in rows}
 
@@ -127,11 +127,11 @@ def test_values_within_both_estimates_are_no_disagreement(flat):
     estimates = np.full(3, 0.6)
     mdr, fem = flat.solutions["mdr"], flat.solutions["fem"]
     for factor in (3.0, 1 / 3):
-        fem_values = fem.checked | {"indentation": factor * fem.checked["indentation"]}
+        fem_values = fem.compared | {"indentation": factor * fem.compared["indentation"]}
         result = judge(
             flat.scene,
             mdr=replace(mdr, errors=mdr.errors | {"indentation": estimates}),
-            fem=replace(fem, errors=fem.errors | {"indentation": estimates}, checked=fem_values),
+            fem=replace(fem, errors=fem.errors | {"indentation": estimates}, compared=fem_values),
         )
         (row,) = (row for row in result.agreement if row.quantity == "indentation")
         assert row.difference == pytest.approx(2 / 3, rel=1e-3)
@@ -188,7 +188,7 @@ def test_times_too_early_to_resolve_are_named_and_left_out():
 def test_a_quantity_without_an_error_estimate_is_undecided(flat):
     mdr, names = flat.solutions["mdr"], ["time", "indentation", "pressure", "rms_slope"]
     errors = {"indentation": np.full(3, 1e-4), "pressure": np.full(3, 0.5)}
-    given = ({name: part[name] for name in names} for part in (mdr.results, mdr.checked))
+    given = ({name: part[name] for name in names} for part in (mdr.results, mdr.compared))
     springs = Solution(*given, errors, {})
     rows = judge(flat.scene, mdr=mdr, springs=springs).agreement
     verdicts = {row.quantity: row.verdict for row in rows}

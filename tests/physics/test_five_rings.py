@@ -177,6 +177,6 @@ def test_rtol_bounds_the_error_of_every_quantity(reference, rtol):
             assert error.max() <= rtol, quantity
             assert (error <= estimate).all(), quantity
         # errors of profiles are within rtol of the greatest worn height, too, even if that is small
-        checked = result.solutions[method].checked
+        checked = result.solutions[method].compared
         error = errors["profile"][0] * checked["indentation"]
         assert (error <= rtol * checked["profile"].max(axis=1)).all()

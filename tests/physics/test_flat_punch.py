@@ -71,7 +71,7 @@ def test_worn_depths_within_the_element_at_the_rim(mesher):
     )
     problem = scene.problem
     solution = method("fem").solve(problem, Stages("fem"))
-    depths = solution.checked["profile"][:, -1] / solution.checked["indentation"]
+    depths = solution.compared["profile"][:, -1] / solution.compared["indentation"]
     errors = np.abs(depths - 2 / np.pi * np.sqrt(problem.distances))
     assert (errors > 0.8 * 2 / np.pi * np.sqrt(problem.distances)).all()
     assert (errors <= solution.errors["profile"]).all()
@@ -107,4 +107,4 @@ def test_slopes_of_thin_layers_near_incompressibility(wear, poisson_ratio):
 def _slopes_by(name, scene):
     """Return the RMS slopes at all times, and their stated errors."""
     solution = method(name).solve(scene.problem, Stages(name))
-    return solution.checked["rms_slope"], solution.errors["rms_slope"]
+    return solution.compared["rms_slope"], solution.errors["rms_slope"]

@@ -78,9 +78,9 @@ def test_methods_agree_and_estimates_bound_their_errors(table):
     result = run(given)
     assert result.summary["verdict"] == "agree"
     assert all(anchor.holds for anchor in result.anchors)
-    finer = run(given.changed(accuracy__rtol=1e-7), methods=["bem"]).solutions["bem"].checked
+    finer = run(given.changed(accuracy__rtol=1e-7), methods=["bem"]).solutions["bem"].compared
     for solution in result.solutions.values():
-        for name, error in differences(solution.checked, finer, given.problem.face).items():
+        for name, error in differences(solution.compared, finer, given.problem.face).items():
             error, stated = np.atleast_1d(error)[:3], np.atleast_1d(solution.errors[name])[:3]
             assert (error <= stated).all(), name
 
@@ -132,10 +132,10 @@ def test_estimates_bound_the_errors_at_an_edge_with_almost_no_kink():
     problem, solution = result.scene.problem, result.solutions["mdr"]
     names = ("pressure", "profile", "indentation", "rms_slope")
     finer = replace(reference.scene.problem, compared_on=problem.face)
-    exact = method_named("bem").solve(finer, Stages("bem")).checked
-    wrong = differences(solution.checked, exact, problem.face)
+    exact = method_named("bem").solve(finer, Stages("bem")).compared
+    wrong = differences(solution.compared, exact, problem.face)
     for name in names:
-        assert (wrong[name] <= solution.checked_error(problem, name)).all(), name
+        assert (wrong[name] <= solution.compared_error(problem, name)).all(), name
 
 
 def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone():
@@ -212,8 +212,8 @@ def test_early_pressures_in_a_steep_ramp():
     load = Load(np.zeros(1), np.ones(1), np.ones(1))
     exact, _, _ = solved(problem, Pieces(radii, values[:-1], values[1:]), load, rtol / 5, "line")
     for solution in result.solutions.values():
-        for name, error in differences(solution.checked, exact, problem.face).items():
-            stated = solution.checked_error(problem, name)
+        for name, error in differences(solution.compared, exact, problem.face).items():
+            stated = solution.compared_error(problem, name)
             assert (error <= np.maximum(stated, rtol)).all(), name
 
 

@@ -29,7 +29,7 @@ def test_estimates_bound_the_errors_of_low_degrees(exact, mesher, degree, poisso
     solution = run(scene, methods=["fem"]).solutions["fem"]
     assert solution.settings["degree"] == degree
     assert solution.settings["mesher"] == mesher
-    errors = differences(solution.checked, exact.checked, scene.problem.face)
+    errors = differences(solution.compared, exact.compared, scene.problem.face)
     for name, error in errors.items():
         assert error.max() <= solution.errors[name].max(), name
     # errors are a few per cent at most

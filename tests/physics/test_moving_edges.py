@@ -132,7 +132,7 @@ def test_pressures_of_a_toroid():
     exact = np.interp(face.radii, punch.middles, state.pressure)
     weights = face.weights * face.edge_weights
     for method, solution in result.solutions.items():
-        pressure = solution.checked["pressure"][0] * 1e-4
+        pressure = solution.compared["pressure"][0] * 1e-4
         error = np.sqrt(weights @ (pressure - exact) ** 2 / (weights @ exact**2))
         assert error <= solution.errors["pressure"][0], method
         depth = float(result.dataset.indentation.sel(solver=method)[0])

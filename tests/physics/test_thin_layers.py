@@ -150,7 +150,7 @@ def test_early_slopes_of_rings_on_an_incompressible_layer():
     assert result.verdict == "agree"
     mdr, fem = (result.solutions[name] for name in ("mdr", "fem"))
     problem = result.scene.problem
-    missed = differences(fem.checked, mdr.checked, problem.face)["rms_slope"]
+    missed = differences(fem.compared, mdr.compared, problem.face)["rms_slope"]
     stated = fem.errors["rms_slope"] + mdr.errors["rms_slope"]
     assert (missed <= stated).all()
     assert missed.max() <= 1e-4

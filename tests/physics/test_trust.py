@@ -204,10 +204,10 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     """The difference and both estimates are in units of rtol."""
     scene = FIVE.changed(wear__times=[0.1])
     rtol, solution = scene.accuracy.rtol, run(scene, methods=["mdr"]).solutions["mdr"]
-    exact = solution.checked
+    exact = solution.compared
     moved = exact | {"indentation": exact["indentation"] * (1 + difference * rtol)}
     both = {
-        name: replace(solution, checked=checked, errors={"indentation": np.array([error * rtol])})
+        name: replace(solution, compared=checked, errors={"indentation": np.array([error * rtol])})
         for name, checked, error in (("mdr", moved, first), ("bem", exact, second))
     }
     rows = judge(scene, **both).agreement

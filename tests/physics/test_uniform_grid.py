@@ -19,5 +19,5 @@ def test_errors_are_below_their_estimates(rings, ratio, springs):
     problem = scene.problem
     grid, exact = (method(name).solve(problem, Stages(name)) for name in ("mdr-grid", "mdr"))
     for name in ("indentation", "displacement", "profile", "pressure", "rms_slope", "ring_force"):
-        true_errors = differences(grid.checked, exact.checked, problem.face)[name]
-        assert (true_errors <= grid.checked_error(problem, name)).all(), name
+        true_errors = differences(grid.compared, exact.compared, problem.face)[name]
+        assert (true_errors <= grid.compared_error(problem, name)).all(), name

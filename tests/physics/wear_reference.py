@@ -155,7 +155,7 @@ def exact_results(problem, finer=0.01):
 
     Errors are about `finer` rtol. The start and the steady state are closed forms.
     """
-    rings, times = problem.merged, problem.times[problem.checked]
+    rings, times = problem.merged, problem.times[problem.compared_rows]
     edges, (wear, _) = rings
     error = finer * problem.rtol
     # the slower ring sets the length over which wear has smoothed the pressure at an edge
@@ -164,7 +164,7 @@ def exact_results(problem, finer=0.01):
     # sizes in s; thinner elements would change slopes only, and by little
     smallest = np.maximum(0.1 * error * narrowest, 1e-12 * finer)
     degree = int(np.ceil(np.log(1 / error) / np.log(3))) + 1
-    results = method("direct").solve(problem, Stages("direct")).checked if problem.steady else {}
+    results = method("direct").solve(problem, Stages("direct")).compared if problem.steady else {}
     if len(times):
         punch = Reference(edges, wear, smallest, degree)
         history = _later(problem, punch, times[times > 0])
@@ -222,10 +222,10 @@ def true_errors(result):
     errors = {}
     for name, solution in result.solutions.items():
         errors[name] = {}
-        for quantity, error in differences(solution.checked, exact, problem.face).items():
+        for quantity, error in differences(solution.compared, exact, problem.face).items():
             estimate, dims = solution.errors[quantity], result.dataset[quantity].dims
             if "time" in dims:
-                estimate = estimate[problem.checked]
+                estimate = estimate[problem.compared_rows]
             parts = [np.atleast_1d(part) for part in (error, estimate, unsure[quantity])]
             shown = min(3 if "mode" in dims else np.inf, *map(len, parts))
             error, estimate, doubt = (part[:shown] for part in parts)

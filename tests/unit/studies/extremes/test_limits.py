@@ -86,10 +86,10 @@ def test_closed_forms_and_balances_detect_wrong_forces_and_indentations():
     problem, solution = scene.problem, method("mdr").solve(scene.problem, Stages("mdr"))
     assert {row["verdict"] for row in judge_by_theory(scene, problem, solution)} == {"within"}
     for name in ("ring_force", "indentation"):
-        solution.checked[name] *= 1.02
+        solution.compared[name] *= 1.02
         verdicts = {row["verdict"] for row in judge_by_theory(scene, problem, solution)}
         assert "wrong" in verdicts
-        solution.checked[name] /= 1.02
+        solution.compared[name] /= 1.02
 
 
 def test_refusals_are_listed_and_the_table_begins_with_the_worst():
