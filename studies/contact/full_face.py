@@ -4,7 +4,7 @@ From then on the problem is linear. The modes of the pencil (A, K) solve ``A p' 
 exactly at any time, as for a flat punch (`full_contact.py`).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -65,16 +65,16 @@ class FullFace:
         """Return the history at times (T,) after `start`, provided that contact stays full."""
         force = 1.0 if self.load.force is None else start.press.force
         worn = self.compliance.space.mass(self.wear_coefficients) @ start.integral
+        distances = self.loading.at(times).distance
         return self.running_in.from_full_contact(
-            self.loading.at(times).distance, start.distance, start.work, self.moments, worn, force
+            times, distances, start.distance, start.work, self.moments, worn, force
         )
 
     def history_if_full(self, start: Instant, times: Array) -> History | None:
         """Return the history at times (T,) if contact stays full after `start`; otherwise None.
 
         The history also contains `INSTANTS` additional times between `start` and the last time,
-        appended after the requested ones. For these, `distances` holds the times instead of the
-        sliding distances.
+        appended after the requested ones.
         """
         final_speed, elapsed = float(self.loading.speeds[-1]), times - start.time
         fastest_time = float(self.running_in.relaxation_times[-1]) / final_speed
@@ -83,10 +83,7 @@ class FullFace:
             min(fastest_time, elapsed[0]), elapsed[-1], INSTANTS
         )
         history = self.history_since(start, np.append(times, check_times))
-        if history.pressure.min() < 0:
-            return None
-        distances = np.append(history.distances[: len(times)], check_times)
-        return replace(history, distances=distances)
+        return None if history.pressure.min() < 0 else history
 
     def even_wear(self, times: Array) -> Array:
         """Return the depth (T,) that a constant force wears at the steady rate until some times."""

@@ -1,7 +1,7 @@
 """Hold the result of a march of a punch whose contact opens, closes and spreads."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -42,8 +42,7 @@ class Marched:
     full_since : Instant, optional
         State after the step from which all of the face stays in contact, if there is one.
     later : History, optional
-        History in full contact after the steps, at 64 times. Its `distances` are these times
-        instead of sliding distances.
+        History in full contact after the steps, at 64 times.
     """
 
     times: Array
@@ -62,12 +61,8 @@ class Marched:
 
     @property
     def between(self) -> History:
-        """The history after every step, continued in full contact.
-
-        Its `distances` are times instead of sliding distances.
-        """
+        """The history after every step, continued in full contact."""
         history = history_of_instants(self.instants, self.face)
-        history = replace(history, distances=np.array([instant.time for instant in self.instants]))
         return history if self.later is None else history.then(self.later)
 
     @property
@@ -161,6 +156,7 @@ def history_of_instants(
     integrals = np.reshape([instant.integral for instant in instants], (-1, space.size))
     presses = [instant.press for instant in instants]
     return History(
+        np.array([instant.time for instant in instants]),
         np.array([instant.distance for instant in instants]),
         np.reshape([press.pressure for press in presses], integrals.shape),
         integrals * space.at_vertices(face.wear_coefficients),

@@ -154,6 +154,7 @@ def _march(problem: Problem, count: int, step: float) -> tuple[Sampler, History]
     even_wear = rates[0] * problem.times
     history = History.in_full_contact(
         problem.times,
+        problem.times,
         pressure,
         profile - np.outer(even_wear, space.uniform),
         indentation - even_wear,

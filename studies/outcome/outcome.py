@@ -6,7 +6,7 @@ They are available as a table of arrays (written as netCDF-4), as an xarray Data
 
 import difflib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -308,20 +308,17 @@ class Outcome:
                 continue
             if wear is not None:
                 # times that are dense enough on a linear and on a logarithmic axis
-                distances = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
-                distances = np.append(0.0, distances)
-                history = replace(wear.modal(distances), distances=distances)
-                compliance = wear.compliance
+                times = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                history, compliance = wear.modal(np.append(0.0, times)), wear.compliance
             elif march is not None:
                 history, compliance = march.between, march.face.compliance
                 # leave out times before the first one of the scene, except the start
-                distances = history.distances
-                history = history[(distances == 0) | (distances >= later[0])]
+                history = history[(history.times == 0) | (history.times >= later[0])]
             else:
                 continue
             values = Sampler(problem, compliance.space, compliance).history(history)
-            times = {"time": values["time"] * problem.units.time}
-            return name, self.reported(name) | in_units(problem, values) | times
+            time = {"time": values["time"] * problem.units.time}
+            return name, self.reported(name) | in_units(problem, values) | time
 
         first = next(iter(self.by_method("profile")), self.coordinates["solver"][0])
         return "", self.reported(first)

@@ -284,7 +284,7 @@ class Sampler(Functions):
         on_face : whether fields are at the radii of the face of the punch, not at those of the
             output; then quantities that cannot be compared are left out
         """
-        count = len(history.distances)
+        count = len(history.times)
         if count <= self.times_at_once(on_face):
             return self._at_once(history, on_face)
         return self.at_times(history.__getitem__, count, on_face)
@@ -321,7 +321,7 @@ class Sampler(Functions):
         pressed = history.distances == 0
         if history.pressed is not None:
             pressed = history.pressed.force > 0
-        results |= {"time": history.distances, "pressed": np.asarray(pressed)}
+        results |= {"time": history.times, "pressed": np.asarray(pressed)}
         if "profile" in results:
             results["shape"] = state.shape
         return results | {"depth": history.depth, "even_wear": history.even_wear}

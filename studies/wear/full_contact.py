@@ -305,7 +305,9 @@ class RunningIn:
         amplitudes = amplitudes - np.outer(force_rise, self.modes.amplitudes)
         zero, forces = np.zeros(self.compliance.space.size), state.force - force_rise
         even_wear = self.steady.wear_rate * state.work
-        history = self._steady_plus_modes(state.distance, amplitudes, forces, even_wear, zero)
+        history = self._steady_plus_modes(
+            times, state.distance, amplitudes, forces, even_wear, zero
+        )
         history.shape[state.distance == 0] = 0.0
         return history.press(self.flat, force_rise)
 
@@ -315,6 +317,7 @@ class RunningIn:
 
     def from_full_contact(
         self,
+        times: Array,
         distances: Array,
         start: float,
         work_at_start: float,
@@ -326,8 +329,8 @@ class RunningIn:
 
         Parameters
         ----------
-        distances : (T,) array
-            Sliding distances, not below `start`.
+        times, distances : (T,) arrays
+            Times, and sliding distances until then, not below `start`.
         start : float
             Sliding distance from which contact is full.
         work_at_start : float
@@ -343,17 +346,23 @@ class RunningIn:
         decayed = np.exp(-slid[:, None] / modes.relaxation) * amplitudes
         forces = np.full(len(slid), force)
         even_wear = self.steady.wear_rate * (work_at_start + force * slid)
-        return self._steady_plus_modes(distances, decayed, forces, even_wear, unworn)
+        return self._steady_plus_modes(times, distances, decayed, forces, even_wear, unworn)
 
     def _steady_plus_modes(
-        self, distances: Array, amplitudes: Array, forces: Array, even_wear: Array, unworn: Array
+        self,
+        times: Array,
+        distances: Array,
+        amplitudes: Array,
+        forces: Array,
+        even_wear: Array,
+        unworn: Array,
     ) -> History:
         """Return the steady state under a force, or without pressure, plus a sum of modes.
 
         Parameters
         ----------
-        distances : (T,) array
-            Sliding distances.
+        times, distances : (T,) arrays
+            Times, and sliding distances until then.
         amplitudes : (T, m) array
             Amplitude of each mode.
         forces : (T,) array
@@ -381,7 +390,7 @@ class RunningIn:
         shape = self._profiles_from_moments(gap)
         uniform = self.compliance.space.uniform
         return History.in_full_contact(
-            distances, pressure, shape, depth, forces, even_wear, uniform
+            times, distances, pressure, shape, depth, forces, even_wear, uniform
         )
 
     def pressures_of_modes(self, amplitudes: Array) -> Array:

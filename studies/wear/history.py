@@ -103,8 +103,8 @@ class History:
 
     Parameters
     ----------
-    distances : (T,) array
-        Sliding distances; at constant speed they equal the times.
+    times, distances : (T,) arrays
+        Times, and sliding distances until then.
     pressure, shape : (T, size) arrays
         Coefficients of the pressure, and of the worn depth less `even_wear`. The pressure contains
         the projection of the part that `pressed` represents more accurately.
@@ -126,6 +126,7 @@ class History:
         Statistics of the march; empty if the history is exact in time.
     """
 
+    times: Array
     distances: Array
     pressure: Array
     shape: Array
@@ -141,6 +142,7 @@ class History:
     @classmethod
     def in_full_contact(
         cls,
+        times: Array,
         distances: Array,
         pressure: Array,
         shape: Array,
@@ -152,7 +154,7 @@ class History:
         """Return the history of a punch in full contact."""
         zero = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
-        return cls(distances, pressure, shape, depth, force, zero, full, even_wear, uniform)
+        return cls(times, distances, pressure, shape, depth, force, zero, full, even_wear, uniform)
 
     @property
     def indentation(self) -> Array:
@@ -198,6 +200,7 @@ class History:
 
 # fields of `History` whose first axis is time
 TIME_ARRAYS = (
+    "times",
     "distances",
     "pressure",
     "shape",
