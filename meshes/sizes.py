@@ -136,7 +136,7 @@ def patch_widths(ring_edges: Array) -> Array:
     neighbouring patches that leave a gap in the ring between them are widened to meet in its
     middle, if a stretch by at most ``MAX_PATCH_STRETCH`` is enough for both. No patch reaches
     beyond the middle of a ring, because the degree that the modes of a ring require
-    (`studies/sizes/degrees.py`) is that of elements within half of the ring. Tested by
+    (`studies/crosscheck/sizes/degrees.py`) is that of elements within half of the ring. Tested by
     unit/meshes/test_half_space_mesh.py::test_meshes_cover_the_quarter_disc and
     physics/test_hollow.py::test_relaxation_times_beside_a_narrow_hole.
     """

@@ -6,8 +6,8 @@ from argparse import ArgumentParser, ArgumentTypeError
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .scene.explain import nearest
-from .scene.sources import bundled
+from .crosscheck.scene.explain import nearest
+from .crosscheck.scene.sources import bundled
 
 # keyword arguments of `ArgumentParser.add_argument`
 Settings = dict[str, Any]

@@ -13,9 +13,9 @@ Exit status:
 
 import sys
 
-from ..meshes.errors import RingwearError, SceneError
-from .output.signals import STOPPED, ending_on_signals, signals_wait
-from .output.streams import print_error, tolerant_streams
+from .crosscheck import RingwearError, SceneError
+from .crosscheck.result.output.signals import STOPPED, ending_on_signals, signals_wait
+from .report.streams import print_error, tolerant_streams
 from .status import Status
 
 STOPPED_IN_WORDS = "stopped; no incomplete files are left"

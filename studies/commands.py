@@ -9,18 +9,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ..meshes.errors import SceneError
 from .arguments import EXAMPLES, OF_STUDIES, Parser, add_arguments
-from .output.folder import Folder, default_folder, named_folder, output_folder
-from .output.log import show_progress
-from .output.streams import print_error
-from .registry import INTERRUPTED
+from .crosscheck import Scene, SceneError, output_folder
+from .crosscheck.result.output.folder import Folder, default_folder, named_folder
+from .crosscheck.scene.sources import bundled, text_of
+from .crosscheck.versions import versions
+from .report.log import show_progress
+from .report.streams import print_error
 from .report.terminal import print_lines, print_markdown
-from .scene.scene import Scene
-from .scene.sources import bundled, text_of
 from .status import Status
 from .study.listing import STUDIES
-from .versions import versions
+from .tables import INTERRUPTED
 
 if TYPE_CHECKING:
     from .figures.style import Picture
@@ -37,13 +36,13 @@ def conduct(arguments: list[str] | None) -> Status:
 
 
 def _run(options: argparse.Namespace) -> Status:
-    from .output.files import run_files, write_numbers
+    from .crosscheck.result.output.files import run_files, write_numbers
 
     # collect garbage less often: nearly all objects of a run live to its end, and searching them
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
-    from .predictions.memory import refuse_beyond_memory
+    from .crosscheck.result.predictions.memory import refuse_beyond_memory
 
     refuse_beyond_memory(scene, limit=options.memory)
     pictures: tuple[Picture, ...] = ()
@@ -53,10 +52,10 @@ def _run(options: argparse.Namespace) -> Status:
         pictures = PICTURES
     # open the folder first, so that a folder that cannot be written to is refused before the work
     with output_folder(_out(options, options.scene), "run", run_files(pictures)) as folder:
-        from .outcome.run import run
+        from .crosscheck.result.run import run
+        from .crosscheck.result.words import Account
         from .report.page import show
         from .report.printed import print_account
-        from .report.words import Account
 
         result = run(scene)
         write_numbers(result, folder.hidden, options.csv)
@@ -86,7 +85,7 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
 
 def _check(options: argparse.Namespace) -> Status:
     from .check.pictures import CHECK_PICTURES
-    from .output.files import run_files, write_numbers
+    from .crosscheck.result.output.files import run_files, write_numbers
 
     scene = Scene.load(options.scene)
     if options.template:
@@ -142,8 +141,10 @@ def _fit(options: argparse.Namespace) -> Status:
 
 
 def _plan(options: argparse.Namespace) -> Status:
-    from .outcome.run import run
-    from .outcome.scope import (
+    from .crosscheck import plan
+    from .crosscheck.result.predictions.memory import refuse_beyond_memory
+    from .crosscheck.result.run import run
+    from .crosscheck.result.scope import (
         beyond_the_model,
         chosen_methods,
         left_out,
@@ -151,8 +152,6 @@ def _plan(options: argparse.Namespace) -> Status:
         refuse,
         time_scale,
     )
-    from .predictions.memory import refuse_beyond_memory
-    from .predictions.plan import plan
     from .report.printed import print_scope
 
     scene = Scene.load(options.scene)
@@ -178,8 +177,8 @@ def _mesh(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
     with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes.half_space import quality
+        from .crosscheck.sizes.half_space_mesh import half_space_mesh
         from .figures.mesh import write_mesh
-        from .sizes.half_space_mesh import half_space_mesh
 
         half_space = half_space_mesh(scene.problem)
         write_mesh(scene, half_space.mesh, half_space.mesher, folder.hidden)

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from ..meshes.errors import SceneError
-from .guesses import AnswersGuesses
-from .outcome.outcome import Outcome
-from .outcome.run import run
-from .output.folder import output_folder
-from .output.stored import StoredOutcome, load
-from .problem.written import shown
+from .crosscheck import Scene, SceneError, Source, output_folder
+from .crosscheck.methods.sampling.field_differences import FieldComparison
+from .crosscheck.problem.written import shown
+from .crosscheck.result.guesses import AnswersGuesses
+from .crosscheck.result.outcome import Outcome
+from .crosscheck.result.output.stored import StoredOutcome, load
+from .crosscheck.result.run import run
+from .crosscheck.scene.calls import naming_arguments
+from .crosscheck.scene.explain import nearest
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
-from .sampling.field_differences import FieldComparison
-from .scene.calls import naming_arguments
-from .scene.explain import nearest
-from .scene.scene import Scene, Source
 from .tables import write_csv
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .registry import INTERRUPTED
-
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 Row = Mapping[str, Any]
+# what conclusions of a study say if it was stopped
+INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished."
 # first characters of a text that spreadsheets evaluate as a formula
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 # a signed number, with or without a unit, is no formula

@@ -20,8 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from ringwear import RingwearError, Scene, differences, run
-from ringwear.studies.problem.quantities import ANSWER, DESCRIBED, QUANTITIES
-from ringwear.studies.report.words import Account
+from ringwear.studies.crosscheck.problem.quantities import ANSWER, DESCRIBED, QUANTITIES
+from ringwear.studies.crosscheck.result.words import Account
 
 sys.path.insert(0, str(Path(__file__).parent))
 

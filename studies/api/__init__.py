@@ -100,39 +100,54 @@ from typing import TYPE_CHECKING
 from ringwear.studies import STARTED as _STARTED  # noqa: F401
 
 if TYPE_CHECKING:
-    from ringwear.fem.contact_meshes import even_half_space
-    from ringwear.mdr import direct, energy, ring_kernel
-    from ringwear.meshes import bisection
-    from ringwear.meshes.compliance import Compliance
-    from ringwear.meshes.contact_cells import ContactCells
-    from ringwear.meshes.errors import MeshError, RingwearError, SceneError, SolverError
-    from ringwear.meshes.ground.ground import Ground
-    from ringwear.meshes.pressure_space import PressureSpace
-    from ringwear.meshes.radial import alternating_edges, ring_areas
-    from ringwear.meshes.sizes import SizeField
+    from ringwear.studies.check.result import check
     from ringwear.studies.cli import main
     from ringwear.studies.comparison import Comparison, compare
-    from ringwear.studies.contact.march import ContactMarch
-    from ringwear.studies.contact.moments import moments
+    from ringwear.studies.crosscheck import (
+        Compliance,
+        ComplianceMethod,
+        ContactCells,
+        ContactMarch,
+        Discretised,
+        Ground,
+        InitialProfile,
+        Load,
+        Loading,
+        MeshError,
+        Method,
+        PressureSpace,
+        Problem,
+        Result,
+        Rings,
+        RingwearError,
+        RunningIn,
+        Scene,
+        SceneError,
+        SizeField,
+        Solution,
+        SolverError,
+        Stages,
+        alternating_edges,
+        bisection,
+        differences,
+        direct,
+        energy,
+        even_half_space,
+        load,
+        method,
+        moments,
+        plan,
+        press_flat,
+        pressure_spaces,
+        ring_areas,
+        ring_kernel,
+        run,
+    )
     from ringwear.studies.decks.deck import deck
     from ringwear.studies.fit.fit import fit
-    from ringwear.studies.methods.base import Discretised, Method, Solution, method
-    from ringwear.studies.methods.pipeline import ComplianceMethod
-    from ringwear.studies.methods.spaces import pressure_spaces
-    from ringwear.studies.predictions.plan import plan
-    from ringwear.studies.problem.loading import Loading
-    from ringwear.studies.problem.problem import Problem, Rings
-    from ringwear.studies.problem.profile import InitialProfile
-    from ringwear.studies.problem.quantities import differences
-    from ringwear.studies.progress import Stages
-    from ringwear.studies.results import Result, check, load, run
-    from ringwear.studies.scene.scene import Scene
     from ringwear.studies.study.conduct import study
     from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.conduct import sweep
-    from ringwear.studies.wear.flat_contact import press_flat
-    from ringwear.studies.wear.full_contact import RunningIn
-    from ringwear.studies.wear.unilateral import Load
 
     __version__: str
 
@@ -195,39 +210,54 @@ _FIRST = (
 # modules of the public names, which are imported at their first use, because they load other
 # packages; the command line can handle an interruption meanwhile
 _LATER = {
-    "fem.contact_meshes": ["even_half_space"],
-    "mdr": ["direct", "energy", "ring_kernel"],
-    "meshes": ["bisection"],
-    "meshes.compliance": ["Compliance"],
-    "meshes.contact_cells": ["ContactCells"],
-    "meshes.errors": ["MeshError", "RingwearError", "SceneError", "SolverError"],
-    "meshes.ground.ground": ["Ground"],
-    "meshes.pressure_space": ["PressureSpace"],
-    "meshes.radial": ["alternating_edges", "ring_areas"],
-    "meshes.sizes": ["SizeField"],
+    "studies.check.result": ["check"],
     "studies.cli": ["main"],
     "studies.comparison": ["Comparison", "compare"],
-    "studies.contact.march": ["ContactMarch"],
-    "studies.contact.moments": ["moments"],
+    "studies.crosscheck": [
+        "Compliance",
+        "ComplianceMethod",
+        "ContactCells",
+        "ContactMarch",
+        "Discretised",
+        "Ground",
+        "InitialProfile",
+        "Load",
+        "Loading",
+        "MeshError",
+        "Method",
+        "PressureSpace",
+        "Problem",
+        "Result",
+        "Rings",
+        "RingwearError",
+        "RunningIn",
+        "Scene",
+        "SceneError",
+        "SizeField",
+        "Solution",
+        "SolverError",
+        "Stages",
+        "alternating_edges",
+        "bisection",
+        "differences",
+        "direct",
+        "energy",
+        "even_half_space",
+        "load",
+        "method",
+        "moments",
+        "plan",
+        "press_flat",
+        "pressure_spaces",
+        "ring_areas",
+        "ring_kernel",
+        "run",
+    ],
     "studies.decks.deck": ["deck"],
     "studies.fit.fit": ["fit"],
-    "studies.methods.base": ["Discretised", "Method", "Solution", "method"],
-    "studies.methods.pipeline": ["ComplianceMethod"],
-    "studies.methods.spaces": ["pressure_spaces"],
-    "studies.predictions.plan": ["plan"],
-    "studies.problem.loading": ["Loading"],
-    "studies.problem.problem": ["Problem", "Rings"],
-    "studies.problem.profile": ["InitialProfile"],
-    "studies.progress": ["Stages"],
-    "studies.results": ["Result", "check", "load", "run"],
-    "studies.problem.quantities": ["differences"],
-    "studies.scene.scene": ["Scene"],
     "studies.study.conduct": ["study"],
     "studies.study.study": ["Study"],
     "studies.sweep.conduct": ["sweep"],
-    "studies.wear.flat_contact": ["press_flat"],
-    "studies.wear.full_contact": ["RunningIn"],
-    "studies.wear.unilateral": ["Load"],
 }
 _MODULES = {name: module for module, names in _LATER.items() for name in names}
 
@@ -238,13 +268,9 @@ def __dir__() -> list[str]:
 
 def __getattr__(name: str) -> object:
     if name == "__version__":
-        return _import_module("ringwear.studies.versions").versions()["ringwear"]
+        return _import_module("ringwear.studies.crosscheck.versions").versions()["ringwear"]
     if name in _MODULES:
-        module = f"ringwear.{_MODULES[name]}"
-        if module in ("ringwear.mdr", "ringwear.meshes"):
-            # the name is that of a module
-            return _import_module(f"{module}.{name}")
-        return getattr(_import_module(module), name)
+        return getattr(_import_module(f"ringwear.{_MODULES[name]}"), name)
     raise AttributeError(_has_no(name))
 
 
@@ -267,7 +293,7 @@ _OTHER_NAMES = {
 
 def _has_no(name: str) -> str:
     """Return the error message for a name that the package does not have."""
-    from ringwear.studies.scene.explain import nearest
+    from ringwear.studies.crosscheck.scene.explain import nearest
 
     suggestion = _OTHER_NAMES.get(name) or nearest(name, __all__)
     hint = f"did you mean {suggestion}? " if suggestion else ""

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..outcome.run import run
-from ..scene.scene import Scene
+from ..crosscheck import Scene
+from ..crosscheck.result.run import run
 
 # smallest rtol at which numbers are certified, by whether the punch is in full contact
 FINEST_RTOL = {True: 1e-8, False: 1e-5}

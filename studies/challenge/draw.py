@@ -19,8 +19,8 @@ import xarray
 
 from ..check.check import check
 from ..check.tables import read
-from ..outcome.run import run
-from ..scene.scene import Scene
+from ..crosscheck import Scene
+from ..crosscheck.result.run import run
 from .problems import FOLDER, OTHERS, number_of, problem_named
 from .rows import (
     ERRORS,

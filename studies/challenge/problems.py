@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from ...meshes.errors import SceneError
+from ..crosscheck import SceneError
 
 FOLDER = Path(__file__).parent
 OTHERS = FOLDER / "others"

@@ -3,9 +3,9 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ..crosscheck.agreement import DISAGREE
+from ..crosscheck.result.words import Account, Rows
+from ..crosscheck.verdict.agreement import DISAGREE
 from ..figures.scale import Scale
-from ..report.words import Account, Rows
 from .verdict import quantity_errors
 
 if TYPE_CHECKING:

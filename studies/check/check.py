@@ -11,19 +11,13 @@ from typing import Any, TypeVar
 import numpy as np
 import pandas as pd
 
-from ...meshes.errors import SceneError
+from ..crosscheck import FIELDS, LOG, METHODS, Method, Problem, Scene, SceneError, Solution, Source
+from ..crosscheck.result.outcome import Outcome
+from ..crosscheck.result.predictions.memory import refuse_beyond_memory, why_beyond_memory
+from ..crosscheck.result.run import run
+from ..crosscheck.result.scope import chosen_methods, methods_of, refuse
+from ..crosscheck.scene.keys import listed
 from ..decks.reports import reach_of_deck
-from ..methods.base import Method, Solution
-from ..outcome.outcome import Outcome
-from ..outcome.run import run
-from ..outcome.scope import chosen_methods, methods_of, refuse
-from ..predictions.memory import refuse_beyond_memory, why_beyond_memory
-from ..problem.problem import Problem
-from ..problem.quantities import FIELDS
-from ..progress import LOG
-from ..registry import METHODS
-from ..scene.keys import listed
-from ..scene.scene import Scene, Source
 from ..tables import write_csv
 from .checked import CheckedOutcome
 from .other_program import OtherProgram

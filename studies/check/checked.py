@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..outcome.outcome import Outcome
-from ..progress import LOG
-from ..sampling.field_differences import OVER_TIME
+from ..crosscheck import LOG
+from ..crosscheck.methods.sampling.field_differences import OVER_TIME
+from ..crosscheck.result.outcome import Outcome
 from .causes.histories import PRINTED
 from .diagnose import Comparison, Diagnosis, diagnose
 from .verdict import Verdict, best, quantity_errors, verdicts

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from ...meshes.errors import SceneError
+from ..crosscheck import SceneError
 
 SYMBOLS = {
     "t": "time",

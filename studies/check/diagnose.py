@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...meshes.radial import Array
-from ..problem.quantities import FIELDS, QUANTITIES
+from ..crosscheck import FIELDS, QUANTITIES, Array
 from .causes import mesh, modelling_mistakes, output_mistakes
 from .causes.cause import Cause
 from .causes.comparison import Comparison

@@ -5,12 +5,7 @@ from typing import ClassVar
 
 import pandas as pd
 
-from ..methods.base import Method, Solution
-from ..problem.norms import Results
-from ..problem.problem import Problem
-from ..problem.quantities import FIELDS, QUANTITIES
-from ..progress import Stages
-from ..scene.scene import Scene
+from ..crosscheck import FIELDS, QUANTITIES, Method, Problem, Results, Scene, Solution, Stages
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problem.quantities import FIELDS
-from ..problem.unit_names import UnitNames
+from ..crosscheck import FIELDS, UnitNames
 from ..study.levels import Theory
 from ..study.orders import Sequence as Levels
 from .verdict import Verdict

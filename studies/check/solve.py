@@ -1,13 +1,8 @@
 """Solve the many problems of a diagnosis by MDR, without error estimates where that is possible."""
 
-from ...mdr import energy
-from ..methods.base import method
-from ..methods.spaces import choose_spaces
-from ..problem.norms import Results
-from ..problem.problem import Problem
-from ..progress import Stages
-from ..sampling.sampler import Sampler
-from ..wear.full_contact import RunningIn
+from ..crosscheck import Problem, Results, RunningIn, Stages, energy, method
+from ..crosscheck.methods.sampling.sampler import Sampler
+from ..crosscheck.methods.spaces import choose_spaces
 
 
 def solve(problem: Problem) -> tuple[Results, RunningIn | None]:

@@ -13,19 +13,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pandas as pd
 
-from ...meshes.errors import MeshError, SceneError
+from ..crosscheck import FIELDS, LOG, QUANTITIES, MeshError, Scene, SceneError, UnitNames
+from ..crosscheck.problem.fields import refuse_device
+from ..crosscheck.problem.written import one_line, shown
+from ..crosscheck.result.output.checksums import CHECKSUMS
+from ..crosscheck.result.output.netcdf import RESULTS, SUMMARY
+from ..crosscheck.result.output.saved_files import has_checksums, read_folder
+from ..crosscheck.result.predictions.machine import refuse_large
+from ..crosscheck.scene.explain import nearest
 from ..decks.reports import NO_RESULTS, READERS, differing_keys
-from ..output.checksums import CHECKSUMS
-from ..output.netcdf import RESULTS, SUMMARY
-from ..output.saved_files import has_checksums, read_folder
-from ..predictions.machine import refuse_large
-from ..problem.fields import refuse_device
-from ..problem.quantities import FIELDS, QUANTITIES
-from ..problem.unit_names import UnitNames
-from ..problem.written import one_line, shown
-from ..progress import LOG
-from ..scene.explain import nearest
-from ..scene.scene import Scene
 from .csv_files import name_and_unit, read_csv_text, read_numbers, split_heading
 
 if TYPE_CHECKING:

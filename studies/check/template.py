@@ -8,12 +8,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..problem.fields import over_time
-from ..problem.unit_names import UnitNames
-from ..scene.scene import Scene
-from ..sizes.half_space_mesh import half_space_mesh
+from ..crosscheck import Array, Scene, SceneError, UnitNames
+from ..crosscheck.problem.fields import over_time
+from ..crosscheck.sizes.half_space_mesh import half_space_mesh
 
 
 def write_template(scene: Scene, units: str, folder: Path) -> list[str]:

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..methods.base import Solution
-from ..problem.quantities import FIELDS, QUANTITIES
-from ..progress import LOG
-from ..scene.scene import Scene
+from ..crosscheck import FIELDS, LOG, QUANTITIES, Scene, Solution
 
 if TYPE_CHECKING:
     from ..figures.scale import Scale

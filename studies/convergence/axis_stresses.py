@@ -14,10 +14,9 @@ non-dimensional.
 
 import numpy as np
 
-from ...fem.half_space import HalfSpace
 from ...fem.stresses import stresses
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, gauss
+from ...meshes.radial import gauss
+from ..crosscheck import Array, HalfSpace, PressureSpace
 
 DEPTHS = np.array([0.3, 0.7, 1.3, 2.1])
 """Depths on the axis at which stresses are compared, in punch radii.

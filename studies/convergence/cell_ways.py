@@ -12,19 +12,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...fem.contact_meshes import TRIANGLE_GROWTH, even_half_space
-from ...fem.elasticity import AxisymmetricElasticity
+from ...fem.contact_meshes import TRIANGLE_GROWTH
 from ...fem.far_field import enough_poles
-from ...fem.half_space import HalfSpace, pressure_space
-from ...mdr import energy, ring_kernel
-from ...meshes import bisection
-from ...meshes.contact_cells import ContactCells
-from ...meshes.sizes import SizeField
-from ..methods.base import Discretised
-from ..methods.spaces import scaled_cells
+from ...fem.half_space import pressure_space
+from ..crosscheck import (
+    AxisymmetricElasticity,
+    ContactCells,
+    Discretised,
+    HalfSpace,
+    Problem,
+    SizeField,
+    Stages,
+    bisection,
+    energy,
+    even_half_space,
+    ring_kernel,
+)
+from ..crosscheck.methods.spaces import scaled_cells
 from ..numerics.subdivision import subdivided
-from ..problem.problem import Problem
-from ..progress import Stages
 from . import theories
 from .way import Way
 

@@ -13,22 +13,26 @@ from functools import partial
 
 import numpy as np
 
-from ...mdr import direct, ring_kernel
-from ...mdr.flat_punch import flat_punch
-from ...meshes.compliance import Compliance
-from ...meshes.errors import SceneError
-from ..methods.evaluation import Evaluation, FullContact
-from ..methods.mdr import METHOD as MDR
-from ..methods.moving_evaluation import MovingContact
-from ..methods.pipeline import fitted_starts
-from ..methods.spaces import first_contact, scaled_cells
-from ..problem.norms import Results
-from ..problem.problem import Problem
-from ..problem.quantities import FINEST_RTOL
-from ..problem.sections import MdrAccuracy
-from ..progress import Stages
+from ..crosscheck import (
+    Compliance,
+    Problem,
+    Results,
+    SceneError,
+    Stages,
+    direct,
+    flat_punch,
+    press_flat,
+    ring_kernel,
+)
+from ..crosscheck.methods.evaluation import Evaluation, FullContact
+from ..crosscheck.methods.mdr import METHOD as MDR
+from ..crosscheck.methods.moving_evaluation import MovingContact
+from ..crosscheck.methods.pipeline import fitted_starts
+from ..crosscheck.methods.spaces import first_contact, scaled_cells
+from ..crosscheck.problem.quantities import FINEST_RTOL
+from ..crosscheck.problem.sections import MdrAccuracy
+from ..crosscheck.wear.flat_contact import FittedPress
 from ..study.levels import Theory
-from ..wear.flat_contact import FittedPress, press_flat
 from . import theories
 from .measures import FLAT_INDENTATION, FLAT_PRESSURE
 
@@ -41,7 +45,7 @@ TheoryOfMeasure = Callable[[str], Theory]
 
 
 class ContactKind(ABC):
-    """How the study treats problems of one contact regime.
+    """How the study treats problems of one kind of contact.
 
     Attributes
     ----------

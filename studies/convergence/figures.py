@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 from ..figures.style import LINES, complete, new_panels
 from ..study.errors_over_size import draw_slope_triangle, separate, set_round_ticks
 from ..study.orders import Sequence

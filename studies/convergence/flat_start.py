@@ -29,18 +29,22 @@ from typing import Any
 
 import numpy as np
 
-from ...mdr import direct, energy
-from ...meshes import bisection
 from ...meshes.by_gmsh.quads import graded
-from ...meshes.compliance import Compliance
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, graded_breakpoints
-from ...meshes.sizes import SizeField
-from ..methods.evaluation import FullContact
+from ...meshes.radial import graded_breakpoints
+from ..crosscheck import (
+    Array,
+    Compliance,
+    PressureSpace,
+    Problem,
+    SizeField,
+    bisection,
+    direct,
+    energy,
+)
+from ..crosscheck.methods.evaluation import FullContact
+from ..crosscheck.sizes.defaults import GROWTH, QUAD_GRADING
 from ..numerics.core import FLAT, Discretised, condense, flat_d0_error
 from ..numerics.subdivision import subdivided, triangulated
-from ..problem.problem import Problem
-from ..sizes.defaults import GROWTH, QUAD_GRADING
 from ..study.levels import Family, Theory
 from ..tables import Row
 from .theories import (

@@ -1,10 +1,10 @@
 """Define the measures of a level, and compute their errors in the norms of the package.
 
-A measure is a quantity of a run (`studies/problem/quantities.py`), at the start or at later times,
-or one of three quantities of the discretisation itself. These are the indentation and the pressure
-of the flat start, computed in the pressure space of the level, and the stresses on the axis. (A run
-computes the flat start with functions that are adapted to its singularity, which would hide the
-error at the singular rim.)
+A measure is a quantity of a run (`studies/crosscheck/problem/quantities.py`), at the start or at
+later times, or one of three quantities of the discretisation itself. These are the indentation and
+the pressure of the flat start, computed in the pressure space of the level, and the stresses on the
+axis. (A run computes the flat start with functions that are adapted to its singularity, which would
+hide the error at the singular rim.)
 """
 
 from collections.abc import Callable
@@ -15,11 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...meshes.radial import Array
-from ..problem.face import Face
-from ..problem.norms import Results
-from ..problem.problem import Problem
-from ..problem.quantities import differences
+from ..crosscheck import Array, Problem, Results, differences
+from ..crosscheck.problem.face import Face
 from ..study.orders import FieldLevels
 
 FLAT_INDENTATION, FLAT_PRESSURE, STRESSES = "flat indentation", "flat pressure", "stresses"

@@ -9,13 +9,10 @@ import numpy as np
 from skfem import Element, ElementH1, Mesh, MeshQuad
 
 from ...fem.elements import is_on_quadrilaterals
-from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import truncation
-from ..methods.base import Discretised
-from ..methods.mdr import METHOD as MDR
-from ..problem.problem import Problem
-from ..progress import Stages
-from ..sizes.defaults import pole_orders
+from ..crosscheck import Discretised, MeshError, Problem, SceneError, Stages
+from ..crosscheck.methods.mdr import METHOD as MDR
+from ..crosscheck.sizes.defaults import pole_orders
 from ..study.levels import Theory
 from ..study.options import Options
 from ..study.own_mesh import named_meshes, own_mesh

@@ -11,19 +11,23 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...mdr import energy
-from ...meshes.errors import RingwearError, SceneError
-from ...meshes.radial import Array
-from ..methods.base import Discretised, Solution
-from ..methods.base import method as method_named
-from ..methods.evaluation import Evaluation
-from ..methods.moving_evaluation import MovingContact
+from ..crosscheck import (
+    Array,
+    Discretised,
+    Problem,
+    Results,
+    RingwearError,
+    Scene,
+    SceneError,
+    Solution,
+    Stages,
+    energy,
+)
+from ..crosscheck import method as method_named
+from ..crosscheck.methods.evaluation import Evaluation
+from ..crosscheck.methods.moving_evaluation import MovingContact
+from ..crosscheck.result.outcome import Outcome
 from ..numerics.core import flat_d0_error
-from ..outcome.outcome import Outcome
-from ..problem.norms import Results
-from ..problem.problem import Problem
-from ..progress import Stages
-from ..scene.scene import Scene
 from ..study.levels import Family, Theory
 from ..study.options import Quantity
 from ..tables import Row

@@ -13,19 +13,24 @@ from functools import cache, partial
 import numpy as np
 from skfem import Element, Mesh
 
-from ...fem.elasticity import AxisymmetricElasticity
-from ...fem.half_space import HalfSpace, pressure_space
-from ...mdr import energy, ring_kernel
-from ...meshes import bisection
+from ...fem.half_space import pressure_space
 from ...meshes.by_gmsh.quads import graded
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, graded_breakpoints
-from ...meshes.sizes import SizeField
-from ..methods.base import Discretised
+from ...meshes.radial import graded_breakpoints
+from ..crosscheck import (
+    Array,
+    AxisymmetricElasticity,
+    Discretised,
+    HalfSpace,
+    PressureSpace,
+    Problem,
+    SizeField,
+    Stages,
+    bisection,
+    energy,
+    ring_kernel,
+)
+from ..crosscheck.sizes.defaults import GROWTH, QUAD_GRADING
 from ..numerics.subdivision import subdivided, triangulated
-from ..problem.problem import Problem
-from ..progress import Stages
-from ..sizes.defaults import GROWTH, QUAD_GRADING
 from ..study.levels import Theory
 from . import theories
 from .flat_start import QUAD_DEGREES, RING_EDGE_SIZE, convergence_rates

@@ -15,10 +15,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import SceneError
-from ..problem.problem import Problem
-from ..registry import METHODS
-from ..scene.scene import Scene
+from ..crosscheck import METHODS, Problem, Scene, SceneError
 from ..study.levels import SECONDS, Family, Record
 from ..study.options import Options
 from ..study.orders import ORDER_TOLERANCE, Sequence

@@ -4,9 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..methods.base import Discretised
-from ..problem.problem import Problem
-from ..progress import Stages
+from ..crosscheck import Discretised, Problem, Stages
 from ..study.levels import Theory
 
 

@@ -10,16 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..inside.interior import first_and_last_in_contact
-from ..outcome.run import run
-from ..output.folder import output_folder
-from ..problem.written import shown
-from ..scene.calls import naming_arguments
-from ..scene.explain import did_you_mean
-from ..scene.keys import numbers
-from ..scene.scene import Scene, Source
+from ..crosscheck import Array, Scene, SceneError, Source, output_folder
+from ..crosscheck.methods.inside.interior import first_and_last_in_contact
+from ..crosscheck.problem.written import shown
+from ..crosscheck.result.run import run
+from ..crosscheck.scene.calls import naming_arguments
+from ..crosscheck.scene.explain import did_you_mean
+from ..crosscheck.scene.keys import numbers
 from . import abaqus, calculix
 from .keywords import Model
 from .mesh import deck_mesh

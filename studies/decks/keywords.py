@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...meshes.radial import Array, Indices
-from ..scene.scene import Scene
+from ..crosscheck import Array, Indices, Scene
 from .mesh import DeckMesh
 from .states import State
 

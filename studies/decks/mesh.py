@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 from skfem import MeshQuad
 
-from ...meshes.errors import SceneError
 from ...meshes.half_space import as_half_space, contact_facets, facet_ends
-from ...meshes.radial import Array, Indices, from_axis
+from ...meshes.radial import from_axis
+from ..crosscheck import Array, Indices, SceneError
 
 SQUARE = 2.0
 """Side of the square below the punch, in punch radii."""

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...meshes.radial import Array, gauss
+from ...meshes.radial import gauss
+from ..crosscheck import Array
 
 
 def pressures_of(

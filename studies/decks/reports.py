@@ -13,9 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..scene.scene import Scene
+from ..crosscheck import Array, Scene, SceneError
 from .pressures import pressures_of
 
 WEDGE = 180.0

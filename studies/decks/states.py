@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from ...mdr.flat_punch import D0, P0
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array
+from ..crosscheck import Array, PressureSpace
 from ..figures.style import PAGE, Look, in_style
 from ..figures.ticks import power_of_ten
 from .choice import SINGULAR, UNSTABLE

@@ -13,21 +13,25 @@ from scipy.linalg import LinAlgError, eigh, solve_triangular
 from scipy.sparse import csr_matrix
 from skfem import Mesh
 
-from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.far_field import enough_poles
-from ...fem.half_space import HalfSpace
 from ...fem.stability import refuse_singular
-from ...mdr import energy
-from ...mdr.flat_punch import D0, flat_punch
-from ...meshes.errors import SolverError
-from ...meshes.ground.ground import Ground
+from ...mdr.flat_punch import D0
 from ...meshes.half_space import truncation
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array, gauss, graded_breakpoints, ring_of, values_on_rings
-from ..crosscheck.operators import least_ratio_of_energies
-from ..problem.problem import Rings
+from ...meshes.radial import gauss, graded_breakpoints, ring_of, values_on_rings
+from ..crosscheck import (
+    Array,
+    AxisymmetricElasticity,
+    Ground,
+    HalfSpace,
+    PressureSpace,
+    Rings,
+    RunningIn,
+    SolverError,
+    energy,
+    flat_punch,
+)
+from ..crosscheck.verdict.operators import least_ratio_of_energies
 from ..tables import Row
-from ..wear.full_contact import RunningIn
 from .pairs import Displacement, full_pressure_space
 
 TIMES = np.geomspace(0.1, 20.0, 4)

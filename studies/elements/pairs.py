@@ -16,18 +16,21 @@ import skfem
 from scipy.sparse import csr_matrix
 from skfem import Element, Mesh, MeshQuad
 
-from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.elements import degree_along_side, is_on_quadrilaterals
 from ...fem.half_space import contact_breakpoints, pressure_space
 from ...fem.weak_form import element_of_degree
-from ...meshes import bisection
 from ...meshes.by_gmsh import quads
-from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import as_half_space, halved
-from ...meshes.pressure_space import PressureSpace
-from ...meshes.radial import Array
-from ...meshes.sizes import SizeField
-from ..problem.problem import Rings
+from ..crosscheck import (
+    Array,
+    AxisymmetricElasticity,
+    MeshError,
+    PressureSpace,
+    Rings,
+    SceneError,
+    SizeField,
+    bisection,
+)
 
 TRUNCATION = 2.5
 """Radius of the half-space in punch radii; the poles represent the rest to better than 1e-9."""

@@ -18,10 +18,8 @@ from functools import cached_property, lru_cache, partial
 
 import pandas as pd
 
-from ...meshes.errors import SceneError
 from ...meshes.half_space import contact_facets
-from ..problem.problem import Problem
-from ..scene.scene import Scene
+from ..crosscheck import Problem, Scene, SceneError
 from ..study.levels import Family, Record, Theory
 from ..study.options import Options
 from ..study.orders import sequences_of

@@ -2,7 +2,8 @@
 
 The scenes are listed in `cells.toml`. A cell of the map is a run of one scene by one method and by
 direct integration. The verdict on a cell is the worst verdict on its quantities of the steady
-state, which direct integration computes in closed form, and on its anchors (`studies/anchors/`).
+state, which direct integration computes in closed form, and on its anchors
+(`studies/crosscheck/anchors/`).
 """
 
 import json
@@ -18,11 +19,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from ..crosscheck import Scene
+from ..crosscheck.problem.fields import TomlTable
+from ..crosscheck.result.outcome import Outcome
+from ..crosscheck.result.run import run
 from ..figures.style import GREYS, RED, legend_of, new_figure
-from ..outcome.outcome import Outcome
-from ..outcome.run import run
-from ..problem.fields import TomlTable
-from ..scene.scene import Scene
 from ..study.levels import Family
 from ..tables import Row
 from .verdicts import MEANINGS, Verdict, verdict_on, worst_of

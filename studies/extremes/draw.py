@@ -16,7 +16,7 @@ from matplotlib.ticker import (
     StrMethodFormatter,
 )
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 from ..figures.style import PAGE, RED, Look
 from .panels import NAIVE, Panel
 from .verdicts import MEANINGS, in_words

@@ -23,10 +23,7 @@ from skfem import (
     asm,
 )
 
-from ...meshes.errors import SolverError
-from ...meshes.radial import Array
-from ..problem.norms import Results
-from ..problem.problem import Problem
+from ..crosscheck import Array, Problem, Results, SolverError
 
 DEFAULT_CELLS = 20
 """Elements on the radius of the punch."""

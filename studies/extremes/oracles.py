@@ -15,15 +15,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...mdr.flat_punch import flat_punch
-from ..crosscheck.agreement import compare
-from ..crosscheck.promise import allowed_error, unresolved
-from ..methods.base import Solution, method
-from ..problem.fields import Cone, Parabola
-from ..problem.problem import Problem
-from ..problem.sections import FemAccuracy, MdrAccuracy
-from ..progress import Stages
-from ..scene.scene import Scene
+from ..crosscheck import Problem, Scene, Solution, Stages, flat_punch, method
+from ..crosscheck.problem.fields import Cone, Parabola
+from ..crosscheck.problem.sections import FemAccuracy, MdrAccuracy
+from ..crosscheck.verdict.agreement import compare
+from ..crosscheck.verdict.promise import allowed_error, unresolved
 from .verdicts import Verdict, verdict_on_promise
 
 

@@ -14,15 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ...meshes.errors import RingwearError
-from ..crosscheck.accuracy import solved_to_accuracy
-from ..crosscheck.promise import allowed_error
-from ..methods.base import Solution, method
-from ..problem.fields import TomlTable
-from ..problem.problem import Problem
-from ..problem.quantities import differences
-from ..progress import Stages
-from ..scene.scene import Scene
+from ..crosscheck import Problem, RingwearError, Scene, Solution, Stages, differences, method
+from ..crosscheck.problem.fields import TomlTable
+from ..crosscheck.verdict.accuracy import solved_to_accuracy
+from ..crosscheck.verdict.promise import allowed_error
 from ..study.levels import Family
 from ..tables import Row
 from . import naive

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ..scene.scene import Scene
+from ..crosscheck import Scene
 from ..study.levels import Record
 from ..study.options import Options
 from ..study.study import Study

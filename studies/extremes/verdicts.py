@@ -13,7 +13,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from ...meshes.errors import RingwearError
+from ..crosscheck import RingwearError
 
 MEANINGS = {
     "within": "the error is within the estimate",

@@ -1,7 +1,7 @@
 """List the figures of a run: file name, caption, drawing function, and required data."""
 
-from ..outcome.outcome import Outcome
-from ..sampling.field_differences import OVER_TIME
+from ..crosscheck.methods.sampling.field_differences import OVER_TIME
+from ..crosscheck.result.outcome import Outcome
 from .contact import draw_contact
 from .difference import draw_result_difference
 from .history import draw_history

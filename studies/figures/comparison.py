@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ...meshes.errors import SceneError
-from ..outcome.outcome import Outcome
+from ..crosscheck import SceneError
+from ..crosscheck.result.outcome import Outcome
 from .scale import Scale
 from .style import PAGE, complete, curve, new_panels, set_linear, show_values
 

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from ..outcome.outcome import Outcome
+from ..crosscheck.result.outcome import Outcome
 from .scale import Scale
 from .style import PAGE, cell_edges, complete, curve, new_panels, set_linear, show_values
 

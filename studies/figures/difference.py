@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array, Indices
-from ..outcome.outcome import Outcome
-from ..sampling.field_differences import FieldComparison, FieldDifference
+from ..crosscheck import Array, Indices
+from ..crosscheck.methods.sampling.field_differences import FieldComparison, FieldDifference
+from ..crosscheck.result.outcome import Outcome
 from .scale import Scale, shown_times
 from .style import (
     PAGE,

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...meshes.radial import Array
-from ..outcome.outcome import Outcome
+from ..crosscheck import Array
+from ..crosscheck.result.outcome import Outcome
 from .scale import Scale
 from .style import (
     FAINT,

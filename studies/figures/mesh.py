@@ -10,11 +10,9 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ...meshes.ground.ground import Ground
-from ...meshes.radial import Array
-from ..inside.interior import NEAR, Interior
-from ..outcome.outcome import Outcome
-from ..scene.scene import Scene
+from ..crosscheck import Array, Ground, Scene
+from ..crosscheck.methods.inside.interior import NEAR, Interior
+from ..crosscheck.result.outcome import Outcome
 from .scale import FAR_APART, Scale, panel_tops
 from .style import BLUE, PAGE, RED, complete, new_panels, save, set_linear
 from .ticks import one_digit

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from ..outcome.outcome import Outcome
+from ..crosscheck.result.outcome import Outcome
 from .style import PAGE, complete, curve, new_panels, set_logarithmic
 from .ticks import one_digit
 

@@ -11,9 +11,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ...mdr.flat_punch import D0, P0
-from ...meshes.radial import Array, Indices
-from ..problem.problem import Problem
-from ..scene.scene import Scene
+from ..crosscheck import Array, Indices, Problem, Scene
 from .style import (
     Look,
     axis_start,

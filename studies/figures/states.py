@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ...meshes.radial import Array
-from ..outcome.outcome import Outcome
+from ..crosscheck import Array
+from ..crosscheck.result.outcome import Outcome
 from .scale import Scale, face_depths, high_pressure, panel_tops, shown_times, subtracted_height
 from .style import FAINT, PAGE, RED, complete, new_panels, rings_differ, set_linear
 

@@ -17,8 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from ...meshes.radial import Array
-from ..registry import METHODS
+from ..crosscheck import METHODS, Array
 from .ticks import Decades, RoundTicks, power_of_ten, short_number, smallest_step
 
 Look: TypeAlias = dict[str, Any]

@@ -3,9 +3,9 @@
 from argparse import Namespace
 from pathlib import Path
 
-from ..output.folder import Folder, output_folder
+from ..crosscheck import Scene, output_folder
+from ..crosscheck.result.output.folder import Folder
 from ..report.terminal import print_lines
-from ..scene.scene import Scene
 from .fit import fit
 from .result import FILES
 

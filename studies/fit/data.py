@@ -9,13 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
 from ..check.tables import OthersResults, read
-from ..problem.unit_names import number_of
-from ..problem.written import shown
-from ..progress import LOG
-from ..scene.scene import Scene
+from ..crosscheck import LOG, Array, Scene, SceneError
+from ..crosscheck.problem.unit_names import number_of
+from ..crosscheck.problem.written import shown
 from .measurement import Measurement
 
 NoiseInput = float | str | Mapping[str, float | str] | None

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 from .measurement import Measurement
 from .outcome import Outcome
 from .parameters import REACH

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ...meshes.radial import Array
-from ..scene.scene import Scene
+from ..crosscheck import Array, Scene
 from .fit import fit_measurements, suitable_model
 from .measurement import Measurement, Predictor
 from .models.flat_histories import FlatHistories

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 from scipy.stats import norm
 
-from ...meshes.radial import Array
+from ..crosscheck import Array, UnitNames
 from ..figures.style import (
     FAINT,
     PAGE,
@@ -16,7 +16,6 @@ from ..figures.style import (
     set_logarithmic,
     show_values,
 )
-from ..problem.unit_names import UnitNames
 from .measurement import Measurement
 from .outcome import Outcome
 

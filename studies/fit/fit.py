@@ -9,13 +9,10 @@ from scipy.stats import norm
 from scipy.stats import t as student
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..problem.written import shown
-from ..progress import LOG
-from ..scene.calls import naming_arguments
-from ..scene.keys import listed
-from ..scene.scene import Scene, Source
+from ..crosscheck import LOG, Array, Scene, SceneError, Source
+from ..crosscheck.problem.written import shown
+from ..crosscheck.scene.calls import naming_arguments
+from ..crosscheck.scene.keys import listed
 from .data import NoiseInput, read_measurements
 from .measurement import Measurement, Predictor
 from .models.flat_predictor import flat_predictor

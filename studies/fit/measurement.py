@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from ...meshes.radial import Array
-from ..scene.scene import Scene
+from ..crosscheck import Array, Scene
 from .measurement import Measurement
 from .parameters import Parameter
 from .statistics.likelihood import Likelihood, Point

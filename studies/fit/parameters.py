@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..problem.fields import TomlTable
-from ..problem.unit_names import UnitNames, kind_of
-from ..scene.explain import declaration, keys_of, place_of
-from ..scene.scene import Scene
+from ..crosscheck import Array, Scene, SceneError, UnitNames
+from ..crosscheck.problem.fields import TomlTable
+from ..crosscheck.problem.unit_names import kind_of
+from ..crosscheck.scene.explain import declaration, keys_of, place_of
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
 # coordinate of another parameter, between minus and plus this

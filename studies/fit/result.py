@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from ...meshes.errors import RingwearError
+from ..crosscheck import RingwearError, output_folder
+from ..crosscheck.result.guesses import AnswersGuesses
+from ..crosscheck.result.output.one_file import make
 from ..figures.style import html_of, in_style
-from ..guesses import AnswersGuesses
-from ..output.folder import output_folder
-from ..output.one_file import make
 from ..report.study_page import write_study
 from ..tables import write_csv
 from .design import design_table

@@ -3,13 +3,16 @@
 import numpy as np
 from skfem import Mesh
 
-from ...fem.elasticity import AxisymmetricElasticity
-from ...fem.half_space import HalfSpace, pressure_space
-from ...mdr.flat_punch import flat_punch
-from ...meshes.compliance import Compliance
-from ...meshes.ground.ground import Ground
-from ...meshes.radial import Array
-from ..wear.flat_contact import press_flat
+from ...fem.half_space import pressure_space
+from ..crosscheck import (
+    Array,
+    AxisymmetricElasticity,
+    Compliance,
+    Ground,
+    HalfSpace,
+    flat_punch,
+    press_flat,
+)
 
 Discretised = tuple[Compliance, int]
 """A compliance, and the number of unknowns from which it is condensed."""

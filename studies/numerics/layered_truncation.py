@@ -11,16 +11,13 @@ for two. On a rigid base the errors decay exponentially with R over the depth of
 
 import numpy as np
 
-from ...fem.elasticity import AxisymmetricElasticity
-from ...fem.half_space import HalfSpace, pressure_space
-from ...mdr.flat_punch import flat_punch
+from ...fem.half_space import pressure_space
 from ...meshes.by_gmsh.outline import truncation_with_interfaces
 from ...meshes.by_gmsh.quads import graded
-from ...meshes.ground.ground import Ground
 from ...meshes.ground.line_energy import relative_stiffness
+from ..crosscheck import AxisymmetricElasticity, Ground, HalfSpace, flat_punch, press_flat
 from ..study.levels import Family, Theory
 from ..tables import Row
-from ..wear.flat_contact import press_flat
 from .core import FLAT
 
 # degree of the displacement, sizes at the rim, ratio of the sizes of neighbouring layers of

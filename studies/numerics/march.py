@@ -13,16 +13,13 @@ import numpy as np
 
 from ...mdr.energy import compliance
 from ...mdr.uniform_grid import UniformGrid
-from ...meshes.errors import SceneError
-from ..methods.spaces import radial_space
-from ..problem.problem import Problem
-from ..scene.scene import Scene
+from ..crosscheck import Problem, RunningIn, Scene, SceneError
+from ..crosscheck.methods.spaces import radial_space
 from ..study.levels import Family, Record, Theory
 from ..study.options import Options
 from ..study.study import Study
 from ..study.study_orders import study_orders
 from ..tables import Row
-from ..wear.full_contact import RunningIn
 
 TIME = 0.5
 """Time at which errors are computed, non-dimensional."""

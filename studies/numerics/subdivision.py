@@ -13,12 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh, MeshQuad, MeshTri
 
-from ...meshes import bisection
 from ...meshes.by_gmsh import triangles
-from ...meshes.errors import MeshError
 from ...meshes.half_space import as_half_space
-from ...meshes.radial import Array, Indices
-from ...meshes.sizes import SizeField
+from ..crosscheck import Array, Indices, MeshError, SizeField, bisection
 from .core import FLAT
 
 Points = NDArray[np.complex128]

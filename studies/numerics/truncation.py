@@ -15,15 +15,12 @@ poles. The next pole adds a term that is smaller by ``(a/R)^2``; levels therefor
 
 from dataclasses import replace
 
-from ...meshes.compliance import Compliance
-from ...meshes.sizes import SizeField
-from ..scene.scene import Scene
+from ..crosscheck import Compliance, Scene, SizeField, press_flat
 from ..study.levels import Family, Record, Theory
 from ..study.options import Options
 from ..study.study import Study
 from ..study.study_orders import study_orders
 from ..tables import Row
-from ..wear.flat_contact import press_flat
 from .core import FLAT, condense
 from .layered_truncation import move_outwards_on_layers
 from .subdivision import triangulated

@@ -6,8 +6,8 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from ...mdr import direct
 from ...mdr.flat_punch import D0
+from ..crosscheck import Rings, direct
 from ..figures.style import (
     FAINT,
     LINES,
@@ -17,7 +17,6 @@ from ..figures.style import (
     new_figure,
     shade_rings,
 )
-from ..problem.problem import Rings
 from .theory import FIG7_WEAR_RATIO, STATE_PERCENTAGES, STATIONARY_FRACTION
 
 AVERAGES = ("average over the radius (line)", "average over the area")

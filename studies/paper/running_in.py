@@ -12,11 +12,10 @@ from scipy.interpolate import CubicSpline
 
 from ...mdr.flat_punch import D0
 from ...mdr.transforms import line_density
-from ...meshes.radial import Array
-from ..outcome.outcome import Outcome
-from ..outcome.run import run
-from ..sampling.sampler import AVERAGES
-from ..scene.scene import Scene
+from ..crosscheck import Array, Scene
+from ..crosscheck.methods.sampling.sampler import AVERAGES
+from ..crosscheck.result.outcome import Outcome
+from ..crosscheck.result.run import run
 from .theory import STATE_PERCENTAGES, STATIONARY_FRACTION
 
 # methods that compute histories

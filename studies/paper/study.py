@@ -7,8 +7,8 @@ import pandas as pd
 import xarray
 from matplotlib.figure import Figure
 
-from ..sampling.sampler import AVERAGES
-from ..scene.scene import Scene
+from ..crosscheck import Scene
+from ..crosscheck.methods.sampling.sampler import AVERAGES
 from ..study.levels import Record
 from ..study.options import Options
 from ..study.study import Study

@@ -13,9 +13,8 @@ from functools import cache
 
 import numpy as np
 
-from ...mdr import direct
-from ...meshes.radial import Array
-from ..sampling.sampler import AVERAGES
+from ..crosscheck import Array, direct
+from ..crosscheck.methods.sampling.sampler import AVERAGES
 
 # states of Fig. 4: percentages of the total change of the greatest displacement
 STATE_PERCENTAGES = (0, 10, 30, 50, 70, 90, 100)

@@ -14,23 +14,27 @@ from functools import cached_property
 import numpy as np
 from skfem import Mesh
 
-from ...fem.elasticity import AxisymmetricElasticity
 from ...fem.error_indicator import squared_indicators
-from ...fem.half_space import HalfSpace, pressure_space
-from ...mdr import energy
-from ...meshes.compliance import Compliance
+from ...fem.half_space import pressure_space
 from ...meshes.half_space import contact_radii, truncation
-from ...meshes.radial import Array
-from ..methods.base import method
-from ..methods.evaluation import FullContact
+from ..crosscheck import (
+    Array,
+    AxisymmetricElasticity,
+    Compliance,
+    HalfSpace,
+    Problem,
+    Results,
+    Rings,
+    Scene,
+    Stages,
+    differences,
+    energy,
+    method,
+)
+from ..crosscheck.methods.evaluation import FullContact
+from ..crosscheck.problem.sections import MdrAccuracy
+from ..crosscheck.sizes.defaults import pole_orders
 from ..numerics.core import FLAT, flat_d0_error
-from ..problem.norms import Results
-from ..problem.problem import Problem, Rings
-from ..problem.quantities import differences
-from ..problem.sections import MdrAccuracy
-from ..progress import Stages
-from ..scene.scene import Scene
-from ..sizes.defaults import pole_orders
 from ..study.levels import SECONDS
 from ..tables import Row
 

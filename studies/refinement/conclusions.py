@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 import pandas as pd
 
-from ..crosscheck.operators import STABLE
+from ..crosscheck.verdict.operators import STABLE
 from ..study.levels import SECONDS
 from .case import ERRORS, Case, Level
 from .observed_orders import FAMILY_NAMES, sequences

@@ -8,12 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from skfem import Mesh, MeshQuad, MeshTri
 
-from ...mdr import energy
-from ...meshes.errors import MeshError, SceneError
 from ...meshes.half_space import contact_radii
-from ..crosscheck.operators import MOST_PRESSURES, least_ratio_of_energies
-from ..progress import Stages
-from ..sizes.defaults import triangle_degree
+from ..crosscheck import MeshError, SceneError, Stages, energy
+from ..crosscheck.sizes.defaults import triangle_degree
+from ..crosscheck.verdict.operators import MOST_PRESSURES, least_ratio_of_energies
 from ..study.options import Options
 from ..study.own_mesh import named_meshes, own_mesh
 from .case import TIMES, Case, Level, MeshSolution

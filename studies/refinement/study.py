@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..scene.scene import Scene
+from ..crosscheck import Scene
 from ..study.levels import SECONDS, Record
 from ..study.options import Options
 from ..study.study import Study

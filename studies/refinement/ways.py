@@ -17,15 +17,12 @@ import numpy as np
 from skfem import MeshTri
 
 from ...fem.error_indicator import fewest_with_share
-from ...meshes import bisection
 from ...meshes.by_gmsh.session import unavailable
-from ...meshes.sizes import SizeField
-from ..methods.fem import half_space_on
-from ..problem.problem import Problem
-from ..problem.sections import FemAccuracy
-from ..progress import Stages
-from ..sizes.defaults import WIDER_TRUNCATION, triangle_degree
-from ..sizes.half_space_mesh import half_space_mesh
+from ..crosscheck import Problem, SizeField, Stages, bisection
+from ..crosscheck.methods.fem import half_space_on
+from ..crosscheck.problem.sections import FemAccuracy
+from ..crosscheck.sizes.defaults import WIDER_TRUNCATION, triangle_degree
+from ..crosscheck.sizes.half_space_mesh import half_space_mesh
 from ..study.levels import Family
 from ..study.options import Options
 from ..tables import Row

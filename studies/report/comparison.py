@@ -3,16 +3,14 @@
 import numpy as np
 import pandas as pd
 
-from ...meshes.errors import SceneError
-from ..outcome.outcome import Outcome
-from ..problem.quantities import ANSWER, QUANTITIES, error_name
-from ..sampling.field_differences import (
+from ..crosscheck import ANSWER, QUANTITIES, Scene, SceneError, error_name
+from ..crosscheck.methods.sampling.field_differences import (
     IN_STEADY_STATE,
     OVER_TIME,
     FieldComparison,
     compare_fields,
 )
-from ..scene.scene import Scene
+from ..crosscheck.result.outcome import Outcome
 
 # relative difference up to which numbers count as equal
 ROUNDOFF = 1e-12

@@ -5,12 +5,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..outcome.outcome import Outcome
-from ..output.files import draw
-from ..output.one_file import make
-from ..output.signals import STOPPED
+from ..crosscheck.result.outcome import Outcome
+from ..crosscheck.result.output.files import draw
+from ..crosscheck.result.output.one_file import make
+from ..crosscheck.result.output.signals import STOPPED
+from ..crosscheck.result.words import Account
 from .template import write_page
-from .words import Account
 
 if TYPE_CHECKING:
     from ..figures.style import Picture

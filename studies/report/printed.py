@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from ..crosscheck.result.words import Account, Rows, columns
 from .terminal import broken, print_lines, terminal_width
-from .words import Account, Rows, columns
 
 # characters that a meaning needs to the right of its number; on narrower terminals it is printed
 # below the number

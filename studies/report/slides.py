@@ -4,7 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ...meshes.radial import Array, ring_of
+from ...meshes.radial import ring_of
+from ..crosscheck import Array
+from ..crosscheck.result.outcome import Outcome
 from ..figures.scale import (
     Scale,
     face_depths,
@@ -15,7 +17,6 @@ from ..figures.scale import (
 )
 from ..figures.style import rings_differ
 from ..figures.ticks import short_number
-from ..outcome.outcome import Outcome
 
 
 def slides(result: Outcome) -> dict[str, Any] | None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..scene.scene import Scene
+from ..crosscheck import Scene
 from .template import write_page
 
 

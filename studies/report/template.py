@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from ..scene.scene import Scene
-from ..versions import versions
+from ..crosscheck import Scene
+from ..crosscheck.versions import versions
 
 
 class Shown(NamedTuple):

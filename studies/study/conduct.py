@@ -5,13 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...meshes.errors import SceneError
+from ..crosscheck import Scene, SceneError, Source
+from ..crosscheck.problem.written import check_one_line, shown
+from ..crosscheck.scene.calls import naming_arguments
+from ..crosscheck.scene.explain import nearest
+from ..crosscheck.scene.keys import numbers
 from ..figures.style import in_style
-from ..problem.written import check_one_line, shown
-from ..scene.calls import naming_arguments
-from ..scene.explain import nearest
-from ..scene.keys import numbers
-from ..scene.scene import Scene, Source
 from .levels import Record
 from .listing import STUDIES
 from .options import ABSCISSAS, Options, Quantity

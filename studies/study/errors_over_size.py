@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 from ..figures.style import LOOKS, complete, curve, new_panels
 from ..figures.ticks import power_of_ten, short_number
 from .orders import Sequence

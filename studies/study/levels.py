@@ -18,8 +18,7 @@ import numpy as np
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import RingwearError
-from ..progress import LOG
+from ..crosscheck import LOG, RingwearError
 from ..tables import Row, keeping_rows, without_formulas
 
 SECONDS, MEMORY = "seconds", "peak MiB"

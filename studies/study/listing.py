@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..scene.scene import Scene
+    from ..crosscheck import Scene
     from .levels import Record
     from .options import Options
     from .study import Study

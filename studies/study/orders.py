@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import stdtrit
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 from ..tables import Row
 from .levels import Family, Theory
 

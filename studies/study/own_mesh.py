@@ -8,7 +8,7 @@ from skfem import Mesh
 
 from ...meshes import files
 from ...meshes.half_space import as_half_space
-from ..problem.problem import Problem
+from ..crosscheck import Problem
 
 
 def own_mesh(problem: Problem, source: str | Path | Mesh) -> Mesh:

@@ -4,7 +4,7 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...meshes.errors import SceneError
+from ..crosscheck import SceneError
 
 if TYPE_CHECKING:
     from skfem import Element

@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from ...meshes.errors import RingwearError, SceneError
+from ..crosscheck import RingwearError, Scene, SceneError, output_folder
+from ..crosscheck.problem.written import shown
+from ..crosscheck.result.guesses import AnswersGuesses
+from ..crosscheck.result.output.one_file import make
 from ..figures.style import html_of, in_style
-from ..guesses import AnswersGuesses
-from ..output.folder import output_folder
-from ..output.one_file import make
-from ..problem.written import shown
-from ..scene.scene import Scene
 from ..tables import write_csv
 from .formats import to_latex, to_markdown
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 import pandas as pd
 
-from ..scene.scene import Scene
+from ..crosscheck import Scene
 from .errors_over_size import draw_errors, panels_of
 from .levels import Family, Record
 from .orders import conclude, sequences_of

@@ -27,18 +27,14 @@ from pathlib import Path
 from types import UnionType
 from typing import Self
 
-from ...meshes.errors import SceneError
-from ..methods.base import method
-from ..outcome.scope import unsuitable_methods
-from ..problem.fields import Height, TomlTable, read_table, refuse_device
-from ..problem.problem import Problem
-from ..problem.quantities import ANSWER, GROUPS, QUANTITIES
-from ..problem.written import shown
-from ..progress import LOG
-from ..scene.explain import did_you_mean, nearest
-from ..scene.keys import with_key, without_alternatives
-from ..scene.scene import Scene
-from ..scene.sources import bundled, tables_of
+from ..crosscheck import ANSWER, LOG, QUANTITIES, Problem, Scene, SceneError, method
+from ..crosscheck.problem.fields import Height, TomlTable, read_table, refuse_device
+from ..crosscheck.problem.quantities import GROUPS
+from ..crosscheck.problem.written import shown
+from ..crosscheck.result.scope import unsuitable_methods
+from ..crosscheck.scene.explain import did_you_mean, nearest
+from ..crosscheck.scene.keys import with_key, without_alternatives
+from ..crosscheck.scene.sources import bundled, tables_of
 from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep

@@ -10,12 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..problem.fields import TomlTable
-from ..problem.unit_names import without_quantities
-from ..problem.written import shown
-from ..scene.scene import Scene
+from ..crosscheck import Array, Scene, SceneError
+from ..crosscheck.problem.fields import TomlTable
+from ..crosscheck.problem.unit_names import without_quantities
+from ..crosscheck.problem.written import shown
 
 # values of one key, of the type that the scene declares for it
 Values = list[Any]

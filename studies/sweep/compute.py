@@ -10,19 +10,14 @@ import numpy as np
 import xarray
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..crosscheck.accuracy import solved_to_accuracy
-from ..crosscheck.agreement import disagreement
-from ..methods.base import Method, Solution, method
-from ..outcome.answer import answer
-from ..outcome.table import in_units
-from ..problem.norms import common
-from ..problem.problem import Problem
-from ..problem.quantities import error_name
-from ..progress import Stages
-from ..sizes.shared import groups
-from ..versions import stamp
+from ..crosscheck import Array, Method, Problem, SceneError, Solution, Stages, error_name, method
+from ..crosscheck.problem.norms import common
+from ..crosscheck.result.answer import answer
+from ..crosscheck.result.table import in_units
+from ..crosscheck.sizes.shared import groups
+from ..crosscheck.verdict.accuracy import solved_to_accuracy
+from ..crosscheck.verdict.agreement import disagreement
+from ..crosscheck.versions import stamp
 from .axes import ANSWERS, Sweep
 from .flags import DONE, FAILED, PENDING
 

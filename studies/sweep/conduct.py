@@ -11,22 +11,19 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ...meshes.errors import SceneError
-from ..figures.style import new_figure, set_logarithmic
-from ..output.folder import (
+from ..crosscheck import LOG, Scene, SceneError, output_folder
+from ..crosscheck.problem.fields import TomlTable
+from ..crosscheck.problem.written import plain, shown
+from ..crosscheck.result.output.folder import (
     Folder,
     lock_folder,
     named_folder,
-    output_folder,
     refuse_foreign_folders,
 )
-from ..output.one_file import make
-from ..problem.fields import TomlTable
-from ..problem.written import plain, shown
-from ..progress import LOG
-from ..scene.calls import naming_arguments
-from ..scene.keys import dotted, listed
-from ..scene.scene import Scene
+from ..crosscheck.result.output.one_file import make
+from ..crosscheck.scene.calls import naming_arguments
+from ..crosscheck.scene.keys import dotted, listed
+from ..figures.style import new_figure, set_logarithmic
 from .axes import Sweep
 from .cost import estimate_cost
 from .flags import DONE, FAILED, PENDING

@@ -2,7 +2,7 @@
 
 import time
 
-from ..predictions.machine import machine_memory
+from ..crosscheck.result.predictions.machine import machine_memory
 from .axes import Sweep
 from .compute import compute_block
 from .flags import FAILED

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...meshes.errors import SceneError
-from ..predictions.memory import predict_memory
-from ..problem.fields import TomlTable
+from ..crosscheck import SceneError
+from ..crosscheck.problem.fields import TomlTable
+from ..crosscheck.result.predictions.memory import predict_memory
 from .axes import Sweep
 
 # greatest number of values of an axis that are tried

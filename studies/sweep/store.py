@@ -22,13 +22,11 @@ import zarr
 from numpy.typing import ArrayLike
 from zarr.codecs import ZstdCodec
 
-from ...meshes.errors import SceneError
-from ...meshes.radial import Array
-from ..problem.quantities import ERROR, STATES, error_name
-from ..problem.unit_names import UnitNames, kind_of
-from ..scene.scene import Scene
-from ..versions import code, stamp, versions
-from ..wear.modes import SHOWN_RELAXATION_TIMES
+from ..crosscheck import Array, Scene, SceneError, UnitNames, error_name
+from ..crosscheck.problem.quantities import ERROR, STATES
+from ..crosscheck.problem.unit_names import kind_of
+from ..crosscheck.versions import code, stamp, versions
+from ..crosscheck.wear.modes import SHOWN_RELAXATION_TIMES
 from .axes import ANSWERS, KEEPABLE, Sweep
 from .flags import DONE, FAILED, PENDING
 

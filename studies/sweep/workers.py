@@ -16,13 +16,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import xarray
 
-from ...meshes.errors import SceneError, SolverError
-from ...meshes.radial import Array
-from ..output.signals import signals_wait
-from ..predictions.machine import machine_memory
-from ..predictions.memory import LIBRARIES
-from ..progress import LOG
-from ..versions import computed_with, stamp
+from ..crosscheck import LOG, Array, SceneError, SolverError
+from ..crosscheck.result.output.signals import signals_wait
+from ..crosscheck.result.predictions.machine import machine_memory
+from ..crosscheck.result.predictions.memory import LIBRARIES
+from ..crosscheck.versions import computed_with, stamp
 from .axes import Sweep
 from .compute import MOST_TOGETHER, compute_block
 from .flags import PENDING

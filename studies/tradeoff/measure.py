@@ -12,15 +12,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...meshes.errors import SolverError
-from ..crosscheck.accuracy import solved_to_accuracy
-from ..crosscheck.agreement import compare
+from ..crosscheck import Problem, Results, Solution, SolverError, Stages, differences, method
+from ..crosscheck.verdict.accuracy import solved_to_accuracy
+from ..crosscheck.verdict.agreement import compare
 from ..extremes import naive
-from ..methods.base import Solution, method
-from ..problem.norms import Results
-from ..problem.problem import Problem
-from ..problem.quantities import differences
-from ..progress import Stages
 from ..tables import Row
 
 RUNS = 3

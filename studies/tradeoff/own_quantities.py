@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 
+from ..crosscheck import Scene
+from ..crosscheck.result.run import run
 from ..extremes.oracles import other_theory
-from ..outcome.run import run
-from ..scene.scene import Scene
 from ..study.levels import Family
 from ..study.options import Options, Quantity
 from ..tables import Row

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from ...meshes.radial import Array
+from ..crosscheck import Array
 from ..study.orders import CONFIDENCE, slope_interval
 
 LEAST_LEVELS = 3

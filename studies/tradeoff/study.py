@@ -13,11 +13,8 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ...meshes.errors import SceneError
-from ..methods.base import method
-from ..problem.written import shown
-from ..registry import METHODS
-from ..scene.scene import Scene
+from ..crosscheck import METHODS, Scene, SceneError, method
+from ..crosscheck.problem.written import shown
 from ..study.levels import Record
 from ..study.options import Options
 from ..study.study import Study

@@ -9,13 +9,10 @@ from functools import partial
 
 import numpy as np
 
-from ...meshes.errors import SceneError
+from ..crosscheck import Problem, SceneError, Solution, Stages, method
+from ..crosscheck.problem.quantities import GROUPS
+from ..crosscheck.problem.sections import MdrAccuracy
 from ..extremes.oracles import other_theory, solve_reference
-from ..methods.base import Solution, method
-from ..problem.problem import Problem
-from ..problem.quantities import GROUPS
-from ..problem.sections import MdrAccuracy
-from ..progress import Stages
 from ..study.levels import Family
 from ..tables import Row
 from . import measure

@@ -7,11 +7,11 @@ import pytest
 
 from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, run
 from ringwear import method as named
-from ringwear.studies.anchors.checks import anchors
-from ringwear.studies.problem.norms import WITHOUT_EVEN_WEAR
-from ringwear.studies.sampling.sampler import Sampler
-from ringwear.studies.wear import full_contact
-from ringwear.studies.wear.modes import Modes
+from ringwear.studies.crosscheck.anchors.checks import anchors
+from ringwear.studies.crosscheck.methods.sampling.sampler import Sampler
+from ringwear.studies.crosscheck.problem.norms import WITHOUT_EVEN_WEAR
+from ringwear.studies.crosscheck.wear import full_contact
+from ringwear.studies.crosscheck.wear.modes import Modes
 
 Fem, Mdr = type(named("fem")), type(named("mdr"))
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 0.01, 0.1, 1.0])

@@ -9,7 +9,7 @@ from independent import Load, Pieces, solved
 
 from ringwear import RunningIn, Scene, SceneError, Stages, differences, energy, pressure_spaces, run
 from ringwear import method as method_named
-from ringwear.studies.sizes.shared import covering
+from ringwear.studies.crosscheck.sizes.shared import covering
 
 SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}
 

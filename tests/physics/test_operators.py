@@ -4,7 +4,7 @@ import pytest
 from wear_reference import random_scenes, true_errors
 
 from ringwear import Scene, run
-from ringwear.studies.crosscheck import operators
+from ringwear.studies.crosscheck.verdict import operators
 
 FIVE = Scene.load("five_rings")
 

@@ -34,7 +34,7 @@ def test_random_punches_are_decided(seed):
 
 @pytest.mark.slow
 def test_at_most_one_of_12_punches_is_undecided():
-    """Two punches of each kind; results for forty are in studies/crosscheck/README.md."""
+    """Two punches of each kind; results for forty are in studies/crosscheck/verdict/README.md."""
     runs = [decide(seed) for seed in range(10, 10 + 2 * len(KINDS))]
     verdicts = [result.verdict for result, _ in runs]
     assert "disagree" not in verdicts

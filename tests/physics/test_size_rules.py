@@ -12,7 +12,7 @@ from wear_reference import exact_results
 
 from ringwear import Scene, Stages, differences, method
 from ringwear.meshes import sizes
-from ringwear.studies.sizes import defaults, degrees, ring_edges
+from ringwear.studies.crosscheck.sizes import defaults, degrees, ring_edges
 
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 1e-4, 1e-2, 0.5], accuracy__rtol=1e-4)
 STEADY = FIVE.changed(wear__times=[])

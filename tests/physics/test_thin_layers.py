@@ -10,7 +10,7 @@ from independent_layer import (
 )
 
 from ringwear import SceneError, differences, run
-from ringwear.studies.methods.error_factors import error_factor
+from ringwear.studies.crosscheck.methods.error_factors import error_factor
 
 ONE_RING = {"radius": 1.0, "wear_coefficient": 1.0}
 

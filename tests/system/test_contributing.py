@@ -13,9 +13,9 @@ import xarray
 
 import ringwear.studies
 from ringwear import RingwearError, Scene, main, run, study
-from ringwear.studies.anchors import anchor, checks, reading
-from ringwear.studies.problem import fields, punch, quantities
-from ringwear.studies.sampling import sampler
+from ringwear.studies.crosscheck.anchors import anchor, checks, reading
+from ringwear.studies.crosscheck.methods.sampling import sampler
+from ringwear.studies.crosscheck.problem import fields, punch, quantities
 from ringwear.studies.study.listing import STUDIES, ListedStudy
 
 CONTRIBUTING = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text("utf-8")
@@ -57,7 +57,7 @@ def add_inner_force(patch, factor):
 
 def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tmp_path):
     named = files_named_for("a quantity")
-    assert named[:2] == ["studies/problem/quantities.py", "studies/anchors/"]
+    assert named[:2] == ["studies/crosscheck/problem/quantities.py", "studies/crosscheck/anchors/"]
     add_inner_force(monkeypatch, factor=1.0)
     result = run(Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-3))
     # estimates, comparison, anchors and files need no further change
@@ -106,7 +106,11 @@ class QuarticScene(Scene):
 def test_a_kind_of_profile_needs_a_class_and_a_second_reading(monkeypatch):
     """Within the contact radius c, d = 8/3 h c^4 and F = 2 E* (d c - 8/15 h c^5) (Galin)."""
     named = files_named_for("a kind of profile")
-    files = ("studies/problem/fields.py", "studies/problem/punch.py", "studies/anchors/reading.py")
+    files = (
+        "studies/crosscheck/problem/fields.py",
+        "studies/crosscheck/problem/punch.py",
+        "studies/crosscheck/anchors/reading.py",
+    )
     assert set(files) <= set(named)
     monkeypatch.setitem(fields.KINDS, "quartic", Quartic)
     height, radius = 0.1, 0.5

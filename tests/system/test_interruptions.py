@@ -22,7 +22,14 @@ from ringwear import main
 sys.exit(main(["run", "flat_punch", "--rtol", "1e-2", "--out", sys.argv[2]]))
 """
 MODULES = [
-    *("pydantic", "numpy", "argparse", "ringwear.studies.scene.scene", "scipy.linalg", "skfem"),
+    *(
+        "pydantic",
+        "numpy",
+        "argparse",
+        "ringwear.studies.crosscheck.scene.scene",
+        "scipy.linalg",
+        "skfem",
+    ),
     *("netCDF4", "matplotlib", "ringwear.studies.report.page"),
 ]
 
@@ -40,7 +47,7 @@ def test_an_interruption_while_modules_are_loaded_is_one_line(module, tmp_path):
 LATER = """
 import signal, sys
 from ringwear import main
-from ringwear.studies.outcome import run
+from ringwear.studies.crosscheck.result import run
 
 def fail(scene):
     try:

@@ -192,11 +192,12 @@ def test_the_page_is_named_only_if_it_is_written(flags, named, tmp_path, capsys)
     "module",
     [
         "ringwear",
-        "ringwear.studies.results",
+        "ringwear.studies.crosscheck.result.results",
+        "ringwear.studies.check.result",
         "ringwear.studies.comparison",
         "ringwear.studies.study.conduct",
         "ringwear.studies.study.study",
-        "ringwear.studies.scene.scene",
+        "ringwear.studies.crosscheck.scene.scene",
     ],
 )
 def test_examples_in_docstrings_run(module):

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from ringwear import RingwearError, Scene, SceneError, load, main, run
-from ringwear.studies.output import files
+from ringwear.studies.crosscheck.result.output import files
 
 FILES = ("results.nc", "summary.json")
 SCENE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-2)

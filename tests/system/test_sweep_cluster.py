@@ -58,7 +58,7 @@ HALTING = PRELOAD.format("""
 """)
 # another version of ringwear
 OTHER = """
-from ringwear.studies.versions import versions
+from ringwear.studies.crosscheck.versions import versions
 versions()["ringwear"] = "0"
 """
 # a machine without ringwear

@@ -116,7 +116,7 @@ def test_the_hash_is_that_of_the_loaded_code(tmp_path, imported):
     finder = copy_package(tmp_path / "copy")
     code = f"""{finder}
 import ringwear
-from ringwear.studies.versions import code
+from ringwear.studies.crosscheck.versions import code
 if {imported}:
     from ringwear.mdr import direct
 before = code()
@@ -138,7 +138,7 @@ from ringwear.mdr import direct
 path = Path({str(tmp_path / "copy")!r}) / "mdr" / "direct.py"
 if len(sys.argv) > 1:
     path.write_text(path.read_text("utf-8"))
-from ringwear.studies.versions import code
+from ringwear.studies.crosscheck.versions import code
 print(code())
 """
     call = [sys.executable, "-c", code]
@@ -172,7 +172,7 @@ def test_blocks_of_altered_code_are_not_written(cluster, first):
 
 # the worker reports other versions when it is asked than when it computes
 CHANGED = PRELOAD.format("""
-    from ringwear.studies.versions import versions
+    from ringwear.studies.crosscheck.versions import versions
     versions()["numpy"] = "1.0"
 """)
 

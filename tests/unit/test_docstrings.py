@@ -15,8 +15,8 @@ MOST_LINES = 6
         ("meshes.pressure_space", "PressureSpace"),
         ("meshes.compliance", "Compliance"),
         ("fem.half_space", "HalfSpace"),
-        ("studies.wear.full_contact", "RunningIn"),
-        ("studies.contact.march", "ContactMarch"),
+        ("studies.crosscheck.wear.full_contact", "RunningIn"),
+        ("studies.crosscheck.wear.march", "ContactMarch"),
     ],
 )
 def test_a_class_has_a_short_example_that_runs(module, name):

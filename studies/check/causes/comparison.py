@@ -5,10 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ....meshes.radial import Array, Indices
-from ...problem.norms import Results
-from ...problem.quantities import FIELDS
-from ...scene.scene import Scene
+from ...crosscheck import FIELDS, Array, Indices, Results, Scene
 
 # least and greatest number of parts of the face over which fields are averaged
 MIN_PARTS, MAX_PARTS = 4, 8

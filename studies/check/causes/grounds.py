@@ -16,9 +16,8 @@ import numpy as np
 from scipy.linalg import eig
 from scipy.special import j0, j1
 
-from ....mdr import direct
-from ....meshes.radial import Array, gauss
-from ...problem.face import Rings
+from ....meshes.radial import gauss
+from ...crosscheck import Array, Rings, direct
 
 # least number of elements on a ring, and about the least number on all rings together
 MIN_RING_ELEMENTS, MIN_ELEMENTS = 5, 40

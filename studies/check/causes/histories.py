@@ -8,13 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from ....meshes.ground.ground import HALF_SPACE
-from ....meshes.radial import Array
-from ...problem.face import Rings
-from ...problem.norms import Results
-from ...problem.problem import Problem
-from ...problem.quantities import QUANTITIES
-from ...scene.scene import Scene
-from ...wear.full_contact import RunningIn
+from ...crosscheck import QUANTITIES, Array, Problem, Results, Rings, RunningIn, Scene
 from . import grounds
 from .setting import Setting, computed_settings
 from .table import Table

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....meshes.errors import RingwearError
-from ....meshes.radial import Array
+from ...crosscheck import Array, RingwearError
 from .cause import Cause, Sizes
 from .comparison import Comparison
 from .model import Model

@@ -11,7 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...scene.scene import Scene
+from ...crosscheck import Scene
 from .cause import Cause, Sizes
 from .histories import MAX_RINGS
 from .model import Model

@@ -7,12 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from ....meshes.radial import Array
-from ...problem.norms import Results
-from ...problem.problem import Problem
-from ...problem.quantities import QUANTITIES
-from ...problem.unit_names import UnitNames
-from ...sampling.sampler import Sampler
+from ...crosscheck import QUANTITIES, Array, Problem, Results, UnitNames
+from ...crosscheck.methods.sampling.sampler import Sampler
 from .comparison import Comparison
 from .histories import LENGTHS, Histories, Solve
 from .setting import Setting, computed_settings

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...scene.scene import Scene
+from ...crosscheck import Scene
 
 # layers that are computed: thickness over the punch radius, and modulus over that of the half-space
 # below; other layers are interpolated

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ....meshes.radial import Array
+from ...crosscheck import Array
 
 
 @dataclass(frozen=True, eq=False)

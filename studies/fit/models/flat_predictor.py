@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....meshes.radial import Array
-from ...problem.problem import Problem
-from ...scene.scene import Scene
+from ...crosscheck import Array, Problem, Scene
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter, scene_at
 from .flat_histories import FlatHistories, FlatHistory

@@ -18,13 +18,9 @@ from typing import TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from ....mdr import energy
-from ....meshes.errors import SceneError
-from ....meshes.radial import Array
-from ...methods.moving_evaluation import MovingContact
-from ...methods.spaces import choose_spaces
-from ...progress import LOG
-from ...scene.scene import Scene
+from ...crosscheck import LOG, Array, Scene, SceneError, energy
+from ...crosscheck.methods.moving_evaluation import MovingContact
+from ...crosscheck.methods.spaces import choose_spaces
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter, scene_at
 from .flat_predictor import Logs

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ....meshes.radial import Array
+from ...crosscheck import Array
 from .likelihood import Likelihood, Point
 
 # greatest number of rounds of searches; after the first round, a search begins again if another

@@ -13,7 +13,7 @@ from scipy.special import gammaln
 from scipy.stats import chi2, norm
 from scipy.stats import t as student
 
-from ....meshes.radial import Array, Indices
+from ...crosscheck import Array, Indices
 from .likelihood import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected

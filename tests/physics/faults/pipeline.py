@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ringwear import Compliance, Loading, PressureSpace, Problem, Rings, RunningIn, method
-from ringwear.studies.sampling import functions, sampler
-from ringwear.studies.wear import full_contact
-from ringwear.studies.wear.modes import Modes
+from ringwear.studies.crosscheck.methods.sampling import functions, sampler
+from ringwear.studies.crosscheck.wear import full_contact
+from ringwear.studies.crosscheck.wear.modes import Modes
 
 Put = Callable[[pytest.MonkeyPatch], None]
 

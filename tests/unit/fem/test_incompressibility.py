@@ -30,7 +30,7 @@ def test_a_confined_layer_has_its_oedometric_modulus():
     assert confined_compliance(ratio) == pytest.approx(2 * shear / oedometric, rel=1e-15)
 
 
-@pytest.mark.parametrize("file", ["fem/README.md", "studies/crosscheck/README.md"])
+@pytest.mark.parametrize("file", ["fem/README.md", "studies/crosscheck/verdict/README.md"])
 def test_the_documentation_gives_the_ratio_that_is_modelled(file):
     text = (ROOT / file).read_text("utf-8")
     assert str(HIGHEST_RATIO).lstrip("0") in text

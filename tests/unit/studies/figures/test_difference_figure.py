@@ -6,10 +6,10 @@ from matplotlib.collections import QuadMesh
 from two_reports import SCENE, differing, report
 
 from ringwear import Scene
+from ringwear.studies.crosscheck.methods.sampling.field_differences import compare_fields
 from ringwear.studies.figures.difference import ROWS, draw_difference
 from ringwear.studies.figures.scale import Scale
 from ringwear.studies.figures.style import new_panels, show_values
-from ringwear.studies.sampling.field_differences import compare_fields
 
 
 def compared(scene, ours, theirs):

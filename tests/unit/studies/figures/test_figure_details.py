@@ -4,7 +4,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from ringwear import Scene
-from ringwear.studies.inside.interior import first_and_last_in_contact
+from ringwear.studies.crosscheck.methods.inside.interior import first_and_last_in_contact
 from ringwear.studies.refinement.case import Case
 from ringwear.studies.study.errors_over_size import set_round_ticks
 from ringwear.studies.tradeoff import draw

@@ -10,7 +10,7 @@ from skfem import Mesh
 
 from ringwear import MeshError, Rings, Scene, SizeField, Stages, bisection, energy
 from ringwear.meshes.half_space import contact_radii
-from ringwear.studies.problem.sections import FemAccuracy
+from ringwear.studies.crosscheck.problem.sections import FemAccuracy
 from ringwear.studies.refinement import case as cases
 from ringwear.studies.refinement import ways
 from ringwear.studies.refinement.case import POLES_RTOL, Case, Level

@@ -8,10 +8,10 @@ import pytest
 from ringwear import Scene, SizeField, SolverError, bisection
 from ringwear.meshes.half_space import contact_radii, quality
 from ringwear.studies.numerics.subdivision import subdivided
-from ringwear.studies.registry import INTERRUPTED
 from ringwear.studies.study.levels import Family, Record, Theory
 from ringwear.studies.study.orders import Sequence
 from ringwear.studies.study.study_orders import study_orders
+from ringwear.studies.tables import INTERRUPTED
 
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])
 

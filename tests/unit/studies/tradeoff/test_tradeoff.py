@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene
-from ringwear.studies.problem.quantities import GROUPS
+from ringwear.studies.crosscheck.problem.quantities import GROUPS
 from ringwear.studies.study.levels import Record
 from ringwear.studies.tradeoff import measure
 from ringwear.studies.tradeoff.draw import read_challenge

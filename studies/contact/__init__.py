@@ -1,1 +1,0 @@
-"""Wear of punches whose contact opens, closes and spreads."""

@@ -1,0 +1,108 @@
+"""Check balances of forces, of worn volumes, and of the overlap at a fixed indentation."""
+
+import numpy as np
+
+from ....meshes.radial import ring_areas
+from ..problem.face import POINTS
+from ..problem.norms import LEAST_VOLUME
+from .anchor import Row, Rows
+from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
+
+# roundoff of the worn depth, over the unit of displacements
+ROUNDOFF_OF_DEPTHS = 2e-15
+
+
+def check_forces(report: Reported) -> Rows:
+    """Compare ring forces with the force on the punch and with integrals of the pressure."""
+    forces, parts = report.take("ring_force"), report.face.areas * report.take("pressure")
+    total_force = forces.sum(axis=1)
+    if not report.fixed_indentation:
+        tolerance = np.maximum(report.errors("ring_force")[0], ROUNDOFF_TOLERANCE)
+        yield Row("ring forces add up to F", total_force, report.forces, tolerance)
+    quadrature_error = REFERENCE_ERROR_FACTOR * report.face.integral_error(parts)
+    # with too few radii in contact, contact may lie between the radii of the face
+    quadrature_error[(parts > 0).sum(axis=1) < POINTS] = np.inf
+    quadrature_error += report.tolerance("pressure") * np.maximum(total_force, np.finfo(float).tiny)
+    sums = report.face.ring_sums(parts)
+    yield Row(
+        "ring forces are integrals of the pressure", sums, forces, quadrature_error[:, None], 1.0
+    )
+
+
+def check_mean_contact_radius(report: Reported) -> Rows:
+    """Compare the mean radius of the force with the first moment of the pressure."""
+    pressure, force = report.take("pressure"), report.take("normal_force")
+    parts = pressure * report.face.areas * report.face.radii
+    quadrature_error = REFERENCE_ERROR_FACTOR * report.face.integral_error(parts)
+    # with too few radii in contact, contact may lie between the radii of the face
+    quadrature_error[(parts > 0).sum(axis=1) < POINTS] = np.inf
+    scale = np.maximum(force, np.finfo(float).tiny)
+    tolerance = report.tolerance("pressure", "mean_contact_radius") + quadrature_error / scale
+    moment = report.take("mean_contact_radius") * force
+    yield Row("moment of the pressure, int p r dA", moment, parts.sum(axis=1), tolerance, scale)
+
+
+def check_worn_volumes(report: Reported) -> Rows:
+    """Compare the sum of worn volumes over k with the work of the force (given force only).
+
+    If k varies on a ring, the worn volume of the ring does not determine the work of its pressure.
+    """
+    if not (report.fixed_indentation or report.graded):
+        coefficients = report.problem.wear_coefficients
+        worn = report.take("ring_worn_volume")[report.has_slid] / coefficients
+        value, work = worn.sum(axis=1), report.work[report.has_slid]
+        tolerance = np.full(len(work), ROUNDOFF_TOLERANCE)
+        if report.full_contact:
+            # volumes are integrals of d - u, whose roundoff is that of displacements of about 1
+            areas = ring_areas(report.problem.ring_edges)
+            tolerance += ROUNDOFF_OF_DEPTHS * (areas / coefficients).sum() / work
+        yield Row("worn volume over k, F v0 t", value, work, tolerance)
+
+
+def check_decay(report: Reported) -> Rows:
+    """Compare the decaying force at a fixed indentation with the volumes that it wears off."""
+    force = report.take("normal_force")
+    if report.full_contact and report.includes_start:
+        tolerance = report.tolerance("normal_force")[0]
+        name = "flat start, F = 2 a E* d"
+        if report.inner_radius or report.reading.ground.layered:
+            name = f"flat start, F {report.kind_of_punch}"
+        yield Row(name, force[0], 1.0, tolerance)
+    if report.graded:
+        return
+    volumes, coefficients = report.take("ring_worn_volume"), report.problem.wear_coefficients
+    worn = (volumes / coefficients).sum(axis=1)
+    # while the punch does not slide, nothing changes: use each sliding distance once
+    distances, rows = np.unique(report.distances, return_index=True)
+    force_scale = np.maximum.accumulate(force)
+    # the error of every ring's volume, also of a ring that hardly wears, is relative to their sum,
+    # or to a part of the depth if that is greater
+    least = LEAST_VOLUME * report.depth_scale * report.area
+    volume_scale = np.maximum(volumes.sum(axis=1), least) * np.sum(1 / coefficients)
+    errors = report.errors("normal_force", "ring_worn_volume") * [force_scale, volume_scale]
+    steps, force, worn, errors = np.diff(distances), force[rows], worn[rows], errors[:, rows]
+    force_error, volume_error = errors[:, 1:] + errors[:, :-1]
+    error = ROUNDOFF_TOLERANCE * force[0] + force_error + volume_error / steps
+    rates, scale = np.diff(worn) / steps, np.maximum(force[:-1], np.finfo(float).tiny)
+    nearest = np.clip(rates, force[1:], force[:-1])
+    yield Row("worn volume over k, between F v0 t", rates, nearest, error / scale, scale)
+
+
+def check_fixed_indentation(report: Reported) -> Rows:
+    """Compare worn volume, unworn profile and elastic displacement with the overlap ``A d``.
+
+    The overlap is the volume of the face plane below the surface; the gap is subtracted.
+    """
+    depth, unworn = report.take("indentation"), report.problem.profile
+    pressure, radii = report.take("pressure"), report.face.radii
+    uniform_displacement = report.uniform_displacement
+    heights = pressure * uniform_displacement + unworn(radii) + unworn.standoff
+    gap = report.take("displacement") + report.take("profile") - depth[:, None]
+    other_parts, quadrature_error = report.integrate(heights - gap)
+    missed_force = report.take("normal_force") - report.integrate(pressure)[0]
+    quadrature_error += np.abs(missed_force) * uniform_displacement.max()
+    stated_error = report.errors("pressure", "profile", "displacement").sum(axis=0)
+    tolerance = report.rtol + stated_error + quadrature_error / depth
+    value = report.take("ring_worn_volume").sum(axis=1) + other_parts
+    overlap = report.area * depth
+    yield Row("overlap A d: worn, unworn and elastic parts", value, overlap, tolerance, depth)

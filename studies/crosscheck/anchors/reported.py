@@ -1,0 +1,252 @@
+"""A method's report on a scene, made non-dimensional with the second reading of the scene."""
+
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ....mdr import direct
+from ....mdr.flat_punch import FlatPunch, flat_punch
+from ....meshes.radial import Array
+from ..methods.base import Solution
+from ..problem.face import POINTS, radial_weight
+from ..problem.quantities import DESCRIBED, STEADY
+from ..scene.scene import Scene
+from .reading import Reading
+
+# relative tolerance of sums and closed forms that hold to roundoff, independent of `rtol`
+ROUNDOFF_TOLERANCE = 1e-9
+# roundoff of a height over that height, a few units of the last digit
+HEIGHT_ROUNDOFF = 1e-15
+# forces below this part of the greatest force count as zero
+ROUNDOFF = 1e-12
+# bound on the error of a reference that is computed here (a quadrature or an interpolation on the
+# face, a small problem), over its difference to a less accurate one: all anchors of correct results
+# hold with it (physics/test_random_scenes.py), and faults are noticed (physics/test_faults.py)
+REFERENCE_ERROR_FACTOR = 10.0
+
+
+class Reported:
+    """A method's report, with the reference numbers that anchors need to check it.
+
+    Numbers and fields at the radii of the output are read from the table in `results.nc`. Fields
+    over the whole face are taken from the solution, because the table has only some radii.
+
+    Parameters
+    ----------
+    scene : the scene that was solved
+    reading : the second reading of the scene
+    name : name of the method
+    table : the method's values in `results.nc` by the names of quantities, in the scene's units
+    solution : the method's fields over the face and its error estimates
+
+    Attributes
+    ----------
+    times, forces, distances, work : (T,)
+        The compared times at which the force is not zero, with the force, the sliding distance and
+        the integral of the force over the sliding distance up to then; non-dimensional.
+    has_slid : (T,)
+        Whether the force has done work by a time.
+    includes_start : bool
+        Whether the time 0 is among these times.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        reading: Reading,
+        name: str,
+        table: Mapping[str, ArrayLike],
+        solution: Solution,
+    ) -> None:
+        self.scene, self.name, self.table, self.solution = scene, name, table, solution
+        self.problem, self.reading = scene.problem, reading
+        self.units, self.rtol = self.reading.units, self.reading.rtol
+        self.face, self.average = self.problem.face, self.reading.average
+        self.radii = np.asarray(table["radius"]) / self.units.length
+        times = np.asarray(table["time"])[self.problem.compared_rows] / self.units.time
+        # differences are relative, so that times without a force cannot be checked
+        forces = self.reading.load(times)[0]
+        self.in_contact = forces > ROUNDOFF * forces.max(initial=0.0)
+        self.compared_rows, self.times = (
+            self.problem.compared_rows[self.in_contact],
+            times[self.in_contact],
+        )
+        self.forces, self.distances, self.work = self.reading.load(self.times)
+        self.has_slid, self.includes_start = self.work > 0, 0 in self.times
+        # the steady state belongs to the last force and speed, and is checked for unit values
+        force, speed = (float(load.values[-1]) for load in (self.reading.force, self.reading.speed))
+        self._load_factors = dict.fromkeys((*STEADY, "indentation_steady"), force)
+        self._load_factors["steady_wear_rate"] = force * speed
+        self._last_force = force
+
+    @property
+    def fixed_indentation(self) -> bool:
+        """Whether the scene prescribes the indentation instead of the force."""
+        return self.problem.indentation is not None
+
+    @cached_property
+    def inner_radius(self) -> float:
+        """The radius of the hole over that of the punch; 0 if there is none."""
+        return float(self.reading.edges[0])
+
+    @cached_property
+    def flat(self) -> FlatPunch:
+        """The flat punch under the force 1 with the same radii and layers."""
+        return flat_punch(self.inner_radius, self.reading.ground)
+
+    @cached_property
+    def even_wear(self) -> Array:
+        """(T,) depth by which the whole face has worn at the steady rate, by the method."""
+        return self.solution.compared["even_wear"][self.in_contact]
+
+    @cached_property
+    def shape(self) -> Array:
+        """(T, R) profile over the face, from the first touch, less the even wear."""
+        return self.solution.compared["shape"][self.in_contact]
+
+    @property
+    def first_touch(self) -> float:
+        """Indentation at the first touch, from which depths and shapes are measured.
+
+        `take` subtracts it from the heights of a flat face, so that it is 0 in full contact.
+        """
+        return 0.0 if self.full_contact else self.problem.profile.standoff
+
+    @cached_property
+    def depth(self) -> Array:
+        """(T,) reported indentation, from the first touch, less the even wear."""
+        return self.take("indentation") - self.first_touch - self.even_wear
+
+    @cached_property
+    def depth_scale(self) -> Array:
+        """(T,) the same without the roundoff of the reported indentation, as a scale of errors."""
+        return self.solution.compared["depth"][self.in_contact]
+
+    @cached_property
+    def depth_roundoff(self) -> Array:
+        """(T,) roundoff of reported indentations and profiles, over the scale of depths.
+
+        They are reported with the even wear, which may be much greater than the depth.
+        """
+        return HEIGHT_ROUNDOFF * (1 + self.even_wear / self.depth_scale)
+
+    @property
+    def kind_of_punch(self) -> str:
+        """The kind of flat punch in words, if its start is not Eq. 10, for names of anchors."""
+        return "of an annulus" if self.inner_radius else "of a flat punch on layers"
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the face, over a^2."""
+        return float(np.pi * (1 - self.inner_radius) * (1 + self.inner_radius))
+
+    @cached_property
+    def uniform_displacement(self) -> Array:
+        """(R,) displacement of the face under the pressure 1 on all of it."""
+        edges = np.array([self.inner_radius, 1.0])
+        return direct.displacement(edges, np.ones(1), self.face.radii, self.reading.ground)
+
+    @property
+    def graded(self) -> bool:
+        """Whether the wear coefficient varies along the radius (a table in the scene)."""
+        return bool(self.reading.table)
+
+    @property
+    def times_are_those_solved(self) -> bool:
+        """Whether the reported times are those of the problem; if not, `check_times` fails."""
+        return np.allclose(self.times, self.problem.times[self.compared_rows], rtol=1e-9, atol=0)
+
+    @property
+    def full_contact(self) -> bool:
+        """Whether the whole face is in contact at all times."""
+        return self.problem.full_contact
+
+    @cached_property
+    def wear(self) -> Array:
+        """(R,) wear coefficient at the radii of the face, over the greatest."""
+        return self.reading.wear_at(self.face.radii)
+
+    @cached_property
+    def steady_wear_rate(self) -> float:
+        """The steady wear rate under the force 1, ``w = F / int dA / k`` (Eq. 23)."""
+        return float(1 / self.reading.inverse_wear.sum())
+
+    @cached_property
+    def steady_pressures(self) -> Array:
+        """(N,) steady pressures of the rings that are modelled, under the force 1 (Eq. 24)."""
+        return np.asarray(self.steady_wear_rate / self.problem.merged.wear_coefficients[0])
+
+    def steady_displacement(self, radii: Array) -> Array:
+        """Return the steady displacement at radii, in closed form (Eq. 21)."""
+        edges, ground = self.problem.merged.ring_edges, self.reading.ground
+        return direct.displacement(edges, self.steady_pressures, radii, ground)
+
+    def stated_error(self, name: str) -> float:
+        """Return the method's error estimate of a number of the answer, 0 if there is none.
+
+        Unlike `tolerance` it may be smaller than `rtol`.
+        """
+        return float(np.max(self.solution.errors.get(name, 0.0)))
+
+    def has(self, name: str) -> bool:
+        """Return whether the table has finite values for a number of the answer."""
+        return name in self.table and bool(np.isfinite(np.asarray(self.table[name])).any())
+
+    def take(self, name: str, on_face: bool = True) -> Array:
+        """Return a quantity, non-dimensional, at the compared times if it depends on time.
+
+        Fields over time are taken over the face, or from the table if not `on_face`. Quantities of
+        the steady state are divided by the last force and speed.
+        """
+        quantity = DESCRIBED[name]
+        # heights are measured from a plane, from which a flat face may have a constant distance
+        standoff = 0.0
+        if self.full_contact and name in ("profile", "indentation", "indentation_start"):
+            standoff = self.problem.profile.standoff
+        if on_face and quantity.dims == ("time", "radius"):
+            return self.solution.compared[name][self.in_contact] - standoff
+        values = np.asarray(self.table[name]) / getattr(self.units, quantity.unit)
+        values = values / self._load_factors.get(name, 1.0) - standoff
+        return values[self.compared_rows] if "time" in quantity.dims else values
+
+    def take_steady_pressure(self, name: str) -> Array:
+        """Return an extreme of the steady pressure on each ring, per unit of the last force."""
+        return np.asarray(self.take(name)[1] / self._last_force)
+
+    @property
+    def steady_profile_on_face(self) -> Array:
+        """(R,) the steady profile over the face, per unit of the last force."""
+        return np.asarray(self.solution.compared["steady_profile"] / self._last_force)
+
+    def errors(self, *names: str) -> Array:
+        """Return the method's error estimates (names, ...) of some quantities."""
+        over_time = "time" in DESCRIBED[names[0]].dims
+        rows = self.in_contact if over_time else ...
+        return np.array([self.solution.compared_error(self.problem, name)[rows] for name in names])
+
+    def tolerance(self, *names: str) -> Array:
+        """Return `rtol`, or the method's largest error estimate if that is larger."""
+        return np.fmax(self.errors(*names).max(axis=0), self.rtol)
+
+    def mean_square_slopes(self, profiles: Array) -> tuple[Array, Array]:
+        """Return mean square slopes (T,) of profiles (T, R), and bounds (T,) on their errors.
+
+        Differences to less accurate slopes may cancel in the sum over the elements of the face, so
+        that the sum of their sizes is a bound, too.
+        """
+        face = self.face
+        weights = face.lengths * radial_weight(face.radii, self.average, self.inner_radius)
+        squares, less_accurate = (
+            (slopes**2 * weights).reshape(len(profiles), len(weights) // POINTS, POINTS).sum(axis=2)
+            for slopes in face.slopes(profiles)
+        )
+        differences = squares - less_accurate
+        sizes, size = np.abs(differences).sum(axis=1), np.abs(differences.sum(axis=1))
+        return squares.sum(axis=1), np.maximum(REFERENCE_ERROR_FACTOR * size, sizes)
+
+    def integrate(self, values: Array, weights: Array | float = 1.0) -> tuple[Array, Array]:
+        """Return integrals (T,) of values (T, R) over the face, and bounds (T,) on their errors."""
+        parts = values * weights * self.face.areas
+        return parts.sum(axis=1), REFERENCE_ERROR_FACTOR * self.face.integral_error(parts)

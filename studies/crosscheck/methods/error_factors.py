@@ -1,0 +1,214 @@
+"""All factors and floors of error estimates, and the test that justifies each of them.
+
+An error estimate is the difference to the solution of a coarser discretisation times a factor, and
+at least a floor. `TABLE` lists all of them; `studies/crosscheck/verdict/README.md` prints the
+table.
+"""
+
+from typing import NamedTuple
+
+
+class ErrorFactor(NamedTuple):
+    """A factor or a floor of an error estimate.
+
+    Parameters
+    ----------
+    value : the number
+    multiplies : what it multiplies
+    shown_by : the test that shows that the number is large enough
+    """
+
+    value: float
+    multiplies: str
+    shown_by: str
+
+
+ESTIMATES = "tests/physics/test_estimates.py::test_random_scenes"
+PUNCHES = "tests/physics/test_random_punches.py::test_at_most_one_of_12_punches_is_undecided"
+
+TABLE = {
+    "flat punch": ErrorFactor(
+        1.5,
+        "difference of a flat punch to a coarser mesh, except for the next three kinds of meshes",
+        ESTIMATES,
+    ),
+    "flat punch on triangles": ErrorFactor(
+        2.0,
+        "difference of a flat punch to a degree less on the same triangles, if their sizes and "
+        "their degree are the defaults",
+        ESTIMATES,
+    ),
+    "flat punch on larger triangles": ErrorFactor(
+        8.0,
+        "for triangles that the scene sets: difference of a flat punch to a degree less on larger "
+        "triangles, or of degree 2 to degree 3 on the same triangles",
+        ESTIMATES,
+    ),
+    "flat punch on halved elements": ErrorFactor(
+        3.0,
+        "difference of a flat punch to low-degree elements that are twice as large",
+        "tests/physics/test_low_degrees.py::test_estimates_bound_the_errors_of_low_degrees",
+    ),
+    "wear along the radius": ErrorFactor(
+        1.5,
+        "the factor and the floor of a flat punch if k varies along the radius, because kinks of k "
+        "get fewer layers",
+        "tests/physics/test_graded.py::test_methods_agree_and_estimates_bound_their_errors",
+    ),
+    "moving contact": ErrorFactor(
+        2.5,
+        "difference to coarser cells, if edges of the contact move",
+        PUNCHES,
+    ),
+    "moving contact, energies and volumes": ErrorFactor(
+        1.5,
+        "the same for energies and volumes under one load, which converge at second order in the "
+        "size of cells",
+        PUNCHES,
+    ),
+    "decaying force": ErrorFactor(
+        2.0,
+        "the factor and the floor of a moving contact for forces at a fixed indentation: they "
+        "decay, but their errors do not",
+        "tests/physics/test_fixed_indentation.py::test_errors_of_vanishing_forces_are_as_stated",
+    ),
+    "time to full contact": ErrorFactor(
+        2.0,
+        "the factor of a moving contact for the time of full contact, which is located to within "
+        "a time step",
+        "tests/physics/test_random_scenes.py::test_every_number_beyond_rtol_is_reported",
+    ),
+    "steps of the coarser march": ErrorFactor(
+        8.0,
+        "tolerance of a time step in the coarser march, so that its steps are twice as long: their "
+        "error is of third order",
+        "tests/physics/test_moving_edges.py::test_ring_forces_at_the_last_time",
+    ),
+    "inside of the half-space": ErrorFactor(
+        1.5,
+        "difference of stresses and displacements inside to a solution with one degree and one "
+        "pole less",
+        "tests/physics/test_stresses.py::test_stresses_under_the_flat_punch",
+    ),
+    "nearby times": ErrorFactor(
+        2.5,
+        "a time t: the largest difference at times from t / value to t * value counts, because "
+        "differences cross zero",
+        "tests/physics/test_trust.py::test_estimates_at_a_single_time_bound_the_errors",
+    ),
+    "part of the field": ErrorFactor(
+        0.1,
+        "error of the displacement field: least error of displacements at a single place",
+        ESTIMATES,
+    ),
+    "floor": ErrorFactor(
+        0.01,
+        "rtol: least error of a flat punch, because two solutions may agree by chance",
+        ESTIMATES,
+    ),
+    "floor of energies": ErrorFactor(
+        1e-5,
+        "rtol: least error of energies of a flat punch, which converge twice as fast",
+        ESTIMATES,
+    ),
+    "floor of moving contact": ErrorFactor(
+        0.02,
+        "rtol: least error if edges of the contact move",
+        PUNCHES,
+    ),
+    "stiffness at the rim": ErrorFactor(
+        0.2,
+        "width of the element at the rim: least error of the indentation of a flat start",
+        "tests/physics/test_flat_punch.py::test_indentation",
+    ),
+    "pressure at the rim": ErrorFactor(
+        3.0,
+        "width of the element at the rim: least error of pressures of a flat start",
+        "tests/physics/test_trust.py::test_start_pressures_of_random_scenes",
+    ),
+    "worn depth at the rim": ErrorFactor(
+        0.65,
+        "root of (worn length at the rim / width of the face), while that length is below the "
+        "width of the element at the rim: least error of worn profiles and displacements (2 / pi "
+        "for a solid punch)",
+        "tests/physics/test_flat_punch.py::test_worn_depths_within_the_element_at_the_rim",
+    ),
+    "roundoff of the force at the rim": ErrorFactor(
+        0.1,
+        "roundoff of the force on the element at the rim: added to the least error of the "
+        "indentation of a flat start",
+        "tests/physics/test_flat_punch.py::test_indentation",
+    ),
+    "roundoff of slopes": ErrorFactor(
+        4e-13,
+        "1 / (1 - 2 nu) / root of (worn length on the slower side of an edge / ring width): least "
+        "error of RMS slopes by finite elements, whose stiffness against a change of volume "
+        "multiplies roundoff",
+        "tests/physics/test_flat_punch.py::test_slopes_of_thin_layers_near_incompressibility",
+    ),
+    "pressure at free edges": ErrorFactor(
+        0.3,
+        "pressure beside a free edge, on the cell in which that edge lies: least error of "
+        "pressures. A line misses 0.18 of it if the pressure vanishes as a root, and 0.29 if it "
+        "jumps in the middle of the cell",
+        "tests/physics/test_moving_edges.py::test_pressures_of_a_toroid",
+    ),
+    "edge of a fitted start": ErrorFactor(
+        5e-8,
+        "radius of the first contact: least error, a few times the tolerance of the search for "
+        "its edges",
+        "tests/physics/test_light_rounding.py::test_lightly_rounded_edges",
+    ),
+    "slope of a fitted start": ErrorFactor(
+        1e-8,
+        "slope of the unworn face: least error, because it is a difference of heights",
+        PUNCHES,
+    ),
+    "fitted start": ErrorFactor(
+        1e-12,
+        "other quantities of a start that is fitted to the edges of the contact: least error, "
+        "roundoff",
+        PUNCHES,
+    ),
+    "uniform grid": ErrorFactor(
+        2.5,
+        "difference to the grid with half as many springs and half as many steps: slopes and "
+        "jumps converge with order 1/2, so that the error is 1 / (sqrt(2) - 1) times it",
+        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+    ),
+    "uniform grid, slope": ErrorFactor(
+        4.0,
+        "the same for slopes, whose squares have a logarithm at each ring edge",
+        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+    ),
+    "incompressible layers": ErrorFactor(
+        5e-8,
+        "1: least error of a flat punch on layers with a Poisson's ratio above 0.49999, to which "
+        "two solutions are extrapolated",
+        "tests/physics/test_thin_layers.py::test_incompressible_layers",
+    ),
+    "incompressible inside": ErrorFactor(
+        3e-6,
+        "1: the same for displacements and stresses inside",
+        "tests/physics/test_thin_layers.py::test_fields_inside_incompressible_layers",
+    ),
+    "lost bend": ErrorFactor(
+        0.25,
+        "bend of a field within a cell: least error of worn profiles and displacements",
+        "tests/physics/test_worn_faces.py::test_a_run_in_face_has_the_steady_slope",
+    ),
+}
+
+
+def error_factor(name: str) -> float:
+    """Return the value of a factor or floor, by its name in `TABLE`."""
+    return TABLE[name].value
+
+
+def as_markdown() -> str:
+    """Return the table in Markdown, as `studies/crosscheck/verdict/README.md` prints it."""
+    lines = ["| name | value | multiplies | shown by |", "| --- | --- | --- | --- |"]
+    for name, factor in TABLE.items():
+        test = factor.shown_by.removeprefix("tests/")
+        lines.append(f"| {name} | {factor.value:g} | {factor.multiplies} | `{test}` |")
+    return "\n".join(lines)

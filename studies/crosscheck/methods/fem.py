@@ -1,0 +1,328 @@
+"""The finite-element half-space of a problem, with sizes that suit its tolerance."""
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ....fem.condensation import solver, unloadable
+from ....meshes.sizes import NARROWEST_RING
+from ..problem.problem import Problem
+from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
+from ..problem.refusal import Refusal
+from ..problem.sections import DEGREES
+from ..progress import Stages
+from ..sizes import defaults
+from ..sizes.half_space_mesh import ChosenMesh, half_space_mesh
+from ..sizes.layers import layers_beyond_meshes, why_layers_are_not_meshed
+from ..sizes.ring_edges import compressibility
+from .base import Discretised, SystemSize
+from .error_factors import error_factor
+from .pipeline import ComplianceMethod
+from .spaces import contact_cells
+
+if TYPE_CHECKING:
+    from ....fem.half_space import HalfSpace
+    from ....meshes.compliance import Compliance
+    from ....meshes.ground.ground import Ground
+
+LOCKING = 0.49
+"""Poisson's ratio above which linear elements are refused.
+
+At 0.499, linear triangles have an error of 19 per cent in d(t), and their error estimate is smaller
+than that (tests/physics/test_low_degrees.py).
+"""
+DEGREE_ON_CELLS = 3
+"""Degree of triangles under contact that opens and spreads (`ringwear study convergence`)."""
+LINEAR_HALVINGS = 2, 1
+"""How often linear triangles under cells are halved: in the fine mesh, and in the coarser one."""
+
+# Default growth of the size of triangles per distance.
+DEFAULT_GROWTH = 0.5
+# Unknowns of the finite elements per pressure, and numbers of the sparse factor per unknown and per
+# log2(unknowns). Measured on the bundled scenes; the former was 40 to 130.
+UNKNOWNS_PER_PRESSURE, NUMBERS_PER_UNKNOWN = 90, 50
+
+
+def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
+    """Return the half-space on a mesh, with scikit-fem's elements of a suitable degree."""
+    from ....fem.elasticity import AxisymmetricElasticity
+    from ....fem.half_space import HalfSpace, pressure_space
+    from ....meshes.half_space import truncation
+
+    quads = chosen.mesher == "quads"
+    degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
+    # the field below the contact is smoother: lowering its degree by a fifth has no effect on the
+    # contact
+    solid = AxisymmetricElasticity(chosen.mesh, degree, problem.ground, lowered_degrees=degree // 5)
+    poles = defaults.pole_orders(problem, truncation(chosen.mesh))
+    space = pressure_space(solid, problem.merged.ring_edges)
+    return HalfSpace(solid, space, poles).without_dependent_poles()
+
+
+class Fem(ComplianceMethod):
+    """Finite elements, condensed to the contact.
+
+    The elements are those of scikit-fem, contact pressures are Lagrange multipliers, and the far
+    field is Boussinesq's.
+    """
+
+    name = "fem"
+    knows_layers = True
+    what = (
+        "the half-space by finite elements: a graded quarter disc with Boussinesq's far field, "
+        "condensed to the contact"
+    )
+
+    def beyond(self, problem: Problem) -> Refusal | None:
+        """Return why problems of this kind are beyond the method; None if it can solve them.
+
+        Rings narrower than `NARROWEST_RING` and some layers cannot be meshed.
+        """
+        narrowest = float(problem.merged.widths.min())
+        if narrowest < NARROWEST_RING:
+            return Refusal(
+                f"rings narrower than {NARROWEST_RING:g} a cannot be meshed, and the narrowest has "
+                f"{narrowest:.2g} a",
+                "merge it with a neighbour, or leave fem out of methods",
+            )
+        return layers_beyond_meshes(problem) or super().beyond(problem)
+
+    def refusal(self, problem: Problem) -> str:
+        """Return why the method cannot solve the problem, with the remedy; empty if it can."""
+        if reason := _refused_degree(problem) or why_layers_are_not_meshed(problem):
+            return reason
+        return super().refusal(problem)
+
+    def sizes_of_flat_punches(self, problem: Problem) -> str:
+        """Return which sizes to leave out, if the scene sets more than mesher and degree."""
+        if not problem.fem.model_fields_set - {"mesher", "degree"}:
+            return ""
+        return (
+            "accuracy.fem sizes the mesh of a flat punch: with an initial profile leave out all "
+            "but the mesher, which is that of the steady state, and the degree"
+        )
+
+    def sizes_given(self, problem: Problem) -> bool:
+        """Return whether the scene sets sizes or degrees of the mesh."""
+        return problem.fem.given_by_user
+
+    def remedy(self, problem: Problem) -> str:
+        """Return what would make the method more accurate, if that is not a smaller `rtol`."""
+        if problem.fem.far_field == "fixed":
+            error = "an error" if problem.ground.layered else "an error of 1.1 a/R"
+            return f"the clamped boundary causes {error}; give far_field = 'boussinesq'"
+        return super().remedy(problem)
+
+    def modelling_errors(self, problem: Problem) -> dict[str, str]:
+        """Return the error that a clamped outer boundary causes, if the scene has one."""
+        if problem.fem.far_field != "fixed":
+            return {}
+        why = "the scene clamps the outer boundary: the indentation has an error of 1.1 a/R"
+        if problem.ground.layered:
+            why = "the scene clamps the outer boundary, on layers: the indentation has an error"
+        return {"far field": why}
+
+    def system_size(self, problem: Problem) -> SystemSize:
+        """Return the number of unknowns and of pressures of the finite elements."""
+        half_space = HALF_SPACES[problem.full_contact](problem)
+        return SystemSize(half_space.unknowns, half_space.space.size)
+
+    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers its dense matrices and its sparse factor contain."""
+        # ratio by which triangles grow more slowly with the depth than by default
+        slower = max(1.0, DEFAULT_GROWTH / (problem.fem.growth or DEFAULT_GROWTH))
+        unknowns = UNKNOWNS_PER_PRESSURE * pressures * slower**2
+        factor = NUMBERS_PER_UNKNOWN * unknowns * np.log2(unknowns)
+        return super().numbers_in_memory(problem, pressures) + float(factor)
+
+    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        """Return the condensed half-space that suits a problem, and how to make a coarser one.
+
+        For a flat punch, elements are small at ring edges and at the rim. For any other punch, they
+        are small triangles below cells of the face.
+        """
+        return DISCRETISED[problem.full_contact](problem, stages)
+
+
+def _flat_half_space(problem: Problem) -> "HalfSpace":
+    return half_space_on(problem, half_space_mesh(problem))
+
+
+def _half_space_on_cells(problem: Problem) -> "HalfSpace":
+    from ....fem.contact_meshes import even_half_space
+
+    cells, _ = contact_cells(problem)
+    return even_half_space(cells, problem.ground)
+
+
+def _refused_degree(problem: Problem) -> str:
+    """Return why a degree that the scene sets is not possible, with the remedy; empty if it is."""
+    degree = problem.fem.degree
+    if degree == 1 and problem.poisson_ratio > LOCKING:
+        return (
+            f"accuracy.fem.degree = 1 locks for Poisson's ratios above {LOCKING:g}, and the error "
+            "estimate does not show that: give degree = 2 or more, or leave it out"
+        )
+    on_triangles = problem.fem.mesher != "quads" and (degree or 1) in DEGREES["bisection"]
+    if degree and not problem.full_contact and not on_triangles:
+        return (
+            "accuracy.fem.degree: contact that opens and spreads is solved on triangles: with an "
+            "initial profile give degree = 1 to 4 without mesher = 'quads', or leave it out"
+        )
+    return ""
+
+
+def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
+    """Return the half-space of a flat punch, with small elements at ring edges and at the rim."""
+    from ....meshes.half_space import truncation
+
+    fixed = problem.fem.far_field == "fixed"
+    with stages("meshing"):
+        chosen = half_space_mesh(problem)
+    with stages("assembling"):
+        half_space = half_space_on(problem, chosen)
+        half_space.assemble()
+    with stages("condensing"):
+        # the first of the compliances by poles is that of the clamped outer boundary
+        fine = half_space.compliances_by_poles()[0] if fixed else half_space.compliance()
+    extrapolated = problem.ground.layered and half_space.more_compressible is not None
+    settings = {
+        "mesher": chosen.mesher,
+        "elements": chosen.mesh.nelements,
+        "degree": half_space.solid.degree,
+        "poles": 0 if fixed else len(half_space.poles),
+        "truncation": truncation(chosen.mesh),
+        "solver": solver(),
+    }
+    return Discretised(
+        fine,
+        lambda: _coarser_half_space(problem, chosen, half_space).compliance(),
+        half_space.unknowns,
+        settings,
+        # so that displacements and stresses inside are those of the clamped half-space, too
+        replace(half_space, poles=()) if fixed else half_space,
+        (*chosen.notes, *filter(None, [unloadable()])),
+        safety=error_factor(_factor_name(chosen)),
+        smallest=_smallest_size(problem, chosen),
+        slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
+        least_error=error_factor("incompressible layers") if extrapolated else 0.0,
+        limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
+        same_elements=chosen.same_elements,
+    )
+
+
+def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
+    """Return the quantities that a finer mesh of this degree does not make more accurate.
+
+    If the degree of quadrilaterals is the highest available, these are fields. Energies still
+    become more accurate, and on thinner layers also the quantities that depend on thin layers at
+    ring edges. Triangles have no such quantities: with a tenth of the tolerance, all of them are
+    smaller, and the errors of slopes are a quarter.
+    """
+    if mesher != "quads" or degree < DEGREES[mesher][-1]:
+        return frozenset()
+    return frozenset(DESCRIBED) - ENERGIES - LAYER_QUANTITIES
+
+
+def _factor_name(chosen: ChosenMesh) -> str:
+    """Return the name of the factor on the difference to the coarser half-space."""
+    if chosen.halved:
+        return "flat punch on halved elements"
+    if chosen.mesher == "quads":
+        return "flat punch"
+    if chosen.same_elements:
+        return "flat punch on triangles"
+    return "flat punch on larger triangles"
+
+
+def _smallest_size(problem: Problem, chosen: ChosenMesh) -> float:
+    """Return the smallest element size at a ring edge that a mesher can use.
+
+    For triangles and for halved elements, which have a low degree, it is the size that the mesh
+    has, because smaller ones would not be more accurate.
+    """
+    from ....meshes.half_space import contact_radii
+
+    if chosen.mesher == "quads" and not chosen.halved:
+        return defaults.fem_smallest(problem)
+    return float(np.diff(contact_radii(chosen.mesh)).min())
+
+
+def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
+    """Return the half-space of a punch whose contact edges move: triangles below cells."""
+    from ....fem.contact_meshes import COARSER_GROWTH, even_half_space, fitted_half_space
+
+    ground, degree = problem.ground, problem.fem.degree or DEGREE_ON_CELLS
+    halvings = LINEAR_HALVINGS if degree == 1 else (0, 0)
+    cells, coarser_cells = contact_cells(problem)
+    with stages("condensing"):
+        half_space = even_half_space(cells, ground, degree=degree, halvings=halvings[0])
+        compliance = half_space.compliance()
+
+    def fitted(
+        edges: tuple[float, ...],
+        infinite: tuple[bool, ...],
+        scaled_ground: "Ground",
+        degree: int,
+    ) -> "Compliance":
+        return fitted_half_space(edges, infinite, degree, scaled_ground).compliance()
+
+    def coarser() -> "Compliance":
+        return even_half_space(
+            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
+        ).compliance()
+
+    return Discretised(
+        compliance,
+        coarser,
+        half_space.unknowns,
+        half_space=half_space,
+        notes=tuple(filter(None, [unloadable()])),
+        # if the scene sets the degree, its elements also solve the start, instead of others of high
+        # degree
+        fitted=None
+        if problem.fem.degree
+        else (partial(fitted, degree=8), partial(fitted, degree=7)),
+    )
+
+
+def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace") -> "HalfSpace":
+    """Return the coarser half-space that is compared with a half-space to estimate its error.
+
+    It has a degree and a pole less, and on quadrilaterals also a layer less. Triangles stay the
+    same if their sizes and their degree are the defaults: larger ones would miss modes of thin
+    layers, and the difference would often be 100 times the error. Triangles that the scene sets may
+    be too large themselves, and are compared with still larger ones. Two cases that cannot be
+    coarser are compared with a better solution instead:
+
+    - a clamped boundary with a far field of poles, because its error is far greater than theirs
+    - degree 2 with degree 3 on the same mesh: no multipliers are stable on degree 1, and larger
+      triangles of degree 2 may miss the same relaxation modes
+    """
+    from ....fem.half_space import HalfSpace, pressure_space
+    from ....meshes.half_space import truncation
+
+    if chosen.halved:
+        # a mesh that is halved once less is coarse enough
+        solid = replace(fine.solid, mesh=chosen.coarser())
+    elif fine.solid.degree > 2:
+        solid = replace(fine.solid, degree=fine.solid.degree - 1, mesh=chosen.coarser())
+    else:
+        solid = replace(fine.solid, degree=3)
+    poles = defaults.coarser_pole_orders(fine.poles)
+    wanted_poles = defaults.pole_orders(problem, truncation(fine.solid.mesh))
+    if problem.fem.far_field == "fixed" or len(fine.poles) < min(2, len(wanted_poles)):
+        poles = fine.poles
+    elif problem.ground.rigid and len(fine.poles) < 2:
+        # the scene gives one pole, and above a rigid base a second one may depend on it
+        poles = ()
+    return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
+
+
+# by whether the punch is in full contact
+HALF_SPACES = {True: _flat_half_space, False: _half_space_on_cells}
+DISCRETISED = {True: _discretise_flat, False: _discretise_on_cells}
+
+METHOD = Fem()

@@ -1,0 +1,312 @@
+"""Evaluation of a compliance on cells, for a punch whose contact opens, closes and spreads."""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from ....meshes.compliance import Compliance
+from ....meshes.radial import Array, Indices
+from ..problem.norms import DEPTH, Results
+from ..problem.problem import Problem
+from ..problem.quantities import ANSWER, DESCRIBED, ENERGIES
+from ..wear.contact_edges import pressures_beside_edges, widths_at_edges
+from ..wear.flat_contact import FittedPress
+from ..wear.history import History, Pressed
+from ..wear.march import ContactMarch
+from ..wear.marched import Marched
+from ..wear.moments import moments, unresolved_height
+from .error_factors import error_factor
+from .evaluation import ENDS, Evaluation, greatest_in_ranges, near_in_time
+from .sampling.answers import MarchedRun, answers_of
+from .spaces import load_of
+
+# Numbers of the answer whose error is that of a quantity at the first (0) or at the last (-1) time:
+# the shares of the force have that of the forces. The fitted start has its own edges.
+REPEATED = {
+    name: number.at
+    for name, number in ANSWER.items()
+    if number.at and name != "contact_radius_start"
+} | {"force_share": ("ring_force", 0)}
+# Quantities that converge with second or higher order in the cells of a face under one load.
+SECOND_ORDER = ENERGIES | {"ring_worn_volume"}
+# Quantities that decay during wear at a fixed indentation.
+DECAYING = frozenset({"normal_force", "ring_force"})
+
+# Error of slopes that a step in thin layers may add, over rtol. The worn depth alone would be right
+# after a few steps, with slopes and pressures that are far off (physics/test_random_scenes.py::
+# test_layers_where_the_rim_loses_contact_under_a_falling_force).
+SLOPE_TOLERANCE = 0.3
+
+
+class MovingContact(Evaluation):
+    """A punch whose contact opens, closes and spreads, marched through the requested times.
+
+    Parameters
+    ----------
+    problem, compliance : the compliance on linear pressures over cells
+    start : the initial contact of the unworn face, on a pressure space fitted to its edges
+    step_tolerance_factor : factor on the error that a step in time may add
+    in_layers : whether the contact covers the face from the start, so that steps in time must also
+        resolve the slopes of the thin layers that wear makes at ring edges and at the rim
+
+    Attributes
+    ----------
+    marched : the march, in the requested steps or in adaptive ones
+    """
+
+    # The edges of the contact move, and seldom to the same place in a cell of both meshes.
+    safety = error_factor("moving contact")
+
+    def __init__(
+        self,
+        problem: Problem,
+        compliance: Compliance,
+        start: FittedPress | None = None,
+        step_tolerance_factor: float = 1.0,
+        in_layers: bool = False,
+    ) -> None:
+        super().__init__(problem, compliance)
+        self.start, self.in_layers = start, in_layers
+        # Error that each step may add to the worn depth: a part of the tolerance. Above 1e-3 the
+        # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
+        # but be too few to estimate their error.
+        rtol = step_tolerance_factor * min(problem.rtol, 1e-3)
+        self._tolerance = 0.05 * rtol
+        self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
+        if np.ptp(problem.loading.forces):
+            # measured: while a force rises from zero, the worn depth is small compared with the
+            # indentation
+            self._tolerance *= 0.02
+        self._march = ContactMarch(
+            compliance,
+            problem.merged.wear_coefficients,
+            moments(problem.profile, compliance.space),
+            load_of(problem),
+            problem.loading,
+        )
+        self.marched = (
+            self._marched_adaptively
+            if problem.step is None
+            else self._march.implicit(problem.times, problem.step)
+        )
+
+    @cached_property
+    def _marched_adaptively(self) -> Marched:
+        return self._march.adaptive(self.problem.times, self._tolerance, self._slope_tolerance)
+
+    @cached_property
+    def exact_in_time(self) -> History:
+        """The history at the requested times, in adaptive steps that suit the tolerance."""
+        return self._with_fitted_start(self._marched_adaptively.history)
+
+    @cached_property
+    def history(self) -> History:
+        """The history at the requested times, in the requested steps or in adaptive ones."""
+        return self._with_fitted_start(self.marched.history)
+
+    def _with_fitted_start(self, history: History) -> History:
+        # a punch that does not press yet has the indentation of the first touch
+        unloaded = (history.distances == 0) & (history.force == 0)
+        history = replace(history, depth=np.where(unloaded, 0.0, history.depth))
+        if self.start is None:
+            return history
+        at_start = (history.distances == 0) & (history.force == history.force[0])
+        depth = np.where(at_start, self.start.indentation, history.depth)
+        pressed = Pressed(
+            self.start,
+            np.where(at_start, self.start.force, 0.0),
+            np.where(at_start[:, None], 0.0, history.pressure),
+        )
+        return replace(history, depth=depth, pressed=pressed)
+
+    @property
+    def estimate_times(self) -> Array:
+        """The times that the march records: the requested ones, and some between them."""
+        return self.marched.estimate_times
+
+    def results_for_estimate(self, times: Array) -> Results:
+        """Return the quantities on the face of the punch at some of the recorded times."""
+        rows = np.flatnonzero(np.isin(self.marched.estimate_times, times))
+        return self.sampler.history(
+            self._with_fitted_start(self.marched.estimate_history[rows]), on_face=True
+        )
+
+    @cached_property
+    def answers(self) -> Results:
+        """The numbers of the answer, by the requested march and step."""
+        return answers_of(MarchedRun(self.problem, self.marched, self.start, self.history[ENDS]))
+
+    @property
+    def answers_exact_in_time(self) -> Results:
+        """The numbers of the answer, in adaptive steps that suit the tolerance."""
+        ends = self.exact_in_time[ENDS]
+        return answers_of(MarchedRun(self.problem, self._marched_adaptively, self.start, ends))
+
+    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
+        """Return the error estimate of a number of the answer.
+
+        A number that is a quantity at the first or at the last time has the error of that quantity.
+        The error of any other is its difference to a coarser evaluation times its factor, but at
+        least a floor.
+        """
+        if name in REPEATED:
+            quantity, row = REPEATED[name]
+            if quantity in errors:
+                return np.broadcast_to(errors[quantity][row], difference.shape)
+        floors = {
+            "contact_radius_start": error_factor("edge of a fitted start"),
+            "pressure_peak_start": error_factor("fitted start"),
+        }
+        floor = floors.get(name, error_factor("floor of moving contact") * self.problem.rtol)
+        # the last node begins to carry in different time steps of the two marches
+        time_factor = (
+            error_factor("time to full contact") if name == "time_to_full_contact" else 1.0
+        )
+        return np.maximum(time_factor * self.safety_factor(name) * difference, floor)
+
+    def estimate(self, name: str, difference: Array) -> Array:
+        """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
+
+        - The factor is `safety_factor`.
+        - At each requested time, the error is the largest at nearby times of the march, because
+          differences cross zero now and then. A start that is fitted to the edges of the contact is
+          left out of this.
+        - The error is at least the floor of the quantity.
+        """
+        times = self.estimate_times
+        error = self.safety_factor(name) * difference
+        later = (times > 0) | self._starts_on_cells
+        nearby = greatest_in_ranges(np.where(later, error, 0.0), *self._nearby)
+        error = np.where(later, nearby, error)
+        error = np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
+        if name == "rms_slope":
+            # an infinite slope has no value, and no error either
+            return np.where(np.isnan(self.results[name]), np.nan, error)
+        return error
+
+    @cached_property
+    def _nearby(self) -> tuple[Indices, Indices]:
+        """Range (T,), (T,) of the times of the march near each time, whose errors are like its own.
+
+        If edges of the contact move, these are seven successive times. If layers of wear limit the
+        accuracy, they are times of similar layers: those within a factor, and the adjacent ones.
+        """
+        times = self.estimate_times
+        row, count = np.arange(len(times)), len(times)
+        if not self.in_layers:
+            return np.maximum(row - 3, 0), np.minimum(row + 4, count)
+        first, last = near_in_time(times, times)
+        return np.clip(row - 1, 0, first), np.clip(row + 2, last, count)
+
+    @property
+    def _starts_on_cells(self) -> bool:
+        """Whether there is a contact at the time 0 that is not fitted to its edges."""
+        return self.start is None and self.problem.loading.forces[0] > 0
+
+    def safety_factor(self, name: str) -> float:
+        """Return the factor on the difference of a quantity to a coarser evaluation.
+
+        It is larger for forces that decay at a given indentation, and smaller for energies and
+        volumes under one load.
+        """
+        if self._decays(name):
+            # at a given indentation, forces grow at most with the square of the depth, and their
+            # errors stay while the forces decay
+            return error_factor("decaying force") * self.safety
+        # under one load, energies and volumes converge at least at second order in the cells, so
+        # that the difference is three times the error
+        if name in SECOND_ORDER and not self.problem.loading.varies:
+            return error_factor("moving contact, energies and volumes")
+        return self.safety
+
+    def _decays(self, name: str) -> bool:
+        return self.problem.indentation is not None and name in DECAYING
+
+    def _floor(self, name: str) -> Array:
+        """Return the smallest error (T,) that is reported for a quantity at the requested times."""
+        later = self.problem.times > 0
+        if self._starts_on_cells and name != "profile":
+            later = np.ones_like(later)
+        # At the start nothing has worn: slopes of the unworn face are differences of heights, and
+        # edges are located to a few times the tolerance of their search. Later, edges of the
+        # contact make agreement by chance more likely.
+        kind_of_start = {
+            "rms_slope": "slope of a fitted start",
+            "contact_radius": "edge of a fitted start",
+        }
+        at_start = error_factor(kind_of_start.get(name, "fitted start"))
+        floor = error_factor("floor of moving contact") * self.problem.rtol
+        floors = np.where(later, floor, at_start)
+        if name in ("profile", "displacement"):
+            # Linear functions lose this part of the bend of a field. If an edge stays in the same
+            # cell of both meshes, their difference does not show that. In random punches whose face
+            # the cells resolve, no penetration is above 0.23 of the bend.
+            lost_bend = error_factor("lost bend") * self._lost_bends * self._inverse_depth
+            floors = np.maximum(floors, np.where(later | (name != "profile"), lost_bend, 0.0))
+        if name == "pressure":
+            # linear pressures miss this part where the pressure vanishes as a root, or jumps; both
+            # meshes miss the same if they have the edge at the same place of a cell
+            missed = error_factor("pressure at free edges") * pressures_beside_edges(
+                self.compliance.space,
+                self.history.contact,
+                self.history.pressure,
+                self.problem.merged.wear_coefficients,
+            )
+            return np.maximum(floors, np.where(later, missed, 0.0))
+        if name == "contact_radius":
+            # the difference does not show the error if both meshes have the edge in the same cell
+            widths = widths_at_edges(self.compliance.space, self.history.contact)
+            at_edges = later & ~self.marched.settled(self.problem.times)
+            return np.maximum(floors, np.where(at_edges, widths, 0.0))
+        if self._decays(name):
+            return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
+        is_height = DESCRIBED[name].norm is DEPTH
+        # the unworn face is given, and a start that is fitted to the edges integrates all of it
+        exact_start = name == "profile" or (name == "indentation" and self.start is not None)
+        by_cells = is_height & (later | (not exact_start))
+        return np.where(by_cells, np.maximum(floors, self._unresolved_height), floors)
+
+    @cached_property
+    def _unresolved_height(self) -> Array:
+        """(T,) largest difference of the face from what cells resolve, over the depth."""
+        depth, space = float(self.history.depth.max()), self.compliance.space
+        return unresolved_height(self.problem.profile, space, depth) * self._inverse_depth
+
+    @property
+    def _inverse_depth(self) -> Array:
+        """(T,) inverse of the indentation less the even wear.
+
+        It is 0 if that is zero, because nothing is promised then.
+        """
+        depth = self.history.depth
+        return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
+
+    @cached_property
+    def _lost_bends(self) -> Array:
+        """(T,) largest bend of the worn face or the displacement that linear functions lose."""
+        return self.sampler.worn_face(self.history).unresolved_bending
+
+    @property
+    def settings(self) -> dict[str, int]:
+        """Size of the march, for the summary."""
+        space = self.compliance.space
+        settings = {
+            "cells": len(space.degrees),
+            "pressures": space.size,
+            "steps": self.history.steps.taken,
+        }
+        if self.start is not None:
+            settings["start_pressures"] = len(self.start.pressure)
+        return settings
+
+    def notes(self) -> list[str]:
+        """Return a note for the user if the cells are too coarse for the face."""
+        unresolved, cells = float(self._unresolved_height.max()), len(self.compliance.space.degrees)
+        if unresolved <= self.problem.rtol:
+            return []
+        return [
+            f"the face is finer than the {cells} cells resolve: its heights differ from those on "
+            f"the cells by up to {unresolved:.1e} of the indentation; a smaller rtol makes more "
+            "cells"
+        ]

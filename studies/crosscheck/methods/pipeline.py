@@ -1,0 +1,437 @@
+"""The common pipeline of all methods that compute a compliance.
+
+- discretise, finely and coarsely: `ComplianceMethod.discretise`, with sizes from
+  `studies/crosscheck/sizes/`
+- wear and sample on both compliances: `evaluation.py`, `moving_evaluation.py`
+- estimate errors by the difference of both, times factors: `estimates.py`, `error_factors.py`
+
+A flat punch stays in full contact (`solve_in_full_contact`), unless the force falls too fast. Any
+other contact is marched in time (`solve_in_moving_contact`).
+"""
+
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import ClassVar
+
+import numpy as np
+
+from ....meshes.compliance import Compliance
+from ....meshes.contact_cells import fitted_space
+from ....meshes.errors import RingwearError
+from ....meshes.ground.ground import HALF_SPACE, Ground
+from ....meshes.pressure_space import PressureSpace
+from ....meshes.radial import Array
+from ..problem.norms import Results
+from ..problem.problem import Problem
+from ..problem.profile import FLAT
+from ..problem.quantities import COMPARED_MODES, GROUPS
+from ..problem.refusal import Feature, Refusal
+from ..progress import Stages
+from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
+from ..sizes.layers import narrowed_for_layers
+from ..sizes.marching import MOST_STEPS, steps_between, why_too_many_steps
+from ..sizes.shared import covering
+from ..wear.contact_edges import covers_face
+from ..wear.fitted_press import fit_presses
+from ..wear.flat_contact import FittedPress
+from ..wear.tension import refuse_tension
+from ..wear.unilateral import Interval
+from .base import Discretised, Method, Solution, SystemSize
+from .error_factors import error_factor
+from .estimates import estimate_errors
+from .evaluation import Evaluation, FullContact
+from .moving_evaluation import MovingContact
+from .sampling.answers import merged_answers
+from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
+
+# Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
+# (physics/test_modes.py::test_reported_relaxation_times_are_as_accurate_as_stated).
+LARGEST_MODE_ERROR = 0.02
+# Number of dense matrices of the size of the compliance that are in memory at once.
+DENSE_MATRICES = 14.0
+# Numbers in memory for each pressure: at each time, of the histories by steps and by modes in full
+# contact; and of each state of a march of moving contact.
+NUMBERS_OF_STEPS, NUMBERS_OF_STATES = 6.0, 5.0
+# Copies of each field on the face at each time, for the error estimate: of those histories; and of
+# moving contact, after refinements (measured on spheres). Fields of each state at the radii of the
+# output.
+COPIES_OF_STEPS, COPIES_OF_MARCH, COPIES_OF_STATES = 4.0, 6.0, 8.0
+# Steps of a march for each end of a step that the scene requires, if there are many.
+STEPS_PER_END = 5.0
+
+
+class ComplianceMethod(Method):
+    """A method that computes a compliance; the rest of the pipeline is common to all such methods.
+
+    A user's own method is a subclass with a `name` and `discretise`; an instance of it can be
+    passed to `run`.
+    """
+
+    # No feature is refused as such; `refusal` checks the march and the times.
+    refused: ClassVar[Mapping[Feature, Refusal]] = {}
+
+    @abstractmethod
+    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        """Return the compliance on a discretisation that suits the problem, and a coarser one."""
+
+    def sizes_of_flat_punches(self, problem: Problem) -> str:
+        """Return which sizes of the scene only a flat punch can have; empty if there are none."""
+        return ""
+
+    def refusal(self, problem: Problem) -> str:
+        """Return why the method cannot solve the problem, with the remedy; empty if it can."""
+        if reason := super().refusal(problem):
+            return reason
+        if not problem.full_contact and (reason := self.sizes_of_flat_punches(problem)):
+            return reason
+        if problem.march != "modal" and problem.loading.varies:
+            return (
+                f"wear.march = '{problem.march}' takes equal steps under a constant load: with a "
+                "load that varies give 'modal'"
+            )
+        steps, remedy = 0.0, ""
+        if problem.step and problem.march != "modal":
+            steps = float(steps_between(problem.times, problem.step).sum())
+            remedy = "give a larger wear.step, or march = 'modal'"
+        elif not problem.full_contact:
+            steps = problem.least_steps
+            remedy = "a step ends at each of wear.times and of the times of the load: give fewer"
+        if reason := why_too_many_steps(steps, remedy, MOST_STEPS[problem.full_contact]):
+            return reason
+        if not len(problem.times) and problem.indentation is not None:
+            return (
+                "with load.indentation the pressure vanishes in the steady state, so that there is "
+                "nothing to compute without a history: give wear.times"
+            )
+        if problem.march == "explicit" and not problem.full_contact:
+            return (
+                f"wear.march = '{problem.march}' is not possible for {self.name} with an initial "
+                "profile, where contact is an inequality: give 'implicit', or 'modal' for steps "
+                "that suit the accuracy"
+            )
+        return ""
+
+    def system_size(self, problem: Problem) -> SystemSize:
+        """Return the number of pressures on the space that suits the problem."""
+        size = pressure_spaces(problem)[0].size
+        return SystemSize(size, size)
+
+    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers its dense matrices contain."""
+        return DENSE_MATRICES * float(pressures) ** 2
+
+    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
+        """Return about how many numbers of a march, and of its error estimate, each time adds.
+
+        Modes are evaluated at some times after the others, and add none.
+        """
+        if problem.full_contact and problem.march == "modal":
+            return 0.0
+        on_face = len(problem.face.radii) * sum(map(problem.wants, GROUPS["fields"]))
+        if problem.full_contact:
+            return NUMBERS_OF_STEPS * pressures + COPIES_OF_STEPS * on_face
+        steps_per_time = STEPS_PER_END * problem.least_steps / max(len(problem.times), 1)
+        # states after each step, and their fields, which figures show
+        states = NUMBERS_OF_STATES * pressures + COPIES_OF_STATES * len(problem.radii)
+        return states * steps_per_time + COPIES_OF_MARCH * on_face
+
+    def solve(self, problem: Problem, stages: Stages) -> Solution:
+        """Return the solution: discretise, wear, sample, and estimate errors."""
+        return PIPELINES[problem.full_contact](self, [problem], stages)[0]
+
+    def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
+        """Return the solutions of several problems on one discretisation, if they are flat punches.
+
+        The discretisation has the smallest sizes that any of the problems needs. Shaped punches are
+        solved one by one.
+        """
+        return PIPELINES[problems[0].full_contact](self, problems, stages)
+
+    def solve_again(
+        self, problem: Problem, earlier: Solution, allowed_error: float, stages: Stages
+    ) -> Solution:
+        """Return the solution of a problem with finer sizes than those of an earlier solution.
+
+        For a shaped punch, two parts of the earlier solution do not depend on the cells of the
+        history, and are reused: the start that is fitted to the edges of the contact, and the
+        steady state if its errors are within `allowed_error`.
+        """
+        if problem.full_contact:
+            return self.solve(problem, stages)
+        return solve_in_moving_contact(self, problem, stages, earlier, allowed_error)
+
+
+class AnySpaceMethod(ComplianceMethod):
+    """A method that can compute a compliance on any pressure space."""
+
+    @abstractmethod
+    def compliance(self, space: PressureSpace, ground: Ground = HALF_SPACE) -> Compliance:
+        """Return the compliance of the ground on a space."""
+
+    def sizes_of_flat_punches(self, problem: Problem) -> str:
+        """Return which sizes of the radial mesh to leave out; empty if the scene sets none."""
+        message = (
+            "accuracy.mdr sizes the mesh of a flat punch: with an initial profile leave it out"
+        )
+        return message if problem.mdr.given_by_user else ""
+
+    def sizes_given(self, problem: Problem) -> bool:
+        """Return whether the scene sets the sizes of the radial mesh."""
+        return problem.mdr.given_by_user
+
+    def discretise(self, problem: Problem, stages: Stages) -> Discretised:
+        """Return the compliance on the space that suits the problem, and a coarser one."""
+        spaces, ground = choose_spaces(problem), problem.ground
+
+        def fitted(
+            edges: tuple[float, ...],
+            infinite: tuple[bool, ...],
+            scaled_ground: Ground,
+            degree: int,
+        ) -> Compliance:
+            space = fitted_space(edges, infinite, degree)
+            return self.compliance(narrowed_for_layers(space, scaled_ground), scaled_ground)
+
+        def coarser() -> Compliance:
+            if spaces.nested:
+                return compliance.restricted(spaces.coarse)
+            return self.compliance(spaces.coarse, ground)
+
+        with stages("assembling"):
+            compliance = self.compliance(spaces.fine, ground)
+        return Discretised(
+            compliance,
+            coarser,
+            settings=spaces.smallest_sizes,
+            smallest=smallest_size(problem, RADIAL_ROUNDOFF),
+            fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
+        )
+
+
+def solve_in_full_contact(
+    method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
+) -> list[Solution]:
+    """Solve flat punches on the same rings; their histories are exact in time."""
+    is_batch = len(problems) > 1
+    discretisation = method.discretise(covering(problems) if is_batch else problems[0], stages)
+    with stages("estimating"):
+        compliances = discretisation.compliance, discretisation.coarser()
+    with stages("marching" if len(problems[0].times) else "steady state"):
+        return [_solve_one(method, problem, discretisation, compliances) for problem in problems]
+
+
+def _solve_one(
+    method: ComplianceMethod,
+    problem: Problem,
+    discretisation: Discretised,
+    compliances: tuple[Compliance, Compliance],
+) -> Solution:
+    # the same elements of a lower degree do not lack a layer, of which each makes a difference
+    smallest = 0.0 if discretisation.same_elements else discretisation.smallest
+    floors = discretisation.slope_roundoff, discretisation.least_error
+    fine, coarse = (
+        FullContact(problem, compliance, discretisation.safety, smallest, *floors)
+        for compliance in compliances
+    )
+    may_need_tension = problem.ground.layered or problem.keeps_contact
+    if may_need_tension and problem.earliest:
+        refuse_tension(problem, fine.compliance.space, fine.history_at)
+    return _solution(method.remedy(problem), discretisation, fine, coarse)
+
+
+def solve_in_moving_contact(
+    method: ComplianceMethod,
+    problem: Problem,
+    stages: Stages,
+    earlier: Solution | None = None,
+    allowed_error: float = 0.0,
+) -> Solution:
+    """Solve a punch whose contact moves, and the steady state of the flat punch.
+
+    Parameters
+    ----------
+    method : the method that computes the compliances
+    problem : the problem, with the tolerance from which sizes are chosen
+    stages : reports the progress
+    earlier : a solution with coarser sizes; its fitted start is reused, and its steady state if
+        that is accurate enough
+    allowed_error : largest error of a steady state that is reused
+    """
+    steady = solve_steady_part(method, problem, stages, earlier, allowed_error)
+    if steady and not len(problem.times):
+        return steady
+    with stages("locating"):
+        intervals, _ = first_contact(problem)
+    discretisation = method.discretise(problem, stages)
+    with stages("pressing"):
+        presses, notes = fitted_starts(problem, intervals, discretisation, earlier)
+    start, coarse_start = presses or (None, None)
+    with stages("marching"):
+        in_layers = covers_face(intervals)
+        fine = MovingContact(problem, discretisation.compliance, start, in_layers=in_layers)
+    with stages("estimating"):
+        # fields are compared at the same radii, which otherwise depend on the first time
+        recorded = replace(problem, times=fine.estimate_times, compared_on=problem.face)
+        coarse = MovingContact(
+            recorded,
+            discretisation.coarser(),
+            coarse_start,
+            error_factor("steps of the coarser march"),
+            in_layers,
+        )
+        solution = _solution(method.remedy(problem), discretisation, fine, coarse)
+    solution = replace(
+        _without_infinite_peak(solution, problem.rtol),
+        settings=fine.settings,
+        notes=(*discretisation.notes, *notes, *fine.notes()),
+        march=fine.marched,
+        presses=presses,
+    )
+    if steady and np.isnan(fine.marched.time_of_full_contact):
+        note = "the steady state is that of full contact, which the history does not reach"
+        solution = replace(solution, notes=(*solution.notes, note))
+    return _join_steady_part(solution, steady) if steady else solution
+
+
+def solve_each_in_moving_contact(
+    method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
+) -> list[Solution]:
+    """Solve shaped punches one by one, each on its own discretisation."""
+    return [solve_in_moving_contact(method, problem, stages) for problem in problems]
+
+
+Pipeline = Callable[[ComplianceMethod, Sequence[Problem], Stages], list[Solution]]
+"""A function that solves problems of one kind of contact, by any such method."""
+# by whether the punch is in full contact
+PIPELINES: dict[bool, Pipeline] = {
+    True: solve_in_full_contact,
+    False: solve_each_in_moving_contact,
+}
+
+
+def solve_steady_part(
+    method: ComplianceMethod,
+    problem: Problem,
+    stages: Stages,
+    earlier: Solution | None,
+    allowed_error: float,
+) -> Solution | None:
+    """Return the steady state of a shaped punch, which is that of the flat one, if it is wanted.
+
+    The steady state of an earlier solution is reused if its errors are within `allowed_error`.
+    """
+    if not problem.steady:
+        return None
+    if earlier and (reused := earlier.steady_part) and reused.max_error <= allowed_error:
+        return reused
+    flat = replace(problem, profile=FLAT, times=problem.times[:0], compared_on=problem.face)
+    return method.solve(replace(flat, loading=problem.loading.final), stages)
+
+
+def fitted_starts(
+    problem: Problem,
+    intervals: tuple[Interval, ...],
+    discretisation: Discretised,
+    earlier: Solution | None = None,
+) -> tuple[tuple[FittedPress, ...], tuple[str, ...]]:
+    """Return the initial contact on spaces fitted to its edges, fine and coarser, and notes.
+
+    The starts of an earlier solution are reused, because they do not depend on cells. The starts
+    are empty if nothing presses at the time 0, or if the fit fails; a note reports that failure.
+
+    Parameters
+    ----------
+    intervals : intervals of first contact, located on cells
+    """
+    if not discretisation.fitted or problem.times[0] > 0 or not problem.loading.forces[0]:
+        return (), ()
+    if earlier and earlier.presses:
+        return earlier.presses, ()
+    try:
+        load, ground = load_at_start(problem), problem.ground
+        return fit_presses(problem.profile, load, intervals, discretisation.fitted, ground), ()
+    except RingwearError as error:
+        note = f"the start cannot be fitted, and is only as accurate as the march: {error}"
+        return (), (note,)
+
+
+def _solution(
+    remedy: str, discretisation: Discretised, fine: Evaluation, coarse: Evaluation
+) -> Solution:
+    errors, parts = estimate_errors(fine, coarse, discretisation.same_elements)
+    # the first part is that of the discretisation; others are those of steps in time
+    error_by_sizes = next(iter(parts.values()))
+    return Solution(
+        _without_unresolved_modes(fine.results, errors),
+        fine.compared,
+        errors,
+        parts,
+        discretisation.unknowns or discretisation.compliance.space.size,
+        discretisation.settings,
+        discretisation.notes,
+        fine.wear,
+        discretisation.half_space,
+        smallest=discretisation.smallest,
+        slope_roundoff=discretisation.slope_roundoff,
+        answers=fine.answers,
+        remedy=remedy,
+        limited_by_degree=discretisation.limited_by_degree,
+        error_by_sizes=error_by_sizes,
+    )
+
+
+def _without_unresolved_modes(results: Results, errors: Results) -> Results:
+    """Return results without the relaxation times that the discretisation does not resolve.
+
+    They begin with the first one whose error estimate exceeds `LARGEST_MODE_ERROR`, or that has no
+    estimate. The slowest ones, which are compared with other methods, always remain.
+    """
+    name = "relaxation_time"
+    if name not in results:
+        return results
+    resolved = np.append(errors[name] <= LARGEST_MODE_ERROR, False)
+    count = max(COMPARED_MODES, int(np.argmin(resolved)))
+    return results | {name: results[name][:count]}
+
+
+def _without_infinite_peak(solution: Solution, rtol: float) -> Solution:
+    """Return a solution without the peak of the initial pressure if its error exceeds `rtol`.
+
+    At a kink of the face the pressure is infinite, which no polynomial can represent.
+    """
+    name = "pressure_peak_start"
+    if name not in solution.answers or solution.errors.get(name, np.inf) <= rtol:
+        return solution
+    answers = {key: value for key, value in solution.answers.items() if key != name}
+    errors = {key: error for key, error in solution.errors.items() if key != name}
+    return replace(solution, answers=answers, errors=errors)
+
+
+def _join_steady_part(history: Solution, steady: Solution) -> Solution:
+    """Return one solution that has the history and the steady state of the flat punch."""
+    return replace(
+        history,
+        steady_part=steady,
+        results=steady.results | history.results,
+        compared=steady.compared | history.compared,
+        errors=history.errors | steady.errors | _join_errors(history, steady),
+        answers=merged_answers(history.answers, steady.answers),
+        notes=(*history.notes, *steady.notes),
+        settings={
+            **history.settings,
+            "steady_state": {**steady.settings, "unknowns": steady.unknowns},
+        },
+    )
+
+
+def _join_errors(history: Solution, steady: Solution) -> dict[str, Array]:
+    """Return the errors of numbers of the answer that have a part from each of two solutions."""
+    shared = history.answers.keys() & steady.answers.keys()
+    estimates = history.errors, steady.errors
+    return {
+        name: np.where(np.isnan(estimates[0][name]), estimates[1][name], estimates[0][name])
+        for name in shared
+        if all(name in errors for errors in estimates)
+    }

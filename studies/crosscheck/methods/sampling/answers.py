@@ -1,0 +1,248 @@
+"""The numbers of the answer: scalars, and numbers per ring, that summarise a run. Non-dimensional.
+
+They are computed from each evaluation of a compliance, so that the difference of a fine and a
+coarse evaluation estimates their error. Numbers that do not exist for a scene are left out; parts
+that a method does not compute are NaN.
+
+A displacement sensor on the holder of the punch shows its approach d(t), which becomes a straight
+line once the punch has run in. Running-in times are defined by the part of ``d(t) - w t`` that is
+still to come, with the steady wear rate w. It is a sum of decaying exponentials with positive
+coefficients.
+"""
+
+import numpy as np
+
+from .....meshes.radial import Array, ring_of
+from ...problem.norms import Results
+from ...problem.problem import Problem
+from ...problem.quantities import ANSWER, STATES, Quantity
+from ...wear.flat_contact import FittedPress
+from ...wear.full_contact import RunningIn
+from ...wear.history import History
+from ...wear.marched import Marched
+from .functions import Functions
+
+# Times of running-in are located on the logarithm of (part that is left / part wanted); this is the
+# smallest value of that ratio.
+SMALLEST_RATIO = 1e-3
+
+
+class SteadyRun:
+    """What a method knows that computes only the steady state: `problem.quantities.Run`.
+
+    Parameters
+    ----------
+    problem : the problem
+    steady : the steady quantities on the face, those that are wanted
+    """
+
+    def __init__(self, problem: Problem, steady: Results) -> None:
+        self.problem, self.steady = problem, steady
+        self.indentation_at_start = self.slowest_time = np.nan
+        self.contact_radius_at_start = self.peak_at_start = self.time_to_full_contact = np.nan
+        self.forces = np.full(2, np.nan)
+        self.worn_volumes = np.full(len(problem.wear_coefficients), np.nan)
+
+    def time_until(self, remaining_part: float) -> float:
+        """Return the time after which a given part of the running-in remains."""
+        return np.nan
+
+    @property
+    def pressures(self) -> Array:
+        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring.
+
+        Pressures of the start may be infinite, and have no closed form if the face is shaped.
+        """
+        values = np.full((2, len(STATES), len(self.worn_volumes)), np.nan)
+        if "steady_pressure" in self.steady:
+            values[:, 1] = _steady_extremes(self.problem, self.steady)
+        return values
+
+    @property
+    def force_shares(self) -> Array:
+        """(2, N) share of the force at the start and in the steady state, by ring."""
+        values = np.full((len(STATES), len(self.worn_volumes)), np.nan)
+        if "steady_pressure" in self.steady:
+            face, pressure = self.problem.face, self.steady["steady_pressure"]
+            final = self.problem.loading.forces[-1]
+            values[1] = face.ring_sums(face.areas * pressure) / final
+        return values
+
+    @property
+    def greatest_steady_displacement(self) -> float:
+        """Greatest displacement in the steady state."""
+        return float(self.steady.get("steady_displacement_max", np.nan))
+
+
+class FlatRun(SteadyRun):
+    """A flat punch in full contact.
+
+    Parameters
+    ----------
+    problem : the problem
+    wear : the running-in on a compliance
+    steady : the steady quantities on the face, those that are wanted
+    ends : the history at the first and at the last of the times
+    """
+
+    def __init__(self, problem: Problem, wear: RunningIn, steady: Results, ends: History) -> None:
+        super().__init__(problem, steady)
+        self.wear = wear
+        functions = Functions(problem, wear.compliance.space)
+        self.indentation_at_start = wear.flat.indentation + problem.profile.standoff
+        self.slowest_time = wear.relaxation_times[0]
+        self.worn_volumes = functions.worn_volumes(ends)[-1]
+        self.forces = _forces(problem, functions.ring_forces(ends))
+        self.contact_radius_at_start, self.time_to_full_contact = 1.0, 0.0
+
+    def time_until(self, remaining_part: float) -> float:
+        """Return the time after which a given part of the running-in remains."""
+        return self.wear.time_until(remaining_part)
+
+    @property
+    def pressures(self) -> Array:
+        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring."""
+        values = super().pressures
+        values[:, 0] = self.wear.flat.extremes_on(self.problem.ring_edges)
+        return values
+
+    @property
+    def force_shares(self) -> Array:
+        """(2, N) share of the force at the start and in the steady state, by ring."""
+        values, forces = super().force_shares, self.wear.flat.ring_forces(self.problem.ring_edges)
+        values[0] = forces / forces.sum()
+        return values
+
+
+class MarchedRun(SteadyRun):
+    """A punch whose contact opens, closes or spreads.
+
+    Parameters
+    ----------
+    problem : the problem
+    march : the march through the times
+    start : the initial contact, if it is fitted to the edges of the contact
+    ends : the history at the first and at the last of the times
+    """
+
+    def __init__(
+        self, problem: Problem, march: Marched, start: FittedPress | None, ends: History
+    ) -> None:
+        super().__init__(problem, {})
+        self.march, self.ends = march, ends
+        functions = Functions(problem, march.space)
+        self.ring_forces = functions.ring_forces(ends)
+        if not problem.reason_not_steady:
+            self.slowest_time = march.face.slowest_time
+        self.worn_volumes = functions.worn_volumes(ends)[-1]
+        self.forces = _forces(problem, self.ring_forces)
+        if not problem.loading.varies:
+            self.time_to_full_contact = march.time_of_full_contact
+            if problem.times[0] == 0:
+                self.indentation_at_start = ends.indentation[0] + problem.profile.standoff
+        if start is not None:
+            self.contact_radius_at_start, self.peak_at_start = start.radius, _peak(start)
+
+    def time_until(self, remaining_part: float) -> float:
+        """Return the time after which a given part of the running-in remains."""
+        return _time_of_march(self.march, remaining_part)
+
+    @property
+    def force_shares(self) -> Array:
+        """(2, N) share of the force at the start and in the steady state, by ring."""
+        values, total = super().force_shares, self.ring_forces[0].sum()
+        if self.problem.times[0] == 0 and not self.problem.loading.varies and total > 0:
+            values[0] = self.ring_forces[0] / total
+        return values
+
+
+def answers_of(run: SteadyRun) -> Results:
+    """Return the numbers of the answer without those that are NaN in all their parts."""
+    problem = run.problem
+    values = {
+        name: np.array(quantity.value(run), dtype=float)
+        for name, quantity in ANSWER.items()
+        if quantity.remaining is None or name in problem.remaining_parts
+    }
+    return {name: value for name, value in values.items() if not np.isnan(value).all()}
+
+
+def empty_answer(problem: Problem, quantity: Quantity) -> Array:
+    """Return the NaN of a number of the answer that a method does not compute."""
+    sizes = {"state": len(STATES), "ring": len(problem.wear_coefficients)}
+    return np.full([sizes[dim] for dim in quantity.dims], np.nan)
+
+
+def _forces(problem: Problem, ring_forces: Array) -> Array:
+    """Return the force (2,) at the start, if that is the first time, and at the last time."""
+    forces = ring_forces.sum(axis=1)
+    return np.where([problem.times[0] == 0, True], forces, np.nan)
+
+
+def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
+    """Return the smallest and the largest steady pressure (N,) on each ring of the scene."""
+    face, pressure = problem.face, steady["steady_pressure"]
+    first = np.flatnonzero(np.diff(face.ring, prepend=-1))
+    least, greatest = (extreme.reduceat(pressure, first) for extreme in (np.minimum, np.maximum))
+    if problem.graded is not None:
+        # k p is constant over the face, and k is linear between the edges of the modelled rings:
+        # the extremes are at these edges, where the face has no radii
+        rate = np.sum(face.weights * pressure) / np.sum(face.areas)
+        rings = problem.graded
+        middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
+        at_ends = rate / rings.wear_coefficients
+        ring = ring_of(problem.ring_edges, middles)
+        for index in range(len(least)):
+            least[index] = at_ends[:, ring == index].min()
+            greatest[index] = at_ends[:, ring == index].max()
+    return least, greatest
+
+
+def merged_answers(history: Results, steady: Results) -> Results:
+    """Return the answer of a history, completed by that of the steady state.
+
+    A part that only one of them has is taken from that one.
+    """
+    shared = history.keys() & steady.keys()
+    parts = {
+        name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in shared
+    }
+    return {name: value for name, value in (steady | history | parts).items() if name in ANSWER}
+
+
+def _time_of_march(march: Marched, wanted_part: float) -> float:
+    """Return the time after which at most a given part of the running-in is left.
+
+    It is NaN if that time is after the march.
+    """
+    from scipy.interpolate import PchipInterpolator  # few runs need it
+
+    times, remaining = march.remainder()
+    if np.isfinite(march.time_of_full_contact):
+        # after full contact, the part that is left decays at least as fast as the slowest mode
+        later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
+        remaining = np.append(remaining, march.remainder_in_full_contact(later))
+        times = np.append(times, later)
+    elif march.face.load.force is not None:
+        # before full contact, it may cross zero more than once
+        return float("nan")
+    remaining = np.abs(remaining) / np.abs(remaining).max()
+    last = np.flatnonzero(remaining > wanted_part)[-1]
+    if last + 1 == len(times):
+        return float("nan")
+    # the logarithm is nearly linear in time between steps
+    window = slice(max(last - 2, 0), last + 4)
+    logarithm = np.log(np.maximum(remaining[window], wanted_part * SMALLEST_RATIO) / wanted_part)
+    return float(PchipInterpolator(times[window], logarithm).roots(extrapolate=False)[-1])
+
+
+def _peak(press: FittedPress) -> float:
+    """Return the largest pressure of an initial contact; NaN if a corner makes it infinite."""
+    corners = [
+        not interval.outer_free or (interval.inner > 0 and not interval.inner_free)
+        for interval in press.intervals
+    ]
+    if any(corners):
+        return float("nan")
+    radii = press.radius * np.sin(np.linspace(0, np.pi / 2, 2001))
+    return float(press.pressure_at(radii).max())

@@ -1,0 +1,1 @@
+"""Run a scene, and hold, describe, save and load its result."""

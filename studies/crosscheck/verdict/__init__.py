@@ -1,0 +1,1 @@
+"""Refine solutions to the requested tolerance, compare methods, and judge whether they agree."""

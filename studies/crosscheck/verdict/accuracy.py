@@ -1,0 +1,106 @@
+"""Solve problems to the tolerance `rtol`.
+
+A problem is solved again with finer sizes if the method's error estimates exceed the tolerance.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+from ....meshes.errors import RingwearError
+from ..methods.base import Method, Solution
+from ..methods.spaces import pressure_spaces
+from ..problem.problem import Problem
+from ..problem.quantities import DESCRIBED
+from ..progress import LOG, Stages
+from ..sizes.cells import tolerance_range
+from .promise import allowed_error, unresolved
+
+# refinement stops if the last one left more than this part of the error estimate
+LITTLE_GAIN = 0.5
+# The tolerance that sizes follow after a refinement, over that before. Layers and degrees are whole
+# numbers, which a larger factor may leave as they are. It does not depend on the error, so that the
+# methods are refined to the same tolerance and share the search for the first contact.
+FINER = 0.1
+
+
+def solved_to_accuracy(
+    method: Method, problems: Sequence[Problem], stages: Stages
+) -> list[Solution]:
+    """Solve problems on the same ring edges, and refine the solutions that are not accurate enough.
+
+    Returns
+    -------
+    list of Solution
+        One for each problem.
+    """
+    solutions = method.solve_alike(problems, stages)
+    return [
+        refined(method, problem, solution, stages)
+        for problem, solution in zip(problems, solutions, strict=True)
+    ]
+
+
+def refined(method: Method, problem: Problem, solution: Solution, stages: Stages) -> Solution:
+    """Return a solution, or a refined one if its error estimates exceed the allowed error.
+
+    Sizes that the user gives are never refined. Errors that finer sizes do not reduce (roundoff, a
+    given time step, layers thinner than the roundoff of coordinates) do not lead to a refinement;
+    the verdict reports them. Each refinement multiplies the tolerance that sizes follow by
+    `FINER`. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
+    """
+    error = error_of_sizes(problem, solution)
+    # if edges of the contact move, a method may use half of the uncertainty of two methods
+    allowed = allowed_error(problem)
+    # the pressures on the cells, which are the same for every method
+    pressures = pressure_spaces(problem)[0].size if solution.march else 0
+    smallest_rtol, largest_rtol = tolerance_range(problem, pressures)
+    rtol = min(problem.rtol, largest_rtol)
+    if method.sizes_given(problem):
+        return solution
+    for _ in range(4):
+        if rtol <= smallest_rtol or error <= allowed:
+            break
+        rtol = max(smallest_rtol, FINER * rtol)
+        numbers = method.name, error, allowed
+        LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
+        try:
+            finer = method.solve_again(with_rtol(problem, rtol), solution, allowed, stages)
+        except RingwearError as failure:
+            # keep the coarser solution, whose error estimate is still valid
+            LOG.info("%8s  cannot be refined: %s", method.name, failure)
+            break
+        last_error, new_error = error, error_of_sizes(problem, finer)
+        if new_error < last_error:
+            note = (
+                f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, because its "
+                "error estimates were too large"
+            )
+            solution, error = replace(finer, notes=(*finer.notes, note)), new_error
+        if new_error > LITTLE_GAIN * last_error:
+            break
+    return solution
+
+
+@lru_cache(maxsize=16)
+def with_rtol(problem: Problem, rtol: float) -> Problem:
+    """Return a problem with another tolerance; the same object for every method.
+
+    Problems are compared by identity, and what they share is stored for each object.
+    """
+    return replace(problem, rtol=rtol)
+
+
+def error_of_sizes(problem: Problem, solution: Solution) -> float:
+    """Return the greatest error estimate of the quantities that finer sizes make more accurate."""
+    error = solution.error_by_sizes
+    if problem.full_contact and (problem.march != "modal" or error is None):
+        return error or 0.0
+    solutions = {"": solution}
+    names = [
+        name
+        for name in solution.errors
+        if name not in solution.limited_by_degree
+        and (DESCRIBED[name].cells == "refined" or not unresolved(problem, name, solutions))
+    ]
+    return max(map(solution.greatest_error, names), default=0.0)

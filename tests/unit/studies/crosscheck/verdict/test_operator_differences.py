@@ -1,0 +1,61 @@
+"""Compliances compared for every pressure at once, and the stability of multipliers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ringwear import RunningIn, Scene, SolverError, Stages, energy, method
+from ringwear.studies.crosscheck.sizes.defaults import quad_degree
+from ringwear.studies.crosscheck.verdict.operators import check_multipliers, difference
+
+FIVE = Scene.load("five_rings")
+
+
+def by_elements(problem):
+    return method("fem").discretise(problem, Stages("test")).compliance
+
+
+def against_mdr(problem, compliance):
+    """Compare a compliance with that of the MDR on the same space."""
+    first, second = (
+        RunningIn(each, problem.merged.wear_coefficients)
+        for each in (compliance, energy.compliance(compliance.space))
+    )
+    return difference(problem, ("fem", "mdr"), first, second)
+
+
+@pytest.mark.parametrize(
+    ("rings", "rtol"),
+    [
+        *((1, 1e-4), (5, 1e-4), (2, 1e-6)),
+        pytest.param(32, 1e-3, marks=pytest.mark.slow),
+    ],
+)
+def test_finite_elements_agree_with_mdr_for_every_steady_state(rings, rtol):
+    problem = FIVE.changed(punch__rings=rings, accuracy__rtol=rtol).problem
+    difference = against_mdr(problem, by_elements(problem))
+    assert difference.rings <= rtol
+    # the multipliers are stable on coarse and fine meshes: the constant falls as 1 / degree
+    assert difference.stability >= 2.5 / quad_degree(problem)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.49, 0.5])
+def test_poisson_ratio_does_not_matter(ratio):
+    problem = FIVE.changed(half_space__poisson_ratio=ratio).problem
+    assert against_mdr(problem, by_elements(problem)).rings <= 1e-4
+
+
+def test_a_wrong_modulus_shows_in_the_operator_difference():
+    sound = by_elements(FIVE.problem)
+    soft = replace(sound, factor=sound.factor * np.sqrt(1.01))
+    assert against_mdr(FIVE.problem, soft).rings >= 9e-3
+
+
+def test_unstable_multipliers_are_refused():
+    sound = by_elements(FIVE.problem)
+    # one bubble causes almost no displacement, like a checkerboard
+    factor = sound.factor.copy()
+    factor[:, -1] *= 1e-2
+    with pytest.raises(SolverError, match="unstable"):
+        check_multipliers("fem", replace(sound, factor=factor), energy.compliance(sound.space))

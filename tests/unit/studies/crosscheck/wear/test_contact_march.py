@@ -1,0 +1,247 @@
+"""Wear with moving contact edges: balances, the worn sphere, modes and steady states."""
+
+import numpy as np
+import pytest
+from closed_forms import PowerPunch, worn_sphere
+
+from ringwear import (
+    ContactCells,
+    ContactMarch,
+    InitialProfile,
+    Load,
+    Problem,
+    Rings,
+    RunningIn,
+    Stages,
+    energy,
+    even_half_space,
+    method,
+    moments,
+    ring_areas,
+)
+from ringwear.mdr.direct import steady_pressures
+from ringwear.studies.crosscheck.wear.contact_edges import nodes, worn_edges
+
+FIVE, THREE = Rings.alternating(5, 1.0, 10.0), Rings.alternating(3, 1.0, 0.01)
+ONE = Rings.constant(np.array([0.0, 1.0]), np.ones(1))
+
+
+def power(coefficient, exponent):
+    return lambda radii: coefficient * radii**exponent
+
+
+def rounded_rim(flat, curvature):
+    return lambda radii: np.maximum(radii - flat, 0.0) ** 2 / (2 * curvature)
+
+
+def waves(count):
+    return lambda radii: 0.3 * (1 - np.cos(count * np.pi * radii))
+
+
+def face(rings, recess, *heights):
+    recess = np.broadcast_to(np.asarray(recess, dtype=float), rings.widths.shape)
+    return rings, InitialProfile(rings.ring_edges, recess, heights)
+
+
+FACES = {
+    "recessed": face(FIVE, [0, 0.3, 0, 0.3, 0]),
+    "recessed, k to 100": face(THREE, [0, 0.2, 0]),
+    "sphere": face(FIVE, 0, power(1.0, 2)),
+    "cone": face(FIVE, 0, power(1.0, 1)),
+    "waves and recesses": face(THREE, [0.2, 0, 0.3], waves(5)),
+    "rounded rim": face(FIVE, 0, rounded_rim(0.6, 0.1)),
+}
+
+
+BY_FORCE = Load(1.0)
+
+
+def march_on(compliance, face, load=BY_FORCE):
+    rings, profile = face
+    moved = moments(profile, compliance.space)
+    return ContactMarch(compliance, rings.wear_coefficients, moved, load)
+
+
+def cells(rings, count=160, edge=2e-4):
+    return ContactCells(tuple(rings.ring_edges), 1 / count, edge)
+
+
+def theory(rings, *sizes):
+    return energy.compliance(cells(rings, *sizes).space())
+
+
+def check(history, weights, gap=1e-14):
+    """Assert complementarity: no tension, no penetration beyond roundoff, no pressure at gaps."""
+    pressure, depth = history.pressure, history.indentation
+    assert pressure.min() >= 0
+    assert (history.gap >= -gap * np.outer(depth, weights)).all()
+    products = np.sum(np.abs(pressure * history.gap), axis=1)
+    assert (products <= 1e-12 * history.force * depth + 1e-25).all()
+
+
+def edges_in_time(history, space):
+    states = zip(history.contact, history.profile, strict=True)
+    return [worn_edges(space, *state) for state in states]
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "recessed")) for name in FACES]
+)
+def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
+    rings, times = FACES[name][0], np.array([0.0, *np.geomspace(1e-2, 1e3, 11), 1e4])
+    half_space = even_half_space(cells(rings)).compliance()
+    space = half_space.space
+    history, by_elements = (
+        march_on(compliance, FACES[name]).adaptive(times, 2e-5).history
+        for compliance in (energy.compliance(space), half_space)
+    )
+    (_, ring), (edges, (wear, _)) = nodes(space), rings
+    # finite elements agree with the MDR at all times
+    assert by_elements.indentation == pytest.approx(history.indentation, rel=1e-4)
+    assert np.abs(by_elements.profile - history.profile).max() < 1e-4 * history.indentation.min()
+    # the steady state is that of a flat punch with these rings
+    assert history.contact[-1].all()
+    assert history.pressure[-1] == pytest.approx(steady_pressures(edges, wear)[ring], rel=1e-12)
+    # sum of V / k over the rings = F v0 t
+    check(history, space.weights)
+    carried = history.profile[1:] / wear[ring]
+    assert carried @ space.weights == pytest.approx(times[1:], rel=1e-12)
+    # few iterations, although edges move over several cells in a step. "recessed, k to 100" needs
+    # more, most of them while a whole ring comes into contact
+    assert np.mean(history.steps.iterations) <= (1.75 if name == "recessed, k to 100" else 1.5)
+    assert max(history.steps.iterations) <= 10
+
+
+@pytest.mark.parametrize("rings", [FIVE, THREE], ids=["k to 10", "k to 100"])
+def test_a_flat_face_stays_in_contact_and_agrees_with_its_modes(rings):
+    compliance, times = theory(rings, 60, 1e-4), np.geomspace(1e-2, 3, 8)
+    exact = RunningIn(compliance, rings.wear_coefficients).modal(times).indentation
+    history = march_on(compliance, face(rings, 0)).adaptive(times, 1e-7).history
+    assert history.contact.all()
+    assert history.indentation == pytest.approx(exact, rel=1e-5)
+
+
+def test_orders_in_time():
+    times, march = np.array([0.0, 0.2]), march_on(theory(FIVE, 30, 1e-2), FACES["sphere"])
+    exact = march.adaptive(times, 1e-9).history.indentation[-1]
+    marched = [march.implicit(times, step).history for step in (0.02, 0.01, 0.005)]
+    errors = [history.indentation[-1] - exact for history in marched]
+    assert 1.7 < errors[0] / errors[1] < 2.3
+    assert 1.7 < errors[1] / errors[2] < 2.3
+    few, many = march.adaptive(times, 1e-4).history, march.adaptive(times, 1e-6).history
+    assert abs(many.indentation[-1] / exact - 1) < 1e-5
+    # the third order in a step: a hundredth of the error takes 4.6 times the steps
+    assert many.steps.taken < 10 * few.steps.taken
+
+
+def test_relaxation_in_full_contact_against_short_implicit_steps():
+    times, march = np.array([2.5, 3.0, 4.0, 6.0]), march_on(theory(FIVE, 40, 1e-3), FACES["cone"])
+    history = march.adaptive(times, 1e-7).history
+    assert history.contact.all()
+    coarse, fine = (
+        march.implicit(times, step).history.indentation - history.indentation
+        for step in (0.01, 0.005)
+    )
+    assert coarse / fine == pytest.approx(2.0, rel=0.1)
+    assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5)
+
+
+def test_a_worn_sphere_against_its_late_time_formula():
+    first, ratios = 0.08, np.array([5.0, 10.0])  # radius of the first contact; later ones over it
+    force = PowerPunch(0.5, 2).force(first)
+    times, depths = np.transpose([worn_sphere(1.0, 1.0, force, first * ratio) for ratio in ratios])
+    refinements = ((0.0, first, first / 80),)
+    space = ContactCells((0.0, 1.0), 0.2, 1e-3, spread=1 / 80, refinements=refinements).space()
+    march = march_on(energy.compliance(space), face(ONE, 0, power(0.5, 2)), Load(force))
+    history = march.adaptive(times, 1e-5).history
+    assert history.profile @ space.weights == pytest.approx(force * times, rel=1e-12)
+    assert history.indentation == pytest.approx(depths, rel=1e-4)
+    radii = [edges[-1][1] for edges in edges_in_time(history, space)]
+    assert radii == pytest.approx(first * ratios, rel=2e-3)
+
+
+def test_a_part_of_the_contact_opens_and_closes_again():
+    """When the hard recessed disc comes into contact, the inner part of its ring loses contact."""
+    rings = Rings.constant(np.array([0.0, 0.73, 1.0]), np.array([0.081, 1.0]))
+    times, lifted = np.array([2.6, 2.7604, 2.9, 3.5]), []
+    for compliance in (theory(rings), even_half_space(cells(rings)).compliance()):
+        march = march_on(compliance, face(rings, [0.29, 0.0]), Load(None, 0.3))
+        history = march.adaptive(times, 5e-6).history
+        first, *later = edges_in_time(history, compliance.space)
+        assert first[-1] == (0.73, 1.0)
+        # the ring is in contact again after the disc has worn further
+        assert len(later[-1]) == 1
+        inner = (parts[-1][0] for parts in later if len(parts) > 1)
+        lifted.append(next(edge for edge in inner if edge > 0.731))
+        assert history.pressure.min() >= 0
+    assert lifted[1] == pytest.approx(lifted[0], abs=1e-3)
+
+
+def random_punch(seed):
+    """Return a random face: up to six rings with recesses, powers, waves and a rounded rim.
+
+    Wear coefficients range over three decades; each of the shapes is added by chance.
+    """
+    draw = np.random.default_rng(seed)
+    count = int(draw.integers(1, 7))
+    edges = np.concatenate([[0.0], np.sort(draw.uniform(0.02, 0.98, count - 1)), [1.0]])
+    recess = np.where(draw.random(count) < 0.4, 0.0, draw.uniform(0.0, 0.5, count))
+    recess *= draw.random() < 0.7
+    size, number, phase = 10 ** draw.uniform(-2, 0.5), draw.uniform(1, 8), draw.uniform(0, 6)
+    shapes = (
+        power(size, draw.uniform(0.5, 8)),
+        rounded_rim(draw.uniform(0, 0.95), 10 ** draw.uniform(-2, 1)),
+        lambda radii: size * (1 + np.sin(number * np.pi * radii + phase)),
+    )
+    chosen = [shape for shape in shapes if draw.random() < 0.4]
+    wear = 10 ** draw.uniform(-3, 0, count)
+    return face(Rings.constant(edges, wear / wear.max()), recess, *chosen)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
+def test_balances_of_random_punches(by_depth):
+    times, touched = np.array([0.0, *np.geomspace(1e-2, 1e2, 9)]), 0
+    for seed in range(200):
+        punch = random_punch(seed)
+        (edges, (wear, _)), depth = punch[0], 10 ** np.random.default_rng(seed).uniform(-1.5, 0.3)
+        compliance = theory(punch[0], 40, 1e-3)
+        load = Load(None, depth) if by_depth else BY_FORCE
+        history = march_on(compliance, punch, load).adaptive(times, 1e-4).history
+        touched += int(history.force[0] > 0)
+        space = compliance.space
+        check(history, space.weights, gap=1e-13)
+        carried = space.ring_forces(edges) @ (history.profile / wear[nodes(space)[1]]).T
+        if by_depth:
+            assert (np.diff(history.force) <= 1e-12).all(), seed
+            # no ring wears deeper than the fixed indentation, up to the error of the steps
+            assert (wear * carried[:, -1] <= depth * ring_areas(edges) * (1 + 1e-4)).all(), seed
+        else:
+            # sum of V / k over the rings = F v0 t
+            assert carried.sum(axis=0) == pytest.approx(times, rel=1e-12), seed
+    assert touched >= 100
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by_depth", [False, True], ids=["force", "indentation"])
+def test_random_punches_respect_their_error_estimates(by_depth):
+    """Solutions by the method mdr satisfy gaps and balances to within their estimates."""
+    solved, times = 0, np.array([0.0, *np.geomspace(1e-2, 1e2, 9)])
+    for seed in range(1000, 1020):
+        rings, profile = random_punch(seed)
+        if by_depth and profile.sampled()[1].min() >= 0.5:
+            continue
+        solved += 1
+        depth = 0.5 if by_depth else None
+        problem = Problem(rings, times, not by_depth, rtol=1e-3, profile=profile, indentation=depth)
+        solution = method("mdr").solve(problem, Stages("mdr"))
+        results, errors = solution.results, solution.errors
+        depth = results["indentation"]
+        gap = (results["displacement"] + results["profile"]).min(axis=1) - depth
+        error = errors["displacement"] + errors["profile"] + errors["indentation"]
+        assert (gap >= -error * depth).all(), seed
+        assert results["pressure"][1:].min() >= 0, seed
+        if not by_depth:
+            total = (results["ring_worn_volume"] / problem.wear_coefficients).sum(axis=1)
+            assert total == pytest.approx(times, rel=1e-12), seed
+    assert solved >= 10
