@@ -25,7 +25,7 @@ def with_results(result: Result, change: Change) -> Result:
     """
     solution, problem = result.solutions["mdr"], result.scene.problem
     changed = {}
-    for name, radii in (("results", problem.radii), ("checked", problem.face.radii)):
+    for name, radii in (("results", problem.radii), ("compared", problem.face.radii)):
         parts = {part: getattr(solution, part) for part in (name, "answers")}
         values = {key: np.array(of) for part in parts.values() for key, of in part.items()}
         change(values, radii, problem)
