@@ -217,16 +217,16 @@ def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
     SceneError
         if the force has vanished at one of the times, under a given indentation
     """
-    quantities = ["profile", "indentation", "normal_force"]
+    quantities = ["indentation", "normal_force", "profile"]
     sampled_scene = scene.changed(
         wear={"times": list(times), "steady": False},
         output={"radii": radii.tolist(), "quantities": quantities},
     )
-    table = run(sampled_scene, [METHOD]).table.variables
-    if "normal_force" in table:
-        forces = table["normal_force"][1][0]
-    else:
-        problem = sampled_scene.problem
+    data = run(sampled_scene, [METHOD]).dataset.isel(solver=0)
+    depths, forces, profiles = (data[name].values for name in quantities)
+    problem = sampled_scene.problem
+    if problem.prescribed == "normal_force":
+        # as given, without the last digits of a sum
         forces = problem.loading.at(problem.times).force * problem.units.force
     for time, force in zip(times, forces, strict=True):
         if not force > 0:
@@ -234,7 +234,7 @@ def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
                 f"--time {time:g}: all of the overlap is worn off, and the force is zero then: "
                 "give earlier times"
             )
-    rows = zip(times, table["indentation"][1][0], forces, table["profile"][1][0], strict=True)
+    rows = zip(times, depths, forces, profiles, strict=True)
     return [
         State(time, float(depth), float(force), heights) for time, depth, force, heights in rows
     ]

@@ -24,7 +24,7 @@ def slides(result: Outcome) -> dict[str, Any] | None:
 
     Return None if no profiles and pressures along the radius are available.
     """
-    if not {"profile", "pressure"} <= set(result.table.variables):
+    if not {"profile", "pressure"} <= set(result.dataset):
         return None
     scale, problem = Scale(result.scene), result.scene.problem
     _, states = result.between

@@ -14,6 +14,7 @@ from itertools import cycle, islice
 import netCDF4
 import numpy as np
 import pytest
+import xarray
 
 from ringwear import RingwearError, Scene, SceneError, load, main, run
 from ringwear.studies.crosscheck.result.output import files
@@ -140,15 +141,13 @@ def test_an_array_that_is_altered_while_it_is_written_is_noticed(
     name, alter = ALTERATIONS[alteration]
     write = files.write_netcdf
 
-    def write_altered(table, path):
+    def write_altered(dataset, path):
         arrays = {
-            key: alter(array) if key == name else array
-            for key, array in (table.variables | table.coordinates).items()
+            key: (array.dims, array.values, array.attrs) for key, array in dataset.variables.items()
         }
-        variables, coordinates = (
-            {key: arrays[key] for key in each} for each in (table.variables, table.coordinates)
-        )
-        write(table._replace(variables=variables, coordinates=coordinates), path)
+        arrays[name] = alter(arrays[name])
+        coordinates = {key: arrays.pop(key) for key in dataset.coords}
+        write(xarray.Dataset(arrays, coordinates, dataset.attrs), path)
 
     monkeypatch.setattr(files, "write_netcdf", write_altered)
     files.write_numbers(result, tmp_path)

@@ -38,7 +38,6 @@ from ..verdict.operators import MOST_PRESSURES, OPERATORS, OperatorDifference
 from ..verdict.promise import LeftOut, allowed_error, in_words, left_out_of_promise
 from ..versions import versions
 from .answer import ALSO, Answers, answer, answer_errors
-from .arrays import Table
 from .scope import beyond_the_model, left_out, modelled, outside
 from .table import in_units, tabulate
 
@@ -222,33 +221,28 @@ class Outcome:
         return interior(self.scene, self.solutions["fem"])
 
     @cached_property
-    def table(self) -> Table:
+    def dataset(self) -> "xarray.Dataset":
         """All results over dimensions solver, time, radius, ring and mode, in the scene's units."""
         return tabulate(self.scene, self.solutions, self.answers)
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
-        """The table as an xarray Dataset."""
-        from .labelled import Dataset
-
-        return Dataset(*self.table)
-
-    @cached_property
     def coordinates(self) -> dict[str, Array]:
-        """Times, radii and rings, by their names in the table."""
-        return {name: values for name, (_, values, _) in self.table.coordinates.items()}
+        """Times, radii and rings, by their names in the dataset."""
+        return {str(name): values.values for name, values in self.dataset.coords.items()}
 
     def reported(self, method: str) -> dict[str, Array]:
-        """Return the quantities of a method and the coordinates, by their names in the table."""
+        """Return the quantities of a method and the coordinates, by their names in the dataset."""
         row = list(self.coordinates["solver"]).index(method)
-        variables = self.table.variables.items()
-        return self.coordinates | {name: values[row] for name, (_, values, _) in variables}
+        return self.coordinates | {
+            name: values.values[row] for name, values in _arrays(self.dataset).items()
+        }
 
     def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
         """Return a quantity by the name of each method that computes it, at all or some times."""
-        if quantity not in self.table.variables:
+        if quantity not in self.dataset:
             return {}
-        rows = zip(self.coordinates["solver"], self.table.variables[quantity][1], strict=True)
+        arrays = self.dataset.variables[quantity].values
+        rows = zip(self.coordinates["solver"], arrays, strict=True)
         selected = {name: values[times] for name, values in rows}
         return {name: values for name, values in selected.items() if not np.isnan(values).all()}
 
@@ -342,9 +336,9 @@ class Outcome:
         SceneError
             if no method has an error estimate of it
         """
-        estimates = self.table.variables.get(error_name(str(quantity)))
+        variables = _arrays(self.dataset)
+        estimates = variables.get(error_name(str(quantity)))
         if estimates is None:
-            variables = self.table.variables
             with_estimate = [name for name in variables if error_name(name) in variables]
             suggestions = difflib.get_close_matches(str(quantity), with_estimate, 1)
             hint = f"did you mean {suggestions[0]!r}? Else " if suggestions else ""
@@ -353,12 +347,17 @@ class Outcome:
                 f"dataset: {', '.join(with_estimate)}"
             )
         # NaN where a method has no value
-        return float(np.fmax.reduce(estimates[1], axis=None))
+        return float(np.fmax.reduce(estimates.values, axis=None))
 
     @property
     def summary(self) -> dict[str, Any]:
         """The content of `summary.json`: verdict, cost, error estimates, scope and notes."""
         return summary(self)
+
+
+def _arrays(dataset: "xarray.Dataset") -> "dict[str, xarray.Variable]":
+    """Return the variables of a dataset without its coordinates."""
+    return {str(name): dataset.variables[name] for name in dataset.data_vars}
 
 
 def summary(result: Outcome) -> dict[str, Any]:

@@ -1,8 +1,8 @@
-"""The results of all methods as a table of named arrays, in the scene's units."""
+"""The results of all methods as an xarray Dataset, in the scene's units."""
 
 import json
 from collections.abc import Iterable, Mapping
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -24,7 +24,12 @@ from ..problem.unit_names import NO_UNIT
 from ..scene.scene import Scene
 from ..versions import versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
-from .arrays import Labelled, Table
+
+if TYPE_CHECKING:
+    import xarray
+
+Arrays = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
+"""Dimensions, values and attributes of arrays, by name."""
 
 
 class StepsOfMarch(NamedTuple):
@@ -44,8 +49,10 @@ def tabulate(
     scene: Scene,
     solutions: Mapping[str, Solution],
     answers: Mapping[str, dict[str, Array]],
-) -> Table:
+) -> "xarray.Dataset":
     """Return all results and answers of methods; NaN if a method does not compute a quantity."""
+    import xarray  # help, plans and refusals need none
+
     problem, reported = scene.problem, []
     units, names = problem.units, scene.unit_names
     for name, solution in solutions.items():
@@ -87,7 +94,7 @@ def tabulate(
     def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind)}
 
-    variables: Labelled = {}
+    variables: Arrays = {}
     for name, dims, unit, definition in table:
         array = np.full((len(reported), *(sizes[dim] for dim in dims)), np.nan)
         for row, values in enumerate(reported):
@@ -105,7 +112,7 @@ def tabulate(
     )
     times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
     about_times = describe("sliding distance" if names.distances else "time of sliding", "time")
-    coordinates: Labelled = {
+    coordinates: Arrays = {
         "solver": (("solver",), np.array(list(solutions)), {}),
         "state": (("state",), np.array(STATES), {}),
         "time": (("time",), times, about_times),
@@ -132,7 +139,7 @@ def tabulate(
         "versions": json.dumps(versions()),
         "scene": scene.to_toml(),
     }
-    return Table(variables, coordinates, attributes_of_table)
+    return xarray.Dataset(variables, coordinates, attributes_of_table)
 
 
 def in_units(problem: Problem, results: Results) -> dict[str, Array]:

@@ -8,6 +8,7 @@ from copy import copy
 from functools import cache
 
 import numpy as np
+import xarray
 from given import judge
 
 from ringwear import Result, Scene, run
@@ -105,18 +106,21 @@ def with_table(result: Result, change: Callable) -> Result:
     change : (values by name, problem) -> None
         Changes a copy of the table in place; the first index of variables is the solver.
     """
-    table = result.table
-    parts = [
-        {name: (dims, np.array(values), about) for name, (dims, values, about) in part.items()}
-        for part in table[:2]
-    ]
-    values = {name: array for part in parts for name, (_, array, _) in part.items()}
+    dataset = result.dataset.copy(deep=True)
+    values = {str(name): array.values for name, array in dataset.variables.items()}
+    # xarray does not let the labels of dimensions be changed in place
+    values = {name: np.array(array) for name, array in values.items()}
     change(values, result.scene.problem)
+    changed = {
+        name: (array.dims, values[str(name)], array.attrs)
+        for name, array in dataset.variables.items()
+    }
+    coordinates = {name: changed.pop(name) for name in dataset.coords}
     wrong = copy(result)
     # the result is frozen, and its properties are cached in __dict__
-    for name in ("anchors", "coordinates", "dataset"):
+    for name in ("anchors", "coordinates"):
         wrong.__dict__.pop(name, None)
-    wrong.__dict__["table"] = table._replace(variables=parts[0], coordinates=parts[1])
+    wrong.__dict__["dataset"] = xarray.Dataset(changed, coordinates, dataset.attrs)
     return wrong
 
 
@@ -128,15 +132,15 @@ def damage(right: Result, wrong: Result) -> float:
     their own value. The difference is 1 if a value is finite in only one of the tables.
     """
     scene, worst = right.scene, 0.0
-    known = dict(right.table.coordinates) | dict(right.table.variables)
-    others = dict(wrong.table.coordinates) | dict(wrong.table.variables)
-    depth = np.abs(np.asarray(known["indentation"][1], float)).max(axis=0)
-    for name, (dims, values, _) in known.items():
+    known, others = right.dataset.variables, wrong.dataset.variables
+    depth = np.abs(known["indentation"].values).max(axis=0)
+    for name, array in known.items():
+        dims, values = array.dims, array.values
         if name.endswith("_error") or name in ("solver", "state", "ring", "mode", "edge"):
             continue
         if name not in others:
             return 1.0
-        value, other = np.asarray(values, float), np.asarray(others[name][1], float)
+        value, other = np.asarray(values, float), np.asarray(others[name].values, float)
         if name == "relaxation_time":
             value, other = value[:, :8], other[:, :8]
         if (np.isfinite(value) != np.isfinite(other)).any():
@@ -146,7 +150,7 @@ def damage(right: Result, wrong: Result) -> float:
         if name in DEPTHS:
             scale = depth[:, None] if "radius" in dims else depth
         elif name in ("pressure", "steady_pressure"):
-            radii = known["radius"][1]
+            radii = known["radius"].values
             areas = np.gradient(radii**2)
             # the pressure of the flat start is infinite at the rim
             areas = areas * (radii < 0.999 * radii[-1])
@@ -158,7 +162,7 @@ def damage(right: Result, wrong: Result) -> float:
         elif name in ("radius", "contact_radius"):
             scale = scene.problem.units.length
         elif name == "steady_profile":
-            scale = np.max(known["steady_displacement_max"][1])
+            scale = np.max(known["steady_displacement_max"].values)
         else:
             scale = value
         scale = np.broadcast_to(scale, difference.shape)

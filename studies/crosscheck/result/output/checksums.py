@@ -7,11 +7,12 @@ array that was altered while it was written.
 import json
 from hashlib import file_digest, sha256
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from .....meshes.radial import Array
 from ...problem.written import shown
-from ..arrays import Table
+
+if TYPE_CHECKING:
+    import xarray
 
 Json = dict[str, Any]
 CHECKSUMS = "checksums"
@@ -27,21 +28,20 @@ PLACES = {
 """Groups of checksums, and what each of their names refers to."""
 
 
-def checksums(table: Table, entries: Json) -> dict[str, dict[str, str]]:
+def checksums(dataset: "xarray.Dataset", entries: Json) -> dict[str, dict[str, str]]:
     """Return the SHA-256 checksums of results in memory, by group (`PLACES`) and name.
 
     The checksum of an array covers its name, dimensions, shape, type, attributes and values.
 
     Parameters
     ----------
-    table : content of `results.nc`
+    dataset : content of `results.nc`
     entries : content of `summary.json` without its checksums
     """
-    variables, coordinates, attributes = table
     return {
-        "coordinates": {name: _of_array(name, *array) for name, array in coordinates.items()},
-        "variables": {name: _of_array(name, *array) for name, array in variables.items()},
-        "attributes": {name: _of_json(value) for name, value in attributes.items()},
+        "coordinates": {str(name): _of_array(array) for name, array in dataset.coords.items()},
+        "variables": {str(name): _of_array(array) for name, array in dataset.data_vars.items()},
+        "attributes": {str(name): _of_json(value) for name, value in dataset.attrs.items()},
         "summary": {name: _of_json(value) for name, value in entries.items()},
     }
 
@@ -52,15 +52,15 @@ def digest_of_file(path: Path) -> str:
         return file_digest(file, "sha256").hexdigest()
 
 
-def first_mismatch(recorded: object, table: Table, entries: Json) -> str:
+def first_mismatch(recorded: object, dataset: "xarray.Dataset", entries: Json) -> str:
     """Return in words what does not match its recorded checksum; empty if everything matches.
 
     Parameters
     ----------
     recorded : checksums as they were read from `summary.json`, of any type
-    table, entries : results as they were read, as for `checksums`
+    dataset, entries : results as they were read, as for `checksums`
     """
-    for group, computed in checksums(table, entries).items():
+    for group, computed in checksums(dataset, entries).items():
         sums = recorded.get(group) if isinstance(recorded, dict) else None
         if not isinstance(sums, dict):
             return f"the checksums in summary.json have no group {shown(group)}"
@@ -75,8 +75,10 @@ def first_mismatch(recorded: object, table: Table, entries: Json) -> str:
     return ""
 
 
-def _of_array(name: str, dims: tuple[str, ...], values: Array, attributes: dict[str, str]) -> str:
-    description: Json = {"name": name, "dims": dims, "shape": values.shape, "labels": attributes}
+def _of_array(array: "xarray.DataArray") -> str:
+    values, dims = array.values, array.dims
+    description: Json = {"name": array.name, "dims": dims, "shape": values.shape}
+    description["labels"] = array.attrs
     if values.dtype.kind == "U":
         return _of_json(description | {"texts": values.tolist()})
     # the same bytes on machines of any byte order

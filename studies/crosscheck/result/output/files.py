@@ -34,9 +34,9 @@ def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> N
     LOG.info("  output  writing ...")
     entries = result.summary
     # before anything is written, so that they are those of the results in memory
-    recorded: Json = {**checksums(result.table, entries)}
+    recorded: Json = {**checksums(result.dataset, entries)}
     try:
-        write_netcdf(result.table, directory / RESULTS)
+        write_netcdf(result.dataset, directory / RESULTS)
     except RuntimeError as error:
         # netCDF raises a RuntimeError if the disk is full
         raise RingwearError(

@@ -8,14 +8,17 @@ import json
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from .....meshes.errors import SceneError
 from ...problem.written import one_line
-from ..arrays import Table
 from .checksums import CHECKSUMS, FILE, Json, digest_of_file, first_mismatch
 from .folder import COMPLETE, MARKER
 from .netcdf import RESULTS, SUMMARY, read_netcdf
 from .other_process import text_from_copy
+
+if TYPE_CHECKING:
+    import xarray
 
 LONGEST_EXAMINATION = 120.0
 """Seconds after which a file that a copy of this process reads counts as damaged."""
@@ -43,12 +46,12 @@ def has_checksums(path: Path) -> bool:
     return False
 
 
-def read_folder(path: Path) -> tuple[Table, Json, bool]:
+def read_folder(path: Path) -> tuple["xarray.Dataset", Json, bool]:
     """Read the files of results, and compare them with their checksums.
 
     Returns
     -------
-    table : content of `results.nc`
+    dataset : content of `results.nc`
     entries : content of `summary.json` without the checksums
     has_checksums : whether the files have checksums
 
@@ -84,17 +87,17 @@ def _read_summary(path: Path) -> Json:
     return entries
 
 
-def _read_both(path: Path, entries: Json) -> tuple[Table, Json, bool]:
-    """Return table, entries without checksums, and whether there are any, if they match."""
-    table = read_netcdf(path / RESULTS)
-    expected = table.attributes.pop(CHECKSUMS, None)
+def _read_both(path: Path, entries: Json) -> tuple["xarray.Dataset", Json, bool]:
+    """Return dataset, entries without checksums, and whether there are any, if they match."""
+    dataset = read_netcdf(path / RESULTS)
+    expected = dataset.attrs.pop(CHECKSUMS, None)
     others = {name: value for name, value in entries.items() if name != CHECKSUMS}
     if CHECKSUMS in entries:
-        if reason := first_mismatch(entries[CHECKSUMS], table, others):
+        if reason := first_mismatch(entries[CHECKSUMS], dataset, others):
             raise Unreadable(reason)
     elif expected is not None:
         raise Unreadable(f"{SUMMARY} has no checksums of {RESULTS}")
-    return table, others, CHECKSUMS in entries
+    return dataset, others, CHECKSUMS in entries
 
 
 def _is_as_written(path: Path, recorded: object) -> bool:

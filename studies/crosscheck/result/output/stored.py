@@ -4,7 +4,7 @@ import json
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
@@ -20,12 +20,14 @@ from ...scene.scene import Scene
 from ...verdict.agreement import Agreement
 from ...verdict.promise import LeftOut
 from ..answer import Answers
-from ..arrays import Table
 from ..outcome import Outcome
 from ..scope import methods_of
 from .checksums import Json
 from .netcdf import RESULTS, SUMMARY
 from .saved_files import Unreadable, read_folder, refused
+
+if TYPE_CHECKING:
+    import xarray
 
 Kind = TypeVar("Kind", bound="StoredOutcome")
 Number = float | None
@@ -64,21 +66,21 @@ class StoredOutcome(Outcome):
 
     Parameters
     ----------
-    stored_table : the table in `results.nc`
+    stored_dataset : the content of `results.nc`
     stored_summary : the content of `summary.json` without its checksums
     rebuilt : the entries of it from which results are rebuilt
     remarks_on_files : what to say about the files, such as that they have no checksums
     """
 
-    stored_table: Table
+    stored_dataset: "xarray.Dataset"
     stored_summary: Json
     rebuilt: Summary
     remarks_on_files: tuple[str, ...]
 
     @cached_property
-    def table(self) -> Table:
-        """The table in `results.nc`."""
-        return self.stored_table
+    def dataset(self) -> "xarray.Dataset":
+        """The content of `results.nc`."""
+        return self.stored_dataset
 
     @property
     def summary(self) -> Json:
@@ -157,13 +159,13 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
     if not isinstance(folder, str | Path):
         raise SceneError(f"{shown(folder)} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
-    table, entries, has_checksums = read_folder(path)
+    dataset, entries, has_checksums = read_folder(path)
     try:
         summary = _rebuild(entries)
         if not has_checksums:
-            _refuse_malformed(table)
-            _refuse_mixed(table, summary)
-        scene = Scene.from_toml(_text(table, "scene"), str(path))
+            _refuse_malformed(dataset)
+            _refuse_mixed(dataset, summary)
+        scene = Scene.from_toml(_text(dataset, "scene"), str(path))
     except (Unreadable, RecursionError) as error:
         raise refused(path, error) from None
     methods = methods_of([name for name in summary.methods if name in METHODS])
@@ -171,7 +173,7 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
     for remark in remarks:
         LOG.warning("%s: %s", path, remark)
     rows = summary.agreement
-    return kind(scene, methods, {}, {}, rows, (), table, entries, summary, remarks)
+    return kind(scene, methods, {}, {}, rows, (), dataset, entries, summary, remarks)
 
 
 def _rebuild(entries: Json) -> Summary:
@@ -198,7 +200,7 @@ def _validator() -> TypeAdapter[Summary]:
     return TypeAdapter(Summary)
 
 
-def _text(table: Table, name: str) -> str:
+def _text(dataset: "xarray.Dataset", name: str) -> str:
     """Return an attribute of `results.nc`.
 
     Raises
@@ -206,14 +208,14 @@ def _text(table: Table, name: str) -> str:
     Unreadable
         if there is none, or if it is no text
     """
-    text = table.attributes.get(name)
+    text = dataset.attrs.get(name)
     if not isinstance(text, str):
         raise Unreadable(f"{RESULTS} has no attribute {name}")
     return text
 
 
-def _refuse_malformed(table: Table) -> None:
-    """Raise if known arrays of a table have other dimensions or another type than ringwear's.
+def _refuse_malformed(dataset: "xarray.Dataset") -> None:
+    """Raise if known arrays of a dataset have other dimensions or another type than ringwear's.
 
     Raises
     ------
@@ -224,17 +226,16 @@ def _refuse_malformed(table: Table) -> None:
     expected |= {"time": (("time",), "f"), "radius": (("radius",), "f")}
     for name, quantity in (QUANTITIES | STEPS | ANSWER).items():
         for variable, dims in ((name, quantity.dims), (error_name(name), quantity.error_dims)):
-            if variable in table.variables:
+            if variable in dataset:
                 expected[variable] = ("solver", *dims), "f"
-    arrays = table.variables | table.coordinates
     for name, (dims, kind) in expected.items():
-        found_dims, values, _ = arrays.get(name, ((), np.empty(0), {}))
-        if found_dims != dims or values.dtype.kind != kind:
+        array = dataset.variables.get(name)
+        if array is None or array.dims != dims or array.dtype.kind != kind:
             content = "texts" if kind == "U" else "numbers"
             raise Unreadable(f"{name} in {RESULTS} is no array of {content} over {', '.join(dims)}")
 
 
-def _refuse_mixed(table: Table, summary: Summary) -> None:
+def _refuse_mixed(dataset: "xarray.Dataset", summary: Summary) -> None:
     """Raise if the numbers of the answer differ between the two files.
 
     Raises
@@ -242,7 +243,7 @@ def _refuse_mixed(table: Table, summary: Summary) -> None:
     Unreadable
         with the name of the number
     """
-    solvers = table.coordinates["solver"][1].tolist()
+    solvers = dataset["solver"].values.tolist()
     for entry, by_method in (("methods", summary.methods), ("answer", summary.answer)):
         if list(by_method) != solvers:
             raise Unreadable(
@@ -251,9 +252,9 @@ def _refuse_mixed(table: Table, summary: Summary) -> None:
             )
     for method, values in _answers(summary).items():
         for name, value in values.items():
-            if name not in table.variables:
+            if name not in dataset:
                 continue
-            row = table.variables[name][1][solvers.index(method)]
+            row = dataset.variables[name].values[solvers.index(method)]
             if row.shape != value.shape or (row != value)[np.isfinite(value)].any():
                 raise Unreadable(
                     f"{name} of {method} in {SUMMARY} is not that in {RESULTS}, so that the files "
