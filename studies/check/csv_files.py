@@ -12,28 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from ..crosscheck import SceneError
+from ..crosscheck import SYMBOLS, SceneError
 
-SYMBOLS = {
-    "t": "time",
-    "r": "radius",
-    "p": "pressure",
-    "contact_pressure": "pressure",
-    "u": "displacement",
-    "uz": "displacement",
-    "u_z": "displacement",
-    "f": "profile",
-    "worn_profile": "profile",
-    "wear": "profile",
-    "d": "indentation",
-    "depth": "indentation",
-    "approach": "indentation",
-    "fn": "normal_force",
-    "f_n": "normal_force",
-    "force": "normal_force",
-    "load": "normal_force",
-}
-"""Our names of columns, by the names that other programs and papers use."""
 LINE = re.compile(r"^[ \t]*[^\s#][^\n]*(?:\n|$)", re.MULTILINE)
 """A line that is neither empty nor a comment."""
 UNIT = re.compile(r"^(?P<name>[^\[(/]+?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|/\s*(?P<c>.+))$")

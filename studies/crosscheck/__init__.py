@@ -23,8 +23,8 @@ Quantities, and differences of results
 --------------------------------------
 `QUANTITIES`, `ANSWER`, `FIELDS`
     definitions of histories and states; of the numbers of the answer; names of fields
-`error_name`, `UnitNames`
-    the name of an estimate; names of the units of a scene
+`error_name`, `SYMBOLS`, `UnitNames`
+    the name of an estimate; names of quantities by symbols; names of the units of a scene
 `Results`, `differences`
     values by quantity; relative differences of two of these
 
@@ -92,7 +92,14 @@ if TYPE_CHECKING:
     from .problem.norms import Results
     from .problem.problem import Problem
     from .problem.profile import InitialProfile
-    from .problem.quantities import ANSWER, FIELDS, QUANTITIES, differences, error_name
+    from .problem.quantities import (
+        ANSWER,
+        FIELDS,
+        QUANTITIES,
+        SYMBOLS,
+        differences,
+        error_name,
+    )
     from .problem.unit_names import UnitNames
     from .progress import LOG, Stages
     from .registry import METHODS
@@ -112,6 +119,7 @@ __all__ = [
     "LOG",
     "METHODS",
     "QUANTITIES",
+    "SYMBOLS",
     "Array",
     "AxisymmetricElasticity",
     "Compliance",
@@ -189,6 +197,7 @@ _LATER = {
         "ANSWER",
         "FIELDS",
         "QUANTITIES",
+        "SYMBOLS",
         "differences",
         "error_name",
     ],

@@ -71,7 +71,6 @@ MOST_FLOORS = 19
 UPWARD = {
     "studies.crosscheck.result.output.files": {"studies.figures.style"},
     "studies.crosscheck.result.results": {
-        "studies.check.csv_files",
         "studies.figures.catalogue",
         "studies.figures.style",
         "studies.report.page",

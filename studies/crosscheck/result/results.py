@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ....meshes.errors import RingwearError, SceneError
 from ..methods.base import Method
-from ..problem.quantities import DESCRIBED
+from ..problem.quantities import DESCRIBED, SYMBOLS
 from ..problem.written import shown
 from ..registry import METHODS
 from ..scene.calls import naming_arguments
@@ -326,8 +326,6 @@ def load(folder: str | Path) -> Stored:
 
 def _quantity_like(name: str, names: Iterable[str]) -> str:
     """Return which of our names is meant by another name; empty if none is similar."""
-    from ...check.csv_files import SYMBOLS
-
     return nearest(SYMBOLS.get(name, name), names)
 
 
