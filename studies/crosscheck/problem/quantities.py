@@ -312,40 +312,40 @@ def _declare(
 def over_time(
     dims: str, unit: str, definition: str, norm: Norm = VALUE, **more: Any
 ) -> Callable[[Callable[[State], Array]], Quantity]:
-    """Declare a quantity of a history, with dimensions in addition to the time."""
+    """Return a decorator for a quantity of a history, with dimensions in addition to the time."""
     return _declare(QUANTITIES, f"time {dims}", unit, definition, norm=norm, **more)
 
 
 def in_steady_state(
     dims: str, unit: str, definition: str, norm: Norm = VALUE, **more: Any
 ) -> Callable[[Callable[[SteadyState], Array]], Quantity]:
-    """Declare a quantity of the steady state; its name begins with `steady_`."""
+    """Return a decorator for a quantity of the steady state; its name begins with `steady_`."""
     return _declare(QUANTITIES, dims, unit, definition, norm=norm, **more)
 
 
 def in_modes(
     unit: str, definition: str, norm: Norm = VALUE, **more: Any
 ) -> Callable[[Callable[[Modes], Array]], Quantity]:
-    """Declare a quantity of relaxation modes."""
+    """Return a decorator for a quantity of relaxation modes."""
     return _declare(QUANTITIES, "mode", unit, definition, norm=norm, **more)
 
 
 def at_steps(unit: str, definition: str) -> Callable[[Callable[[Path], Array]], Quantity]:
-    """Declare a quantity of the steps of a march, which is not compared."""
+    """Return a decorator for a quantity of the steps of a march, which is not compared."""
     return _declare(STEPS, "step", unit, definition)
 
 
 def in_answer(
     dims: str, unit: str, definition: str, norm: Norm = VALUE, **more: Any
 ) -> Callable[[Callable[[Run], Array | float]], Quantity]:
-    """Declare a number of the answer."""
+    """Return a decorator for a number of the answer."""
     return _declare(ANSWER, dims, unit, definition, norm=norm, **more)
 
 
 def _time_of_running_in(
     name: str, remaining: float, definition: str, cells: Literal["", "unresolved"] = ""
 ) -> Quantity:
-    """Declare the time of the answer after which a given part of the running-in remains."""
+    """Add the time to the answer after which a given part of the running-in remains."""
     ANSWER[name] = Quantity(
         name,
         (),
