@@ -25,7 +25,7 @@ from .face import Face, Rings, SampledFace
 from .loading import Loading
 from .profile import FLAT, InitialProfile
 from .punch import PunchSection
-from .quantities import ENERGIES, HISTORIES, STEADY, Units
+from .quantities import ANSWER, ENERGIES, HISTORIES, STEADY, Units
 from .refusal import Feature
 from .sections import (
     AccuracySection,
@@ -225,9 +225,9 @@ class Problem:
         """
         if self.loading.varies:
             return {}
-        if self.indentation is None:
-            return {"time_to_90": 0.1, "time_to_99": 0.01}
-        return {"time_to_half_force": 0.5}
+        fixed = self.indentation is not None
+        names = ("time_to_half_force",) if fixed else ("time_to_90", "time_to_99")
+        return {name: part for name in names if (part := ANSWER[name].remaining)}
 
     @property
     def features(self) -> tuple[Feature, ...]:

@@ -18,6 +18,7 @@ from .norms import (
     EACH,
     FIRST_FORCE,
     FORCE,
+    NORMED,
     PRESSURE,
     RADIUS,
     SHARE,
@@ -281,7 +282,7 @@ class Quantity:
     @property
     def error_dims(self) -> tuple[str, ...]:
         """The dimensions of its error: those except radius and ring, over which norms are taken."""
-        return tuple(dim for dim in self.dims if dim not in ("radius", "ring"))
+        return tuple(dim for dim in self.dims if dim not in NORMED)
 
     def difference(self, values: Values, reference: Values, face: Face) -> Array:
         """Return the difference of two results in the norm of the quantity (`Norm.difference`)."""

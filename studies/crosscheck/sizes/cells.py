@@ -84,7 +84,8 @@ def cells_of(problem: Problem) -> ContactCells:
     There are ``REFERENCE_CELLS sqrt(REFERENCE_RTOL / rtol)`` cells, within FEWEST_CELLS and
     MOST_CELLS: edges of the contact are located to within a cell, and d is more accurate than
     fields are. At ring edges, where pressures are singular, cells are no larger than rtol. Shown by
-    unit/studies/crosscheck/wear/test_contact_march.py::test_random_punches_respect_their_error_estimates.
+    test_random_punches_respect_their_error_estimates of
+    unit/studies/crosscheck/wear/test_contact_march.py.
     """
     wanted = REFERENCE_CELLS * (REFERENCE_RTOL / problem.rtol) ** 0.5
     size = 1 / float(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))

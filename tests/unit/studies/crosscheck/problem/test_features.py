@@ -1,23 +1,12 @@
 """Features of problems that methods may refuse, and the quantities that every problem has."""
 
 import pytest
+from loads import LOADS, pressed_by
 
 from ringwear import Scene, SceneError, method
 from ringwear.studies.crosscheck.methods.moving_evaluation import DECAYING, REPEATED
 from ringwear.studies.crosscheck.problem.quantities import ANSWER, DESCRIBED, HISTORIES, QUANTITIES
 
-RISING = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
-FALLING = {"times": [0.0, 1.0], "values": [2.0, 0.2]}
-FALLING_SLOWLY = {"times": [0.0, 1.0], "values": [2.0, 1.0]}
-LOADS = {
-    "force": {"normal_force": 1.0},
-    "rising": {"normal_force": RISING},
-    "falling": {"normal_force": FALLING},
-    "falling slowly": {"normal_force": FALLING_SLOWLY},
-    "speed": {"normal_force": 1.0, "sliding_speed": FALLING},
-    "indentation": {"indentation": 1.0},
-    "indentation and speed": {"indentation": 1.0, "sliding_speed": FALLING},
-}
 FEATURES = {
     "force": (),
     "rising": ("varying load",),
@@ -27,10 +16,6 @@ FEATURES = {
     "indentation": ("fixed indentation",),
     "indentation and speed": ("fixed indentation", "varying load"),
 }
-
-
-def pressed_by(**load):
-    return Scene.from_table(Scene.load("five_rings").table() | {"load": load})
 
 
 @pytest.mark.parametrize("name", LOADS)
