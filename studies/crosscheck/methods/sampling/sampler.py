@@ -116,17 +116,18 @@ class FullFace(SampledState):
     @cached_property
     def shape(self) -> Array:
         """(T, R) worn profile from the first touch, less the even wear."""
-        return self._problem.profile(self._radii) + self._worn_at(self._radii)
+        return self._problem.profile(self._radii) + self._worn
 
     @property
     def displacement(self) -> Array:
         """(T, R) displacement of the half-space."""
-        return self.depth[:, None] - self._worn_at(self._radii)
+        return self.depth[:, None] - self._worn
 
     @property
     def displacement_centre(self) -> Array:
         """(T,) displacement at the centre, or at the inner edge of a hollow punch."""
-        return (self.depth[:, None] - self._worn_at(self._functions.centre))[:, 0]
+        worn = self._functions.at(self._functions.centre, self._history.shape)
+        return self.depth - worn[:, 0]
 
     @property
     def displacement_max(self) -> Array:
@@ -150,8 +151,10 @@ class FullFace(SampledState):
         """(T, 2) radius of the hole and of the rim."""
         return np.tile([self._problem.inner_radius, 1.0], (len(self.depth), 1))
 
-    def _worn_at(self, radii: Array) -> Array:
-        return self._functions.at(radii, self._history.shape)
+    @cached_property
+    def _worn(self) -> Array:
+        """(T, R) worn depth less the even wear."""
+        return self._functions.at(self._radii, self._history.shape)
 
 
 class OnCells(SampledState):
