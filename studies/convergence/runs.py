@@ -201,15 +201,14 @@ def result_of(
     """Return the result of a run with one method, without error estimates."""
     moving = evaluation if isinstance(evaluation, MovingContact) else None
     solution = Solution(
-        evaluation.results,
-        evaluation.compared,
+        evaluation.results | evaluation.answers,
+        evaluation.compared | evaluation.answers,
         {},
         {},
         discretised.unknowns or discretised.compliance.space.size,
         wear=evaluation.wear,
         half_space=discretised.half_space,
         march=moving.marched if moving else None,
-        answers=evaluation.answers,
     )
     return Outcome(
         scene, {method: method_named(method)}, {method: solution}, {method: stages}, (), ()

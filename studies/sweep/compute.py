@@ -12,13 +12,12 @@ from threadpoolctl import threadpool_limits
 
 from ..crosscheck import Array, Method, Problem, SceneError, Solution, Stages, error_name, method
 from ..crosscheck.problem.norms import common
-from ..crosscheck.result.answer import answer
 from ..crosscheck.result.table import in_units
 from ..crosscheck.sizes.shared import groups
 from ..crosscheck.verdict.accuracy import solved_to_accuracy
 from ..crosscheck.verdict.agreement import disagreement
 from ..crosscheck.versions import stamp
-from .axes import ANSWERS, Sweep
+from .axes import Sweep
 from .flags import DONE, FAILED, PENDING
 
 # Dask may run several blocks in threads of one process, in which gmsh has only one global state
@@ -85,11 +84,8 @@ def _compute_together(
                 values["reason"][number], values["status"][number] = reason, status
                 continue
             solutions[number].append(solution)
-            quantities = solution.results
-            if ANSWERS.keys() & set(keep):
-                quantities = quantities | answer(problem, solution)
             errors = {error_name(name): error for name, error in solution.errors.items()}
-            quantities = in_units(problem, quantities) | errors
+            quantities = in_units(problem, solution.results) | errors
             for key in quantities.keys() & values.keys():
                 target, result = values[key][number, solver_index, ...], np.asarray(quantities[key])
                 # a scene may have more modes or fewer rings than the arrays of the store

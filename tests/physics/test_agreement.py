@@ -101,11 +101,10 @@ def compare(flat, factors, errors=None):
     # a height is stored with and without even wear
     without = {"profile": "shape", "indentation": "depth"}
     factors = factors | {without.get(name, name): factor for name, factor in factors.items()}
-    wrong, answers = (
-        part | {name: factors[name] * part[name] for name in factors.keys() & part.keys()}
-        for part in (fem.compared, fem.answers)
-    )
-    changed = replace(fem, compared=wrong, answers=answers, errors=fem.errors | (errors or {}))
+    wrong = fem.compared | {
+        name: factors[name] * fem.compared[name] for name in factors.keys() & fem.compared.keys()
+    }
+    changed = replace(fem, compared=wrong, errors=fem.errors | (errors or {}))
     rows = judge(flat.scene, mdr=mdr, fem=changed).agreement
     return {row.quantity: row for row in rows}
 

@@ -70,7 +70,7 @@ def test_estimates_of_running_in_times_include_a_coarse_rim():
     solution = solved(scene.problem)
     exact = solved(replace(THREE.changed(wear=times).problem, rtol=1e-6), "bem")
     for name in ("time_to_90", "time_to_99"):
-        error = abs(float(solution.answers[name] / exact.answers[name]) - 1)
+        error = abs(float(solution.results[name] / exact.results[name]) - 1)
         assert error <= float(solution.errors[name])
 
 

@@ -229,6 +229,9 @@ def true_errors(result):
             parts = [np.atleast_1d(part) for part in (error, estimate, unsure[quantity])]
             shown = min(3 if "mode" in dims else np.inf, *map(len, parts))
             error, estimate, doubt = (part[:shown] for part in parts)
+            # a number of the answer has NaN where the method does not give it
+            given = ~np.isnan(error)
+            error, estimate, doubt = (part[given] for part in (error, estimate, doubt))
             errors[name][quantity] = np.maximum(error - 2 * doubt, 0.0), estimate
     return errors
 

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -12,7 +13,7 @@ from ....meshes.compliance import Compliance
 from ....meshes.radial import Array
 from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, DESCRIBED
+from ..problem.quantities import COMPARED_MODES, DESCRIBED, error_name
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn
@@ -22,6 +23,8 @@ from ..wear.marched import Marched
 from .error_factors import error_factor
 
 if TYPE_CHECKING:
+    import xarray
+
     from ....fem.half_space import HalfSpace
 
 
@@ -31,11 +34,11 @@ class Solution:
 
     Parameters
     ----------
-    results : the quantities at the requested times and radii; non-dimensional
+    results : the quantities at the requested times and radii, and the numbers of the answer;
+        non-dimensional
     compared : the same at the times `problem.compared_rows`, on the face of the punch; these are
         compared with other methods
-    errors : relative error of each quantity, and of each number of the answer, in its norm, as the
-        method itself estimates it
+    errors : relative error of each of them, in its norm, as the method itself estimates it
     parts : error estimate of the indentation, split by cause
     unknowns, settings, notes : size of the system, sizes that were chosen, and texts for the user
     wear : the running-in on the method's compliance, if it has one
@@ -46,7 +49,6 @@ class Solution:
     march : the march of a contact that opens, closes and spreads, if the contact does that
     presses : the initial contact, on pressure spaces fitted to its edges: a fine solution and a
         coarser one; empty if there is none
-    answers : the numbers of the answer
     steady_part : the steady state of a shaped punch, which is solved separately, if it has one
     remedy : what would make the solution more accurate, if that is not a smaller `rtol`
     limited_by_degree : quantities that a smaller `rtol` does not make more accurate, because the
@@ -68,11 +70,25 @@ class Solution:
     slope_roundoff: float = 0.0
     march: Marched | None = None
     presses: tuple[FittedPress, ...] = ()
-    answers: Results = field(default_factory=dict)
     steady_part: "Solution | None" = None
     remedy: str = ""
     limited_by_degree: frozenset[str] = frozenset()
     error_by_sizes: float | None = None
+
+    @cached_property
+    def data(self) -> "xarray.Dataset":
+        """The results in the problem's units, each with its relative error in `<name>_error`."""
+        import xarray  # studies and sweeps solve without it
+
+        arrays: list[xarray.DataArray] = []
+        for name, quantity in DESCRIBED.items():
+            if name in self.results:
+                arrays.append(labelled(name, quantity.dims, self.results[name]))
+                if name in self.errors:
+                    error = self.errors[name]
+                    arrays.append(labelled(error_name(name), quantity.error_dims, error))
+        # modes that are not resolved have an error, but no result
+        return xarray.merge(arrays, join="outer", compat="equals")
 
     @property
     def error_estimate(self) -> float:
@@ -106,6 +122,19 @@ class Solution:
         compared = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
         errors = self.errors[name][compared]
         return float(np.max(errors[~np.isnan(errors)], initial=0.0))
+
+
+def labelled(name: str, dims: tuple[str, ...], values: Array) -> "xarray.DataArray":
+    """Return an array with its name; modes and edges, whose numbers may differ, are counted."""
+    import xarray
+
+    values = np.asarray(values, dtype=float)
+    counted = {
+        dim: np.arange(1, size + 1)
+        for dim, size in zip(dims, values.shape, strict=True)
+        if dim in ("mode", "edge")
+    }
+    return xarray.DataArray(values, counted, dims, name)
 
 
 @dataclass(frozen=True, eq=False)

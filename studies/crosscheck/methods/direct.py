@@ -141,7 +141,7 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
     for name, value in answers.items():
         estimate = np.where(np.isnan(value), np.nan, roundoff)
         errors[name] = estimate[..., 0] if "ring" in ANSWER[name].dims else estimate
-    return Solution(results, compared, errors, {"roundoff": roundoff}, answers=answers)
+    return Solution(results | answers, compared | answers, errors, {"roundoff": roundoff})
 
 
 METHOD = Direct()

@@ -128,10 +128,10 @@ class MdrGrid(Method):
                 errors[name] = _factor(name) * unresolved[-1] * difference
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
-        compared = {name: values[problem.compared_rows] for name, values in fine.items()}
+        compared = {name: values[problem.compared_rows] for name, values in fine.items()} | answers
         remedy = self.remedy(problem)
         return Solution(
-            results, compared, errors, parts, count + 1, settings, answers=answers, remedy=remedy
+            results | answers, compared, errors, parts, count + 1, settings, remedy=remedy
         )
 
     def _step(self, problem: Problem) -> float:

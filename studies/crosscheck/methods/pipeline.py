@@ -22,11 +22,10 @@ from ....meshes.contact_cells import fitted_space
 from ....meshes.errors import RingwearError
 from ....meshes.ground.ground import HALF_SPACE, Ground
 from ....meshes.pressure_space import PressureSpace
-from ....meshes.radial import Array
 from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
-from ..problem.quantities import COMPARED_MODES, GROUPS
+from ..problem.quantities import ANSWER, COMPARED_MODES, GROUPS
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
@@ -43,7 +42,6 @@ from .error_factors import error_factor
 from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
-from .sampling.answers import merged_answers
 from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
 
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
@@ -364,8 +362,8 @@ def _solution(
     # the first part is that of the discretisation; others are those of steps in time
     error_by_sizes = next(iter(parts.values()))
     return Solution(
-        _without_unresolved_modes(fine.results, errors),
-        fine.compared,
+        _without_unresolved_modes(fine.results, errors) | fine.answers,
+        fine.compared | fine.answers,
         errors,
         parts,
         discretisation.unknowns or discretisation.compliance.space.size,
@@ -375,7 +373,6 @@ def _solution(
         discretisation.half_space,
         smallest=discretisation.smallest,
         slope_roundoff=discretisation.slope_roundoff,
-        answers=fine.answers,
         remedy=remedy,
         limited_by_degree=discretisation.limited_by_degree,
         error_by_sizes=error_by_sizes,
@@ -402,11 +399,13 @@ def _without_infinite_peak(solution: Solution, rtol: float) -> Solution:
     At a kink of the face the pressure is infinite, which no polynomial can represent.
     """
     name = "pressure_peak_start"
-    if name not in solution.answers or solution.errors.get(name, np.inf) <= rtol:
+    if name not in solution.results or solution.errors.get(name, np.inf) <= rtol:
         return solution
-    answers = {key: value for key, value in solution.answers.items() if key != name}
-    errors = {key: error for key, error in solution.errors.items() if key != name}
-    return replace(solution, answers=answers, errors=errors)
+    results, compared, errors = (
+        {key: value for key, value in values.items() if key != name}
+        for values in (solution.results, solution.compared, solution.errors)
+    )
+    return replace(solution, results=results, compared=compared, errors=errors)
 
 
 def _join_steady_part(history: Solution, steady: Solution) -> Solution:
@@ -414,10 +413,9 @@ def _join_steady_part(history: Solution, steady: Solution) -> Solution:
     return replace(
         history,
         steady_part=steady,
-        results=steady.results | history.results,
-        compared=steady.compared | history.compared,
-        errors=history.errors | steady.errors | _join_errors(history, steady),
-        answers=merged_answers(history.answers, steady.answers),
+        results=_joined(history.results, steady.results),
+        compared=_joined(history.compared, steady.compared),
+        errors=_joined(history.errors, steady.errors),
         notes=(*history.notes, *steady.notes),
         settings={
             **history.settings,
@@ -426,12 +424,14 @@ def _join_steady_part(history: Solution, steady: Solution) -> Solution:
     )
 
 
-def _join_errors(history: Solution, steady: Solution) -> dict[str, Array]:
-    """Return the errors of numbers of the answer that have a part from each of two solutions."""
-    shared = history.answers.keys() & steady.answers.keys()
-    estimates = history.errors, steady.errors
-    return {
-        name: np.where(np.isnan(estimates[0][name]), estimates[1][name], estimates[0][name])
-        for name in shared
-        if all(name in errors for errors in estimates)
+def _joined(history: Results, steady: Results) -> Results:
+    """Return the values of a history and of a steady state.
+
+    The steady state gives its own quantities, and completes numbers of the answer that are NaN in
+    part, such as the values at the start and in the steady state.
+    """
+    shared = (history.keys() & steady.keys()).intersection(ANSWER)
+    parts = {
+        name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in shared
     }
+    return steady | history | parts

@@ -1,19 +1,36 @@
 """The answer of a run: the numbers that describe the punch, by each method."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ....meshes.radial import Array
-from ..methods.base import Solution
-from ..methods.sampling.answers import empty_answer
-from ..problem.problem import Problem
-from ..problem.quantities import ANSWER
+from ..problem.quantities import ANSWER, error_name
 
-# quantities that are reported together with the answer
-ALSO = ("steady_wear_rate", "steady_rms_slope")
+if TYPE_CHECKING:
+    import xarray
+
+# the numbers of the answer, and quantities that are reported together with them
+REPORTED = (*ANSWER, "steady_wear_rate", "steady_rms_slope")
 
 
 class Answers(dict[str, dict[str, Array]]):
     """The numbers of the answer, by method; an unknown key is answered with a known one."""
+
+    @classmethod
+    def of(cls, dataset: "xarray.Dataset") -> "Answers":
+        """Return the numbers in a dataset and their errors; NaN if a method or a scene has none."""
+        names = [*REPORTED, *map(error_name, REPORTED)]
+        arrays = {name: dataset[name].values for name in names if name in dataset}
+        return cls(
+            {
+                str(solver): {
+                    name: arrays[name][row] if name in arrays else np.asarray(np.nan)
+                    for name in names
+                }
+                for row, solver in enumerate(dataset["solver"].values)
+            }
+        )
 
     def __missing__(self, key: object) -> dict[str, Array]:
         """Raise a KeyError that says what to write instead."""
@@ -23,31 +40,3 @@ class Answers(dict[str, dict[str, Array]]):
             f"no method {key!r} in these answers: write answers[{first!r}][{number!r}]; the "
             f"methods are {', '.join(self)}"
         )
-
-
-def answer(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Return the values of `ANSWER` by one method, non-dimensional.
-
-    A number is NaN if the method does not compute it or the scene does not have it.
-    """
-    return {
-        name: solution.answers.get(name, empty_answer(problem, quantity))
-        for name, quantity in ANSWER.items()
-    }
-
-
-def answer_errors(problem: Problem, solution: Solution) -> dict[str, Array]:
-    """Return the error estimate of each number that `answer` returns, NaN if there is none.
-
-    The error is relative, in the norm of the number; this norm is taken over all rings.
-    """
-    values = answer(problem, solution)
-    return {
-        name: solution.errors.get(name, _unknown_error(name, value))
-        for name, value in values.items()
-    }
-
-
-def _unknown_error(name: str, value: Array) -> Array:
-    """Return NaN in the shape of the error of a number."""
-    return np.full(value.shape[:-1] if "ring" in ANSWER[name].dims else value.shape, np.nan)

@@ -37,7 +37,7 @@ from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quanti
 from ..verdict.operators import MOST_PRESSURES, OPERATORS, OperatorDifference
 from ..verdict.promise import LeftOut, allowed_error, in_words, left_out_of_promise
 from ..versions import versions
-from .answer import ALSO, Answers, answer, answer_errors
+from .answer import Answers
 from .scope import beyond_the_model, left_out, modelled, outside
 from .table import in_units, tabulate
 
@@ -188,16 +188,7 @@ class Outcome:
         Each number has a relative error estimate `<name>_error`, by the same method and in the norm
         of the number (`studies/crosscheck/problem/quantities.py`).
         """
-        problem, answers = self.scene.problem, Answers()
-        for name, solution in self.solutions.items():
-            values = answer(problem, solution)
-            errors_by_name = answer_errors(problem, solution)
-            for key in ALSO:
-                values[key] = np.asarray(solution.results.get(key, np.nan))
-                errors_by_name[key] = np.asarray(solution.errors.get(key, np.nan))
-            errors = {error_name(key): error for key, error in errors_by_name.items()}
-            answers[name] = in_units(problem, values) | errors
-        return answers
+        return Answers.of(self.dataset)
 
     def gives(self, *quantities: str) -> bool:
         """Return whether some method computes all of these quantities."""
@@ -223,7 +214,7 @@ class Outcome:
     @cached_property
     def dataset(self) -> "xarray.Dataset":
         """All results over dimensions solver, time, radius, ring and mode, in the scene's units."""
-        return tabulate(self.scene, self.solutions, self.answers)
+        return tabulate(self.scene, self.solutions)
 
     @cached_property
     def coordinates(self) -> dict[str, Array]:

@@ -1,14 +1,14 @@
 """The results of all methods as an xarray Dataset, in the scene's units."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ....meshes.radial import Array
 from ..methods.base import Solution
-from ..problem.norms import Results, common
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import (
     ANSWER,
@@ -45,39 +45,26 @@ class StepsOfMarch(NamedTuple):
     standoff: float
 
 
-def tabulate(
-    scene: Scene,
-    solutions: Mapping[str, Solution],
-    answers: Mapping[str, dict[str, Array]],
-) -> "xarray.Dataset":
-    """Return all results and answers of methods; NaN if a method does not compute a quantity."""
+def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset":
+    """Return the results of all methods; NaN if a method does not compute a quantity."""
     import xarray  # help, plans and refusals need none
 
-    problem, reported = scene.problem, []
+    problem = scene.problem
     units, names = problem.units, scene.unit_names
-    for name, solution in solutions.items():
-        results, march = solution.results, solution.march
-        if scene.output.every_step and march is not None:
-            path = StepsOfMarch(march.path, problem.profile.standoff)
-            steps = {name: np.asarray(step.value(path)) for name, step in STEPS.items()}
-            results = results | steps
-        errors = {error_name(key): error for key, error in solution.errors.items()}
-        # with their units; scaled copies of all fields would take as much memory as the table
-        scaled = {key: (results[key], size) for key, size in unit_sizes(problem, results).items()}
-        final = {key: (values, 1.0) for key, values in (errors | answers[name]).items()}
-        reported.append(scaled | final)
-
-    def longest(name: str) -> int:
-        return max((values[name][0].shape[-1] for values in reported if name in values), default=0)
-
+    reported = [_with_steps(scene, solution) for solution in solutions.values()]
+    data = xarray.concat(
+        reported, "solver", data_vars="all", coords="minimal", compat="override", join="outer"
+    )
+    if "mode" in data.dims:
+        data = data.reindex(mode=np.arange(1, SHOWN_RELAXATION_TIMES + 1), copy=False)
     sizes = {
         "time": len(problem.times),
         "radius": len(problem.radii),
         "ring": len(problem.wear_coefficients),
         "mode": SHOWN_RELAXATION_TIMES,
         "state": len(STATES),
-        "edge": longest("contact_edge"),
-        "step": longest("step_time"),
+        "edge": data.sizes.get("edge", 0),
+        "step": data.sizes.get("step", 0),
     }
     # name, dimensions, unit and definition of each variable
     table: list[tuple[str, tuple[str, ...], str, str]] = []
@@ -96,13 +83,14 @@ def tabulate(
 
     variables: Arrays = {}
     for name, dims, unit, definition in table:
-        array = np.full((len(reported), *(sizes[dim] for dim in dims)), np.nan)
-        for row, values in enumerate(reported):
-            if name in values:
-                own, scale = values[name]
-                common_part = common(own.shape, array.shape[1:])
-                array[row, ...][common_part] = own[common_part] * scale
-        variables[name] = (("solver", *dims), array, describe(definition, unit))
+        dims = ("solver", *dims)
+        if name in data:
+            array = data[name].transpose(*dims).values
+            # in place: scaled copies of all fields would take as much memory as the table
+            array *= getattr(units, unit)
+        else:
+            array = np.full([len(reported), *(sizes[dim] for dim in dims[1:])], np.nan)
+        variables[name] = (dims, array, describe(definition, unit))
     # take the radii from the scene, because scaling non-dimensional ones may change the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
@@ -142,16 +130,19 @@ def tabulate(
     return xarray.Dataset(variables, coordinates, attributes_of_table)
 
 
+def _with_steps(scene: Scene, solution: Solution) -> "xarray.Dataset":
+    """Return the data of a solution, with the steps of its march if the scene asks for them."""
+    if not scene.output.every_step or solution.march is None:
+        return solution.data
+    path = StepsOfMarch(solution.march.path, scene.problem.profile.standoff)
+    steps = {name: ("step", np.asarray(step.value(path))) for name, step in STEPS.items()}
+    return solution.data.assign(steps).assign_coords(step=np.arange(len(path.path)))
+
+
 def in_units(problem: Problem, results: Results) -> dict[str, Array]:
     """Return the quantities of non-dimensional results in the units of the scene."""
-    return {name: results[name] * size for name, size in unit_sizes(problem, results).items()}
-
-
-def unit_sizes(problem: Problem, names: Iterable[str]) -> dict[str, float]:
-    """Return the sizes of the units of those names that are quantities, in the scene's units."""
-    described = QUANTITIES | ANSWER | STEPS
     return {
-        name: float(getattr(problem.units, described[name].unit))
-        for name in names
-        if name in described
+        name: values * getattr(problem.units, DESCRIBED[name].unit)
+        for name, values in results.items()
+        if name in DESCRIBED
     }

@@ -141,7 +141,6 @@ def _differences_over_larger(problem: Problem, first: Solution, second: Solution
     with np.errstate(invalid="ignore"):
         one_way, other_way = (
             differences(values.compared, reference.compared, problem.face)
-            | differences(values.answers, reference.answers, problem.face)
             for values, reference in ((first, second), (second, first))
         )
     return {

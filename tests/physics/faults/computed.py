@@ -26,10 +26,9 @@ def with_results(result: Result, change: Change) -> Result:
     solution, problem = result.solutions["mdr"], result.scene.problem
     changed = {}
     for name, radii in (("results", problem.radii), ("compared", problem.face.radii)):
-        parts = {part: getattr(solution, part) for part in (name, "answers")}
-        values = {key: np.array(of) for part in parts.values() for key, of in part.items()}
+        values = {key: np.array(of) for key, of in getattr(solution, name).items()}
         change(values, radii, problem)
-        changed |= {part: {key: values[key] for key in of} for part, of in parts.items()}
+        changed[name] = values
     wrong = replace(solution, **changed)
     return judge(result.scene, mdr=wrong, twin=wrong)
 

@@ -15,7 +15,7 @@ import numpy as np
 from .....meshes.radial import Array, ring_of
 from ...problem.norms import Results
 from ...problem.problem import Problem
-from ...problem.quantities import ANSWER, STATES, Quantity
+from ...problem.quantities import ANSWER, STATES
 from ...wear.flat_contact import FittedPress
 from ...wear.full_contact import RunningIn
 from ...wear.history import History
@@ -167,12 +167,6 @@ def answers_of(run: SteadyRun) -> Results:
     return {name: value for name, value in values.items() if not np.isnan(value).all()}
 
 
-def empty_answer(problem: Problem, quantity: Quantity) -> Array:
-    """Return the NaN of a number of the answer that a method does not compute."""
-    sizes = {"state": len(STATES), "ring": len(problem.wear_coefficients)}
-    return np.full([sizes[dim] for dim in quantity.dims], np.nan)
-
-
 def _forces(problem: Problem, ring_forces: Array) -> Array:
     """Return the force (2,) at the start, if that is the first time, and at the last time."""
     forces = ring_forces.sum(axis=1)
@@ -196,18 +190,6 @@ def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
             least[index] = at_ends[:, ring == index].min()
             greatest[index] = at_ends[:, ring == index].max()
     return least, greatest
-
-
-def merged_answers(history: Results, steady: Results) -> Results:
-    """Return the answer of a history, completed by that of the steady state.
-
-    A part that only one of them has is taken from that one.
-    """
-    shared = history.keys() & steady.keys()
-    parts = {
-        name: np.where(np.isnan(history[name]), steady[name], history[name]) for name in shared
-    }
-    return {name: value for name, value in (steady | history | parts).items() if name in ANSWER}
 
 
 def _time_of_march(march: Marched, wanted_part: float) -> float:
