@@ -344,7 +344,7 @@ def convergence(grading: float) -> float:
     is proportional to ``rho^-p``, where ``rho = (1 + sqrt(grading)) / (1 - sqrt(grading))`` and
     `grading` is the ratio of the sizes of neighbouring elements (Bernstein ellipse; Trefethen,
     Approximation theory and approximation practice, ch. 8). Tested by
-    unit/studies/convergence/test_orders.py::test_indentation_on_quadrilaterals_by_the_degree.
+    unit/studies/study/test_ways.py::test_indentation_on_quadrilaterals_by_the_degree.
     """
     return float(np.log((1 + grading**0.5) / (1 - grading**0.5)))
 

@@ -93,8 +93,9 @@ FLAGS = {
     "the size of the previous one",
     "--design": "also print which further measurement would narrow the widest interval most",
     "--quick": "conduct a smaller version of the study, and print first how long it takes",
+    "--latex": "print the table in LaTeX instead of Markdown",
     "--dry-run": "only print what the sweep will need",
-    "--resume": "continue the sweep in the directory",
+    "--resume": "continue the sweep or the study in the directory",
     "--retry-failed": "continue like --resume, and compute scenes that failed again",
 }
 ARGUMENTS: dict[str, Settings] = {
@@ -115,6 +116,27 @@ ARGUMENTS: dict[str, Settings] = {
         "metavar": "FILE",
         "help": "results of another program: CSV (columns time, radius, pressure, displacement, "
         "profile, or time, indentation, normal_force), netCDF, or VTU of a half-space",
+    },
+    "table": {
+        "metavar": "TABLE",
+        "help": "a CSV file with one row for each level and one column for each quantity; with a "
+        "column radius, the other columns are fields; or the table of a study",
+    },
+    "--by": {
+        "required": True,
+        "metavar": "COLUMN",
+        "help": "the column with the size of each level, such as the element size",
+    },
+    "--right": {
+        "action": "append",
+        "default": [],
+        "metavar": "[NAME=]VALUE",
+        "help": "the right value of a column, or of all columns; 0 for errors; may be repeated",
+    },
+    "--tolerance": {
+        "type": _positive,
+        "metavar": "X",
+        "help": "greatest relative error of the finest level; exit status 3 if one is greater",
     },
     "words": {
         "nargs": "*",
@@ -243,65 +265,113 @@ ARGUMENTS: dict[str, Settings] = {
         "help": "the number of processes on this machine (default: the number of its cores)",
     },
 }
-OF_STUDIES: dict[str, tuple[str, Settings]] = {
+OF_STUDIES: dict[str, tuple[tuple[str, Settings], ...]] = {
     "meshes": (
-        "--mesh",
-        {
-            "action": "append",
-            "default": [],
-            "type": _name_of_file,
-            "metavar": "FILE",
-            "help": "a mesh file of your own (.msh of gmsh, .vtu, ...); repeat it from coarse to "
-            "fine",
-        },
+        (
+            "--mesh",
+            {
+                "action": "append",
+                "type": _name_of_file,
+                "metavar": "FILE",
+                "help": "a mesh file of your own (.msh of gmsh, .vtu, ...); repeat it from coarse "
+                "to fine",
+            },
+        ),
     ),
     "degree": (
-        "--degree",
-        {"type": _whole, "metavar": "K", "help": "degree of the finite elements on your meshes"},
+        (
+            "--degree",
+            {
+                "type": _whole,
+                "metavar": "K",
+                "help": "degree of the finite elements on your meshes",
+            },
+        ),
     ),
     "quantities": (
-        "--quantity",
-        {
-            "action": "append",
-            "default": [],
-            "metavar": "FILE.py:NAME",
-            "help": "a function of your own that takes the result of a run and returns a number; "
-            "may be repeated",
-        },
+        (
+            "--quantities",
+            {
+                "action": "extend",
+                "type": _names,
+                "metavar": "A,B",
+                "help": "names of the quantities to tabulate and draw, separated by commas",
+            },
+        ),
+        (
+            "--quantity",
+            {
+                "action": "append",
+                "metavar": "FILE.py:NAME",
+                "help": "a function of your own that takes the result of a run and returns a "
+                "number; may be repeated",
+            },
+        ),
     ),
     "elements": (
-        "--element",
-        {
-            "action": "append",
-            "default": [],
-            "metavar": "NAME",
-            "help": "an element of scikit-fem, such as ElementTriP2, or FILE.py:NAME; may be "
-            "repeated",
-        },
+        (
+            "--element",
+            {
+                "action": "append",
+                "metavar": "NAME",
+                "help": "an element of scikit-fem, such as ElementTriP2, or FILE.py:NAME; may be "
+                "repeated",
+            },
+        ),
     ),
     "methods": (
-        "--methods",
-        {"type": _names, "default": (), "help": "methods, separated by commas, instead of all"},
+        (
+            "--methods",
+            {
+                "type": _names,
+                "metavar": "A,B",
+                "help": "methods, separated by commas, instead of the study's own selection; "
+                "FILE.py:NAME is a method of your own",
+            },
+        ),
     ),
     "steps": (
-        "--steps",
-        {
-            "type": _steps,
-            "default": (),
-            "metavar": "H,...",
-            "help": "steps in time, from coarse to fine, in the units of the scene",
-        },
+        (
+            "--steps",
+            {
+                "type": _steps,
+                "metavar": "H,...",
+                "help": "steps in time, from coarse to fine, in the units of the scene",
+            },
+        ),
+    ),
+    "radii": (
+        (
+            "--radii",
+            {
+                "type": _steps,
+                "metavar": "R,...",
+                "help": "truncation radii in punch radii, increasing",
+            },
+        ),
+    ),
+    "vary": (
+        (
+            "--vary",
+            {
+                "action": "append",
+                "metavar": "KEY=[geom:]LOW:HIGH:N",
+                "help": "a key of the scene and its values: N from LOW to HIGH, equally spaced or "
+                "by equal factors (geom); may be repeated",
+            },
+        ),
     ),
     "against": (
-        "--against",
-        {
-            "choices": ("size", "unknowns", "seconds"),
-            "default": "size",
-            "help": "what figures draw errors against (default: size)",
-        },
+        (
+            "--against",
+            {
+                "choices": ("size", "unknowns", "seconds"),
+                "help": "what figures draw errors against (default: size)",
+            },
+        ),
     ),
 }
-"""Options of studies by their names: the flag and its settings for `argparse`."""
+"""Options of studies by their names: flags, and their settings for `argparse`."""
 
 
 OTHER_COMMANDS = {
@@ -332,7 +402,7 @@ class Parser(ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print the usage of the command and the error, and exit with status 2."""
         flags = [*(name for name in ARGUMENTS if name.startswith("--"))]
-        flags += [flag for flag, _ in OF_STUDIES.values()]
+        flags += [flag for listed in OF_STUDIES.values() for flag, _ in listed]
         suggestion = ""
         if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
             suggestion = OTHER_COMMANDS.get(choice[1], "") if "COMMAND" in message else ""

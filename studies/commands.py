@@ -14,16 +14,15 @@ from .crosscheck import Scene, SceneError, output_folder
 from .crosscheck.result.output.folder import Folder, default_folder, named_folder
 from .crosscheck.scene.sources import bundled, text_of
 from .crosscheck.versions import versions
+from .named_studies import STUDIES
 from .report.log import show_progress
 from .report.streams import print_error
 from .report.terminal import print_lines, print_markdown
 from .status import Status
-from .study.listing import STUDIES
 from .tables import INTERRUPTED
 
 if TYPE_CHECKING:
     from .figures.style import Picture
-    from .study.options import Options
 
 
 def conduct(arguments: list[str] | None) -> Status:
@@ -214,23 +213,27 @@ def _compare(options: argparse.Namespace) -> Status:
 
 
 def _study(options: argparse.Namespace) -> Status:
-    from .study.conduct import conduct, refuse_what_does_not_fit
-    from .study.levels import Record
+    from .named_studies import study
+    from .study.interrupted import as_before, rows_before
     from .tables import keep_tables, keeping_rows
 
     name, scene = options.study, Scene.load(options.scene)
-    study_options = _options_of_study(options)
-    refuse_what_does_not_fit(name, scene, study_options)
-    with output_folder(_out(options, name), f"study {name}", ["report.html"]) as folder:
+    out = _out(options, name)
+    given = {each: getattr(options, each, None) for each in STUDIES[name].options}
+    given = {each: value for each, value in given.items() if value not in (None, [], ())}
+    setup = {"study": name, "scene": scene.to_toml(), "quick": options.quick, "options": given}
+    text = rows_before(out, name, setup) if options.resume else ""
+    with output_folder(out, f"study {name}", ["report.html"]) as folder:
         if options.quick:
             print(f"about {STUDIES[name].seconds} s on a machine with two cores", flush=True)
-        results, failures, record = None, list[str](), Record(folder.hidden)
-        with keeping_rows(record.conclusions):
-            results = conduct(name, scene, study_options, record)
-        conclusions = list(results.conclusions if results else record.conclusions)
+        record = as_before(folder.hidden, name, setup, text)
+        results, failures, conclusions = None, list[str](), record.remarks
+        with keeping_rows(record.remarks):
+            results = study(name, scene, options.quick, record=record, **given)
         if results is None:
             keep_tables(folder.hidden)
         else:
+            conclusions = list(results.conclusions)
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
     print_lines(conclusions)
@@ -238,17 +241,19 @@ def _study(options: argparse.Namespace) -> Status:
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
 
 
-def _options_of_study(options: argparse.Namespace) -> "Options":
-    """Return the options of a study from the command line, with quantities and elements loaded."""
-    from .study.options import Options
-    from .study.own_objects import load_element, load_quantity
+def _orders(options: argparse.Namespace) -> Status:
+    from .study.formats import to_latex, to_markdown
+    from .study.sheet import orders_of_file, write
 
-    given = {name: getattr(options, name) for name in STUDIES[options.study].option_names}
-    if "quantities" in given:
-        given["quantities"] = dict(map(load_quantity, given["quantities"]))
-    if "elements" in given:
-        given["elements"] = tuple(map(load_element, given["elements"]))
-    return Options(options.quick, **given)
+    table, fitted = orders_of_file(options.table, options.by, options.right, options.tolerance)
+    text = to_latex(fitted) if options.latex else to_markdown(fitted)
+    print_lines(text.splitlines())
+    if options.out:
+        with output_folder(options.out, "orders", ["orders.csv", "orders.png"]) as folder:
+            write(table, fitted, options.by, folder.hidden)
+        _print_files(folder, [])
+    missed = "within" in fitted and (fitted["within"] == "no").any()
+    return Status.DISAGREE if missed else Status.DONE
 
 
 def _sweep(options: argparse.Namespace) -> Status:
@@ -321,6 +326,12 @@ DECK_EXAMPLES = """examples:
   ringwear deck five_rings --for calculix --time 0.1 --time 2 --size 0.05 --reach 500
   cd deck; ccx prescribed; ringwear check scene.toml prescribed.dat
 """
+ORDERS_EXAMPLES = """examples:
+  ringwear orders levels.csv --by h                     orders of all columns, in Markdown
+  ringwear orders levels.csv --by h --right depth=1.2 --tolerance 1e-3
+                                                        also computed over right values
+  ringwear orders errors.csv --by h --right 0 --latex   columns that hold errors, for a paper
+"""
 CHALLENGE_EXAMPLES = """examples:
   ringwear challenge                                    list the problems
   ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
@@ -370,6 +381,13 @@ COMMANDS = {
         ("A", "B", "--out"),
     ),
     "study": Command("conduct a study: write figures and tables, and print conclusions", _study),
+    "orders": Command(
+        "fit orders of convergence to a table of levels, and print them with their intervals",
+        _orders,
+        ("table", "--by", "--right", "--tolerance", "--latex", "--out"),
+        None,
+        ORDERS_EXAMPLES,
+    ),
     "sweep": Command(
         "compute many scenes over axes of scene keys, and write them to one store",
         _sweep,
@@ -424,8 +442,8 @@ def _parser() -> argparse.ArgumentParser:
             names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
             for study, row in STUDIES.items():
                 subparser = names.add_parser(study, help=row.purpose)
-                add_arguments(subparser, ("scene", "--out", "--quick"), row.scene)
-                for option in row.option_names:
-                    flag, settings = OF_STUDIES[option]
-                    subparser.add_argument(flag, dest=option, **settings)
+                add_arguments(subparser, ("scene", "--out", "--quick", "--resume"), row.scene)
+                for option in row.options:
+                    for flag, settings in OF_STUDIES.get(option, ()):
+                        subparser.add_argument(flag, dest=option, **settings)
     return parser

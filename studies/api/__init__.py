@@ -24,6 +24,8 @@ The methods are finite elements, boundary elements, dimensionality reduction and
     ``result.figures``
 `load`
     read saved results
+`orders`
+    fit orders of convergence to any table of levels: ``orders(table, by="h")``
 `plan`
     predict sizes and cost of a run by a coarse probe of it; returns lines of text
 `study`
@@ -145,7 +147,8 @@ if TYPE_CHECKING:
     )
     from ringwear.studies.decks.deck import deck
     from ringwear.studies.fit.fit import fit
-    from ringwear.studies.study.conduct import study
+    from ringwear.studies.named_studies import study
+    from ringwear.studies.study.orders import orders
     from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.conduct import sweep
 
@@ -192,6 +195,7 @@ __all__ = [
     "main",
     "method",
     "moments",
+    "orders",
     "plan",
     "press_flat",
     "pressure_spaces",
@@ -255,7 +259,8 @@ _LATER = {
     ],
     "studies.decks.deck": ["deck"],
     "studies.fit.fit": ["fit"],
-    "studies.study.conduct": ["study"],
+    "studies.named_studies": ["study"],
+    "studies.study.orders": ["orders"],
     "studies.study.study": ["Study"],
     "studies.sweep.conduct": ["sweep"],
 }

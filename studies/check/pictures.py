@@ -1,10 +1,12 @@
 """List the figures of a check: those of a run, and the errors of a refinement over its sizes."""
 
+import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
 from ..figures.catalogue import PICTURES
 from ..figures.style import Picture
-from ..study.errors_over_size import draw_errors
+from ..study.draw import draw, titled
 from .checked import CheckedOutcome
 from .refinement import order_in_words
 
@@ -19,11 +21,21 @@ DIFFERENCE = (
 def draw_refinement(result: CheckedOutcome) -> Figure:
     """Draw the errors of the results of a refinement over their sizes."""
     names = result.scene.unit_names
-    curves = {
-        f"{row.label(names)}, order {order_in_words(row.sequence.order)}": row.sequence
+    table = pd.DataFrame(
+        {
+            "case": "theirs",
+            "way": f"{row.label(names)}, order {order_in_words(row.order)}",
+            "method": "theirs",
+            "refined": "size",
+            "size": size,
+            "error": error,
+        }
         for row in result.refinements
-    }
-    return draw_errors({"size": curves}, "error, relative to ours", result.scene.title)
+        for size, error in zip(row.sizes, row.errors, strict=True)
+    )
+    # neither the other program nor the figure states errors of its own
+    table = table.assign(estimate=np.nan, tolerance=np.nan, reference=0.0)
+    return draw(table, panels=("case",), title=titled(result.scene.title, "errors against ours"))
 
 
 CHECK_PICTURES = (

@@ -3,32 +3,59 @@
 The results are ordered from coarse to fine. The signed errors are the program's values minus ours.
 Differences between two of its results are therefore differences of these errors, and the order,
 Richardson's limit and the grid convergence index follow from the errors exactly as they would from
-the results (`studies/study/orders.py`). The index is then compared with the true error.
+the results (`studies/study/extrapolation.py`). The index is then compared with the true error.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..crosscheck import FIELDS, UnitNames
-from ..study.levels import Theory
-from ..study.orders import Sequence as Levels
+from ..crosscheck import FIELDS, Array, UnitNames
+from ..study.extrapolation import order_of_errors, richardson
 from .verdict import Verdict
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Refinement:
     """The errors of one quantity in results from coarse to fine.
 
     Parameters
     ----------
-    sequence : sizes, and signed errors at one time; our own error estimate is the floor
+    quantity : name of the quantity
     time : time at which the finest result is worst, in the units of the scene
+    sizes : (n,) sizes of elements or steps
+    signed_errors : (n,) relative errors at that time, with their signs
+    floor : our own error estimate; smaller errors are not counted
     """
 
-    sequence: Levels
+    quantity: str
     time: float
+    sizes: Array
+    signed_errors: Array
+    floor: float
+
+    @property
+    def errors(self) -> Array:
+        """(n,) absolute values of the relative errors."""
+        return np.abs(self.signed_errors)
+
+    @property
+    def counted(self) -> NDArray[np.bool_]:
+        """(n,) whether an error is above the floor, so that orders use it."""
+        return self.errors > self.floor
+
+    @property
+    def order(self) -> float:
+        """Order by least squares over the errors that are counted; NaN for only one."""
+        return order_of_errors(self.sizes[self.counted], self.errors[self.counted]).order
+
+    @property
+    def orders(self) -> Array:
+        """(n-1,) orders between neighbouring sizes; NaN at an error of zero."""
+        errors = np.where(self.errors > 0, self.errors, np.nan)
+        return np.diff(np.log(errors)) / np.diff(np.log(self.sizes))
 
     @property
     def estimate(self) -> tuple[float, float]:
@@ -37,41 +64,40 @@ class Refinement:
         Both are NaN for fields, for fewer than three results, and if the last three results do not
         converge in one direction.
         """
-        if self.sequence.quantity in FIELDS:
+        if self.quantity in FIELDS:
             return np.nan, np.nan
-        return self.sequence.richardson
+        return richardson(self.sizes, self.signed_errors)
 
     @property
     def stalled(self) -> float:
         """First size after which the order is below half of the best one before; NaN if none is."""
-        orders = self.sequence.orders
-        slow = orders < 0.5 * np.fmax.accumulate(orders)
-        slow &= self.sequence.counted[1:]
-        return float(self.sequence.sizes[:-1][slow][0]) if slow.any() else np.nan
+        slow = self.orders < 0.5 * np.fmax.accumulate(self.orders)
+        slow &= self.counted[1:]
+        return float(self.sizes[:-1][slow][0]) if slow.any() else np.nan
 
     def label(self, names: UnitNames) -> str:
         """Return the quantity and the time in words."""
-        quantity = self.sequence.quantity.replace("_", " ")
+        quantity = self.quantity.replace("_", " ")
         return f"{quantity} at t = {names.write(self.time, 'time', 3)}"
 
     def in_words(self, names: UnitNames) -> str:
         """Return a line on the order, the errors and the grid convergence index."""
-        sequence, (limit, index) = self.sequence, self.estimate
-        orders = ", ".join(order_in_words(order) for order in sequence.orders)
+        limit, index = self.estimate
+        orders = ", ".join(order_in_words(order) for order in self.orders)
         line = (
-            f"{self.label(names)}: order {order_in_words(sequence.order)} (between successive "
-            f"sizes: {orders}), errors {sequence.errors[0]:.1e} to {sequence.errors[-1]:.1e}"
+            f"{self.label(names)}: order {order_in_words(self.order)} (between successive "
+            f"sizes: {orders}), errors {self.errors[0]:.1e} to {self.errors[-1]:.1e}"
         )
-        if not sequence.counted.all():
-            line += f", some below the error estimate of our value ({sequence.theory.floor:.0e})"
+        if not self.counted.all():
+            line += f", some below the error estimate of our value ({self.floor:.0e})"
         if np.isfinite(self.stalled):
             line += f", convergence stalls from size {self.stalled:.3g} on"
         if np.isnan(index):
             return line
-        judgement = "large enough" if index >= sequence.errors[-1] else "TOO SMALL"
+        judgement = "large enough" if index >= self.errors[-1] else "TOO SMALL"
         return (
             f"{line}; Richardson's limit errs by {abs(limit):.1e}; the grid convergence index of "
-            f"{index:.1e} is {judgement} for the true error of {sequence.errors[-1]:.1e}"
+            f"{index:.1e} is {judgement} for the true error of {self.errors[-1]:.1e}"
         )
 
 
@@ -96,10 +122,9 @@ def refinements(
         if times := set.intersection(*map(set, by_time)):
             time = max(times, key=lambda time: abs(by_time[-1][time].error))
             levels = [verdicts[time] for verdicts in by_time]
-            theory = Theory(floor=max(row.stated for row in levels))
             signed = np.array([row.error for row in levels])
-            sequence = Levels("theirs", quantity, theory, np.array(sizes), signed)
-            yield Refinement(sequence, time)
+            floor = max(row.stated for row in levels)
+            yield Refinement(quantity, time, np.array(sizes), signed, floor)
 
 
 def order_in_words(order: float) -> str:

@@ -301,6 +301,49 @@ def looks_of(methods: Iterable[str], of_others: Sequence[str] = ()) -> dict[str,
     }
 
 
+# colours of the ways of each method in a study, in their order there: blue, green, red to purple
+SHADES: dict[str, tuple[str, ...]] = {
+    "mdr": (LOOKS["mdr"]["color"], "#3d8bcd", "#00838f", "#8fb8de", "#5c6bc0"),
+    "bem": (LOOKS["bem"]["color"], "#7cb342", "#00695c"),
+    "fem": (
+        LOOKS["fem"]["color"],
+        *("#e69f00", "#7b241c", "#8e44ad", "#f0784a", "#d81b88", "#4a235a", "#a67c00"),
+    ),
+    "direct": (LOOKS["direct"]["color"],),
+    "mdr-grid": (LOOKS["mdr-grid"]["color"],),
+    "naive": ("0.45",),
+}
+FIRST_MARKER = {"mdr": 0, "bem": 1, "fem": 3, "direct": 6, "mdr-grid": 5, "naive": 7}
+MARKERS = "osv^D<xX*P>ph"
+
+
+def looks_of_ways(ways: Iterable[tuple[str, str]]) -> dict[str, Look]:
+    """Return the look of each way to compute a case, by its name.
+
+    The hue tells the method; marker and line tell its ways apart.
+
+    Parameters
+    ----------
+    ways : name and method of each way, in the order of the study
+    """
+    counts, looks = dict[str, int](), dict[str, Look]()
+    of_users = tuple(look["color"] for look in OWN_LOOKS)
+    for name, method in dict(ways).items():
+        number = counts[method] = counts.get(method, -1) + 1
+        shades = SHADES.get(method, of_users)
+        looks[name] = {
+            "color": shades[number % len(shades)],
+            "marker": MARKERS[(FIRST_MARKER.get(method, 0) + number) % len(MARKERS)],
+            "linestyle": LINES[number % len(LINES)],
+            "markersize": 3.4,
+            "markerfacecolor": "none",
+            "markeredgewidth": 0.8,
+            "linewidth": 1.0,
+            "label": name,
+        }
+    return looks
+
+
 def rings_differ(wear_coefficients: Array) -> bool:
     """Return whether some rings wear visibly faster than others."""
     return bool(wear_coefficients.max() > LEAST_RATIO * wear_coefficients.min())

@@ -7,11 +7,11 @@ import pandas as pd
 import xarray
 from matplotlib.figure import Figure
 
-from ..crosscheck import Scene
+from ..crosscheck import Scene, Source
 from ..crosscheck.methods.sampling.sampler import AVERAGES
-from ..study.levels import Record
-from ..study.options import Options
-from ..study.study import Study
+from ..study.accept import accept
+from ..study.record import Record
+from ..study.study import QUICK, Study
 from ..sweep.axes import Sweep
 from ..sweep.conduct import sweep
 from ..tables import keeping_rows
@@ -20,12 +20,27 @@ from .running_in import FiveRings
 from .theory import FIG7_WEAR_RATIO, homogeneous, many_rings
 
 
-def conduct(scene: Scene, options: Options, record: Record) -> Study:
-    """Compute the figures, their data, and the table of claims."""
+def paper(
+    scene: Source = "five_rings", *, quick: bool = False, record: Record | None = None
+) -> Study:
+    """Compute the figures of the paper, their data, and the table of its claims.
+
+    Parameters
+    ----------
+    scene : a scene, of which Poisson's ratio and the accuracy count
+    quick : whether to leave out punches of many rings, and half of the points by finite elements
+    record : collects the conclusions, also those of a study that is interrupted
+
+    Raises
+    ------
+    SceneError
+        if the scene does not fit the study
+    """
+    scene, record = accept("paper", scene), record or Record()
     drawn_figures = dict[str, Figure]()
     tables = dict[str, pd.DataFrame]()
-    table, conclusions = pd.DataFrame(), record.conclusions
-    with keeping_rows(conclusions):
+    table, conclusions = pd.DataFrame(), list[str]()
+    with keeping_rows(record.remarks):
         five_rings = FiveRings(scene)
         states, history = five_rings.states, five_rings.history
         conclusions.append(
@@ -39,8 +54,8 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         tables["fig5"] = history.to_dataframe("gradient").reset_index()
         curves = {}
         for number in (6, 7):
-            counts = (2, 4, 8) if options.quick else (2, 4, 8, 16, 32, 64)
-            curves[number] = compute_gradients(number, scene, counts)
+            counts = (2, 4, 8) if quick else (2, 4, 8, 16, 32, 64)
+            curves[number] = compute_gradients(number, scene, counts, 50 if quick else 25)
             drawn_figures[f"fig{number}"] = figures.draw_gradients(number, curves[number])
             tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
@@ -52,11 +67,18 @@ def conduct(scene: Scene, options: Options, record: Record) -> Study:
         conclusions += claims.conclude(table)
     tables["claims"] = table
     return Study(
-        "paper", scene, table, conclusions=tuple(conclusions), figures=drawn_figures, tables=tables
+        "paper",
+        scene,
+        table,
+        conclusions=(*conclusions, *([QUICK] if quick else []), *record.remarks),
+        figures=drawn_figures,
+        tables=tables,
     )
 
 
-def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xarray.Dataset:
+def compute_gradients(
+    figure: int, scene: Scene, counts: tuple[int, ...], spacing: int
+) -> xarray.Dataset:
     """Return the data of Fig. 6 or 7, computed by the bundled sweep `fig6` or `fig7`.
 
     Parameters
@@ -64,6 +86,7 @@ def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xar
     figure : 6 or 7
     scene : scene with the Poisson's ratio and the accuracy of finite elements
     counts : numbers of rings
+    spacing : number of points from one that finite elements compute to the next
 
     Returns
     -------
@@ -78,7 +101,7 @@ def compute_gradients(figure: int, scene: Scene, counts: tuple[int, ...]) -> xar
     varied_key = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
     ratio_name = varied_key.removeprefix("punch.")
     fem_points = {
-        varied_key: by_direct[ratio_name].values[::25].tolist(),
+        varied_key: by_direct[ratio_name].values[::spacing].tolist(),
         "punch.rings": [count for count in counts if count <= 16],
     }
     by_fem = sweep(

@@ -1,232 +1,275 @@
-"""Fit observed orders of convergence, compare them with theory, and extrapolate to the limit.
+"""Orders of convergence of any table of levels: of a study, or of another program's results.
 
-A sequence is one quantity on the levels of a family, from coarse to fine. Its observed order is the
-slope of ``log error`` over ``log size``, computed between neighbouring levels and by least squares
-over all levels with errors above a floor. Below the floor, roundoff or another error dominates.
+`orders` accepts three kinds of tables:
 
-If values follow ``v + c h^p``, three levels determine the order p, Richardson's limit v, and
-Roache's grid convergence index [1], which is 1.25 times the distance of the finest value from that
-limit. A program can report this index as its error estimate without knowing the exact value.
+- tables of a study (`measure.measure`), which have the columns `quantity` and `error`;
+- tables with one row for each level and one column for each quantity;
+- tables with a column `radius` as well, whose other columns are fields on the levels.
 
-[1] Roache: Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng.
-116 (1994), doi 10.1115/1.2910291.
+A column holds values, whose order follows from their changes from level to level, or errors, whose
+order is the slope of their logarithm. Errors are columns whose right value is 0, or that have the
+word "error" in their names.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Hashable, Iterator, Mapping
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
-from scipy.optimize import brentq
-from scipy.special import stdtrit
 
-from ..crosscheck import Array
-from ..tables import Row
-from .levels import Family, Theory
+from ..crosscheck import Array, SceneError
+from ..crosscheck.problem.written import shown
+from ..crosscheck.scene.explain import nearest
+from .extrapolation import (
+    INDEX_SAFETY_FACTOR,
+    order_of_changes,
+    order_of_errors,
+    order_of_three,
+    weight_of_limit,
+)
 
 ORDER_TOLERANCE = 0.15
-"""Greatest difference between observed and theoretical order that counts as agreement.
+"""Greatest difference of two orders that counts as agreement.
 
-The order by least squares and the order between the last two levels both have to satisfy it.
+It holds for an observed order and its theory, and for the orders of the last levels and of those
+before, which shows whether the levels are in the asymptotic range.
 """
-INDEX_SAFETY_FACTOR = 1.25
-"""Safety factor of the grid convergence index if three levels determine the order (Roache [1])."""
-LOWEST_ORDER, HIGHEST_ORDER = 0.05, 20.0
-"""Bounds of the search for the order in Richardson's extrapolation from three levels."""
-CONFIDENCE = 0.95
-"""Confidence level of the interval of an observed order, for normally distributed scatter."""
+RADIUS = "radius"
+"""Column that makes the other columns fields."""
+COLUMNS = ("quantity", "order", "low", "high", "limit", "index", "asymptotic")
+SHEET = ("computed", "target", "ratio", "tolerance", "within")
+"""Columns of the table, and those that a right value or a tolerance adds."""
+KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
+"""Columns of a study that tell its sequences of levels apart."""
 
 
-class FieldLevels(Protocol):
-    """Fields on the levels of a sequence, for quantities whose error is a norm."""
-
-    @property
-    def changes(self) -> Array:
-        """(n-1,) relative norms of the differences between neighbouring levels."""
-
-    def error_of_limit(self, weight: float) -> float:
-        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
-
-
-@dataclass(frozen=True)
-class Sequence:
-    """One quantity on the solved levels of a family.
+def orders(
+    table: pd.DataFrame,
+    by: str,
+    right: Mapping[str, float] | float | None = None,
+    tolerance: float | None = None,
+) -> pd.DataFrame:
+    """Return the order of convergence of each column of a table of levels.
 
     Parameters
     ----------
-    name : name of the family
-    quantity : name of the quantity
-    theory : theoretical order of the quantity
-    sizes : (n,) sizes of the levels
-    signed_errors : (n,) relative errors with their signs
-    fields : fields on the levels, if the errors are norms, which have no sign
+    table : one row for each level, or for each level and radius, in any order; or the table of a
+        study
+    by : name of the column with the size of each level, such as the element size or the time step
+    right : right value of each quantity, by name, or one for all of them; 0 for errors
+    tolerance : greatest relative error of the finest level that is allowed
+
+    Returns
+    -------
+    DataFrame
+        One row for each quantity with the columns
+
+        order, low, high
+            the order, and the ends of its 95 % interval, which needs four levels. It is the slope
+            of the logarithms of errors, if these are known, or else it follows from the changes of
+            the values from level to level
+        limit
+            Richardson's limit of the last three levels; of a field, the mean square of its limit;
+            of a study, the true error of the limit
+        index
+            the grid convergence index: an estimate of the relative error of the finest level
+        asymptotic
+            "yes" or "no": whether the last three levels have the same order as those before, to
+            0.15; "unknown" for three levels
+
+        With `right` or `tolerance`, also `computed` (on the finest level), `target` (the right
+        value or else the limit), `ratio` of the two, `tolerance`, and `within`.
+
+    Raises
+    ------
+    SceneError
+        if the table has no such column, or if its sizes are not three different positive numbers
+
+    Examples
+    --------
+    Values ``1 + h^2`` converge to 1 with the order 2:
+
+    >>> import pandas as pd
+    >>> sizes = [0.4, 0.2, 0.1]
+    >>> table = pd.DataFrame({"h": sizes, "depth": [1 + h**2 for h in sizes]})
+    >>> (row,) = orders(table, by="h").to_dict("records")
+    >>> row["quantity"], round(row["order"], 6), round(row["limit"], 6)
+    ('depth', 2.0, 1.0)
     """
+    if not isinstance(table, pd.DataFrame):
+        raise SceneError(f"orders: {type(table).__name__} is no table: give a pandas DataFrame")
+    if by not in table:
+        names = [str(name) for name in table]
+        hint = f"did you mean {shown(nearest(str(by), names))}? " if nearest(by, names) else ""
+        raise SceneError(f"by = {shown(by)}: the table has no such column: {hint}it has {names}")
+    if {"quantity", "error"} <= set(table):
+        rows = list(_of_study(table, by))
+    elif RADIUS in table:
+        rows = [_of_fields(table, by, name) for name in _numbers(table, (by, RADIUS))]
+    else:
+        rows = [
+            _of_numbers(table, by, name, _right_value(right, str(name)), tolerance)
+            for name in _numbers(table, (by,))
+        ]
+    if not rows:
+        raise SceneError(f"the table has no numbers besides {shown(by)}: add a column of values")
+    return pd.DataFrame(rows)
 
-    name: str
-    quantity: str
-    theory: Theory
-    sizes: Array
-    signed_errors: Array
-    fields: FieldLevels | None = None
 
-    @property
-    def errors(self) -> Array:
-        """(n,) absolute values of the relative errors."""
-        return np.abs(self.signed_errors)
+def _right_value(right: Mapping[str, float] | float | None, name: str) -> float:
+    """Return the right value of a column; NaN if it is not known."""
+    if isinstance(right, Mapping):
+        right = right.get(name)
+    if right is None:
+        return 0.0 if "error" in name.lower() else np.nan
+    return float(right)
 
-    @property
-    def counted(self) -> NDArray[np.bool_]:
-        """(n,) whether the error of a level is above the floor, so that the fit uses it."""
-        return self.errors > self.theory.floor
 
-    @property
-    def order(self) -> float:
-        """Observed order by least squares over the levels above the floor; NaN for only one."""
-        return self._fit(slice(None))
+def _numbers(table: pd.DataFrame, others: tuple[str, ...]) -> list[Hashable]:
+    """Return the names of the columns with numbers, without some others."""
+    return [name for name in table.select_dtypes("number") if name not in others]
 
-    @property
-    def last_order(self) -> float:
-        """Observed order between the last two levels above the floor."""
-        return self._fit(slice(-2, None))
 
-    @property
-    def interval(self) -> tuple[float, float]:
-        """Confidence interval of the fitted order at the level `CONFIDENCE`.
+def _levels(table: pd.DataFrame, by: str, name: Hashable) -> tuple[Array, Array]:
+    """Return the sizes (n,) and the values (n,) of a column, from coarse to fine."""
+    rows = table[[by, name]].dropna().sort_values(by, ascending=False, kind="stable")
+    sizes, values = rows.to_numpy(float).T
+    _refuse_sizes(sizes, by)
+    return sizes, values
 
-        It follows from the scatter about the fit, by Student's distribution with n - 2 degrees of
-        freedom for n levels. Both ends are NaN for fewer than three levels.
-        """
-        sizes, errors = self._logarithms(slice(None))
-        return slope_interval(sizes, errors)
 
-    def _logarithms(self, levels: slice) -> tuple[Array, Array]:
-        sizes, errors = (
-            np.log(values[self.counted][levels]) for values in (self.sizes, self.errors)
-        )
-        return sizes, errors
-
-    def _fit(self, levels: slice) -> float:
-        sizes, errors = self._logarithms(levels)
-        return float(np.polyfit(sizes, errors, 1)[0]) if len(sizes) > 1 else np.nan
-
-    @property
-    def orders(self) -> Array:
-        """(n-1,) observed orders between neighbouring levels; NaN at an error of zero."""
-        errors = np.where(self.errors > 0, self.errors, np.nan)
-        return np.diff(np.log(errors)) / np.diff(np.log(self.sizes))
-
-    @property
-    def richardson(self) -> tuple[float, float]:
-        """Signed error of Richardson's limit, and the grid convergence index, both relative.
-
-        Both are NaN for fewer than three levels, and if the last three levels do not converge
-        monotonically. If errors are norms of fields, the order is computed from the norms of the
-        differences between levels. The limit is then a field, and its error is a norm, too.
-        """
-        undetermined = np.nan, np.nan
-        if len(self.sizes) < 3 or not np.isfinite(self.signed_errors[-3:]).all():
-            return undetermined
-        sizes, errors = self.sizes[-3:], self.signed_errors[-3:]
-        previous, last = (
-            errors[:-1] - errors[1:] if self.fields is None else self.fields.changes[-2:]
+def _refuse_sizes(sizes: Array, by: str) -> None:
+    """Raise an error if sizes are not at least three different positive numbers."""
+    if len(sizes) < 3 or len(np.unique(sizes)) < len(sizes) or sizes.min() <= 0:
+        raise SceneError(
+            f"by = {shown(by)}: an order needs three levels or more, each with another positive "
+            f"size; the table has {', '.join(f'{size:g}' for size in sizes) or 'none'}"
         )
 
-        def misfit(order: float) -> float:
-            powers = sizes**order
-            return float((powers[0] - powers[1]) * last - (powers[1] - powers[2]) * previous)
 
-        if misfit(LOWEST_ORDER) * misfit(HIGHEST_ORDER) >= 0:
-            return undetermined
-        order = brentq(misfit, LOWEST_ORDER, HIGHEST_ORDER)
-        weight = 1 / ((sizes[1] / sizes[2]) ** order - 1)
-        if self.fields is not None:
-            index = INDEX_SAFETY_FACTOR * weight * last
-            return self.fields.error_of_limit(weight), float(index)
-        distance_to_limit = weight * last
-        index = INDEX_SAFETY_FACTOR * abs(distance_to_limit) / (1 + errors[2])
-        return float(errors[2] - distance_to_limit), float(index)
-
-    @property
-    def verdict(self) -> str:
-        """Whether the observed orders agree with theory: `yes`, `no`, or why this is undecided.
-
-        It is empty if there is no theory.
-        """
-        if np.isnan(self.theory.order):
-            return ""
-        if np.isnan(self.order):
-            return "too few levels above the floor"
-        deviations = np.array([self.order, self.last_order]) - self.theory.order
-        return "yes" if (np.abs(deviations) <= ORDER_TOLERANCE).all() else "no"
-
-    @property
-    def label(self) -> str:
-        """Label of the curve: family, quantity, observed order, theoretical order and verdict."""
-        label = f"{self.name}, {self.quantity}: {self.order:.2f}"
-        if not self.verdict:
-            return label
-        return f"{label} (theory {self.theory.order:.3g}: {self.verdict})"
-
-    def summary(self) -> Row:
-        """Return the row of this sequence in the table of orders."""
-        lowest, highest = self.interval
-        limit, index = self.richardson
-        return {
-            "refined": self.name,
-            "quantity": self.quantity,
-            "levels": f"{self.counted.sum()} of {len(self.sizes)}",
-            "expected order": self.theory.order,
-            "least squares": self.order,
-            "lower end": lowest,
-            "upper end": highest,
-            "last levels": self.last_order,
-            f"within {ORDER_TOLERANCE}": self.verdict,
-            "finest error": f"{self.errors[-1]:.1e}",
-            "error of Richardson's limit": limit,
-            "grid convergence index": index,
-            "floor": self.theory.floor,
-            "cause of the floor": self.theory.floor_cause,
-            "theory": self.theory.reason,
-        }
+def _of_numbers(
+    table: pd.DataFrame, by: str, name: Hashable, right: float, tolerance: float | None
+) -> dict[str, Any]:
+    """Return the row of a column with one number on each level."""
+    sizes, values = _levels(table, by, name)
+    errors, changes = np.abs(values - right), values[:-1] - values[1:]
+    if np.isfinite(right):
+        fitted = order_of_errors(sizes, errors)
+        before, last = (
+            order_of_errors(sizes[part], errors[part]).order
+            for part in (slice(-3, -1), slice(-2, None))
+        )
+        compared = len(sizes) > 2
+    else:
+        monotonic = (np.sign(changes) == np.sign(changes[-1])).all()
+        fitted = order_of_changes(sizes, np.abs(changes) if monotonic else changes * np.nan)
+        last = order_of_three(sizes[-3:], changes[-2:])
+        compared = len(sizes) > 3
+        before = order_of_three(sizes[-4:-1], changes[-3:-1]) if compared else np.nan
+    last_three = order_of_three(sizes[-3:], changes[-2:])
+    limit = index = np.nan
+    if np.isfinite(last_three):
+        distance = weight_of_limit(sizes, last_three) * changes[-1]
+        limit = values[-1] - distance
+        if right != 0 and values[-1]:
+            index = INDEX_SAFETY_FACTOR * abs(distance / values[-1])
+    row = {
+        **dict(zip(COLUMNS, (str(name), *fitted, limit, index), strict=False)),
+        "asymptotic": _asymptotic(before, last) if compared else "unknown",
+    }
+    if np.isnan(right) and tolerance is None:
+        return row
+    target = limit if np.isnan(right) else right
+    deviation = abs(values[-1] - target) / (abs(target) or 1.0)
+    sheet = {
+        "computed": values[-1],
+        "target": target,
+        "ratio": values[-1] / target if target else np.nan,
+        "tolerance": np.nan if tolerance is None else tolerance,
+    }
+    within = "" if tolerance is None else "yes" if deviation <= tolerance else "no"
+    return row | sheet | {"within": within}
 
 
-def slope_interval(x: Array, y: Array) -> tuple[float, float]:
-    """Return the confidence interval of the slope of a least-squares line, at level `CONFIDENCE`.
+def _of_fields(table: pd.DataFrame, by: str, name: Hashable) -> dict[str, Any]:
+    """Return the row of a column that is a field along the radius on each level.
 
-    It uses Student's distribution with n - 2 degrees of freedom. Both ends are NaN for fewer than
-    three points.
-
-    Parameters
-    ----------
-    x, y : (n,) coordinates of the points
+    Norms are mean squares over the area, on the radii of the coarsest level.
     """
-    if len(x) < 3:
-        return np.nan, np.nan
-    (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
-    half_width = stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2) * np.sqrt(covariance[0, 0])
-    return float(slope - half_width), float(slope + half_width)
-
-
-def sequences_of(families: Iterable[Family], rows: pd.DataFrame) -> list[Sequence]:
-    """Return one sequence for each quantity with a theory in each family, if rows have values."""
-    sequences = []
-    for family in families:
-        family_rows = rows[rows.family == family.name]
-        for quantity, theory in family.theory.items():
-            levels = family_rows[["size", quantity]].dropna().to_numpy(float)
-            if len(levels):
-                sequences.append(Sequence(family.name, quantity, theory, *levels.T))
-    return sequences
-
-
-def conclude(sequences: Iterable[Sequence]) -> list[str]:
-    """Return a sentence on how many orders agree with theory, and one line for each sequence."""
-    sequences = list(sequences)
-    verdicts = [sequence.verdict for sequence in sequences if sequence.verdict]
-    return [
-        f"{verdicts.count('yes')} of {len(verdicts)} orders with a theory are within "
-        f"{ORDER_TOLERANCE} of it, by least squares and between the last levels.",
-        *(f"{sequence.label}, finest error {sequence.errors[-1]:.1e}" for sequence in sequences),
+    rows = table[[by, RADIUS, name]].dropna()
+    sizes = np.sort(rows[by].unique().astype(float))[::-1]
+    _refuse_sizes(sizes, by)
+    levels = [rows[rows[by] == size].sort_values(RADIUS) for size in sizes]
+    radii = min((level[RADIUS].to_numpy(float) for level in levels), key=len)
+    values = [
+        np.interp(radii, level[RADIUS].to_numpy(float), level[name].to_numpy(float))
+        for level in levels
     ]
+    weights = radii * np.gradient(radii) if len(radii) > 1 else np.ones(1)
+
+    def norm(field: Array) -> float:
+        return float(np.sqrt(np.sum(weights * field**2) / np.sum(weights)))
+
+    changes = np.array([norm(fine - coarse) for coarse, fine in pairwise(values)])
+    fitted = order_of_changes(sizes, changes)
+    last, compared = order_of_three(sizes[-3:], changes[-2:]), len(sizes) > 3
+    before = order_of_three(sizes[-4:-1], changes[-3:-1]) if compared else np.nan
+    limit = index = np.nan
+    if np.isfinite(last):
+        weight = weight_of_limit(sizes, last)
+        limit = norm(values[-1] + weight * (values[-1] - values[-2]))
+        index = INDEX_SAFETY_FACTOR * weight * changes[-1] / norm(values[-1])
+    return {
+        **dict(zip(COLUMNS, (str(name), *fitted, limit, index), strict=False)),
+        "asymptotic": _asymptotic(before, last) if compared else "unknown",
+    }
+
+
+def _asymptotic(before: float, last: float) -> str:
+    """Return whether two orders agree, in a word."""
+    return "yes" if abs(last - before) <= ORDER_TOLERANCE else "no"
+
+
+def _of_study(table: pd.DataFrame, by: str) -> list[dict[str, Any]]:
+    """Return the rows of the sequences of a study, whose errors are known."""
+    return [
+        key | fit(levels, by)
+        for key, levels in sequences(table)
+        if np.isfinite(levels[by].to_numpy(float)).sum() > 1
+    ]
+
+
+def sequences(table: pd.DataFrame) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
+    """Yield the sequences of levels of a study, each with its case, way, quantity and `when`."""
+    keys = [name for name in KEYS_OF_STUDIES if name in table]
+    for key, levels in table.dropna(subset=["error"]).groupby(keys, sort=False):
+        yield dict(zip(keys, key, strict=True)), levels
+
+
+def fit(levels: pd.DataFrame, by: str = "size", floor: float = 0.0) -> dict[str, Any]:
+    """Return the order of the errors of a sequence, and Richardson's limit and index.
+
+    Parameters
+    ----------
+    levels : rows of the levels, from coarse to fine
+    by : column of the sizes
+    floor : levels with smaller errors are left out, as are those below the error of the reference
+    """
+    sizes, errors = levels[by].to_numpy(float), levels["error"].abs().to_numpy(float)
+    reference = levels["reference"].max() if "reference" in levels else 0.0
+    counted = errors > np.fmax(floor, reference)
+    fitted = order_of_errors(sizes[counted], errors[counted])
+    between = np.diff(np.log(errors[counted])) / np.diff(np.log(sizes[counted]))
+    last = levels.iloc[-1]
+    return {
+        **dict(zip(COLUMNS[1:4], fitted, strict=True)),
+        # of a study, this is the true error of the limit
+        "limit": abs(last.get("limit", np.nan)),
+        "index": last.get("index", np.nan),
+        "asymptotic": _asymptotic(*between[-2:]) if len(between) > 1 else "unknown",
+        "last order": between[-1] if len(between) else np.nan,
+        "levels": len(levels),
+        "fitted": int(counted.sum()),
+        "finest error": errors[-1],
+    }

@@ -196,7 +196,7 @@ COMMANDS = [
     ("template", "did you mean ringwear check SCENE --template DIR?"),
     ("help", "did you mean ringwear --help?"),
     ("deck five_rings --for calculix --size small", "give a number, such as 0.5"),
-    ("study march --steps 0", "--steps 0: give steps above 0, up to 0.05"),
+    ("study march --steps 0", "--steps 0: give steps above 0, up to 2"),
     ("study march --steps -1", "--steps -1: give steps above 0"),
     ("study refinement --degree 3", "give --mesh FILE"),
     ("compare five_rings there", "it has no summary.json; give a folder"),

@@ -232,9 +232,9 @@ def test_a_refinement_of_known_order(sizes, order, off, honest):
     finest = sizes[-1] ** order
     assert limit == pytest.approx(off, abs=1e-6)
     assert index == pytest.approx(1.25 * finest / (1 + off + finest), rel=1e-4)
-    assert (index >= row.sequence.errors[-1]) == honest
+    assert (index >= row.errors[-1]) == honest
     if honest:
-        np.testing.assert_allclose(row.sequence.orders, order, rtol=1e-4)
+        np.testing.assert_allclose(row.orders, order, rtol=1e-4)
     assert ("TOO SMALL" in checked.lines[-1]) != honest
     assert checked.passes == (abs(off + finest) <= 0.01)
 

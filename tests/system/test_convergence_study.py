@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import csv
+from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 import skfem
 
-from ringwear import Scene, SceneError, SizeField, bisection, main, study
+from ringwear import Method, Scene, SceneError, SizeField, bisection, main, method, study
 
 EDGES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 PRESSURE_AT_HALF = """
@@ -45,6 +46,11 @@ def at_half(result):
     return float(pressure.sel(time=0.1).interp(radius=0.5))
 
 
+def errors(rows, quantity, when="all"):
+    """Return the errors of a quantity, from coarse to fine."""
+    return rows[(rows["quantity"] == quantity) & (rows["when"] == when)]["error"].to_numpy()
+
+
 def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
     results = study(
         "convergence",
@@ -56,18 +62,19 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
         against="unknowns",
     )
     levels = results.table
-    assert list(levels.family.unique()) == ["FEM TriP2, your meshes", "FEM TriP3, your meshes"]
-    assert (levels.groupby("family").size() == 3).all()
-    for _, rows in levels.groupby("family"):
-        assert (np.diff(rows["pressure at start"]) < 0).all()
-        assert abs(rows["p at .5 a"].iloc[-1]) < 0.5 * abs(rows["p at .5 a"].iloc[0])
+    assert list(levels["way"].unique()) == ["your meshes, TriP2", "your meshes, TriP3"]
+    assert (levels.groupby("way")["level"].nunique() == 3).all()
+    for _, rows in levels.groupby("way"):
+        assert (np.diff(errors(rows, "pressure", "start")) < 0).all()
+        own = rows[rows["quantity"] == "p at .5 a"]
+        assert abs(own["error"].iloc[-1]) < 0.5 * abs(own["error"].iloc[0])
         # values and their errors give the same exact value
-        exact = rows["value of p at .5 a"] / (1 + rows["p at .5 a"])
+        exact = own["computed"] / (1 + own["error"])
         assert np.ptp(exact) <= 1e-12 * exact.iloc[0]
-    reasons = results.orders[results.orders.quantity == "d0"].theory
+    reasons = results.orders[results.orders["quantity"] == "indentation"]["theory"]
     assert reasons.str.contains("how your meshes are graded is not known").all()
     (axes, *_) = results.figures["convergence_your_meshes"].axes
-    assert axes.get_xlabel() == "number of unknowns"
+    assert axes.get_xlabel() in ("", "unknowns")
 
 
 def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_path):
@@ -76,32 +83,79 @@ def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_pa
         options += ["--mesh", file]
     options += ["--quantity", f"{tmp_path / 'mine.py'}:at_half", "--degree", "3", "--quick"]
     assert main(["study", "convergence", "five_rings", *options, "--out", str(out)]) == 0
-    rows = list(csv.DictReader((out / "convergence.csv").read_text("utf-8").splitlines()))
-    assert [row["setting"] for row in rows] == ["mine_0.msh", "mine_1.msh", "mine_2.msh"]
-    assert {row["family"] for row in rows} == {"FEM P3, your meshes"}
-    assert 0 < abs(float(rows[-1]["at_half"])) < 1e-3 < abs(float(rows[0]["at_half"]))
-    assert (out / "convergence.png").exists()
+    rows = pd.read_csv(out / "convergence.csv")
+    assert rows["level"].unique().tolist() == ["mine_0.msh", "mine_1.msh", "mine_2.msh"]
+    assert rows["way"].unique().tolist() == ["your meshes"]
+    first, *_, last = np.abs(errors(rows, "at_half"))
+    assert 0 < last < 1e-3 < first
+    assert (out / "convergence_your_meshes.png").exists()
+    # what a user takes away comes first: the orders of the meshes, and a table of four columns
+    table = (out / "orders.md").read_text("utf-8").splitlines()[0]
+    assert table == "| refined | quantity | order (95 %) | theory |"
+
+
+def test_chosen_quantities_are_tabulated_and_drawn(sequence):
+    results = study("convergence", "flat_punch", True, ["pressure"], meshes=sequence[:2])
+    assert set(results.table["quantity"]) == {"pressure"}
 
 
 def test_an_element_from_the_command_line(tmp_path):
     options = ["--element", "ElementTriP2B", "--quick", "--out", str(tmp_path)]
     assert main(["study", "convergence", "flat_punch", *options]) == 0
-    rows = list(csv.DictReader((tmp_path / "orders.csv").read_text("utf-8").splitlines()))
-    (graded,) = (
-        row
-        for row in rows
-        if (row["refined"], row["quantity"]) == ("FEM TriP2B, graded, scene", "d0")
-    )
+    rows = pd.read_csv(tmp_path / "orders.csv").set_index(["way", "quantity", "when"])
     # the bubble adds nothing to the degree of P2, whose order is 4
-    assert float(graded["least squares"]) == pytest.approx(4, abs=0.3)
+    graded = rows.loc["TriP2B, graded", "indentation", "start"]
+    assert float(graded["order"]) == pytest.approx(4, abs=0.3)
 
 
 def test_time_steps_of_the_user_converge_with_first_order():
     scene = Scene.load("five_rings").changed(wear__times=[0.0, 0.5, 1.0])
     results = study("convergence", scene, quick=True, steps=[0.1, 0.05, 0.025, 0.0125])
-    judged = results.orders[results.orders["expected order"] == 1]
-    assert set(judged.quantity) >= {"d(t)", "pressure", "profile", "ring forces"}
-    assert (judged["within 0.15"] == "yes").all()
+    judged = results.orders[results.orders["expected"] == 1]
+    assert set(judged["quantity"]) >= {"indentation", "pressure", "profile", "ring_force"}
+    assert (judged["agrees"] == "yes").all()
+    assert results.table["level"].unique().tolist() == ["1.0", "0.5", "0.25", "0.125"]
+
+
+class Halved(Method):
+    """Half of the indentation of MDR: a method of a user that errs by 50 %."""
+
+    name = "halved"
+
+    def solve(self, problem, stages):
+        solution = method("mdr").solve(problem, stages)
+        changed = solution.compared | {"indentation": solution.compared["indentation"] / 2}
+        return replace(solution, compared=changed)
+
+
+def test_a_method_of_the_user_enters_every_study_that_has_methods():
+    scene = Scene.load("flat_punch").changed(wear__times=[0.0, 0.1], accuracy__rtol=1e-3)
+    for name in ("convergence", "refinement", "tradeoff", "extremes"):
+        more = {"vary": {"punch.radius": [1.0]}} if name == "extremes" else {}
+        results = study(name, scene, quick=True, methods=[Halved()], **more)
+        rows = results.table[results.table["way"] == "halved"]
+        assert errors(rows, "indentation", "start") == pytest.approx(-0.5, abs=1e-3), name
+    assert (rows["verdict"] == "wrong").any()
+
+
+OWN_METHOD = """
+from ringwear.studies.crosscheck.methods.mdr import Mdr
+
+
+class Mine(Mdr):
+    name = "mine"
+"""
+
+
+def test_a_method_from_the_command_line(tmp_path):
+    (tmp_path / "own.py").write_text(OWN_METHOD, "utf-8")
+    out, methods = tmp_path / "out", f"mdr,{tmp_path / 'own.py'}:Mine"
+    options = ["--vary", "half_space.poisson_ratio=0.1:0.3:2", "--methods", methods]
+    assert main(["study", "extremes", "flat_punch", *options, "--out", str(out)]) == 0
+    rows = pd.read_csv(out / "extremes.csv")
+    assert set(rows["method"]) == {"mdr", "mine"}
+    assert set(rows["verdict"]) == {"within"}
+    assert set(rows["value"]) == {0.1, 0.3}
 
 
 @pytest.mark.parametrize(
@@ -109,10 +163,11 @@ def test_time_steps_of_the_user_converge_with_first_order():
     [
         ({"methods": ["direct"]}, "has no sequence of levels"),
         ({"methods": ["abaqus"]}, "is not a method"),
+        ({"quantities": "presure"}, "did you mean pressure"),
         ({"elements": [skfem.ElementTriCR()]}, "has to be continuous"),
         ({"quantities": {"q": lambda result: result.nothing}}, "quantity q fails: AttributeError"),
         ({"quantities": {"q": lambda _: np.nan}}, "quantity q is nan"),
-        ({"steps": [-1.0]}, "give positive steps"),
+        ({"steps": [-1.0]}, "give steps above 0"),
         ({"against": "time"}, "give one of size, unknowns, seconds"),
         ({"meshes": ["no_such.msh"]}, "--mesh no_such.msh"),
     ],
@@ -137,23 +192,25 @@ def test_the_force_of_a_fixed_indentation_is_measured():
     load = {"indentation": 1.0}
     scene = Scene.load("five_rings").changed(load=load, wear__times=[0.0, 0.1, 1.0], punch__rings=2)
     results = study("convergence", scene, quick=True, methods=["mdr"])
-    assert "d(t)" not in results.table
-    graded = results.table[results.table.family == "MDR degree 2, graded, scene"]
-    assert (np.diff(graded["normal force"]) < 0).all()
-    assert graded["normal force"].iloc[-1] < 1e-6
+    rows = results.table[results.table["case"] == "scene"]
+    assert "indentation" not in set(rows["quantity"])
+    graded = np.abs(errors(rows[rows["way"] == "MDR degree 2, graded"], "normal_force", "later"))
+    assert (np.diff(graded) < 0).all()
+    assert graded[-1] < 1e-6
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", ["sphere", "duty_cycle"])
-def test_punches_whose_contact_moves_have_all_columns(scene):
+def test_punches_whose_contact_moves_have_all_quantities(scene):
     results = study("convergence", scene, quick=True)
-    assert not results.table.remark.notna().any()
-    columns = {"d(t)", "pressure", "profile", "RMS slope", "contact radius", "stresses inside"}
+    table = results.table
+    assert (table["outcome"] == "solved").all()
+    names = {"indentation", "pressure", "profile", "rms_slope", "contact_radius", "stress_on_axis"}
     # a punch of one ring carries the given force on it
-    columns |= {"ring forces", "worn volume"} if scene == "duty_cycle" else {"pressure at start"}
-    finest = results.table.groupby("family").last()
-    assert {"MDR", "BEM", "FEM P1", "FEM P4", "FEM Q1", "FEM Q2"} <= set(finest.index)
-    assert finest[list(columns - {"stresses inside"})].notna().all().all()
-    assert (finest["d(t)"] < 0.03).all()
-    assert results.orders["expected order"].isna().all()
-    assert results.orders.theory.str.contains("edges of the contact lie anywhere").all()
+    names |= {"ring_force", "ring_worn_volume"} if scene == "duty_cycle" else set()
+    assert names <= set(table["quantity"])
+    assert {"MDR", "BEM", "P1 below cells", "P4 below cells", "Q2 below cells"} <= set(table["way"])
+    finest = table[(table["quantity"] == "indentation") & (table["when"] == "later")]
+    assert (finest.groupby("way")["error"].last().abs() < 0.03).all()
+    assert results.orders["expected"].isna().all()
+    assert results.orders["theory"].str.contains("edges of the contact lie anywhere").all()

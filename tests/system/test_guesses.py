@@ -188,7 +188,7 @@ TOLD = [
     (lambda _: check("five_rings", TABLE, columns=["p"]), "such as {'p': 'pressure'}"),
     (lambda _: check("five_rings", TABLE, tol=0.1), "has no argument 'tol'"),
     (lambda _: study(["march"]), "give one of paper, convergence"),
-    (lambda _: study("march", steps=0), "give steps above 0, up to 0.05"),
+    (lambda _: study("march", steps=0), "give steps above 0, up to 2"),
     (lambda _: study("march", steps=["a"]), "give numbers, such as [0.1, 0.05]"),
     (lambda _: study("convergence", quantities="depth"), "give functions of the result of a run"),
     (lambda _: study("convergence", quantities=[3]), "give functions of the result of a run"),

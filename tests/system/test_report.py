@@ -152,7 +152,7 @@ def test_the_page_of_a_study(tmp_path):
         purpose="orders of time",
     )
     files = set(own.save(tmp_path))
-    assert files == {"report.html", "march.csv", "march.md", "march.tex", "curve.png"}
+    assert files == {"report.html", "march.csv", "curve.png"}
     text = (tmp_path / "report.html").read_text("utf-8")
     assert "| a |" not in text
     picture = base64.b64encode((tmp_path / "curve.png").read_bytes()).decode()

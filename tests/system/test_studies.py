@@ -9,12 +9,14 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
-from ringwear import SceneError, main, study
-from ringwear.studies.study.listing import ListedStudy
+from ringwear import Scene, SceneError, main, study
+from ringwear.studies.named_studies import STUDIES
 
 LOG = logging.getLogger("ringwear")
 INTERRUPTED = "INTERRUPTED"
@@ -29,8 +31,10 @@ def names_of_studies():
     return sorted({*names} - {"paper"})
 
 
-def rows(path):
-    return list(csv.DictReader(path.read_text("utf-8").splitlines()))
+def levels(path):
+    """Return the levels in a table that are solved, each once, in their order."""
+    rows = csv.DictReader(path.read_text("utf-8").splitlines())
+    return list(dict.fromkeys((row["case"], row["way"], row["level"]) for row in rows))
 
 
 @contextmanager
@@ -59,16 +63,17 @@ def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
     with interrupted_at(line):
         assert main(["study", name, "five_rings", "--quick", "--out", str(tmp_path)]) == 1
     assert INTERRUPTED in capsys.readouterr().out
-    assert len(rows(tmp_path / f"{name}.csv")) == line - 1
+    assert len(levels(tmp_path / f"{name}.csv")) == line - 1
     assert INTERRUPTED in (tmp_path / "report.html").read_text("utf-8")
 
 
 def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
-    def conduct(_, __, record):
-        (record.folder / "rows.csv").write_text("a\n", "utf-8")
+    def march(_, *, quick, record):
+        assert quick
+        record.file.write_text("a\n", "utf-8")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(ListedStudy, "conduct", property(lambda _: conduct))
+    monkeypatch.setitem(STUDIES, "march", replace(STUDIES["march"], load=lambda: march))
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert list(tmp_path.iterdir()) == []
 
@@ -100,7 +105,7 @@ def test_ctrl_c_in_a_study_keeps_rows_and_sets_the_exit_status(tmp_path):
         printed, _ = process.communicate(timeout=30)
     assert process.returncode == 1
     assert INTERRUPTED in printed
-    assert len(rows(tmp_path / "march.csv")) == 1
+    assert len(levels(tmp_path / "march.csv")) == 1
 
 
 def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkeypatch, capsys):
@@ -126,7 +131,7 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkey
 @pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
 def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
     def finished_rows():
-        return sum(len(rows(table)) for table in out.glob(".writing/extremes.csv"))
+        return sum(len(levels(table)) for table in out.glob(".writing/extremes.csv"))
 
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
     code += "from ringwear import main; raise SystemExit(main())"
@@ -144,5 +149,35 @@ def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds,
     assert study.returncode == 1
     assert INTERRUPTED in printed
     assert "Traceback" not in errors
-    assert len(rows(out / "extremes.csv")) >= finished >= 1
+    assert len(levels(out / "extremes.csv")) >= finished >= 1
     assert not list(out.glob(".writing"))
+
+
+def test_a_study_that_is_killed_is_resumed(tmp_path, capsys):
+    """The rows of a process that was killed are kept, and the others are added to them."""
+    out = tmp_path / "out"
+    arguments = ["study", "refinement", "flat_punch", "--quick", "--out", str(out)]
+    code = f"from ringwear import main; main({arguments})"
+    hidden = out / ".writing" / "refinement.csv"
+    with subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.DEVNULL) as study:
+        while study.poll() is None and not (hidden.exists() and len(levels(hidden)) > 4):
+            time.sleep(0.01)
+        study.kill()
+    before = hidden.read_text("utf-8").splitlines()
+    assert main([*arguments, "--resume"]) == 0
+    after = (out / "refinement.csv").read_text("utf-8").splitlines()
+    assert after[: len(before)] == before
+    assert len(after) > len(before)
+    # another scene is refused
+    assert main(["study", "refinement", *arguments[3:], "--resume"]) == 2
+    assert "was written with another scene" in capsys.readouterr().err
+    assert (out / "refinement.csv").read_text("utf-8").splitlines() == after
+
+
+def test_tables_of_two_studies_of_one_scene_join():
+    scene = Scene.load("flat_punch").changed(wear__times=[0.0, 0.1], accuracy__rtol=1e-3)
+    extremes = study("extremes", scene, quick=True, vary={"punch.radius": [1.0]}, methods=["mdr"])
+    convergence = study("convergence", scene, quick=True, methods=["mdr"])
+    joined = pd.merge(extremes.table, convergence.table, on=["quantity", "when", "method"])
+    parts = set(zip(joined["quantity"], joined["when"], strict=True))
+    assert {("indentation", "start"), ("pressure", "later"), ("steady_profile", "all")} <= parts

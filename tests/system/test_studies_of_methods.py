@@ -2,76 +2,63 @@
 
 from __future__ import annotations
 
-import csv
-
 import numpy as np
+import pandas as pd
 import pytest
 
 from ringwear import Scene, SceneError, main, study
 
-Rows = list[dict[str, str]]
-
 
 def conduct(name, out):
-    """Return the rows of each table of a quick study."""
+    """Return the results of a quick study, whose files are written."""
     results = study(name, "five_rings", quick=True)
     assert results.conclusions
-    assert f"{name}.png" in results.save(out)
-    return {
-        file.stem: list(csv.DictReader(file.read_text("utf-8").splitlines()))
-        for file in out.glob("*.csv")
-    }
+    assert f"{name}.csv" in results.save(out)
+    return results
 
 
 FEM = {2: 4, 3: 6, 4: 8}
-ORDERS = {
-    "convergence": {
-        **{(f"FEM P{degree}, graded", "d0"): order for degree, order in FEM.items()},
-        **{(f"FEM P{degree}, uniform", "d0"): 1 for degree in FEM},
-        **{(f"MDR degree {degree}, graded", "d0"): 2 * degree + 3 for degree in (1, 2)},
-        ("MDR degree 1, rings", "d(1)"): 4,
-        ("MDR degree 1, rings", "slowest relaxation time"): 4,
-        ("MDR degree 1, rings", "RMS gradient"): 2,
-        ("FEM quads, digits per degree", "d0"): pytest.approx(np.log10(9)),
-    },
-    "truncation": {
-        ("nu = 0.3", far): order
-        for far, order in {"fixed": 1, "1 pole": 5, "2 poles": 9, "3 poles": 13}.items()
-    },
-    "march": {(f"{march} march", "indentation error"): 1 for march in ("explicit", "implicit")},
+ONE_RING = {
+    **{f"P{degree}, graded": order for degree, order in FEM.items()},
+    **{f"P{degree}, uniform": 1 for degree in FEM},
+    **{f"MDR degree {degree}, graded": 2 * degree + 3 for degree in (1, 2)},
+    "quadrilaterals in layers": pytest.approx(np.log10(9)),
 }
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "name", [pytest.param("convergence", marks=pytest.mark.slow), "truncation", "march"]
-)
-def test_orders_are_those_of_theory(name, tmp_path):
-    tables = conduct(name, tmp_path)
-    judged = {
-        (row["refined"], row["quantity"]): row
-        for row in tables["orders"]
-        if row["expected order"] and not row["refined"].endswith("scene")
-    }
-    assert {row["within 0.15"] for row in judged.values()} == {"yes"}
-    assert {key: float(row["expected order"]) for key, row in judged.items()} == ORDERS[name]
-    # the stability limit of explicit steps, over 4/(pi n k) of n springs, less 1
-    limits = [
-        float(value or 0)
-        for row in tables.get("march", ())
-        for column, value in row.items()
-        if column.startswith("limit over")
-    ]
-    assert bool(limits) == (name == "march")
-    assert all(abs(limit) <= 0.15 for limit in limits)
+def test_orders_of_one_ring_are_those_of_theory(tmp_path):
+    fits = conduct("convergence", tmp_path).orders
+    judged = fits[(fits["case"] == "one ring") & fits["expected"].notna()]
+    starts = judged[judged["quantity"] == "indentation"]
+    assert set(starts["agrees"]) == {"yes"}
+    assert dict(zip(starts["way"], starts["expected"], strict=True)) == ONE_RING
+    # of the scene, orders of MDR and of elements of degree one agree as well
+    scene = fits[(fits["case"] == "scene") & (fits["agrees"] == "yes")]
+    assert {"P1, graded", "Q1, graded", "MDR degree 1, graded"} <= set(scene["way"])
+    written = pd.read_csv(tmp_path / "convergence.csv")
+    assert {"mdr", "bem", "fem"} == set(written["method"])
+
+
+@pytest.mark.gmsh
+def test_orders_of_far_fields_are_those_of_theory(tmp_path):
+    fits = conduct("truncation", tmp_path).orders
+    assert set(fits["agrees"]) == {"yes"}
+    assert fits["expected"].tolist() == [1, 5, 9, 13]
+
+
+def test_the_stability_limit_of_the_papers_grid_is_listed(tmp_path):
+    results = conduct("march", tmp_path)
+    assert (results.tables["paper_grid"]["over 4/(pi n k), less 1"].abs() <= 0.15).all()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "load", "quantity"),
     [
-        ("cone", {"normal_force": 1.0}, "d(t)"),
-        ("sphere", {"indentation": 0.1}, "normal force"),
+        ("cone", {"normal_force": 1.0}, "indentation"),
+        ("sphere", {"indentation": 0.1}, "normal_force"),
     ],
 )
 def test_errors_of_shaped_punches_fall_with_finer_cells(scene, load, quantity, tmp_path):
@@ -80,21 +67,21 @@ def test_errors_of_shaped_punches_fall_with_finer_cells(scene, load, quantity, t
     out = tmp_path / "out"
     arguments = [str(tmp_path / "scene.toml"), "--quick", "--out", str(out)]
     assert main(["study", "convergence", *arguments]) == 0
-    rows = list(csv.DictReader((out / "convergence.csv").read_text("utf-8").splitlines()))
-    families = list(dict.fromkeys(row["family"] for row in rows))
-    elements = ["FEM P1", "FEM P2", "FEM P3", "FEM P4", "FEM Q1", "FEM Q2"]
-    assert families == ["MDR", "BEM", *elements]
-    for family in families:
-        levels = [row for row in rows if row["family"] == family]
-        unknowns = [int(row["unknowns"]) for row in levels]
-        assert unknowns == sorted(unknowns)
-        coarse, fine = levels[0], levels[-1]
+    rows = pd.read_csv(out / "convergence.csv")
+    elements = [f"{name} below cells" for name in ("P1", "P2", "P3", "P4", "Q1", "Q2")]
+    assert rows["way"].unique().tolist() == ["MDR", "BEM", *elements]
+    later = rows[rows["when"] == "later"]
+    for way, levels in later.groupby("way"):
+        assert levels["unknowns"].is_monotonic_increasing
+        errors, profiles = (
+            levels[levels["quantity"] == name]["error"].abs().to_numpy()
+            for name in (quantity, "profile")
+        )
         # errors of elements of degree 1 and 2 below the surface exceed the gain of smaller cells
-        low = family.endswith(("P1", "P2", "Q1", "Q2"))
-        least = 1.0 if low else 1.5
-        assert float(coarse[quantity]) > least * float(fine[quantity]) > 0
-        assert float(coarse["profile"]) > float(fine["profile"])
-        assert float(fine[quantity]) < (0.03 if family.endswith("1") else 1e-3)
+        least = 1.0 if way[:2] in ("P1", "P2", "Q1", "Q2") else 1.5
+        assert errors[0] > least * errors[-1] > 0, way
+        assert profiles[0] > profiles[-1], way
+        assert errors[-1] < (0.03 if way[1] == "1" else 1e-3), way
     assert main(["study", "refinement", *arguments]) == 2
 
 
@@ -103,11 +90,25 @@ def test_errors_of_shaped_punches_fall_with_finer_cells(scene, load, quantity, t
 def test_tradeoff_measures_every_method_and_group(tmp_path):
     with pytest.raises(SceneError) as refusal:
         study("tradeoff", methods=["absent"])
-    ways = str(refusal.value).partition("give some of ")[2].split(", ")
-    tables = conduct("tradeoff", tmp_path)
-    measured = [row for row in tables["tradeoff"] if not row["remark"]]
-    assert {row["method"] for row in measured} == set(ways)
-    assert len({row["group"] for row in measured}) == 4
-    for row in measured:
-        if row["method"] in ("mdr", "bem", "fem"):
-            assert float(row["error"]) <= float(row["setting"].removeprefix("rtol "))
+    ways = str(refusal.value).partition("give some of ")[2].partition(", or methods")[0].split(", ")
+    table = conduct("tradeoff", tmp_path).table
+    measured = table[table["outcome"] == "solved"]
+    assert set(measured["method"]) == {each.split()[0] for each in ways}
+    assert measured["case"].nunique() == 4
+    promised = measured.dropna(subset=["tolerance"])
+    assert set(promised["method"]) == {"mdr", "bem", "fem"}
+    assert (promised["error"].abs() <= promised["tolerance"]).all()
+    assert (promised["least seconds"] <= promised["seconds"]).all()
+    assert (promised["seconds"] <= promised["greatest seconds"]).all()
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+def test_a_scene_varies_the_keys_that_it_has(tmp_path):
+    """Every run of our methods keeps its tolerance or states that it does not."""
+    table = conduct("extremes", tmp_path).table
+    keys = ["half_space.poisson_ratio", "punch.wear_ratio", "punch.width_ratio", "wear.times"]
+    assert list(table["key"].unique()) == [*keys, "accuracy.rtol"]
+    ours = table[table["method"] != "naive"]
+    assert not {"wrong", "crashed"} & set(ours["verdict"])
+    assert "wrong" in set(table[table["method"] == "naive"]["verdict"])

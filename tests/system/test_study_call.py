@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 import ringwear
-from ringwear import SceneError, study
+from ringwear import Scene, SceneError, study
 
 
 @pytest.fixture(scope="module")
@@ -15,26 +15,62 @@ def march():
 
 
 def test_a_study_has_a_row_for_each_level_and_an_order_for_each_sequence(march):
-    levels = march.table.groupby("family").size()
-    assert levels["explicit march"] == levels["implicit march"] == 4
+    columns = [
+        "case",
+        "way",
+        "method",
+        "level",
+        "size",
+        "unknowns",
+        "seconds",
+        "quantity",
+        "when",
+        "error",
+        "estimate",
+    ]
+    assert list(march.table)[: len(columns)] == columns
+    levels = march.table.groupby("way")["level"].nunique()
+    assert levels["explicit Euler"] == levels["implicit Euler"] == 4
     # Euler's methods are of the first order
-    eulers = march.orders[march.orders["expected order"] == 1]
-    assert len(eulers) == 2
-    assert (eulers["lower end"] < eulers["upper end"]).all()
+    eulers = march.orders[march.orders["expected"] == 1]
+    assert len(eulers) == 4
+    assert (eulers["low"] < eulers["high"]).all()
     assert set(march.figures) == {"march"}
-    assert march.conclusions[0].startswith("2 of 2 orders")
+
+
+def test_a_march_says_which_step_is_needed(march):
+    first = march.conclusions[0]
+    assert first.startswith("pressure within 1 % needs steps of at most ")
+    assert "explicit steps are stable below 0.002" in first
+    # the longest step within 1 % errs by less, and the next longer one by more
+    needed = march.tables["longest_steps"].set_index(["way", "quantity", "goal"])["longest step"]
+    step = needed["implicit Euler", "pressure", 1e-2]
+    rows = march.table[march.table["quantity"] == "pressure"].sort_values("step")
+    implicit = rows[rows["way"].str.startswith("implicit")]
+    assert (implicit[implicit["step"] <= step]["error"] <= 1e-2).all()
+    assert implicit[implicit["step"] > step]["error"].iloc[0] > 1e-2
+
+
+def test_steps_of_the_user_are_taken_as_given():
+    scene = Scene.load("five_rings").changed(wear__times=[0.0, 1.0])
+    results = study("march", scene, quick=True, steps=[0.3, 0.1, 0.004, 0.001])
+    steps = results.table.groupby("way")["step"].unique()
+    assert steps["implicit Euler"].tolist() == pytest.approx([0.3, 0.1, 0.004, 0.001])
+    # those above the stability limit are left out of the explicit march, and named
+    assert steps["explicit Euler"].tolist() == pytest.approx([0.001])
+    assert any("leaves out the steps 0.3, 0.1, 0.004" in line for line in results.conclusions)
 
 
 def test_a_study_displays_itself_in_a_notebook(march):
     shown = march._repr_html_()
     assert "data:image/png;base64," in shown
-    assert "implicit march" in shown
+    assert "implicit Euler" in shown
     assert repr(march).startswith("Study march of ")
 
 
 def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
     names = set(march.save(tmp_path))
-    assert {"march.csv", "march.md", "march.tex", "orders.tex", "march.png"} <= names
+    assert {"march.csv", "levels.md", "levels.tex", "orders.tex", "march.png"} <= names
     read = pd.read_csv(tmp_path / "march.csv")
     assert len(read) == len(march.table)
     assert march.to_latex("orders") == (tmp_path / "orders.tex").read_text("utf-8")
@@ -56,9 +92,11 @@ def test_a_study_refuses_unknown_options(call, message):
 
 def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
     results = study("march", "rotating_pin", quick=True)
-    assert results.orders["expected order"].tolist() == [1.0, 1.0]
-    assert results.orders["least squares"].tolist() == pytest.approx([1.0, 1.0], abs=0.05)
-    assert "a full disc" in results.conclusions[-1]
+    implicit = results.orders[results.orders["way"] == "implicit Euler"]
+    assert set(implicit["quantity"]) == {"indentation", "pressure", "profile"}
+    assert implicit["expected"].tolist() == [1.0] * 3
+    assert implicit["order"].tolist() == pytest.approx([1.0] * 3, abs=0.05)
+    assert any("a full disc" in line for line in results.conclusions)
 
 
 def test_an_unknown_table_is_refused(march):

@@ -79,7 +79,7 @@ def test_names_of_programs_methods_and_quantities_are_one_line():
     with pytest.raises(SceneError, match="name of a method or a program: 'own"):
         run(FLAT, methods=[Own()])
     with pytest.raises(SceneError, match="name of a quantity: 'p"):
-        study("truncation", quantities={"p\\\\\n": lambda _: 1.0}, quick=True)
+        study("convergence", quantities={"p\\\\\n": lambda _: 1.0}, quick=True)
 
 
 def test_names_of_files_and_columns_are_shown_with_escape_sequences(tmp_path, monkeypatch, capsys):

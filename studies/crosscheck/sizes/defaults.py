@@ -320,7 +320,7 @@ def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:
     The number of poles is that of the scene, or else the smallest with which the truncation loses
     at most the share ``min(MAX_TRUNCATION_LOSS, rtol / TRUNCATION_MARGIN)`` of the energy
     (`fem.far_field.enough_poles`). Shown by
-    unit/studies/convergence/test_orders.py::test_truncation_by_every_far_field.
+    unit/studies/study/test_ways.py::test_truncation_by_every_far_field.
     """
     from ....fem.far_field import enough_poles
 

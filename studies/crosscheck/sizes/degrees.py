@@ -62,7 +62,7 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
 
     with the largest amplitude on the elements in the middle of the rings. `relaxed_degree` lowers
     this a little; the result is at least LOWEST_DEGREE. Shown by
-    unit/studies/convergence/test_orders.py::test_rings_on_quadrilaterals_by_the_degree.
+    unit/studies/study/test_ways.py::test_rings_on_quadrilaterals_by_the_degree.
     """
     half_width, amplitude = np.diff(problem.merged.from_axis) / 2, problem.edge_amplitude
     edges = np.arange(len(half_width))

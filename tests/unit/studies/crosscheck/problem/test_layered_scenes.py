@@ -11,8 +11,7 @@ from ringwear.studies.crosscheck.anchors.reading import Reading
 from ringwear.studies.crosscheck.problem.unit_names import kind_of
 from ringwear.studies.crosscheck.sizes.half_space_mesh import half_space_mesh
 from ringwear.studies.crosscheck.sizes.shared import discretisation_key
-from ringwear.studies.study.conduct import refuse_what_does_not_fit
-from ringwear.studies.study.options import Options
+from ringwear.studies.named_studies import STUDIES
 from ringwear.studies.sweep.axes import Sweep
 
 PAD = {
@@ -115,10 +114,10 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
         half_space_mesh(pad(accuracy__fem={"mesher": "gmsh"}).problem)
 
 
-@pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "elements", "extremes"])
+@pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "elements", "march"])
 def test_studies_of_the_homogeneous_half_space_refuse_layers(name):
     with pytest.raises(SceneError, match=r"half_space\.layers"):
-        refuse_what_does_not_fit(name, pad(), Options())
+        STUDIES[name].load()(pad())
 
 
 def test_a_template_of_layers_is_refused(tmp_path):

@@ -1,1 +1,0 @@
-"""The convergence study: orders of every quantity for every way to refine, and their theory."""

@@ -1,1 +1,0 @@
-"""Which pair of displacement and pressure spaces is stable."""

@@ -1,1 +1,0 @@
-"""Extreme parameters: true errors relative to promised ones, also of a naive solver."""

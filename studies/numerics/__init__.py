@@ -1,1 +1,0 @@
-"""Numerical studies of a single part of the method: time steps, and the outer boundary."""

@@ -1,0 +1,157 @@
+"""Orders of convergence, Richardson's limit and the grid convergence index of some levels.
+
+If values follow ``v + c h^p``, three levels determine the order p, Richardson's limit v, and
+Roache's grid convergence index [1], which is 1.25 times the distance of the finest value from that
+limit. A program can report this index as its error estimate without knowing the exact value. More
+levels give p by least squares, with an interval.
+
+[1] Roache: Perspective: a method for uniform reporting of grid refinement studies, J. Fluids Eng.
+116 (1994), doi 10.1115/1.2910291.
+"""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import stdtrit
+
+from ..crosscheck import Array
+
+INDEX_SAFETY_FACTOR = 1.25
+"""Safety factor of the grid convergence index if three levels determine the order (Roache [1])."""
+LOWEST_ORDER, HIGHEST_ORDER = 0.05, 20.0
+"""Bounds of the search for an order."""
+CONFIDENCE = 0.95
+"""Confidence level of the interval of an observed order, for normally distributed scatter."""
+
+
+class FieldLevels(Protocol):
+    """Fields on the levels of a sequence, for quantities whose error is a norm."""
+
+    @property
+    def changes(self) -> Array:
+        """(n-1,) relative norms of the differences between neighbouring levels."""
+
+    def error_of_limit(self, weight: float) -> float:
+        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
+
+
+class Fitted(NamedTuple):
+    """An order of convergence, and the ends of its `CONFIDENCE` interval; NaN if undetermined."""
+
+    order: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+
+
+def half_width(scatter: float, spread: float, count: int) -> float:
+    """Return half of the confidence interval of a slope, by Student's distribution.
+
+    Parameters
+    ----------
+    scatter : sum of the squared residuals of a line
+    spread : sum of the squared distances of the abscissas from their mean
+    count : number of points; NaN for fewer than three
+    """
+    if count < 3:
+        return np.nan
+    deviation = np.sqrt(scatter / (count - 2) / spread)
+    return float(stdtrit(count - 2, (1 + CONFIDENCE) / 2) * deviation)
+
+
+def slope(x: Array, y: Array) -> Fitted:
+    """Return the slope of a line by least squares through points (n,), with its interval."""
+    if len(x) < 2 or not np.ptp(x):
+        return Fitted()
+    centred = x - x.mean()
+    spread = float(centred @ centred)
+    fitted = float(centred @ y) / spread
+    residuals = y - y.mean() - fitted * centred
+    half = half_width(float(residuals @ residuals), spread, len(x))
+    return Fitted(fitted, fitted - half, fitted + half)
+
+
+def order_of_errors(sizes: Array, errors: Array) -> Fitted:
+    """Return the order of errors (n,): the slope of their logarithm over that of the sizes (n,)."""
+    usable = (errors > 0) & np.isfinite(errors)
+    return slope(np.log(sizes[usable]), np.log(errors[usable]))
+
+
+def order_of_changes(sizes: Array, changes: Array) -> Fitted:
+    """Return the order of values from the sizes (n-1,) of their changes from level to level.
+
+    The changes of ``v + c h^p`` are ``c (h_i^p - h_(i+1)^p)``. Their logarithms are fitted by least
+    squares; three levels are fitted exactly, whatever the ratios of their sizes (n,).
+    """
+    if len(changes) < 2 or not (np.isfinite(changes) & (changes > 0)).all():
+        return Fitted()
+    logarithms = np.log(changes)
+
+    def of_powers(order: float) -> Array:
+        return np.asarray(np.log(sizes[:-1] ** order - sizes[1:] ** order))
+
+    def scatter(order: float) -> float:
+        residuals = logarithms - of_powers(order)
+        return float(np.sum((residuals - residuals.mean()) ** 2))
+
+    bounds = LOWEST_ORDER, HIGHEST_ORDER
+    order = float(minimize_scalar(scatter, bounds=bounds, options={"xatol": 1e-10}).x)
+    if min(order - LOWEST_ORDER, HIGHEST_ORDER - order) < 1e-3:
+        return Fitted()
+    step = 1e-4 * order
+    derivative = (of_powers(order + step) - of_powers(order - step)) / (2 * step)
+    spread = float(np.sum((derivative - derivative.mean()) ** 2))
+    half = half_width(scatter(order), spread, len(changes))
+    return Fitted(order, order - half, order + half)
+
+
+def order_of_three(sizes: Array, changes: Array) -> float:
+    """Return the order that two changes (2,) between three levels determine; NaN if none does.
+
+    The changes have signs if they are those of a single number.
+    """
+    previous, last = changes
+
+    def misfit(order: float) -> float:
+        powers = sizes**order
+        return float((powers[0] - powers[1]) * last - (powers[1] - powers[2]) * previous)
+
+    if not np.isfinite(changes).all() or misfit(LOWEST_ORDER) * misfit(HIGHEST_ORDER) >= 0:
+        return np.nan
+    return float(brentq(misfit, LOWEST_ORDER, HIGHEST_ORDER))
+
+
+def weight_of_limit(sizes: Array, order: float) -> float:
+    """Return the distance of the finest value from Richardson's limit, over the last change."""
+    return float(1 / ((sizes[-2] / sizes[-1]) ** order - 1))
+
+
+def richardson(
+    sizes: Array, errors: Array, fields: FieldLevels | None = None
+) -> tuple[float, float]:
+    """Return the error of Richardson's limit and the grid convergence index, both relative.
+
+    Both are NaN for fewer than three levels, and if the last three levels do not converge
+    monotonically.
+
+    Parameters
+    ----------
+    sizes, errors : (n,) of the levels, from coarse to fine; errors are relative and have signs
+    fields : fields on the levels, if the errors are norms, which have no sign. The order is then
+        computed from the norms of the differences between levels. The limit is a field, and its
+        error is a norm, too
+    """
+    undetermined = np.nan, np.nan
+    if len(sizes) < 3 or not np.isfinite(errors[-3:]).all():
+        return undetermined
+    sizes, errors = sizes[-3:], errors[-3:]
+    changes = errors[:-1] - errors[1:] if fields is None else fields.changes[-2:]
+    order = order_of_three(sizes, changes)
+    if np.isnan(order):
+        return undetermined
+    weight = weight_of_limit(sizes, order)
+    distance = weight * changes[-1]
+    if fields is not None:
+        return fields.error_of_limit(weight), float(INDEX_SAFETY_FACTOR * distance)
+    index = INDEX_SAFETY_FACTOR * abs(distance) / (1 + errors[2])
+    return float(errors[2] - distance), float(index)

@@ -1,0 +1,381 @@
+"""The loop of every study: solve every level of every way for every case, and tabulate errors.
+
+The table is tidy: it has one row for each quantity of each level, with the columns of
+`record.COLUMNS`. A level that fails has one row, with the reason.
+"""
+
+import math
+import resource
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from threadpoolctl import threadpool_limits
+
+from ..crosscheck import LOG, Results, RingwearError, Solution
+from ..crosscheck.verdict.promise import allowed_error
+from ..tables import keeping_rows
+from .errors import (
+    ITSELF,
+    error,
+    estimate,
+    in_units,
+    parts_of,
+    promised_times,
+    values_of,
+)
+from .extrapolation import FieldLevels, richardson
+from .functions import Named, values_of_functions
+from .record import CRASHED, REFUSED, SOLVED, Record, Row
+from .reference import Reference, reference
+from .way import ALL, START, Case, Part, Way
+
+GREATEST_GROWTH = 10.0
+"""Greatest factor from level to level with which seconds and unknowns are extrapolated."""
+EXPECTED_LEVELS = 10
+"""Number of levels of an endless way that progress counts with before its growth is known."""
+MOST_RUNS, ENOUGH_SECONDS = 5, 0.25
+"""Greatest number of runs of a level; fewer are enough if they take longer than this in all."""
+Keep = Callable[[Case, Way, Any, Solution], Any]
+"""Function (case, way, level, solution) -> what a study keeps of the solution."""
+
+
+def measure(
+    cases: Iterable[Case],
+    ways: Iterable[Way] | Callable[[Case], Iterable[Way]],
+    quantities: Sequence[str],
+    record: Record,
+    functions: Named | None = None,
+    exact: Callable[[Case], Reference] | None = None,
+    runs: int = 1,
+    most_unknowns: float = math.inf,
+    only_promised: bool = False,
+    keep: Keep | None = None,
+) -> pd.DataFrame:
+    """Solve every level, and return the table of errors.
+
+    After Ctrl-C the table has the levels that were solved before. A way ends at a level that fails.
+
+    Parameters
+    ----------
+    cases : what to solve
+    ways : how to solve it; a function if the ways depend on the case
+    quantities : names as in results.nc, and those of finite elements
+    record : rows so far, and the file that they are written to
+    functions : functions of a result that the user defines, by the names of their quantities
+    exact : function of a case that returns its reference; by default `reference`
+    runs : least number of times that a level is solved; its seconds are the median
+    most_unknowns : a way ends before a level that would have more unknowns, by the growth of the
+        last two levels
+    only_promised : whether errors are taken only at times at which the accuracy is promised
+    keep : function whose values are appended to `record.kept`
+
+    Raises
+    ------
+    RingwearError
+        if the reference of a case cannot be computed
+    """
+    functions = functions or {}
+    names = (*quantities, *functions)
+    with threadpool_limits(1), keeping_rows(record.remarks):
+        listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
+        progress = Progress([way for _, ways_of_case in listed for way in ways_of_case])
+        for case, ways_of_case in listed:
+            case_reference = exact(case) if exact else reference(case, names, functions)
+            parts = parts_of(case, case_reference.values, names)
+            for way in ways_of_case:
+                judge = _Judge(case, way, parts, case_reference, functions, only_promised)
+                _measure_way(case, way, judge, record, progress, runs, most_unknowns, keep)
+    return record.table
+
+
+def _measure_way(
+    case: Case,
+    way: Way,
+    judge: "_Judge",
+    record: Record,
+    progress: "Progress",
+    runs: int,
+    most_unknowns: float,
+    keep: Keep | None,
+) -> None:
+    """Solve the levels of a way that an earlier run has not solved, and add their rows."""
+    earlier = record.earlier(case.name, way.name)
+    done = _is_complete(way, earlier, most_unknowns)
+    progress.begin(way)
+    previous, sizes, seconds_before = None, list[float](), 0.0
+    for number, level in enumerate(way.levels):
+        if way.count is None and _would_exceed(sizes, most_unknowns):
+            return
+        rows = earlier.get(str(level), [])
+        # extrapolation needs the two levels before the first new one, and some ways need them all
+        needed = way.sequential or number >= len(earlier) - 2
+        if rows and (done or not needed):
+            record.add(rows)
+            sizes.append(rows[0]["unknowns"])
+            if rows[0]["outcome"] != SOLVED:
+                return
+            continue
+        progress.announce(case, level, sizes, most_unknowns)
+        facts, solution = _solve(case, way, level, previous, runs)
+        progress.finish(facts["seconds"])
+        if solution is None:
+            record.add([facts])
+            return
+        if way.sequential:
+            seconds_before = facts["seconds"] = seconds_before + facts["seconds"]
+        judged = judge.rows(facts, solution)
+        record.add(rows or judged)
+        sizes.append(solution.unknowns)
+        if keep:
+            record.kept.append(keep(case, way, level, solution))
+        previous = solution
+
+
+def _is_complete(way: Way, earlier: dict[str, list[Row]], most_unknowns: float) -> bool:
+    """Return whether an earlier run has solved all levels of a way."""
+    if not earlier:
+        return False
+    first_rows = [rows[0] for rows in earlier.values()]
+    if first_rows[-1]["outcome"] != SOLVED:
+        return True
+    if way.count is not None:
+        return len(earlier) == way.count
+    return _would_exceed([row["unknowns"] for row in first_rows], most_unknowns)
+
+
+def _would_exceed(sizes: Sequence[float], most_unknowns: float) -> bool:
+    """Return whether the next level would have more unknowns than the greatest number."""
+    return len(sizes) > 1 and sizes[-1] * growth(sizes) > most_unknowns
+
+
+def _solve(
+    case: Case, way: Way, level: Any, previous: Solution | None, runs: int
+) -> tuple[dict[str, Any], Solution | None]:
+    """Return the facts of a level, and its solution, which is None if the level fails."""
+    facts: dict[str, Any] = {
+        **{"case": case.name, "parameter": case.parameter, "way": way.name},
+        **{"method": way.method, "refined": way.refined, "level": str(level)},
+    }
+    _reset_peak()
+    start = time.process_time()
+    try:
+        solution, seconds = timed(partial(way.solve, case.problem, level, previous), runs)
+    except RingwearError as failure:
+        facts |= {"outcome": REFUSED, "message": str(failure)}
+        return facts | {"seconds": time.process_time() - start}, None
+    except Exception as failure:  # a study of extreme parameters looks for these
+        facts |= {"outcome": CRASHED, "message": f"{type(failure).__name__}: {failure}"}
+        return facts | {"seconds": time.process_time() - start}, None
+    size = way.size(level) if way.size else max(solution.unknowns, 1) ** -0.5
+    facts |= {"size": size, "unknowns": solution.unknowns, "outcome": SOLVED}
+    if way.promises:
+        facts["tolerance"] = level / case.problem.rtol * allowed_error(case.problem)
+    if runs > 1:
+        facts |= {"least seconds": min(seconds), "greatest seconds": max(seconds)}
+    facts |= {"seconds": float(np.median(seconds)), "peak MiB": round(_peak_mebibytes(), 1)}
+    return facts, solution
+
+
+def timed(solve: Callable[[], Solution], runs: int) -> tuple[Solution, list[float]]:
+    """Return a solution, and the processor seconds of several runs: more of short ones."""
+    seconds = list[float]()
+    while len(seconds) < runs or (
+        runs > 1 and len(seconds) < MOST_RUNS and sum(seconds) < ENOUGH_SECONDS
+    ):
+        start = time.process_time()
+        solution = solve()
+        seconds.append(time.process_time() - start)
+    return solution, seconds
+
+
+def growth(values: Sequence[float]) -> float:
+    """Return the factor between the last two values, 1 to `GREATEST_GROWTH`."""
+    if len(values) < 2 or not values[-2]:
+        return 1.0
+    return float(np.clip(values[-1] / values[-2], 1.0, GREATEST_GROWTH))
+
+
+@dataclass
+class Progress:
+    """Number of the level that begins, and estimate of the time left.
+
+    The levels left of a way are extrapolated from the growth of its last two levels. The ways that
+    have not begun are expected to take as long as those before, on average.
+
+    Parameters
+    ----------
+    ways : all ways, each as often as there are cases for it
+    """
+
+    ways: Sequence[Way]
+    begun: int = 0
+    levels_before: int = 0
+    seconds: list[float] = field(default_factory=list)
+    totals: list[float] = field(default_factory=list)
+
+    def begin(self, way: Way) -> None:
+        """Begin a way."""
+        if self.begun:
+            self.totals.append(sum(self.seconds))
+            self.levels_before += len(self.seconds)
+        self.way, self.seconds = way, []
+        self.begun += 1
+
+    def announce(
+        self, case: Case, level: object, sizes: Sequence[float], most_unknowns: float
+    ) -> None:
+        """Log which level begins, and about how many seconds are left."""
+        done = len(self.seconds)
+        left = self._levels_left(sizes, most_unknowns)
+        factors = growth(self.seconds) ** np.arange(1, left + 1)
+        this_way = self.seconds[-1] * factors.sum() if done else 0.0
+        later_ways = self.ways[self.begun :]
+        mean = float(np.mean([*self.totals, sum(self.seconds) + this_way]))
+        seconds_left = this_way + mean * len(later_ways)
+        number = self.levels_before + done + 1
+        total = number - 1 + left + sum(way.count or EXPECTED_LEVELS for way in later_ways)
+        LOG.info(
+            "   level %d of %s%d%s: %s, %s, %s ...",
+            number,
+            "" if all(way.count for way in self.ways) else "about ",
+            total,
+            f", about {seconds_left:.0f} s left" if number > 1 else "",
+            case.name,
+            self.way.name,
+            level,
+        )
+
+    def _levels_left(self, sizes: Sequence[float], most_unknowns: float) -> int:
+        """Return the number of levels of this way that are left, this one included."""
+        if self.way.count is not None:
+            return self.way.count - len(self.seconds)
+        if growth(sizes) > 1 and math.isfinite(most_unknowns):
+            ratio = max(most_unknowns / sizes[-1], 1.0)
+            return max(1, math.ceil(math.log(ratio) / math.log(growth(sizes))))
+        return max(1, EXPECTED_LEVELS - len(self.seconds))
+
+    def finish(self, seconds: float) -> None:
+        """Count a level that took some seconds."""
+        self.seconds.append(seconds)
+
+
+@dataclass
+class _Judge:
+    """Errors of the levels of one way; it remembers the last three levels for extrapolation."""
+
+    case: Case
+    way: Way
+    parts: Sequence[Part]
+    exact: Reference
+    functions: Named
+    only_promised: bool
+    levels: list[tuple[float, Results]] = field(default_factory=list)
+
+    def rows(self, facts: dict[str, Any], solution: Solution) -> list[Row]:
+        """Return the rows of a level: one for each quantity that its solution has."""
+        problem, method, exact = self.case.problem, self.way.method, self.exact
+        wanted = {part.quantity for part in self.parts} - self.way.without
+        values = values_of(self.case, solution, wanted)
+        values |= values_of_functions(self.case, method, solution, self.functions)
+        self.levels = [*self.levels[-2:], (facts["size"], values)]
+        rows = list[Row]()
+        for part in self.parts:
+            if part.quantity not in values:
+                continue
+            among = None
+            if self.only_promised:
+                among = promised_times(problem, part.quantity, method, solution)
+                if among is not None and not among.any():
+                    continue
+            limit, index = self._richardson(part)
+            judged = {
+                "quantity": part.quantity,
+                "when": part.when,
+                "error": error(part, values, exact.values, problem, among),
+                "estimate": estimate(part, solution, problem, among),
+                "index": index,
+                "limit": limit,
+                "reference": exact.errors(part),
+                "computed": in_units(part, values, problem),
+            }
+            rows.append(facts | judged)
+        return rows or [facts]
+
+    def _richardson(self, part: Part) -> tuple[float, float]:
+        """Return the error of Richardson's limit and the grid convergence index; NaN if none."""
+        missing = any(part.quantity not in values for _, values in self.levels)
+        if len(self.levels) < 3 or missing or part.quantity in ITSELF:
+            return np.nan, np.nan
+        sizes, levels = zip(*self.levels, strict=True)
+        fields = _Fields(part, levels, self.exact.values, self.case)
+        signed = np.array([fields.error(values) for values in levels])
+        # one number has a sign, which shows whether the last levels converge monotonically
+        value = np.asarray(levels[-1][part.quantity])
+        is_norm = value.ndim > (part.when != ALL) or (part.when != START and value.size > 1)
+        return richardson(np.array(sizes), signed, fields if is_norm else None)
+
+
+@dataclass(frozen=True)
+class _Fields(FieldLevels):
+    """The last three levels of a quantity whose error is a norm."""
+
+    part: Part
+    levels: Sequence[Results]
+    exact: Results
+    case: Case
+
+    def error(self, values: Results) -> float:
+        """Return the error of values against the reference."""
+        return error(self.part, values, self.exact, self.case.problem)
+
+    def _norm(self, deviation: np.ndarray) -> float:
+        name = self.part.quantity
+        overlap = tuple(slice(0, n) for n in deviation.shape)
+        return abs(self.error({name: np.asarray(self.exact[name])[overlap] + deviation}))
+
+    @property
+    def _values(self) -> list[np.ndarray]:
+        """The values of the levels, cut to the part that all have, such as relaxation times."""
+        name = self.part.quantity
+        arrays = [np.asarray(values[name]) for values in (*self.levels, self.exact)]
+        shapes = zip(*(array.shape for array in arrays), strict=True)
+        common = tuple(slice(0, min(sizes)) for sizes in shapes)
+        return [array[common] for array in arrays]
+
+    @property
+    def changes(self) -> np.ndarray:
+        """(n-1,) relative norms of the differences between neighbouring levels."""
+        first, second, third, _ = self._values
+        return np.array([self._norm(second - first), self._norm(third - second)])
+
+    def error_of_limit(self, weight: float) -> float:
+        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
+        _, coarse, fine, exact = self._values
+        return self._norm(fine + weight * (fine - coarse) - exact)
+
+
+def _reset_peak() -> None:
+    """Start to measure the peak memory of this process anew, which is possible only on Linux."""
+    try:
+        Path("/proc/self/clear_refs").write_text("5", "ascii")
+    except OSError:
+        # on other systems the reported peak is the maximum over all levels so far
+        return
+
+
+def _peak_mebibytes() -> float:
+    """Return the peak memory of this process in MiB, on Linux since the last `_reset_peak`."""
+    try:
+        status = Path("/proc/self/status").read_text("ascii")
+    except OSError:
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        return peak / (2**20 if sys.platform == "darwin" else 2**10)
+    (line,) = (line for line in status.splitlines() if line.startswith("VmHWM"))
+    return float(line.split()[1]) / 2**10

@@ -1,0 +1,247 @@
+"""Read what a user brings to a study: meshes, elements, quantities and methods."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ..crosscheck import METHODS, MeshError, Method, Problem, SceneError
+from ..crosscheck.problem.written import check_one_line, shown
+from ..crosscheck.scene.explain import nearest
+
+if TYPE_CHECKING:
+    from skfem import Element, Mesh
+
+Quantity: TypeAlias = Callable[..., float]
+"""A function that takes the result of a run and returns a number."""
+Quantities: TypeAlias = "Mapping[str, Quantity] | Iterable[str | Quantity] | str | Quantity | None"
+"""Names of quantities, and functions of a result, which may have names of their own."""
+Methods: TypeAlias = "Iterable[str | Method] | str | Method | None"
+"""Names of methods, and methods of the user."""
+FORM = "FILE.py:NAME"
+"""How the command line names an object: a Python file, and the name of the object in it."""
+
+
+def read_quantities(
+    given: Quantities, known: Iterable[str]
+) -> tuple[tuple[str, ...], dict[str, Quantity]]:
+    """Return the names of known quantities, and the functions of the user by their names.
+
+    Parameters
+    ----------
+    given : names of quantities, ``FILE.py:NAME`` of functions, or functions of a result
+    known : names of the quantities that a study can tabulate
+
+    Raises
+    ------
+    SceneError
+        if one of them is neither; the message names it
+    """
+    names, functions = list[str](), dict[str, Quantity]()
+    if isinstance(given, Mapping):
+        functions |= given
+        given = ()
+    entries = [given] if isinstance(given, str) or callable(given) else list(given or ())
+    for entry in entries:
+        if isinstance(entry, str) and ".py:" in entry:
+            functions[entry.rpartition(":")[2]] = load_quantity(entry)
+        elif callable(entry) and hasattr(entry, "__name__"):
+            functions[entry.__name__] = entry
+        elif isinstance(entry, str) and entry in known:
+            names.append(entry)
+        else:
+            hint = nearest(str(entry), known) if isinstance(entry, str) else ""
+            raise SceneError(
+                f"quantities = {shown(entry)}: {f'did you mean {hint}? Otherwise ' if hint else ''}"
+                "give functions of the result of a run, {'mean p': lambda result: "
+                "float(result.dataset.pressure.mean())}, or names of " + ", ".join(known)
+            )
+    try:
+        return tuple(names), {check_one_line(name): each for name, each in functions.items()}
+    except ValueError as error:
+        raise SceneError(f"the name of a quantity: {error}") from None
+
+
+def load_quantity(text: str) -> Quantity:
+    """Return a function of a result from ``FILE.py:NAME``.
+
+    Raises
+    ------
+    SceneError
+        if there is no such file, or if the file does not define such a function
+    """
+    value = _load("--quantity", text)
+    if not callable(value):
+        raise SceneError(
+            f"--quantity {text}: is not a function of a result: give {FORM} of a function"
+        )
+    return value
+
+
+def read_methods(
+    given: Methods, known: Sequence[str], study: str
+) -> tuple[tuple[str, ...], tuple[Method, ...]]:
+    """Return the names of methods that a study has levels for, and the methods of the user.
+
+    Parameters
+    ----------
+    given : names, ``FILE.py:NAME`` of a method, or methods; None or empty for all known ones
+    known : names of the methods that the study has levels for
+    study : name of the study, for messages
+
+    Raises
+    ------
+    SceneError
+        if one of them is none of these; the message names those that are known
+    """
+    if not given:
+        return tuple(known), ()
+    entries: list[Any] = [given] if isinstance(given, str | Method) else list(given)
+    names, own = list[str](), list[Method]()
+    for entry in entries:
+        if isinstance(entry, str) and ".py:" in entry:
+            value = _load("--methods", entry)
+            entry = value() if isinstance(value, type) else value
+        if isinstance(entry, Method):
+            try:
+                check_one_line(entry.name)
+            except ValueError as error:
+                raise SceneError(f"the name of a method or a program: {error}") from None
+            own.append(entry)
+        elif isinstance(entry, str) and entry in known:
+            names.append(entry)
+        else:
+            unlisted = isinstance(entry, str) and entry in METHODS
+            reason = "it has no sequence of levels" if unlisted else "it is not a method"
+            raise SceneError(
+                f"methods: study {study} has no {shown(entry)}, because {reason}: give some of "
+                f"{', '.join(known)}, or methods of your own"
+            )
+    return tuple(names), tuple(own)
+
+
+def read_elements(given: "Iterable[str | Element] | str | Element") -> "tuple[Element, ...]":
+    """Return elements: those of scikit-fem that are given by name, and the user's own.
+
+    Raises
+    ------
+    SceneError
+        if one of them is no element
+    """
+    entries = list(given) if isinstance(given, list | tuple) else [given]
+    return tuple(load_element(each) if isinstance(each, str) else each for each in entries)
+
+
+def load_element(text: str) -> "Element":
+    """Return an element of scikit-fem by its name, or one of the user from ``FILE.py:NAME``.
+
+    Raises
+    ------
+    SceneError
+        if scikit-fem has no element of that name, or if the file does not define an element
+    """
+    import skfem
+
+    value = _load("--element", text) if ".py:" in text else getattr(skfem, text, None)
+    element = value() if isinstance(value, type) else value
+    if not isinstance(element, skfem.Element):
+        raise SceneError(
+            f"--element {text}: is not an element: give the name of an element of scikit-fem, such "
+            f"as ElementTriP2, or {FORM} of an element"
+        )
+    return element
+
+
+def degree_of(element: "Element") -> int:
+    """Return the polynomial degree of an element along a side.
+
+    Raises
+    ------
+    SceneError
+        if the element is not continuous, or does not have one function for each vertex
+    """
+    from skfem import ElementH1
+
+    if not isinstance(element, ElementH1) or element.nodal_dofs != 1:
+        raise SceneError(
+            f"--element {name_of(element)}: the displacement has to be continuous, with one "
+            "function for each vertex: give an element such as ElementTriP2 or ElementQuad2"
+        )
+    return 1 + int(element.facet_dofs)
+
+
+def name_of(element: "Element") -> str:
+    """Return the name of an element's class, without the prefix "Element"."""
+    return type(element).__name__.removeprefix("Element")
+
+
+def read_meshes(
+    problem: Problem, given: "Sequence[str | Path | Mesh] | str | Path | Mesh"
+) -> "dict[str, Mesh]":
+    """Return meshes of the user in punch radii, with their boundaries named, by the names of files.
+
+    A file is in the units of the scene, a mesh of scikit-fem in punch radii. Meshes that are not
+    from files are `mesh 1`, `mesh 2`, ... If several files have the same name, it is the path,
+    followed by the number in parentheses.
+
+    Raises
+    ------
+    SceneError
+        if one of them is no mesh of the scene's half-space
+    """
+    from skfem import Mesh
+
+    from ...meshes import files
+    from ...meshes.half_space import as_half_space
+
+    sources: list[Any] = list(given) if isinstance(given, list | tuple) else [given]
+    meshes, edges = list[Mesh](), problem.merged.ring_edges
+    for source in sources:
+        is_file = isinstance(source, str | Path)
+        if not (is_file or isinstance(source, Mesh)):
+            raise SceneError(
+                f"meshes has {shown(source)}: give mesh files, from coarse to fine, or meshes of "
+                "scikit-fem"
+            )
+        try:
+            if is_file:
+                meshes.append(files.read(source, edges, problem.units.length))
+            else:
+                meshes.append(as_half_space(source, edges))
+        except MeshError as error:
+            raise SceneError(f"--mesh {error}") from error
+    names = [
+        Path(source).name if isinstance(source, str | Path) else f"mesh {number}"
+        for number, source in enumerate(sources, 1)
+    ]
+    count = Counter(names)
+    unique = [
+        name if count[name] == 1 else f"{source} ({number})"
+        for number, (name, source) in enumerate(zip(names, sources, strict=True), 1)
+    ]
+    return dict(zip(unique, meshes, strict=True))
+
+
+def _load(option: str, text: str) -> object:
+    """Run a Python file and return the object with a given name from it.
+
+    Raises
+    ------
+    SceneError
+        if the text is not FILE.py:NAME, if the file cannot be run, or if it does not define NAME
+    """
+    file, colon, name = text.rpartition(":")
+    if not colon or not Path(file).is_file():
+        raise SceneError(f"{option} {text}: give {FORM}, a Python file and a name defined in it")
+    spec = spec_from_file_location(Path(file).stem, file)
+    if spec is None or spec.loader is None:
+        raise SceneError(f"{option} {text}: {file} is not a Python file")
+    module = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise SceneError(f"{option} {text}: {file} fails: {error}") from error
+    if not hasattr(module, name):
+        raise SceneError(f"{option} {text}: {file} has no {name}")
+    return getattr(module, name)

@@ -1,0 +1,385 @@
+"""Ways to refine finite elements: uniform, graded, layered, adaptive, by tolerance, and one's own.
+
+Each sequence of uniform or graded meshes subdivides one base mesh, because observed orders are
+accurate only if the meshes of a sequence are similar. All lengths are in punch radii.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from itertools import count
+from typing import NamedTuple
+
+import numpy as np
+from skfem import Element, Mesh, MeshQuad, MeshTri
+
+from ....fem.error_indicator import fewest_with_share, squared_indicators
+from ....fem.half_space import pressure_space
+from ....meshes.by_gmsh.quads import graded
+from ....meshes.half_space import truncation
+from ...crosscheck import (
+    Array,
+    AxisymmetricElasticity,
+    HalfSpace,
+    Problem,
+    SizeField,
+    Solution,
+    bisection,
+)
+from ...crosscheck.methods.fem import half_space_on
+from ...crosscheck.problem.sections import FemAccuracy
+from ...crosscheck.sizes.defaults import (
+    GROWTH,
+    QUAD_GRADING,
+    WIDER_TRUNCATION,
+    pole_orders,
+    triangle_degree,
+)
+from ...crosscheck.sizes.half_space_mesh import half_space_mesh
+from ..errors import BY_PRESSURES, ENERGY, states
+from ..way import Way
+from . import theories
+from .subdivision import subdivided, triangulated
+from .wear import wear_on
+
+
+class Base(NamedTuple):
+    """Sizes of a base mesh, which the levels of a way subdivide.
+
+    Parameters
+    ----------
+    rim_size, ring_size : sizes of the elements at the rim and at ring edges
+    growth : growth of the size with the distance from an edge; 0 for elements of one size
+    truncation : radius of the mesh
+    """
+
+    rim_size: float
+    ring_size: float
+    growth: float
+    truncation: float
+
+
+GRADED, GRADED_FOR_QUADS = Base(1e-8, 1e-4, 0.7, 20.0), Base(1e-8, 1e-4, 1.0, 20.0)
+EVEN = Base(1.2, 1.2, 0.0, 5.0)
+"""Base meshes of any punch."""
+GRADED_TO_RIM, EVEN_UNDER_ONE_RING = Base(4e-9, 4e-9, 0.7, 1e4), Base(0.35, 0.35, 0.0, 4.0)
+"""Base meshes of one ring, on which orders are the most regular."""
+SMALLEST_LAYER = 1e-7
+"""Size of the smallest layer of quadrilaterals; in smaller ones gradients are roundoff."""
+POLES, LAYERED_POLES = (0, 2, 4), tuple(range(0, 16, 2))
+"""Orders of the far-field poles: relative energy error 1e-9 at 5 punch radii; and on layers."""
+COARSEST_SIZE = 1.2
+"""Size of the coarsest adaptive mesh, which is smaller only where a ring edge is a vertex."""
+MARKED_SHARE = 0.5
+"""Fraction of the sum of the squared indicators in the marked triangles (Dörfler)."""
+POLES_RTOL = 1e-12
+"""Tolerance for the number of poles if the truncation error has to be negligible."""
+FLOOR_OVER_RIM_SIZE, HISTORY_FLOOR = 0.06, 5e-10
+"""Lowest relative errors of graded elements: at the start over the size at the rim, and later."""
+DIGITS_PER_DEGREE = float(2 * np.log10((1 + QUAD_GRADING**0.5) / (1 - QUAD_GRADING**0.5)))
+"""Digits of an energy that each degree on quadrilaterals adds (Bernstein ellipse)."""
+DEGREE_ON_OWN_QUADRILATERALS = 2
+"""Degree on quadrilaterals of the user, if neither an option nor the scene gives one."""
+
+HALVED = "element size (uniform)"
+PARTED = "element size (graded)"
+RAISED = "$10^{-k}$, $k$ the degree"
+COUNTED = r"1 / $\sqrt{\mathrm{unknowns}}$"
+ONLY_ON_UNIFORM_MESHES = frozenset({BY_PRESSURES})
+"""Quantities that explain orders on uniform meshes."""
+OWN_MESHES = "your meshes"
+"""Name of the way through the meshes of the user."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimated(Solution):
+    """A solution on triangles with the error indicator of each triangle.
+
+    Parameters
+    ----------
+    indicators : (m,) squared indicator of each triangle relative to the energy of the state, the
+        greatest over the states. The flat start alone would never refine ring edges
+    """
+
+    indicators: Array | None = None
+
+
+def on_mesh(
+    problem: Problem,
+    mesh: Mesh,
+    degree: int,
+    poles: tuple[int, ...],
+    element: Element | None = None,
+    with_indicators: bool = False,
+) -> Solution:
+    """Return the solution by finite elements of one degree on a mesh.
+
+    Parameters
+    ----------
+    problem : problem of the case
+    mesh : mesh of the half-space, with its boundaries named
+    degree : polynomial degree of the displacement along a side
+    poles : orders of the poles of the far field
+    element : element of scikit-fem or of the user; by default the Lagrange element of the degree
+    with_indicators : whether to compute the error indicators, on triangles
+    """
+    solid = AxisymmetricElasticity(mesh, degree, problem.ground, element)
+    space = pressure_space(solid, problem.merged.ring_edges)
+    return solved(problem, HalfSpace(solid, space, poles), with_indicators)
+
+
+def solved(problem: Problem, half_space: HalfSpace, with_indicators: bool = False) -> Solution:
+    """Return the solution on a half-space, with the error indicators of its triangles if wanted."""
+    solution = wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
+    if not with_indicators or not isinstance(half_space.solid.mesh, MeshTri):
+        return solution
+    pressures = states(problem, solution)
+    assert solution.wear is not None
+    energies = np.sum((pressures @ solution.wear.compliance.factor.T) ** 2, axis=1)
+    # states before the load rises have no energy
+    pressures, energies = pressures[energies > 0], energies[energies > 0]
+    squares = squared_indicators(
+        half_space.solid, half_space.displacements(pressures), half_space.space, pressures
+    )
+    relative = squares / energies[:, None]
+    return Estimated(
+        **vars(solution) | {"errors": {ENERGY: np.sqrt(relative.sum(axis=1).max())}},
+        indicators=relative.max(axis=0),
+    )
+
+
+def kind(degree: int, quads: bool) -> str:
+    """Return the usual name of an element, such as P2 or Q1."""
+    return f"{'Q' if quads else 'P'}{degree}"
+
+
+@lru_cache(maxsize=8)
+def uniform_base(edges: tuple[float, ...], base: Base) -> Mesh:
+    """Return triangles of one size, which are smaller only where a ring edge has to be a vertex."""
+    size = base.rim_size
+    return bisection.mesh(SizeField(edges, size, size, 0.0, base.truncation, size))
+
+
+@lru_cache(maxsize=8)
+def graded_base(edges: tuple[float, ...], base: Base, quads: bool) -> Mesh:
+    """Return triangles graded to the rim and to every ring edge.
+
+    Triangles that are to be divided into quadrilaterals are made by bisection: they are
+    right-angled, so that the quadrilaterals are convex.
+    """
+    rim, ring, growth, radius = base
+    field = SizeField(edges, rim, ring, growth, truncation=radius, centre_size=radius)
+    return bisection.mesh(field) if quads else triangulated(field)
+
+
+def uniform(
+    degree: int,
+    halvings: Sequence[int],
+    quads: bool = False,
+    element: Element | None = None,
+    name: str = "",
+    base: Base = EVEN,
+) -> Way:
+    """Return the way through uniform meshes, halved from level to level."""
+
+    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+        edges = problem.merged.ring_edges
+        coarse = uniform_base(tuple(edges.tolist()), base)
+        mesh = subdivided(coarse, 2**level, edges, quads, log_polar=False)
+        return on_mesh(problem, mesh, degree, POLES, element)
+
+    def size(level: int) -> float:
+        return 0.5**level
+
+    label = f"{name or kind(degree, quads)}, uniform"
+    return Way(label, "fem", halvings, solve, HALVED, size, theories.for_uniform_meshes)
+
+
+def graded_to_edges(
+    degree: int,
+    parts: Sequence[int],
+    quads: bool = False,
+    element: Element | None = None,
+    name: str = "",
+    base: Base | None = None,
+) -> Way:
+    """Return the way through subdivisions of a mesh that is graded to every edge."""
+    base = base or (GRADED_FOR_QUADS if quads else GRADED)
+
+    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+        edges = problem.merged.ring_edges
+        mesh = subdivided(graded_base(tuple(edges.tolist()), base, quads), level, edges, quads)
+        return on_mesh(problem, mesh, degree, POLES, element)
+
+    def size(level: int) -> float:
+        return 1 / level
+
+    floor = FLOOR_OVER_RIM_SIZE * base.rim_size
+    theory = partial(theories.for_graded_elements, degree, floor, HISTORY_FLOOR)
+    label = f"{name or kind(degree, quads)}, graded"
+    return Way(
+        *(label, "fem", parts, solve, PARTED, size),
+        theory=theories.for_own_element if element else theory,
+        without=ONLY_ON_UNIFORM_MESHES,
+    )
+
+
+def layered(degrees: Sequence[int], rings: int) -> Way:
+    """Return the way through rising degrees on quadrilaterals in geometric layers.
+
+    With each degree the smallest layer shrinks to a tenth. Without ring edges, the number of digits
+    gained with each degree is known.
+
+    Parameters
+    ----------
+    degrees : degrees of the displacement
+    rings : number of rings of the punch
+    """
+
+    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+        edges = problem.merged.ring_edges
+        smallest = max(0.1 ** (level + 1), SMALLEST_LAYER if rings > 1 else 0.0)
+        mesh = graded(edges, smallest, smallest, QUAD_GRADING, GROWTH, outer=2.5).mesh
+        return on_mesh(problem, mesh, level, LAYERED_POLES)
+
+    def size(level: int) -> float:
+        return 0.1**level
+
+    theory = partial(theories.for_layers, DIGITS_PER_DEGREE if rings == 1 else np.nan)
+    name = "quadrilaterals in layers"
+    return Way(
+        *(name, "fem", degrees, solve, RAISED, size), theory=theory, without=ONLY_ON_UNIFORM_MESHES
+    )
+
+
+def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, object]) -> Way:
+    """Return the way through the meshes that ringwear makes for a tolerance.
+
+    Parameters
+    ----------
+    name : name of the way
+    tolerances : values of rtol, from coarse to fine
+    settings : keys of accuracy.fem, such as the mesher; a degree of None is that for triangles
+    """
+
+    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+        chosen = dict(settings)
+        if "degree" in chosen:
+            chosen["degree"] = chosen["degree"] or triangle_degree(problem)
+        at_level = replace(problem, rtol=level, fem=FemAccuracy.model_validate(chosen))
+        return solved(problem, half_space_on(at_level, half_space_mesh(at_level)))
+
+    return Way(name, "fem", tolerances, solve, COUNTED)
+
+
+def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
+    """Return the way through rising degrees on the one mesh that ringwear makes for a tolerance."""
+
+    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+        settings = FemAccuracy.model_validate({"mesher": "quads"})
+        at_rtol = replace(problem, rtol=rtol, fem=settings)
+        mesh = half_space_mesh(at_rtol).mesh
+        return on_mesh(problem, mesh, level, pole_orders(at_rtol, truncation(mesh)))
+
+    return Way("rising degree", "fem", degrees, solve, COUNTED)
+
+
+def coarsest(problem: Problem) -> MeshTri:
+    """Return the coarsest mesh of halved and of adaptive triangles.
+
+    Its outer boundary is refined once, because the error indicator does not include the difference
+    between the nodal values there and the poles that they interpolate.
+    """
+    edges, size = problem.merged.ring_edges, COARSEST_SIZE
+    field = SizeField(tuple(edges.tolist()), size, size, 0.0, WIDER_TRUNCATION, size)
+    mesh = bisection.mesh(field)
+    return bisection.refined(mesh, mesh.f2t[0, mesh.boundaries["far"]], edges)
+
+
+def halved(halvings: Sequence[int]) -> Way:
+    """Return the way through triangles that are all divided into four."""
+
+    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+        mesh = coarsest(problem)
+        for _halving in range(level):
+            mesh = bisection.refined(mesh, np.arange(mesh.nelements), problem.merged.ring_edges)
+        return on_mesh(problem, mesh, triangle_degree(problem), poles_without_error(problem, mesh))
+
+    return Way("uniform triangles", "fem", halvings, solve, COUNTED)
+
+
+def adaptive() -> Way:
+    """Return the way through triangles that are refined where the error indicator is greatest.
+
+    Each level refines the mesh of the level before; it ends at the greatest number of unknowns.
+    """
+
+    def solve(problem: Problem, __: int, previous: Solution | None) -> Solution:
+        mesh = coarsest(problem)
+        if isinstance(previous, Estimated) and previous.half_space is not None:
+            assert previous.indicators is not None
+            marked = fewest_with_share(previous.indicators, MARKED_SHARE)
+            before = previous.half_space.solid.mesh
+            mesh = bisection.refined(before, marked, problem.merged.ring_edges)
+        poles, degree = poles_without_error(problem, mesh), triangle_degree(problem)
+        return on_mesh(problem, mesh, degree, poles, with_indicators=True)
+
+    theory = theories.for_adaptive_meshes
+    return Way("adaptive triangles", "fem", count(), solve, COUNTED, None, theory, sequential=True)
+
+
+def poles_without_error(problem: Problem, mesh: Mesh) -> tuple[int, ...]:
+    """Return the orders of so many poles that the truncation error is negligible."""
+    return pole_orders(replace(problem, rtol=POLES_RTOL), truncation(mesh))
+
+
+@dataclass(frozen=True, eq=False)
+class OwnMesh:
+    """A mesh of the user, which is a level; its text is the name.
+
+    Parameters
+    ----------
+    name : name of the file, or "mesh 1", "mesh 2", ...
+    mesh : the mesh in punch radii
+    """
+
+    name: str
+    mesh: Mesh
+
+    def __str__(self) -> str:
+        """Return the name."""
+        return self.name
+
+
+def own_meshes(
+    meshes: Mapping[str, Mesh],
+    degree: int | None = None,
+    element: Element | None = None,
+    name: str = OWN_MESHES,
+) -> Way:
+    """Return the way through the user's own meshes, from coarse to fine.
+
+    On triangles with Lagrange elements, error indicators are computed.
+
+    Parameters
+    ----------
+    meshes : the meshes by their names
+    degree : polynomial degree; by default that of the scene or of runs
+    element : element of scikit-fem or of the user, in place of the Lagrange element
+    name : name of the way
+    """
+    levels = [OwnMesh(name, mesh) for name, mesh in meshes.items()]
+
+    def solve(problem: Problem, level: OwnMesh, _: Solution | None) -> Solution:
+        poles = pole_orders(problem, truncation(level.mesh))
+        chosen = degree or degree_on(problem, level.mesh)
+        return on_mesh(problem, level.mesh, chosen, poles, element, with_indicators=element is None)
+
+    return Way(name, "fem", levels, solve, COUNTED, None, theories.for_own_meshes)
+
+
+def degree_on(problem: Problem, mesh: Mesh) -> int:
+    """Return the degree of Lagrange elements on a mesh of the user, if no option gives one."""
+    if isinstance(mesh, MeshQuad):
+        return problem.fem.degree or DEGREE_ON_OWN_QUADRILATERALS
+    return triangle_degree(problem)

@@ -1,0 +1,215 @@
+"""Ways that a user has: a tolerance, a time step, the paper's grid; and a naive solver."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+
+import numpy as np
+
+from ...crosscheck import METHODS, Method, Problem, Solution, SolverError, Stages, energy, method
+from ...crosscheck.methods.evaluation import FullContact
+from ...crosscheck.methods.spaces import radial_space
+from ...crosscheck.problem.sections import MdrAccuracy
+from ...crosscheck.verdict.accuracy import solved_to_accuracy
+from ..way import Way
+from . import naive, theories
+
+TOLERANCE, STEP, STABLE_STEP, SPRINGS, ELEMENTS = (
+    "tolerance rtol",
+    r"time step / $a/(E^*k_{max}v_0)$",
+    "step / greatest stable one",
+    "1 / number of springs",
+    "1 / elements on the radius",
+)
+LONGEST_STEP_FRACTION = 0.25
+"""Longest step, over the earliest time, for which the error there is proportional to the step."""
+STABLE_PART = 0.8
+"""Time step of the naive finite elements, relative to the greatest stable one on their mesh."""
+COARSE_SPACE = {"degree": 2, "rim_size": 0.02, "ring_size": 0.02, "grading": 0.5}
+"""Pressure space of explicit marches: so coarse that a few thousand stable steps are enough."""
+
+
+def solved_by(entry: Method, problem: Problem) -> Solution:
+    """Return the solution of a problem by a method, refined as a run refines it.
+
+    Raises
+    ------
+    SolverError
+        if the method refuses the problem
+    """
+    if refusal := entry.refusal(problem):
+        raise SolverError(refusal)
+    return solved_to_accuracy(entry, [problem], Stages(entry.name))[0]
+
+
+def tolerances(entry: Method, rtols: Sequence[float]) -> Way:
+    """Return the way through tolerances of a method, one of ringwear or of the user."""
+
+    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+        return solved_by(entry, replace(problem, rtol=level))
+
+    name = entry.name.upper() if entry.name in METHODS else entry.name
+    return Way(name, entry.name, rtols, solve, TOLERANCE, float, promises=True)
+
+
+def as_run(entry: Method) -> Way:
+    """Return the way of one level: a run of a method at the tolerance of the scene."""
+
+    def solve(problem: Problem, _: str, __: Solution | None) -> Solution:
+        return solved_by(entry, problem)
+
+    name = entry.name.upper() if entry.name in METHODS else entry.name
+    return Way(name, entry.name, ("its tolerance",), solve, TOLERANCE)
+
+
+def closed_form() -> Way:
+    """Return the way of direct integration, which has one level."""
+
+    def solve(problem: Problem, __: int, _: Solution | None) -> Solution:
+        return method("direct").solve(problem, Stages("direct"))
+
+    return Way("direct integration", "direct", (1,), solve, "one level", float)
+
+
+def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float = 1e-4) -> Way:
+    """Return the way through time steps of an Euler march on an accurate space of MDR.
+
+    Parameters
+    ----------
+    march : `implicit` or `explicit`
+    lengths : steps in a / (E* k_max v0), from coarse to fine
+    case : problem of the case, which tells whether steps are short enough to have an order
+    rtol : tolerance of the space
+    """
+
+    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+        marched = replace(problem, march=march, step=level, rtol=rtol)
+        if refusal := method("mdr").refusal(marched):
+            raise SolverError(refusal)
+        return method("mdr").solve(marched, Stages("mdr"))
+
+    theory = partial(theories.for_steps, why_no_order(case, lengths))
+    return Way(f"MDR, {march} Euler", "mdr", lengths, solve, STEP, float, theory)
+
+
+def why_no_order(problem: Problem, lengths: Sequence[float]) -> str:
+    """Return why errors of time steps have no order in theory; empty if they have."""
+    if not problem.full_contact:
+        return theories.STEP_WITH_CONTACT
+    short = max(lengths) <= LONGEST_STEP_FRACTION * problem.earliest
+    return "" if short else theories.LONG_STEPS
+
+
+def steps_on_coarse_space(march: str, lengths: Sequence[float], case: Problem) -> Way:
+    """Return the way through time steps on one coarse space of MDR.
+
+    Parameters
+    ----------
+    march : `implicit` or `explicit`
+    lengths : steps in a / (E* k_max v0), from coarse to fine
+    case : problem of the case
+    """
+
+    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+        return on_coarse_space(replace(problem, march=march, step=level))
+
+    theory = partial(theories.for_steps, why_no_order(case, lengths))
+    return Way(f"{march} Euler", "mdr", lengths, solve, STEP, float, theory)
+
+
+def coarse_stability_limit(problem: Problem) -> float:
+    """Return the greatest stable explicit step on the coarse space."""
+    wear = on_coarse_space(problem).wear
+    assert wear is not None
+    return wear.stability_limit()
+
+
+def on_coarse_space(problem: Problem) -> Solution:
+    """Return the solution by the march of the problem on the coarse space of explicit marches."""
+    space = radial_space(problem, **COARSE_SPACE)  # type: ignore[arg-type]
+    full = FullContact(problem, energy.compliance(space, problem.ground))
+    size = full.compliance.space.size
+    results, compared = full.results | full.answers, full.compared | full.answers
+    return Solution(results, compared, {}, {}, size, wear=full.wear)
+
+
+def explicit_steps(parts: Sequence[float]) -> Way:
+    """Return the way through stable explicit steps of MDR, on coarse elements.
+
+    Parameters
+    ----------
+    parts : steps over the greatest stable one
+    """
+
+    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+        coarse = replace(problem, mdr=MdrAccuracy.model_validate(COARSE_SPACE))
+        marched = replace(coarse, march="explicit", step=level * stable_step(problem))
+        return method("mdr").solve(marched, Stages("mdr"))
+
+    return Way("MDR, explicit Euler", "mdr", parts, solve, STABLE_STEP, float)
+
+
+@lru_cache(maxsize=4)
+def stable_step(problem: Problem) -> float:
+    """Return the greatest stable explicit step of MDR on the coarse elements."""
+    coarse = replace(problem, mdr=MdrAccuracy.model_validate(COARSE_SPACE))
+    wear = method("mdr").solve(coarse, Stages("mdr")).wear
+    assert wear is not None
+    return wear.stability_limit()
+
+
+def paper_grid(springs: Sequence[int]) -> Way:
+    """Return the way through the uniform grids of the paper."""
+
+    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+        return solved_by(method("mdr-grid"), replace(problem, mdr=MdrAccuracy(grid=level)))
+
+    def size(level: int) -> float:
+        return 1 / level
+
+    return Way("the paper's grid", "mdr-grid", springs, solve, SPRINGS, size)
+
+
+@dataclass(frozen=True)
+class NaiveSizes:
+    """The two numbers that a user of a naive solver chooses; a level.
+
+    Parameters
+    ----------
+    cells : elements on the radius of the punch
+    steps : equal time steps until the last time; 0 for steps that are as long as is stable
+    """
+
+    cells: int
+    steps: int = 0
+
+    def __str__(self) -> str:
+        """Return the level in the table."""
+        return f"{self.cells} elements" + (f", {self.steps} steps" if self.steps else "")
+
+
+def naive_elements(sizes: Sequence[NaiveSizes]) -> Way:
+    """Return the way of naive finite elements: uniform, clamped at 10 radii, explicit Euler.
+
+    They compute the indentation and the pressure of a face whose nodes all stick to the punch.
+    """
+
+    def solve(problem: Problem, level: NaiveSizes, _: Solution | None) -> Solution:
+        if problem.ground.layered:
+            raise SolverError("the naive finite elements have no layers: leave them out")
+        naive.press.cache_clear()  # every run has to condense anew, as the first one does
+        step = STABLE_PART * naive.stable_step(problem, level.cells)
+        if level.steps:
+            step = float(problem.times[-1]) / level.steps or 1.0
+        values = naive.solve(problem, cells=level.cells, step=step * problem.units.time)
+        compared = {"time": values["time"][problem.compared_rows]}
+        for name in {"pressure", problem.response} & values.keys():
+            rows = values[name][problem.compared_rows]
+            # values that overflow are an infinite error
+            compared[name] = np.nan_to_num(rows, nan=np.inf)
+        return Solution({}, compared, {}, {}, level.cells * 2 + 1)
+
+    def size(level: NaiveSizes) -> float:
+        return 1 / level.cells
+
+    return Way("naive finite elements", "naive", sizes, solve, ELEMENTS, size)

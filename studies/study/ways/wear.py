@@ -1,0 +1,74 @@
+"""Compute the wear of a case on one compliance that a way prescribes."""
+
+import numpy as np
+
+from ...crosscheck import Compliance, HalfSpace, Problem, Results, Solution, press_flat
+from ...crosscheck.methods.evaluation import FullContact
+from ...crosscheck.methods.moving_evaluation import MovingContact
+
+STEP_TOLERANCE_FACTOR = 0.2
+"""Factor on the tolerance of time steps in moving contact, so that cells dominate the error."""
+
+
+def wear_on(
+    problem: Problem, compliance: Compliance, unknowns: int = 0, half_space: HalfSpace | None = None
+) -> Solution:
+    """Return the solution of a case on a compliance; it has no error estimates.
+
+    Full contact is exact in time. Other contact is marched on the cells of the compliance.
+
+    Parameters
+    ----------
+    problem : problem of the case
+    compliance : compliance on a pressure space
+    unknowns : unknowns from which it is condensed; 0 if the pressures are the only unknowns
+    half_space : finite-element half-space, if there is one
+    """
+    size = unknowns or compliance.space.size
+    if not problem.full_contact:
+        moving = MovingContact(problem, compliance, step_tolerance_factor=STEP_TOLERANCE_FACTOR)
+        return Solution(
+            moving.results | moving.answers,
+            moving.compared | moving.answers,
+            {},
+            {},
+            size,
+            half_space=half_space,
+            march=moving.marched,
+        )
+    full = FullContact(problem, compliance)
+    return Solution(
+        full.results | full.answers,
+        full.compared | full.answers | start_in_space(problem, compliance, full.compared),
+        {},
+        {},
+        size,
+        wear=full.wear,
+        half_space=half_space,
+    )
+
+
+def start_in_space(problem: Problem, compliance: Compliance, compared: Results) -> Results:
+    """Return the start of a flat punch in the pressure space itself, in place of the fitted one.
+
+    A run computes the start in functions that have its singularity, so that its error would not
+    show the elements at the rim.
+
+    Returns
+    -------
+    results : (T, ...) indentation or force, and pressure; only t = 0 differs from `compared`
+    """
+    times = compared.get("time", np.zeros(0))
+    if not len(times) or times[0] > 0 or not problem.loading.forces[0]:
+        return {}
+    pressed = press_flat(compliance, problem.indentation)
+    force = 1.0 if problem.indentation is not None else float(problem.loading.forces[0])
+    starts = {
+        "indentation": force * pressed.indentation,
+        "normal_force": pressed.force,
+        "pressure": force * (compliance.space.matrix(problem.face.radii) @ pressed.pressure),
+    }
+    names = starts.keys() & compared.keys() - {problem.prescribed}
+    return {
+        name: np.concatenate([np.asarray(starts[name])[None], compared[name][1:]]) for name in names
+    }

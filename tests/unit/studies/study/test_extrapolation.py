@@ -1,0 +1,166 @@
+"""Orders of exact sequences, Richardson's limit, and tables of refinements that were published."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ringwear import SceneError, orders
+from ringwear.studies.study.extrapolation import (
+    order_of_changes,
+    order_of_errors,
+    order_of_three,
+    richardson,
+)
+from ringwear.studies.study.theory import UNFITTED, agrees, observed_orders
+from ringwear.studies.study.way import Part, Theory, Way
+
+SIZES = np.array([0.5, 0.3, 0.2, 0.1])
+
+
+@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 7.5])
+def test_orders_of_an_exact_sequence(order):
+    errors, values = 0.3 * SIZES**order, 1 - 0.3 * SIZES**order
+    assert order_of_errors(SIZES, errors).order == pytest.approx(order)
+    changes = np.abs(np.diff(values))
+    fitted = order_of_changes(SIZES, changes)
+    assert fitted.order == pytest.approx(order, abs=1e-6)
+    assert fitted.low <= fitted.order <= fitted.high
+    assert order_of_three(SIZES[-3:], changes[-2:]) == pytest.approx(order)
+
+
+def test_the_interval_is_that_of_students_distribution():
+    from scipy.stats import linregress, t
+
+    errors = SIZES**2 * np.array([1.1, 0.9, 1.05, 0.95])
+    line = linregress(np.log(SIZES), np.log(errors))
+    half = t.ppf(0.975, 2) * line.stderr
+    expected = [line.slope, line.slope - half, line.slope + half]
+    assert list(order_of_errors(SIZES, errors)) == pytest.approx(expected)
+
+
+def levels_of(errors, theory, reference=0.0):
+    """Return the observed order of a sequence as a study fits it."""
+    way = Way("h", "fem", range(4), None, "size", theory=lambda *_: theory)
+    table = pd.DataFrame({"size": SIZES, "error": errors, "unknowns": 1 / SIZES})
+    constant = {"case": "scene", "way": "h", "quantity": "indentation", "when": "start"}
+    table = table.assign(**constant, reference=reference, index=np.nan, limit=np.nan)
+    (row,) = observed_orders(table, [way]).to_dict("records")
+    return row
+
+
+def test_levels_below_the_floor_are_left_out_of_orders():
+    errors = np.maximum(SIZES**2, 0.045)
+    for floor, reference in ((0.05, 0.0), (0.0, 0.05)):
+        row = levels_of(errors, Theory(2.0, floor=floor), reference)
+        assert (row["order"], row["last order"]) == pytest.approx((2, 2))
+        assert (row["fitted"], row["levels"]) == (2, 4)
+    assert row["cause of the floor"] == "the error of the reference"
+
+
+@pytest.mark.parametrize(
+    ("errors", "verdict"),
+    [
+        (SIZES**2, "yes"),
+        (SIZES**2.2, "no"),
+        (SIZES**2 * (1 - SIZES), "no"),
+        (np.array([1.0, 0.0, 0.0, 0.0]), UNFITTED),
+        # the fitted order is right by chance, but that of the last levels is not
+        (np.array([0.5**2, 0.3**2, 0.2**2, 0.9 * 0.1**2]), "no"),
+    ],
+)
+def test_verdicts_on_orders(errors, verdict):
+    assert levels_of(errors, Theory(2.0))["agrees"] == verdict
+    assert levels_of(errors, Theory())["agrees"] == ""
+    assert agrees(np.nan, 2.0, 2.0) == ""
+
+
+class Fields:
+    """Levels ``exact + c h^order`` of a field of two numbers, in the maximum norm."""
+
+    def __init__(self, order):
+        self.wrong = np.outer(SIZES**order, [0.3, -0.2])
+
+    @property
+    def changes(self):
+        return np.abs(np.diff(self.wrong, axis=0)).max(axis=1)
+
+    def error_of_limit(self, weight):
+        return np.abs(self.wrong[-1] + weight * (self.wrong[-1] - self.wrong[-2])).max()
+
+
+@pytest.mark.parametrize("order", [0.5, 2.0])
+def test_richardsons_limit_of_fields_is_exact(order):
+    fields = Fields(order)
+    errors = np.abs(fields.wrong).max(axis=1)
+    limit, index = richardson(SIZES, errors, fields)
+    assert limit == pytest.approx(0, abs=1e-12)
+    # the distance of the finest level from the limit, times Roache's factor
+    assert index == pytest.approx(1.25 * errors[-1])
+
+
+# Slater, Examining spatial (grid) convergence, NPARC Alliance verification and validation (2021):
+# pressure recovery of an inlet on grids with the spacings 1, 2 and 4
+NPARC = pd.DataFrame({"h": [1.0, 2.0, 4.0], "recovery": [0.97050, 0.96854, 0.96178]})
+# Celik et al., J. Fluids Eng. 130 (2008), doi 10.1115/1.2960953, table 1: a reattachment length,
+# and a velocity, on grids with these numbers of cells in the plane
+LENGTH = pd.DataFrame({"cells": [18000, 8000, 4500], "length": [6.063, 5.972, 5.863]})
+VELOCITY = pd.DataFrame({"cells": [18000, 4500, 980], "velocity": [10.7880, 10.7250, 10.6050]})
+
+
+@pytest.mark.parametrize(
+    ("table", "order", "limit", "index"),
+    [
+        (NPARC, (1.786170, 1e-6), (0.97130, 5e-6), (0.00103083, 1e-8)),
+        (LENGTH, (1.53, 5e-3), (6.1685, 5e-5), (0.022, 5e-4)),
+        (VELOCITY, (0.75, 5e-3), (10.8801, 5e-5), (0.011, 5e-4)),
+    ],
+)
+def test_published_refinements_have_the_printed_orders(table, order, limit, index):
+    if "cells" in table:
+        table = table.assign(h=table.cells**-0.5).drop(columns="cells")
+    # the order of rows does not matter
+    for rows in (table, table[::-1]):
+        (row,) = orders(rows, by="h").to_dict("records")
+        for name, (printed, digits) in (("order", order), ("limit", limit), ("index", index)):
+            assert row[name] == pytest.approx(printed, abs=digits), name
+        assert row["asymptotic"] == "unknown"
+
+
+def test_errors_values_and_fields_of_a_table():
+    radii = np.linspace(0, 1, 11)
+    rows = [
+        {"h": size, "radius": radius, "pressure": np.cos(radius) * (1 + size**2)}
+        for size in SIZES
+        for radius in radii
+    ]
+    (field,) = orders(pd.DataFrame(rows), by="h").to_dict("records")
+    assert field["order"] == pytest.approx(2, abs=1e-4)
+    assert field["index"] == pytest.approx(1.25 * 0.01 / 1.01, rel=1e-6)
+    table = pd.DataFrame({"h": SIZES, "depth": 2 + SIZES**2, "L2 error": SIZES**3})
+    table["swinging"] = [1.0, -1.0, 1.0, -1.0]
+    found = orders(table, by="h", right={"depth": 2.0}, tolerance=0.004).set_index("quantity")
+    assert found.order[["depth", "L2 error"]].tolist() == pytest.approx([2, 3])
+    assert np.isnan(found.order["swinging"])
+    assert found.loc["depth", ["target", "ratio", "within"]].tolist() == [2.0, 1.005, "no"]
+    assert found.within["L2 error"] == "yes"
+    assert found.asymptotic["depth"] == "yes"
+
+
+@pytest.mark.parametrize(
+    ("table", "by", "message"),
+    [
+        (NPARC, "H", "did you mean 'h'"),
+        (NPARC[:2], "h", "three levels or more"),
+        (NPARC.assign(h=[1.0, 1.0, 2.0]), "h", "another positive size"),
+        (NPARC[["h"]], "h", "no numbers besides"),
+        ([1, 2, 3], "h", "is no table"),
+    ],
+)
+def test_tables_without_an_order_are_refused(table, by, message):
+    with pytest.raises(SceneError, match=message):
+        orders(table, by=by)
+
+
+def test_names_of_quantities_in_sentences():
+    assert str(Part("rms_slope", "later")) == "RMS slope, later"
+    assert str(Part("steady_profile")) == "steady profile"

@@ -1,0 +1,118 @@
+"""What users bring to a study: meshes, elements, quantities and methods; and where meshes err."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from skfem import ElementTriCR, ElementTriP2, Mesh
+
+from ringwear import Rings, Scene, SceneError, SizeField, bisection, energy, method
+from ringwear.meshes.half_space import contact_radii
+from ringwear.studies.refinement import costs
+from ringwear.studies.study.errors import EIGENVALUE, values_of
+from ringwear.studies.study.mesh_figures import DrawnLevel, worst_place
+from ringwear.studies.study.own import (
+    degree_of,
+    read_elements,
+    read_meshes,
+    read_methods,
+    read_quantities,
+)
+from ringwear.studies.study.reference import reference
+from ringwear.studies.study.way import Case
+from ringwear.studies.study.ways.finite_elements import own_meshes
+
+EDGES = np.array([0.0, 0.5, 1.0])
+
+
+def case_of(times=(0.0, 0.1, 1.0)):
+    scene = Scene.load("five_rings").changed(wear__times=list(times))
+    case = Case.of(scene)
+    problem = replace(
+        case.problem, rings=Rings.constant(EDGES, np.array([1.0, 0.1])), compared_on=None
+    )
+    return replace(case, problem=replace(problem, compared_on=problem.face))
+
+
+def make_mesh(path, rim_size, ring_size, growth=0.8):
+    """Write a mesh with one ring edge at half the radius."""
+    mesh = bisection.mesh(SizeField(tuple(EDGES), rim_size, ring_size, growth, 4.0))
+    mesh.save(path, file_format="vtu")
+    return str(path)
+
+
+def test_files_of_one_name_get_different_names(tmp_path):
+    paths = []
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+        paths.append(make_mesh(tmp_path / folder / "mesh.vtu", 0.1, 0.1))
+    other = make_mesh(tmp_path / "other.vtu", 0.1, 0.1)
+    names = list(read_meshes(case_of().problem, [*paths, other, Mesh.load(other)]))
+    assert names == [f"{paths[0]} (1)", f"{paths[1]} (2)", "other.vtu", "mesh 4"]
+
+
+def test_a_mesh_file_fits_if_its_ring_edges_are_vertices(tmp_path):
+    file = make_mesh(tmp_path / "mine.vtu", 0.1, 0.1)
+    with pytest.raises(SceneError, match=r"ring edge at r = 0\.2 a"):
+        read_meshes(Scene.load("five_rings").problem, file)
+    (mesh,) = read_meshes(case_of().problem, file).values()
+    assert 0.5 in contact_radii(mesh)
+    with pytest.raises(SceneError, match="give mesh files"):
+        read_meshes(case_of().problem, [3])
+
+
+@pytest.mark.parametrize(("rim_size", "ring_size", "edge"), [(1e-4, 0.2, 0.5), (0.2, 1e-4, 1.0)])
+def test_the_worst_place_is_where_the_mesh_is_coarse(rim_size, ring_size, edge):
+    case = case_of()
+    mesh = bisection.mesh(SizeField(tuple(EDGES), rim_size, ring_size, 0.5, 4.0))
+    (level,), way = own_meshes({"mine": mesh}, 3).levels, own_meshes({"mine": mesh}, 3)
+    solution, exact = way.solve(case.problem, level, None), reference(case, confirmed=False)
+    place = worst_place(case, DrawnLevel.of(case, way, level, solution, exact.values))
+    assert place.edge == edge
+    assert edge in place.facet
+    assert 0.5 < place.share <= 1
+    # the least eigenvalue is the least ratio of energies on the same pressures
+    values = values_of(case, solution, (EIGENVALUE,))
+    compliance = solution.wear.compliance
+    ratios = eigh(compliance.matrix, energy.compliance(compliance.space).matrix, eigvals_only=True)
+    assert float(values[EIGENVALUE]) == pytest.approx(ratios.min(), rel=1e-6)
+
+
+def test_costs_are_those_of_the_first_level_that_reaches_a_goal():
+    import pandas as pd
+
+    table = pd.DataFrame({"error": [0.02, -0.005], "unknowns": [100, 400], "seconds": [1.0, 2.0]})
+    table = table.assign(case="scene", way="uniform", quantity="indentation", when="start")
+    by_goal = costs(table).set_index("goal")
+    assert by_goal.unknowns[1e-2] == 400
+    assert np.isnan(by_goal.unknowns[1e-3])
+    assert by_goal["least error"][1e-3] == 0.005
+
+
+def test_quantities_are_names_and_functions():
+    def mean(result):
+        return float(result.dataset.pressure.mean())
+
+    known = ("pressure", "indentation")
+    assert read_quantities(None, known) == ((), {})
+    assert read_quantities(["pressure", mean], known) == (("pressure",), {"mean": mean})
+    assert read_quantities({"p": mean}, known) == ((), {"p": mean})
+    assert read_quantities(mean, known) == ((), {"mean": mean})
+    with pytest.raises(SceneError, match="did you mean pressure"):
+        read_quantities("presure", known)
+
+
+def test_methods_are_names_and_own_methods():
+    mine = method("mdr")
+    assert read_methods(None, ("mdr", "fem"), "convergence") == (("mdr", "fem"), ())
+    assert read_methods(["fem", mine], ("mdr", "fem"), "convergence") == (("fem",), (mine,))
+    with pytest.raises(SceneError, match="has no sequence of levels"):
+        read_methods("direct", ("mdr",), "convergence")
+
+
+def test_elements_are_continuous():
+    assert degree_of(*read_elements("ElementTriP2")) == 2
+    assert read_elements([ElementTriP2()])[0].maxdeg == 2
+    with pytest.raises(SceneError, match="has to be continuous"):
+        degree_of(ElementTriCR())

@@ -1,0 +1,428 @@
+"""Orders of ways to refine, each with a cap on its error, and stresses on the axis."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from ringwear import (
+    Ground,
+    PressureSpace,
+    Scene,
+    SceneError,
+    SizeField,
+    alternating_edges,
+    bisection,
+    energy,
+    press_flat,
+)
+from ringwear.mdr.uniform_grid import UniformGrid
+from ringwear.meshes.half_space import contact_radii, quality
+from ringwear.meshes.radial import graded_breakpoints
+from ringwear.studies.convergence import GRADINGS_OF_ONE_RING, explain_start, ways_of_one_ring
+from ringwear.studies.study.errors import STRESS, error
+from ringwear.studies.study.measure import measure
+from ringwear.studies.study.record import Record
+from ringwear.studies.study.reference import exact_start, reference, shaped_start
+from ringwear.studies.study.theory import observed_orders
+from ringwear.studies.study.way import ALL, Case, Part
+from ringwear.studies.study.ways import naive
+from ringwear.studies.study.ways.axis_stresses import (
+    DEPTHS,
+    boussinesq_stresses,
+    element_stresses,
+)
+from ringwear.studies.study.ways.finite_elements import (
+    adaptive,
+    coarsest,
+    graded_to_edges,
+    halved,
+    layered,
+    poles_without_error,
+    uniform,
+)
+from ringwear.studies.study.ways.radial import graded_radii, uniform_radii
+from ringwear.studies.study.ways.subdivision import subdivided
+from ringwear.studies.study.ways.truncated import exact_on_layers, far_fields
+
+FIVE = Case.of(Scene.load("five_rings"))
+ONE = FIVE.with_one_ring()
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return reference(FIVE, (STRESS,))
+
+
+def order(sizes, errors):
+    """Return the order between the two finest levels."""
+    return float(np.log(errors[-2] / errors[-1]) / np.log(sizes[-2] / sizes[-1]))
+
+
+def fits_of(case, way, exact, *quantities):
+    """Return the observed order of each quantity of a way, by name and `when`."""
+    table = measure([case], [way], quantities, Record(), exact=lambda _: exact)
+    fits = observed_orders(table, [way])
+    return {(row["quantity"], row["when"]): row for row in fits.to_dict("records")}
+
+
+ENERGIES = (("indentation", "start"), ("indentation", "later"), ("running_in_time", ALL))
+
+
+@pytest.mark.parametrize(("quads", "counts"), [(False, (4, 6)), (True, (1, 2))])
+def test_elements_of_degree_one_have_the_order_two_in_every_energy(exact, quads, counts):
+    fits = fits_of(FIVE, graded_to_edges(1, counts, quads), exact, *{name for name, _ in ENERGIES})
+    for part in ENERGIES:
+        assert fits[part]["last order"] == pytest.approx(2, abs=0.2), part
+        assert fits[part]["expected"] == 2
+        assert fits[part]["finest error"] < 0.01
+
+
+@pytest.mark.gmsh
+def test_elements_of_degree_two_have_the_order_four_in_every_energy(exact):
+    fits = fits_of(FIVE, graded_to_edges(2, (2, 3)), exact, *{name for name, _ in ENERGIES})
+    for part in ENERGIES:
+        assert fits[part]["last order"] == pytest.approx(4, abs=0.3), part
+        assert fits[part]["finest error"] < 1e-4
+
+
+@pytest.mark.parametrize(("method", "degree"), [("mdr", 1), ("mdr", 2), ("bem", 1)])
+def test_cells_of_one_size_have_the_orders_of_the_singular_rim(exact, method, degree):
+    way = uniform_radii(method, degree, (16, 32))
+    fits = fits_of(FIVE, way, exact, "indentation", "pressure")
+    assert fits["indentation", "start"]["order"] == pytest.approx(1, abs=0.02)
+    assert fits["pressure", "start"]["order"] == pytest.approx(0.5, abs=0.02)
+
+
+def test_quadrilaterals_of_one_size_have_the_order_of_the_rim(exact):
+    fits = fits_of(FIVE, uniform(1, (1, 2), quads=True), exact, "indentation", "pressure")
+    assert fits["indentation", "start"]["order"] == pytest.approx(1, abs=0.15)
+    assert fits["pressure", "start"]["order"] == pytest.approx(0.5, abs=0.15)
+
+
+def test_pressures_of_mdr_have_the_order_of_their_mean_square(exact):
+    """With degree 2, pressures have the order 3, and the history the order 6."""
+    fits = fits_of(FIVE, graded_radii("mdr", 2, (0.5, 0.6)), exact, "pressure", "indentation")
+    assert fits["pressure", "later"]["order"] == pytest.approx(3, abs=0.2)
+    assert fits["indentation", "later"]["order"] == pytest.approx(6, abs=0.3)
+
+
+def test_steady_slopes_of_mdr_of_degree_one_have_the_order_two(exact):
+    fits = fits_of(FIVE, graded_radii("mdr", 1, (0.6, 0.7, 0.78)), exact, "steady_rms_slope")
+    assert fits["steady_rms_slope", ALL]["agrees"] == "yes"
+
+
+@pytest.mark.gmsh
+def test_starts_of_one_ring_have_the_orders_of_theory():
+    """Of similar ways, only the fastest are solved."""
+    slow = {"P2, graded", "P3, uniform", "P4, uniform"}
+    ways = [way for way in ways_of_one_ring(quick=True) if way.name not in slow]
+    table = measure(
+        [ONE], ways, ("indentation",), Record(), exact=lambda of: exact_start(of.problem)
+    )
+    fits = observed_orders(table, ways)
+    assert set(fits["agrees"]) == {"yes"}
+    assert fits["theory"].str.endswith(".").all()
+    assert dict(zip(fits["way"], fits["expected"], strict=True)) == {
+        "P3, graded": 6,
+        "P4, graded": 8,
+        "P2, uniform": 1,
+        "MDR degree 1, graded": 5,
+        "MDR degree 2, graded": 7,
+        "quadrilaterals in layers": pytest.approx(np.log10(9)),
+    }
+
+
+@pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
+def test_indentation_by_mdr_on_cells_graded_to_the_rim(degree, cap):
+    """The orders are 2 degree + 3; with degree 4, the order approaches 11 until roundoff."""
+    way = graded_radii("mdr", degree, GRADINGS_OF_ONE_RING[degree])
+    exact = exact_start(ONE.problem)
+    table = measure([ONE], [way], ("indentation",), Record(), exact=lambda _: exact)
+    sizes, errors = table[["size", "error"]].to_numpy().T
+    assert errors.min() > 0
+    assert errors[-1] <= cap
+    between = np.diff(np.log(errors)) / np.diff(np.log(sizes))
+    if degree < 4:
+        assert between[-1] == pytest.approx(2 * degree + 3, abs=0.15)
+    else:
+        assert 10.5 < between[0] < between[1] < between[2] < 11
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("ratio", "cap"), [(0.0, 3e-12), (0.3, 3e-12), (0.45, 5e-12)])
+def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
+    """Two more degrees reduce the error by 20 or more, towards a factor of 9 for each."""
+    case = replace(ONE, problem=replace(ONE.problem, ground=Ground.half_space(ratio)))
+    way, exact = layered(range(5, 12), rings=1), exact_start(ONE.problem)
+    table = measure([case], [way], ("indentation",), Record(), exact=lambda _: exact)
+    errors = table["error"].to_numpy()
+    # finite elements are always too stiff
+    assert max(errors) < 0
+    assert (errors[:-2] / errors[2:]).min() >= 20
+    assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * 9
+    assert abs(errors[-1]) <= cap
+
+
+@pytest.mark.gmsh
+def test_rings_on_quadrilaterals_by_the_degree():
+    """Degrees 4 to 8 against MDR; the study continues up to roundoff."""
+    case = Case.of(Scene.load("five_rings").changed(wear__times=[1.0]))
+    table = measure(
+        [case], [layered(range(4, 9), rings=5)], ("indentation", "running_in_time"), Record()
+    )
+    for name, when in (("indentation", "later"), ("running_in_time", ALL)):
+        rows = table[(table["quantity"] == name) & (table["when"] == when)]
+        errors = rows["error"].abs().to_numpy()
+        assert (errors[:-2] / errors[2:]).min() >= 20
+        assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * 9
+        assert errors[-1] <= 2e-9
+
+
+@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
+def test_adaptive_energy_errors_fall_at_the_best_order_and_are_indicated(degree, exact):
+    fem = FIVE.problem.fem.model_copy(update={"degree": degree})
+    case = replace(FIVE, problem=replace(FIVE.problem, fem=fem))
+    most = 45_000 if degree == 4 else 9_000
+    table = measure(
+        [case], [adaptive()], ("energy",), Record(), exact=lambda _: exact, most_unknowns=most
+    )
+    ratio = table["estimate"] / table["error"]
+    assert 1 < ratio.min() < ratio.max() < 10
+    (row,) = observed_orders(table, [adaptive()]).to_dict("records")
+    # N^(-1/2) is the size of elements in the plane, and the energy norm of the error its power k
+    assert row["order"] == pytest.approx(degree, abs=0.5)
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+def test_adaptive_meshes_need_at_most_twice_the_unknowns_of_graded_ones():
+    from ringwear.studies.study.ways.finite_elements import by_tolerance
+
+    rtols = [10.0 ** (-half / 2) for half in range(2, 11)]
+    settings = {"mesher": "gmsh", "degree": None}
+    ways = [by_tolerance("graded", rtols, settings), adaptive(), halved(range(4))]
+    case = Case.of(Scene.load("five_rings").changed(wear__times=[0.5, 1.0, 2.0]))
+    table = measure([case], ways, ("pressure",), Record(), most_unknowns=60_000)
+    reached = table[(table["when"] == "later") & (table["error"] <= 1e-5)]
+    needed = reached.groupby("way")["unknowns"].min()
+    assert needed["adaptive triangles"] <= 2 * needed["graded"]
+    assert "uniform triangles" not in needed
+
+
+def test_poles_make_the_truncation_negligible():
+    assert len(poles_without_error(FIVE.problem, coarsest(FIVE.problem))) > 4
+
+
+def test_parts_of_opposite_signs_explain_an_order_that_differs():
+    """Errors 0.01 h of pressures and -0.012 h^0.9 of displacements have a sum of lower order."""
+    import pandas as pd
+
+    sizes = np.array([1.0, 0.5, 0.25])
+    pressures, whole = 0.01 * sizes, 0.01 * sizes - 0.012 * sizes**0.9
+    key = {"case": "scene", "way": "Q2, uniform"}
+    parts = (("indentation", "start", whole), ("indentation_by_pressures", "all", pressures))
+    table = pd.DataFrame(
+        key | {"quantity": name, "when": when, "size": size, "error": value}
+        for name, when, values in parts
+        for size, value in zip(sizes, values, strict=True)
+    )
+    fits = pd.DataFrame([key | {"quantity": "indentation", "when": "start", "agrees": "no"}])
+    (sentence,) = explain_start(fits, table)
+    assert "+2.5e-03 due to the pressures (order 1.00)" in sentence
+    assert "-3.4e-03 due to the displacements (order 0.90)" in sentence
+
+
+@pytest.mark.parametrize(("exponent", "cap"), [(1, 2e-3), (3, 2e-6)])
+@pytest.mark.parametrize("degree", [1, 2, 3])
+def test_indentation_by_radii_of_a_power(degree, exponent, cap):
+    """Radii ``1 - (1 - i/n)^m`` make the energy converge as ``n^-m``, from above.
+
+    The reason is the root singularity of the pressure at the rim.
+    """
+    counts, errors = np.array([8, 16, 32]), []
+    for count in counts:
+        radii = 1 - (1 - np.arange(count + 1) / count) ** exponent
+        space = PressureSpace(radii, np.full(count, degree), np.array([0.0, 1.0]))
+        errors.append(press_flat(energy.compliance(space)).indentation / 0.5 - 1)
+    assert min(errors) > 0
+    assert order(1 / counts, errors) == pytest.approx(exponent, abs=0.05)
+    assert errors[-1] <= cap
+
+
+def paper_grid(count):
+    return UniformGrid(alternating_edges(5), np.array([0.1, 1, 0.1, 1, 0.1]), count)
+
+
+def test_the_papers_march_is_first_order_in_time():
+    """Errors in time against the exact solution on the same grid, by a matrix exponential."""
+    grid, time = paper_grid(40), 1.0
+    count = len(grid.radii)
+    # df/dt = M f + c as one homogeneous system
+    system = np.zeros((count + 1, count + 1))
+    system[:-1, :-1] = grid.rate_matrix()
+    system[:-1, -1] = grid.coefficients * grid.contact(np.zeros(count))[0]
+    profile = expm(system * time)[:-1, -1]
+    steps = grid.stability_limit() * np.array([0.4, 0.2, 0.1])
+    marched = [grid.march(np.array([time]), step) for step in steps]
+    heights = [abs(indentation[0] - grid.contact(profile)[1]) for *_, indentation in marched]
+    profiles = [np.abs(worn[0] - profile).max() for _, worn, _ in marched]
+    for errors, cap in ((heights, 1e-5), (profiles, 1e-4)):
+        assert order(steps, errors) == pytest.approx(1, abs=0.05)
+        assert errors[-1] <= cap
+
+
+@pytest.mark.parametrize("count", [50, 100, 200])
+def test_the_papers_march_blows_up_above_its_limit_only(count):
+    """The limit is twice the shortest relaxation time of the grid, that of a wave of two cells."""
+    grid = paper_grid(count)
+    rates = np.linalg.eigvals(grid.rate_matrix())
+    limit = 2 / np.abs(rates).max()
+    assert rates.real.max() <= 1e-6
+    assert limit == pytest.approx(grid.stability_limit(), rel=0.1)
+    until = np.array([1000 * limit])
+    pressures, *_ = grid.march(until, 0.95 * limit)
+    assert 0 < pressures.min() < pressures.max() < 1
+    with pytest.raises(SceneError, match=r"wear\.step"):
+        grid.march(until, 1.05 * limit)
+
+
+def test_the_papers_grid_is_first_order(reference):
+    """The error at t = 0.1, when slopes at ring edges are steep, against the stored reference."""
+    (state,) = [state for state in reference["states"] if state["time"] == 0.1]
+    edges, wear = (np.array(reference[name]) for name in ("ring_edges", "wear_coefficients"))
+    counts, errors = np.array([50, 100, 200]), []
+    for count in counts:
+        grid = UniformGrid(edges, wear / 10, count)
+        _, profile, indentation = grid.march(np.array([1.0]), 0.5 * grid.stability_limit())
+        errors.append(abs(2 * (indentation[0] - profile[0, 0]) / state["displacement_centre"] - 1))
+    assert order(1 / counts, errors) >= 0.7
+    assert errors[-1] <= 5e-3
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
+def test_truncation_by_every_far_field(ratio):
+    """Far fields at R = 4 a to 7 a against six poles on the same mesh."""
+    ground = Ground.half_space(ratio)
+    case = replace(ONE, problem=replace(ONE.problem, ground=ground))
+    ways, exact = far_fields((4, 5, 6, 7), ground), exact_start(ONE.problem)
+    table = measure([case], ways, ("indentation",), Record(), exact=lambda _: exact)
+    fits = observed_orders(table, ways).set_index("way")
+    assert (fits["agrees"] == "yes").all()
+    assert fits["expected"].tolist() == [1, 5, 9, 13]
+    caps = {"clamped": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
+    for far_field, cap in caps.items():
+        assert fits["finest error"][far_field] <= cap
+
+
+def errors_on_layers(ground, radii):
+    """Return the error (R,) of the start by the name of each far field on layers."""
+    case = replace(ONE, problem=replace(ONE.problem, ground=ground))
+    exact = exact_on_layers(case.problem)
+    table = measure(
+        [case], far_fields(radii, ground), ("indentation",), Record(), exact=lambda _: exact
+    )
+    return {name: rows["error"].to_numpy() for name, rows in table.groupby("way")}
+
+
+@pytest.mark.gmsh
+def test_truncation_on_layers():
+    """Stiffness against the theory; far from the layers, loads have the orders of poles."""
+    film = Scene.load("hard_film").problem.ground
+    errors = errors_on_layers(film, (2.5, 4.0, 8.0, 16.0))
+    assert abs(errors["1 load"][0] / errors["1 load"][-1]) > (16 / 2.5) ** 4.5
+    assert 0.9 < np.log(errors["clamped"][2] / errors["clamped"][3]) / np.log(2) < 1
+    assert abs(errors["2 loads"][0]) < 1e-7
+    assert np.abs(errors["4 loads"]).max() < 1e-9
+    # a clamped boundary causes no error on a rigid base
+    pad = Scene.load("polishing_pad").problem.ground
+    assert abs(errors_on_layers(pad, (4.0,))["clamped"][0]) < 1e-9
+    # incompressible layers are extrapolated for each far field
+    rubber = Ground.from_youngs_moduli([0.2], [1.0, np.inf], [0.5, 0.0])
+    assert abs(errors_on_layers(rubber, (4.0,))["clamped"][0]) < 5e-8
+
+
+def flat_punch_on_axis(poisson_ratio):
+    """Return stresses zz and rr on the axis under a flat punch of force 1 (Sneddon 1946)."""
+    below = 1 + DEPTHS**2
+    axial = -(1 + 3 * DEPTHS**2) / below**2 / (2 * np.pi)
+    # rr = half of rr + hoop, by Hankel integrals of sin(s) exp(-s z) and s z sin(s) exp(-s z)
+    plane = -(1 + 2 * poisson_ratio) / below + 2 * DEPTHS**2 / below**2
+    return np.stack([axial, plane / (4 * np.pi)], axis=-1)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
+def test_stresses_on_the_axis_are_those_of_the_flat_punch(ratio):
+    breakpoints = graded_breakpoints(np.array([0.0, 1.0]), 1e-13, 1e-13, 0.3)
+    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, 5), np.array([0.0, 1.0]))
+    pressed = press_flat(energy.compliance(space))
+    stresses = boussinesq_stresses(space, pressed.pressure[None], ratio)[0]
+    np.testing.assert_allclose(stresses, flat_punch_on_axis(ratio), atol=1e-6)
+
+
+def test_stresses_of_elements_on_the_axis_converge_to_them():
+    half_space = graded_to_edges(4, (1,)).solve(ONE.problem, 1, None).half_space
+    pressed = press_flat(half_space.compliance())
+    stresses = element_stresses(half_space, pressed.pressure[None])[0]
+    np.testing.assert_allclose(stresses, flat_punch_on_axis(0.3), atol=2e-3 / np.pi)
+
+
+def test_errors_are_signed_numbers_or_norms(exact):
+    values = dict(exact.values)
+    values["indentation"] = values["indentation"] * 0.99
+    values["pressure"] = values["pressure"] * 1.01
+    assert error(Part("indentation", "start"), values, exact.values, FIVE.problem) == pytest.approx(
+        -0.01
+    )
+    assert error(Part("pressure", "later"), values, exact.values, FIVE.problem) == pytest.approx(
+        0.01, rel=1e-6
+    )
+    assert np.isnan(error(Part("no_such", ALL), values, exact.values, FIVE.problem))
+
+
+def test_the_reference_states_its_own_error(exact):
+    assert exact.errors(Part("indentation", "start")) == 1e-14
+    assert 0 < exact.errors(Part("pressure", "later")) < 1e-6
+    values = exact.values["indentation"]
+    assert values[0] == 0.5
+
+
+def test_starts_in_closed_form():
+    """Hertz: F = 4/3 E* sqrt(R) d^(3/2); cone: F = 2 E* d^2 / (pi s); d in units of F / (a E*)."""
+    base, force = Scene.load("sphere").changed(load__normal_force=0.01), 0.01
+    ball = base.changed(punch__profile={"kind": "parabola", "curvature_radius": 3.0})
+    start = shaped_start(ball)
+    depth = start["indentation"] * force
+    assert 4 / 3 * 3.0**0.5 * depth**1.5 == pytest.approx(force, rel=1e-12)
+    assert start["contact_radius"] == pytest.approx((3.0 * depth) ** 0.5, rel=1e-12)
+    cone = shaped_start(base.changed(punch__profile={"kind": "cone", "slope": 0.1}))
+    depth = cone["indentation"] * force
+    assert 2 * depth**2 / (np.pi * 0.1) == pytest.approx(force, rel=1e-12)
+    # no closed form if the whole face of the sphere is in contact, or if the force varies
+    assert not shaped_start(ball.changed(load__normal_force=1e9))
+    rising = {"times": [0.0, 1.0], "values": [0.01, 0.02]}
+    assert not shaped_start(ball.changed(load__normal_force=rising))
+
+
+def test_the_naive_choice_is_accurate_in_an_ordinary_scene():
+    """The truncation errs by 1.1 a/R = 1.1e-3, and a punch of one material has no ring edges."""
+    problem = Scene.load("flat_punch").changed(wear__times=[0.0, 10.0]).problem
+    start = naive.solve(problem, outer=1000.0)["indentation"][0]
+    # Eq. 10: the flat start of the force 1; the mesh of equal elements has the size 1/20
+    assert abs(start / 0.5 - 1) < 0.02
+    # the steady pressure of one material is uniform (Eq. 24)
+    assert naive.solve(problem)["pressure"][1] == pytest.approx(1 / np.pi, rel=5e-3)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_subdivision(count):
+    base = bisection.mesh(SizeField((0.0, 1.0), 1e-5, 1e-4, 0.8, 20.0))
+    fine = subdivided(base, count)
+    assert fine.nelements == count**2 * base.nelements
+    # triangles at the arc lose some quality, because their points are moved onto it
+    assert quality(fine).min() > 0.5 * quality(base).min()
+    # every vertex of the base is kept, and the points of the arc have its radius
+    assert np.isin(contact_radii(base), contact_radii(fine)).all()
+    far = fine.p[:, np.unique(fine.facets[:, fine.boundaries["far"]])]
+    assert np.hypot(*far) == pytest.approx(20.0, rel=1e-12)
