@@ -5,8 +5,6 @@ The table is tidy: it has one row for each quantity of each level, with the colu
 """
 
 import math
-import resource
-import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import psutil
 from threadpoolctl import threadpool_limits
 
 from ..crosscheck import LOG, Results, RingwearError, Solution
@@ -366,7 +365,7 @@ def _reset_peak() -> None:
     try:
         Path("/proc/self/clear_refs").write_text("5", "ascii")
     except OSError:
-        # on other systems the reported peak is the maximum over all levels so far
+        # other systems report the memory after the level, or the maximum over all levels so far
         return
 
 
@@ -375,7 +374,7 @@ def _peak_mebibytes() -> float:
     try:
         status = Path("/proc/self/status").read_text("ascii")
     except OSError:
-        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-        return peak / (2**20 if sys.platform == "darwin" else 2**10)
+        memory = psutil.Process().memory_info()
+        return float(getattr(memory, "peak_wset", memory.rss)) / 2**20
     (line,) = (line for line in status.splitlines() if line.startswith("VmHWM"))
     return float(line.split()[1]) / 2**10

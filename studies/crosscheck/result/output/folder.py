@@ -9,8 +9,9 @@ replaces them. Files that are not listed are neither removed nor overwritten.
 import json
 import os
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -209,35 +210,69 @@ def output_folder(out: str | Path, command: str, names: Iterable[str] = ()) -> I
 def lock_folder(out: Path) -> Iterator[None]:
     """Create a folder and lock it, so that no other run writes to it.
 
-    The operating system holds the lock, and releases it when the process ends for any reason.
+    The operating system holds the lock, and releases it when the process ends for any reason. Where
+    folders cannot be locked, as on Windows, the lock is a hidden file in the folder.
 
     Raises
     ------
     SceneError
         if the folder cannot be written to, or if another run is writing to it
     """
-    import fcntl
-
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
-        handle = os.open(out, os.O_RDONLY)
+        release = _lock(out)
+    except BlockingIOError:
+        raise SceneError(
+            f"--out {out} is being written to by another run: wait for it, or give another "
+            "directory"
+        ) from None
     except OSError as error:
         raise SceneError(
             f"--out {out} cannot be written to: {error.strerror}; give another directory"
         ) from error
     try:
+        yield
+    finally:
+        release()
+
+
+def _lock(folder: Path) -> Callable[[], object]:
+    """Lock a folder; return the function that releases the lock.
+
+    Raises
+    ------
+    BlockingIOError
+        if another process holds the lock
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return _lock_by_file(folder / ".ringwear.lock")
+    handle = os.open(folder, os.O_RDONLY)
+    try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
-        raise SceneError(
-            f"--out {out} is being written to by another run: wait for it, or give another "
-            "directory"
-        ) from None
+        raise
     except OSError:
         # the file system does not support locks
         pass
+    return partial(os.close, handle)
+
+
+def _lock_by_file(file: Path) -> Callable[[], object]:
+    """Do the same by a file."""
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(file, blocking=False)
     try:
-        yield
-    finally:
-        os.close(handle)
+        lock.acquire()
+    except Timeout as error:
+        raise BlockingIOError from error
+
+    def release() -> None:
+        lock.release()
+        file.unlink(missing_ok=True)
+
+    return release

@@ -2,18 +2,19 @@
 
 import faulthandler
 import os
-import resource
 import select
 import signal
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from typing import NoReturn
 
 
 def text_from_copy(work: Callable[[], str], seconds: float) -> str | None:
     """Return the text that a function returns in a copy of this process.
 
-    A copy begins at once, whereas a new process would have to load all libraries again.
+    A copy begins at once, whereas a new process would have to load all libraries again. Systems
+    that cannot copy a process, such as Windows, do the work in this process.
 
     Parameters
     ----------
@@ -24,6 +25,8 @@ def text_from_copy(work: Callable[[], str], seconds: float) -> str | None:
     -------
     text : None if the copy crashes, or if it takes longer
     """
+    if not hasattr(os, "fork"):
+        return work()
     reader, writer = os.pipe()
     with warnings.catch_warnings():
         # Python warns that other threads do not exist in the copy, which needs none
@@ -51,7 +54,10 @@ def _write_and_exit(work: Callable[[], str], writer: int) -> NoReturn:
     try:
         # a crash is no fault of ringwear: leave neither a message nor a core file
         faulthandler.disable()
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        with suppress(ImportError):
+            import resource
+
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
         os.write(writer, DONE + work().encode())
     finally:

@@ -1,6 +1,6 @@
 """Handle Ctrl-C (SIGINT), SIGTERM, by which batch systems end jobs, and SIGHUP.
 
-A terminal that is closed sends SIGHUP.
+A terminal that is closed sends SIGHUP, which Windows does not have.
 """
 
 import signal
@@ -45,8 +45,9 @@ def _handled_by(handler: Callable[[int, FrameType | None], object]) -> Iterator[
         return
     numbers = [signal.SIGINT, signal.SIGTERM]
     # `nohup` lets a job ignore the end of its terminal
-    if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
-        numbers.append(signal.SIGHUP)
+    end_of_terminal = getattr(signal, "SIGHUP", None)
+    if end_of_terminal and signal.getsignal(end_of_terminal) is not signal.SIG_IGN:
+        numbers.append(end_of_terminal)
     earlier_handlers = {number: signal.signal(number, handler) for number in numbers}
     try:
         yield

@@ -1,14 +1,15 @@
 """The memory of this machine, and the refusal of files whose contents would not fit into it."""
 
-import os
 from pathlib import Path
+
+import psutil
 
 GIB = 2.0**30
 
 
 def machine_memory() -> float:
     """Return the memory of this machine, in GiB."""
-    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB
+    return psutil.virtual_memory().total / GIB
 
 
 def refuse_large(path: Path, size: float) -> None:
