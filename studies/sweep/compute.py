@@ -32,7 +32,7 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
     Parameters
     ----------
     sweep : sweep that consists of the scenes of the block
-    blank : empty results of one scene (`store.template`)
+    blank : empty results of one scene (`template.one_scene`)
 
     Returns
     -------

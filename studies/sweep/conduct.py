@@ -5,8 +5,7 @@ import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray
@@ -26,9 +25,13 @@ from ..crosscheck.scene.keys import dotted, listed
 from ..figures.style import new_figure, set_logarithmic
 from .axes import Sweep
 from .cost import estimate_cost
+from .extra import require
 from .flags import DONE, FAILED, PENDING
-from .store import Store
+from .memory import InMemory
 from .workers import compute_blocks
+
+if TYPE_CHECKING:
+    from .store import Store
 
 # file of the figure that the command draws
 PICTURE = "sweep.png"
@@ -99,11 +102,10 @@ def sweep(
         )
     if not isinstance(workers, int) or workers < 1:
         raise SceneError(f"workers = {shown(workers)}: give a whole number, 1 or more")
-    options = resume, retry_failed, workers, scheduler
     if out is not None:
-        return compute(plan, named_folder(out), *options)
-    with TemporaryDirectory() as folder:
-        return compute(plan, Path(folder), *options).load()
+        folder = named_folder(out)
+        return compute_in_folder(plan, folder, resume, retry_failed, workers, scheduler)
+    return compute(InMemory(plan), False, workers, scheduler)
 
 
 def _by_key(axes: Mapping[str, object] | None) -> TomlTable | None:
@@ -133,7 +135,7 @@ def _table_of(scene: Scene) -> TomlTable:
     return table
 
 
-def compute(
+def compute_in_folder(
     sweep: Sweep,
     folder: Path,
     resume: bool,
@@ -149,20 +151,53 @@ def compute(
     sweep : sweep to compute
     folder : folder of the store
     resume, retry_failed : as in the function `sweep`
+    workers, scheduler, memory : as in `compute`
+
+    Raises
+    ------
+    SceneError
+        if the extra `sweep` is needed and is not installed
+    """
+    require(("zarr",), "the store of a sweep")
+    from .store import Store
+
+    with lock_folder(folder):
+        store = Store(sweep, folder, resume or retry_failed)
+        return compute(store, retry_failed, workers, scheduler, memory)
+
+
+def compute(
+    results: "Store | InMemory",
+    retry_failed: bool,
+    workers: int,
+    scheduler: str | None,
+    memory: float | None = None,
+) -> xarray.Dataset:
+    """Compute the unfinished blocks of a sweep; return the dataset of all blocks.
+
+    Parameters
+    ----------
+    results : results of the sweep so far, which know its blocks
+    retry_failed : whether to compute failed scenes again
     workers, scheduler : as in the function `sweep`
     memory : memory in GiB that all processes on this machine may use; if None, they may use all
         memory of the machine
+
+    Raises
+    ------
+    SceneError
+        if the extra `sweep` is needed and is not installed
     """
-    with lock_folder(folder):
-        store = Store(sweep, folder, resume or retry_failed)
-        blocks, start = store.unfinished(retry_failed), time.perf_counter()
-        results = compute_blocks(blocks, store.blank, workers, scheduler, memory)
-        for count, (number, values) in enumerate(results, 1):
-            store.write(number, values)
-            seconds_left = (time.perf_counter() - start) / count * (len(blocks) - count)
-            estimate = f", about {seconds_left:.0f} s left ..." if seconds_left else ""
-            LOG.info("   sweep  %d of %d blocks%s", count, len(blocks), estimate)
-        return store.dataset()
+    if workers > 1 or scheduler is not None or memory is not None:
+        require(("dask", "distributed"), "a sweep by several processes, or with --memory,")
+    blocks, start = results.unfinished(retry_failed), time.perf_counter()
+    computed = compute_blocks(blocks, results.blank, workers, scheduler, memory)
+    for count, (number, values) in enumerate(computed, 1):
+        results.write(number, values)
+        seconds_left = (time.perf_counter() - start) / count * (len(blocks) - count)
+        estimate = f", about {seconds_left:.0f} s left ..." if seconds_left else ""
+        LOG.info("   sweep  %d of %d blocks%s", count, len(blocks), estimate)
+    return results.dataset()
 
 
 def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[str], bool, bool]:
@@ -188,7 +223,7 @@ def conduct(source: str, out: Path, options: argparse.Namespace) -> tuple[list[s
         Folder(out, "sweep").refuse_to_replace([PICTURE])
     resume_options = options.resume, options.retry_failed
     worker_options = options.workers, options.scheduler, options.memory
-    dataset = compute(plan, out, *resume_options, *worker_options)
+    dataset = compute_in_folder(plan, out, *resume_options, *worker_options)
     with output_folder(out, "sweep", [PICTURE]) as hidden:
         failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
     status, reasons = dataset["status"].values, dataset["reason"].to_series()

@@ -7,7 +7,7 @@ from .axes import Sweep
 from .compute import compute_block
 from .flags import FAILED
 from .largest import find_largest
-from .store import template
+from .template import one_scene, template
 
 
 def estimate_cost(sweep: Sweep, workers: int, memory: float | None) -> list[str]:
@@ -22,7 +22,7 @@ def estimate_cost(sweep: Sweep, workers: int, memory: float | None) -> list[str]
     memory : memory in GiB that they may use together; None for all memory of the machine
     """
     blank = template(sweep)
-    blank_scene = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
+    blank_scene = one_scene(sweep, blank)
     places, needed_memory = find_largest(sweep)
     probe = sweep.part({dim: slice(place, place + 1) for dim, place in places.items()})
     # the second time is measured, when all libraries are loaded

@@ -2,117 +2,38 @@
 
 The scenes of a block are computed together and then written as one file (a chunk) of each array.
 The chunk of their status is written last. A block is finished if its status and all its other
-chunks exist, if their checksums are right, and if it was computed by the code of the store. Nothing
-in the store depends on the order of the blocks, on the clock or on the machine's name. A sweep that
-was interrupted and resumed therefore ends with the same bytes as an undisturbed one.
+chunks exist, if the checksums of its files are right, if it has the checksum of its values and of
+its place, and if it was computed by the code of the store. Nothing in the store depends on the
+order of the blocks, on the clock or on the machine's name. A sweep that was interrupted and resumed
+therefore ends with the same bytes as an undisturbed one.
 """
 
 import json
 import os
 import warnings
+from collections.abc import Collection
 from contextlib import suppress
-from itertools import product
-from math import prod
+from hashlib import blake2b
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 import xarray
 import zarr
-from numpy.typing import ArrayLike
 from zarr.codecs import ZstdCodec
 
-from ..crosscheck import Array, Scene, SceneError, UnitNames, error_name
-from ..crosscheck.problem.quantities import ERROR, STATES
-from ..crosscheck.problem.unit_names import kind_of
-from ..crosscheck.versions import code, stamp, versions
-from ..crosscheck.wear.modes import SHOWN_RELAXATION_TIMES
-from .axes import ANSWERS, KEEPABLE, Sweep
+from ..crosscheck import Array, SceneError, SolverError
+from ..crosscheck.versions import stamp
+from .axes import Sweep
 from .flags import DONE, FAILED, PENDING
+from .template import block_sizes, identity, one_scene, regions, template
 
-# beginnings of keys in which scenes of a flat punch may differ and still share a discretisation
-SHARED_KEYS = (
-    *("punch.wear", "punch.radius", "half_space.plane", "half_space.youngs"),
-    *("load.", "wear.", "output.", "title"),
-)
 # file of a Zarr group with its metadata
 ROOT = "zarr.json"
-
-
-def template(sweep: Sweep) -> xarray.Dataset:
-    """Return an empty dataset for the results of all scenes; its arrays are views without memory.
-
-    The dimensions are those of the sweep, followed by `solver` and the dimensions of each quantity.
-    """
-    first_scene = sweep.first
-    varied_values = {key: column.values for key, column in sweep.columns.items()}
-    edges, ring_counts = (
-        varied_values.get("punch.ring_edges", []),
-        varied_values.get("punch.rings", []),
-    )
-    ring_count = max([len(first_scene.problem.rings.widths), *ring_counts, *map(len, edges)])
-    units = UnitNames() if "units" in varied_values else first_scene.unit_names
-
-    def described(text: str, kind: str = "number") -> dict[str, str]:
-        return {"long_name": text, "units": units.name(kind)}
-
-    coordinates: dict[str, object] = {
-        "ring": np.arange(1, ring_count + 1),
-        "mode": np.arange(1, SHOWN_RELAXATION_TIMES + 1),
-        "state": np.array(STATES, dtype=object),
-    }
-    for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:
-        numbers = all(isinstance(value, int | float) for value in values)
-        array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
-        coordinates[name] = dim, array, described(key, kind_of(key, Scene))
-    dataset = xarray.Dataset(coords=coordinates)
-
-    def add(
-        name: str, dims: tuple[str, ...], label: dict[str, str], fill: ArrayLike = np.nan
-    ) -> None:
-        dims = (*sweep.sizes, *dims)
-        dataset[name] = dims, np.broadcast_to(fill, [dataset.sizes[dim] for dim in dims]), label
-
-    for name in sweep.keep:
-        quantity = KEEPABLE[name]
-        add(name, ("solver", *quantity.dims), described(quantity.definition, quantity.unit))
-        if name not in ANSWERS:
-            error = described(ERROR.format(name, quantity.norm.definition))
-            add(error_name(name), ("solver", *quantity.error_dims), error)
-    if dataset.sizes["solver"] > 1:
-        definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
-        add("disagreement", (), described(definition))
-    add("reason", (), described("reason why the scene failed"), np.array("", dtype=object))
-    add(
-        "code", (), described("hash of the code and versions that computed the scene"), np.uint64(0)
-    )
-    add("status", (), described("0: pending, 1: done, 2: failed"), np.uint8(PENDING))
-    # drop coordinates that no variable has
-    return dataset[[*dataset.data_vars]]
-
-
-def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
-    """Return the size of a block along each dimension of the sweep, in scenes.
-
-    The scenes of a block are computed, written and read together. A block contains scenes of one
-    geometry, up to a limit, because they share a discretisation. If one geometry has few scenes, or
-    if punches are shaped, a block contains several geometries. Blocks of large sweeps are larger.
-    """
-    shared = SHARED_KEYS if sweep.first.problem.full_contact else ()
-    scale = min(max(sweep.count // 8192, 1), 64)
-    # scenes whose results take 128 MiB
-    most_in_memory = 2**27 * sweep.count // blank.nbytes
-    separate_dims = {
-        column.dim for key, column in sweep.columns.items() if not key.startswith(shared)
-    }
-    block: dict[str, int] = {}
-    # dimensions of scenes that share a discretisation come first; within both groups the last
-    # dimension comes first, because its scenes are neighbours in the store
-    last_first = list(sweep.sizes)[::-1]
-    for dim in sorted(last_first, key=separate_dims.__contains__):
-        greatest_size = min((8 if dim in separate_dims else 64) * scale, most_in_memory)
-        block[dim] = max(1, min(greatest_size // prod(block.values()), sweep.sizes[dim]))
-    return {dim: block[dim] for dim in sweep.sizes}
+# variable of the store with the checksum of the values of each block and of its place
+CHECKSUM = "checksum"
+# ending of the files that zarr and this module write before they give them their names
+PARTIAL = ".partial"
 
 
 class Store:
@@ -136,36 +57,34 @@ class Store:
             raise SceneError(
                 f"{self.path} already exists: continue it with --resume, or give another --out"
             )
-        identity = {
-            "sweep": json.dumps(sweep.table),
-            "versions": json.dumps(versions()),
-            "code": code(),
-        }
-        _refuse_other_store(self.path, identity)
+        _refuse_other_store(self.path, identity(sweep))
         blank = template(sweep)
-        self.blank = blank.isel(dict.fromkeys(sweep.sizes, 0), drop=True)
+        self.blank = one_scene(sweep, blank)
         self._sweep, block = sweep, block_sizes(sweep, blank)
-        parts = [
-            [slice(start, start + block[dim]) for start in range(0, size, block[dim])]
-            for dim, size in sweep.sizes.items()
-        ]
-        # the slice of each dimension that a block covers
-        self._regions = [dict(zip(block, box, strict=True)) for box in product(*parts)]
-        # checksums reveal damaged chunks
+        self._regions = regions(sweep, block)
+        label = {"long_name": "checksum of the values of a block and of its place"}
+        checksums = np.broadcast_to(np.uint64(0), list(sweep.sizes.values()))
+        stored = blank.assign({CHECKSUM: ([*sweep.sizes], checksums, label)})
+        # checksums of the files reveal damaged chunks
         compressed: dict[str, object] = {"compressors": [ZstdCodec(level=0, checksum=True)]}
-        encoding: dict[str, dict[str, object]] = {str(name): compressed for name in blank.variables}
-        for name, variable in blank.data_vars.items():
-            chunks = (*block.values(), *variable.shape[len(block) :])
-            encoding[str(name)] = compressed | {"chunks": chunks}
+        encoding = {str(name): dict(compressed) for name in stored.variables}
+        for name, variable in stored.data_vars.items():
+            encoding[str(name)]["chunks"] = (*block.values(), *variable.shape[len(block) :])
         with TemporaryDirectory() as fresh, warnings.catch_warnings():
             # zarr warns that texts and consolidated metadata are not yet in the specification
             warnings.simplefilter("ignore")
             # a chunk without any results is not written as a file
-            blank.assign_attrs(identity).to_zarr(fresh, mode="w", zarr_format=3, encoding=encoding)
+            attributes = identity(sweep)
+            stored.assign_attrs(attributes).to_zarr(
+                fresh, mode="w", zarr_format=3, encoding=encoding
+            )
+            _refuse_foreign_files(self.path, Path(fresh))
             _copy_metadata(Path(fresh), self.path)
-        for leftover in self.path.rglob("*.partial"):
-            leftover.unlink()
+        for name in stored.variables:
+            for leftover in (self.path / str(name)).rglob(f"*{PARTIAL}"):
+                leftover.unlink()
         self._group = zarr.open_group(self.path, mode="r+")
+        self._opened = _place_on_disk(self.path)
 
     def unfinished(self, retry_failed: bool) -> dict[int, Sweep]:
         """Return the blocks to compute, each as a sweep, by number.
@@ -189,12 +108,13 @@ class Store:
             return False
 
     def _read(self, place: tuple[slice, ...]) -> dict[str, Array]:
-        """Return the stored values of a block; empty if chunks are lost or from other code."""
+        """Return the stored values of a block; empty if they are lost, moved or from other code."""
         names = [str(name) for name in self.blank]
-        if not all(self._chunk(name, place).exists() for name in names):
+        if not all(self._chunk(name, place).exists() for name in (*names, CHECKSUM)):
             return {}
         values = {name: np.asarray(self._group[name][place]) for name in names}
-        return values if (values["code"] == stamp()).all() else {}
+        right = self._group[CHECKSUM][place] == checksum(place, values)
+        return values if right.all() and (values["code"] == stamp()).all() else {}
 
     def _chunk(self, name: str, place: tuple[slice, ...]) -> Path:
         """Return the file that holds a block of a variable."""
@@ -208,6 +128,11 @@ class Store:
 
         Scenes of the block that are still pending, because memory was insufficient, keep the
         results of an earlier run if that run has finished them.
+
+        Raises
+        ------
+        SolverError
+            if the store was moved, deleted or replaced after it was opened
         """
         place = tuple(self._regions[number].values())
         pending, stored = values["status"] == PENDING, dict[str, Array]()
@@ -216,18 +141,53 @@ class Store:
             with suppress(Exception):
                 stored = self._read(place)
         reused = pending & (stored["status"] == DONE) if stored else pending & False
+        if reused.any():
+            values = {name: array.copy() for name, array in values.items()}
+            for name, array in values.items():
+                array[reused] = stored[name][reused]
+        if _place_on_disk(self.path) != self._opened:
+            raise SolverError(
+                f"{self.path} was moved, deleted or replaced while the sweep ran, so that nothing "
+                "more is written to it: move it back, and continue with --resume"
+            )
+        # the status comes last
+        chunks = {CHECKSUM: np.full_like(values["code"], checksum(place, values))} | values
         # empty chunks are written as files, too, so that a lost file is noticed
         with zarr.config.set({"array.write_empty_chunks": True}):
-            for name, array in values.items():
-                if reused.any():
-                    array = array.copy()
-                    array[reused] = stored[name][reused]
+            for name, array in chunks.items():
                 self._group[name][place] = array
 
     def dataset(self) -> xarray.Dataset:
         """Return the results stored so far; values are read when they are used."""
         # without this argument, times in "hours" would become durations
-        return xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
+        stored = xarray.open_zarr(self.path, chunks=None, decode_timedelta=False)
+        return stored.drop_vars(CHECKSUM)
+
+
+def checksum(place: tuple[slice, ...], values: dict[str, Array]) -> np.uint64:
+    """Return the checksum of the values of a block at its place in the sweep.
+
+    It reveals chunks that were copied from another place or from another array, whose own checksums
+    are right.
+    """
+    digest = blake2b(repr([(part.start, part.stop) for part in place]).encode(), digest_size=8)
+    for name in sorted(values):
+        array = values[name]
+        digest.update(f"\0{name}\0".encode())
+        if array.dtype.kind in "OUT":
+            digest.update("\0".join(map(str, array.ravel().tolist())).encode())
+        else:
+            digest.update(np.ascontiguousarray(array).tobytes())
+    return np.frombuffer(digest.digest(), np.uint64)[0]
+
+
+def _place_on_disk(path: Path) -> tuple[int, int] | None:
+    """Return what tells a folder from others, whatever its name; None if there is no folder."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _refuse_other_store(path: Path, identity: dict[str, str]) -> None:
@@ -263,11 +223,40 @@ def _refuse_other_store(path: Path, identity: dict[str, str]) -> None:
 
 def _copy_metadata(source: Path, path: Path) -> None:
     """Copy the files of an empty store, each atomically, with the root last."""
-    files = [file.relative_to(source) for file in sorted(source.rglob("*")) if file.is_file()]
-    for file in sorted(files, key=lambda file: file == Path(ROOT)):
+    for file in sorted(_files(source), key=lambda file: (file == Path(ROOT), file)):
         target, content = path / file, (source / file).read_bytes()
         if not (target.is_file() and target.read_bytes() == content):
             target.parent.mkdir(parents=True, exist_ok=True)
-            partial = target.with_name(f"{target.name}.partial")
+            partial = target.with_name(f"{target.name}{PARTIAL}")
             partial.write_bytes(content)
             os.replace(partial, target)
+
+
+def _files(folder: Path) -> Collection[Path]:
+    """Return the files in a folder and below it, by their paths in it."""
+    return {file.relative_to(folder) for file in folder.rglob("*") if not file.is_dir()}
+
+
+def _refuse_foreign_files(path: Path, fresh: Path) -> None:
+    """Raise an error if a folder without a root contains other files than those of a new store.
+
+    Parameters
+    ----------
+    path : path of the store, whose creation may have been interrupted
+    fresh : folder of an empty store
+
+    Raises
+    ------
+    SceneError
+        if there are such files, or if the path is no folder; its message names one of them
+    """
+    if (path / ROOT).exists() or not path.exists():
+        return
+    ours = _files(fresh)
+    ours = {*ours, *(file.with_name(f"{file.name}{PARTIAL}") for file in ours)}
+    foreign = sorted({*_files(path)} - ours) if path.is_dir() else [Path()]
+    if foreign:
+        raise SceneError(
+            f"{path / foreign[0]} is not part of a store of ringwear, so that the sweep is not "
+            "continued there: give another --out"
+        )

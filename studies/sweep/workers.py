@@ -94,7 +94,7 @@ def compute_blocks(
     Parameters
     ----------
     blocks : blocks to compute, each as a sweep, by number
-    blank : empty results of one scene (`store.template`)
+    blank : empty results of one scene (`template.one_scene`)
     workers : number of processes on this machine
     scheduler : address of a Dask scheduler; None for processes on this machine
     memory : memory in GiB that all processes on this machine may use; if None, they may use all
@@ -323,8 +323,9 @@ def connect(scheduler: str | None, workers: int, memory: float | None) -> Iterat
         # only this process reacts to Ctrl-C and to the end of the terminal
         "preload": [
             "import signal\n"
-            "for number in (signal.SIGINT, signal.SIGHUP):\n"
-            "    signal.signal(number, signal.SIG_IGN)"
+            "for name in ('SIGINT', 'SIGHUP'):\n"
+            "    if hasattr(signal, name):\n"
+            "        signal.signal(getattr(signal, name), signal.SIG_IGN)"
         ],
     }
     try:

@@ -218,7 +218,7 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
     assert (dataset["sliding_speed"] < 2).all()
     # the table in the store gives the same scenes
     again = sweep(**json.loads(dataset.attrs["sweep"]))
-    xarray.testing.assert_equal(again, dataset.load())
+    xarray.testing.assert_equal(again, dataset.drop_vars("checksum").load())
     # the last scene, as it is run alone
     last = dataset.isel(rtol=1, punch_radius=0, rings=1, draw=2)
     alone = run(

@@ -21,7 +21,7 @@ import xarray
 import zarr
 
 from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
-from ringwear.studies.sweep import compute, store, workers
+from ringwear.studies.sweep import compute, store, template, workers
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
@@ -197,7 +197,7 @@ def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep
     assert contents(tmp_path) == before
 
 
-def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path, monkeypatch):
+def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path, caplog):
     refusals = []
 
     class Second(logging.Handler):
@@ -209,7 +209,7 @@ def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path, monkeypatch
             refusals.append(refusal)
 
     log, second = logging.getLogger("ringwear"), Second(logging.INFO)
-    monkeypatch.setattr(log, "level", logging.INFO)
+    caplog.set_level(logging.INFO, logger="ringwear")
     log.addHandler(second)
     compute_into(tmp_path)
     log.removeHandler(second)
@@ -278,7 +278,7 @@ def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch
     assert (there["ringwear"], there["numpy"]) == (__version__, np.__version__)
     other = there | {"ringwear": "0", "numpy": "1.0"}
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
-    monkeypatch.setattr(store, "versions", lambda: other)
+    monkeypatch.setattr(template, "versions", lambda: other)
     with pytest.raises(
         SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
     ):

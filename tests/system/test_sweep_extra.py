@@ -1,0 +1,124 @@
+"""Sweeps without the extra `sweep`, and stores that are moved, linked or mixed up."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+import xarray
+from test_sweep_faults import AXES, BASE, KEEP, contents
+
+from ringwear import SceneError, SolverError, main, sweep
+from ringwear.studies.sweep.axes import Sweep
+from ringwear.studies.sweep.compute import compute_block
+from ringwear.studies.sweep.store import Store
+
+WITHOUT_EXTRA = """
+import sys
+for name in ("dask", "distributed", "zarr"):
+    sys.modules[name] = None
+from ringwear import SceneError, main, sweep
+axes = {"punch.rings": [2, 3]}
+dataset = sweep("five_rings", axes, ["steady_rms_slope"])
+assert dataset["steady_rms_slope"].notnull().all()
+assert main(["sweep", "running_in", "--out", "out", "--workers", "1"]) == 2
+try:
+    sweep("five_rings", axes, ["steady_rms_slope"], workers=2)
+except SceneError as refused:
+    print(refused, file=sys.stderr)
+"""
+
+
+def plan(**changes):
+    table = {"base": BASE.changed(**changes).table(), "axes": AXES, "keep": KEEP}
+    return Sweep.of(table)
+
+
+@pytest.fixture
+def store(tmp_path):
+    """A finished store of three blocks."""
+    folder = tmp_path / "done"
+    folder.mkdir()
+    finished = Store(plan(), folder, resume=False)
+    for number, block in finished.unfinished(False).items():
+        finished.write(number, compute_block(block, finished.blank))
+    return finished
+
+
+def test_a_sweep_in_memory_needs_no_extra(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_EXTRA], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    refusals = [line for line in done.stderr.splitlines() if "ringwear[sweep]" in line]
+    assert "zarr" in refusals[0]
+    assert "dask and distributed" in refusals[1]
+    assert "Traceback" not in done.stderr
+
+
+def test_attributes_and_types_in_memory_are_those_of_the_store(tmp_path):
+    in_memory, stored = sweep(BASE, AXES, KEEP), sweep(BASE, AXES, KEEP, out=tmp_path / "out")
+    xarray.testing.assert_identical(in_memory, stored.load())
+    # zarr may have a type of its own for texts
+    numbers = [name for name in stored if name != "reason"]
+    assert stored[numbers].dtypes == in_memory[numbers].dtypes
+
+
+@pytest.mark.parametrize("replaced", [True, False])
+def test_a_store_that_is_moved_away_is_not_written_to(store, tmp_path, replaced):
+    """Another sweep may have begun in its place; it keeps its results."""
+    block = plan().part({"rings": slice(0, 1), "wear_ratio": slice(0, 8)})
+    values = compute_block(block, store.blank)
+    store.path.rename(tmp_path / "moved.zarr")
+    if replaced:
+        Store(plan(accuracy__rtol=1e-2), store.path.parent, resume=False)
+    before = contents(store.path.parent)
+    with pytest.raises(SolverError, match="moved, deleted or replaced"):
+        store.write(0, values)
+    assert contents(store.path.parent) == before
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [
+        ("steady_rms_slope/c/1/0/0", "steady_rms_slope/c/0/0/0"),
+        ("steady_rms_slope_error/c/0/0/0", "steady_rms_slope/c/0/0/0"),
+        ("steady_displacement_max/c/0/0/0", "steady_rms_slope/c/0/0/0"),
+    ],
+    ids=["of another cell", "of the error", "of another quantity"],
+)
+def test_a_chunk_that_was_copied_from_elsewhere_is_noticed(store, source, target):
+    """Its own checksum is right, but it is not that of this place."""
+    shutil.copyfile(store.path / source, store.path / target)
+    assert list(store.unfinished(False)) == [0]
+
+
+@pytest.mark.parametrize("linked", [True, False])
+def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(tmp_path, capsys, linked):
+    foreign, out = tmp_path / "foreign", tmp_path / "out"
+    foreign.mkdir()
+    (foreign / "download.partial").write_text("of someone else", "utf-8")
+    out.mkdir()
+    path = out / "sweep.zarr"
+    if linked:
+        path.symlink_to(foreign)
+    else:
+        shutil.copytree(foreign, path)
+    command = ["sweep", "running_in", "--out", str(out), "--resume", "--workers", "1"]
+    assert main(command) == 2
+    assert "download.partial is not part of a store" in capsys.readouterr().err
+    assert [file.name for file in path.iterdir()] == ["download.partial"]
+
+
+def test_leftovers_beside_arrays_of_a_store_are_kept(store):
+    """Only unfinished files of the arrays are removed."""
+    mine = store.path / "mine"
+    mine.mkdir()
+    (mine / "notes.partial").write_text("of someone else", "utf-8")
+    unfinished = store.path / "status" / "c" / "0.abc.partial"
+    unfinished.write_bytes(b"")
+    Store(plan(), store.path.parent, resume=True)
+    assert (mine / "notes.partial").exists()
+    assert not unfinished.exists()
+    with pytest.raises(SceneError, match="already exists"):
+        Store(plan(), store.path.parent, resume=False)
