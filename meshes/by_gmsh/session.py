@@ -49,8 +49,8 @@ def session() -> Iterator[ModuleType]:
         raise MeshError(reason)
     import gmsh
 
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    _restore_signal_handlers()
+    with _keeping_signal_handlers():
+        gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         for name, value in options.items():
             gmsh.option.setNumber(name, value)
@@ -61,14 +61,30 @@ def session() -> Iterator[ModuleType]:
         gmsh.finalize()
 
 
-def _restore_signal_handlers() -> None:
-    """Install Python's signal handlers again: gmsh removes those of SIGTERM and SIGPIPE."""
+@contextmanager
+def _keeping_signal_handlers() -> Iterator[None]:
+    """Keep Python's signal handlers while gmsh starts: it removes those of SIGTERM and SIGPIPE.
+
+    Signals that arrive before they are installed again wait, except on Windows.
+    """
     if threading.current_thread() is not threading.main_thread():
+        yield
         return
-    for number in signal.valid_signals():
-        handler = signal.getsignal(number)
-        if handler not in (None, signal.SIG_DFL):
+    handlers = {number: signal.getsignal(number) for number in signal.valid_signals()}
+    ours = {
+        number: handler
+        for number, handler in handlers.items()
+        if handler not in (None, signal.SIG_DFL)
+    }
+    mask = getattr(signal, "pthread_sigmask", None)
+    earlier = mask(signal.SIG_BLOCK, ours) if mask else None
+    try:
+        yield
+        for number, handler in ours.items():
             signal.signal(number, handler)
+    finally:
+        if mask:
+            mask(signal.SIG_SETMASK, earlier)
 
 
 class Band(NamedTuple):

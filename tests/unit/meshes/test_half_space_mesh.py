@@ -1,5 +1,6 @@
 """Every mesher covers the quarter disc with the wanted sizes, and broken meshes are refused."""
 
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -324,3 +325,26 @@ with session():
 """
     process = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
     assert process.stdout.split() == [b"2", b"15"]
+
+
+@pytest.mark.gmsh
+def test_a_signal_while_gmsh_starts_waits_for_the_handler_of_python():
+    code = """
+import os, signal
+import gmsh
+from ringwear.meshes.by_gmsh.session import session
+
+signal.signal(signal.SIGTERM, lambda number, _: print(number))
+initialize = gmsh.initialize
+def interrupted(**options):
+    initialize(**options)
+    os.kill(os.getpid(), signal.SIGTERM)
+gmsh.initialize = interrupted
+with session():
+    print("meshing")
+"""
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    process = subprocess.run(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, check=True, env=environment
+    )
+    assert process.stdout.split() == [b"15", b"meshing"]
