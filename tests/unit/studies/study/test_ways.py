@@ -203,9 +203,10 @@ def test_adaptive_meshes_need_at_most_twice_the_unknowns_of_graded_ones():
     rtols = [10.0 ** (-half / 2) for half in range(2, 11)]
     settings = {"mesher": "gmsh", "degree": None}
     ways = [by_tolerance("graded", rtols, settings), adaptive(), halved(range(4))]
-    case = Case.of(Scene.load("five_rings").changed(wear__times=[0.5, 1.0, 2.0]))
+    times = np.geomspace(1e-2, 20.0, 10).tolist()
+    case = Case.of(Scene.load("five_rings").changed(wear__times=times))
     table = measure([case], ways, ("pressure",), Record(), most_unknowns=60_000)
-    reached = table[(table["when"] == "later") & (table["error"] <= 1e-5)]
+    reached = table[(table["when"] == "later") & (table["error"] <= 1e-3)]
     needed = reached.groupby("way")["unknowns"].min()
     assert needed["adaptive triangles"] <= 2 * needed["graded"]
     assert "uniform triangles" not in needed
