@@ -165,7 +165,7 @@ class Varied:
             # the radii at which fields are compared follow from the scene, and may refuse it, too
             _ = case.problem.face
         except SceneError as failure:
-            if "has no key" in str(failure) or "no key" in str(failure):
+            if "no key" in str(failure):
                 raise
             return cls(key, value, position, None, str(failure))
         return cls(key, value, position, case)
@@ -405,11 +405,8 @@ def _reasons(rows: pd.DataFrame) -> pd.DataFrame:
             continue
         same = rows[(rows["verdict"] == row["verdict"]) & rows["error"].notna()]
         errors = same["error"].abs()
-        size = (
-            f"{errors.min():.2g}"
-            if errors.min() == errors.max()
-            else (f"{errors.min():.2g} to {errors.max():.2g}")
-        )
+        ends = dict.fromkeys([errors.min(), errors.max()])
+        size = " to ".join(f"{end:.2g}" for end in ends)
         parts = dict.fromkeys(
             str(Part(quantity, when))
             for quantity, when in zip(same["quantity"], same["when"], strict=True)

@@ -107,10 +107,11 @@ def draw(
         xlabels = [
             xlabel or XLABELS.get(x) or ", ".join(rows["refined"].unique()) for _, rows in groups
         ]
+        many_labels = len(set(xlabels)) > 1
         for number, (axes, (key, rows)) in enumerate(zip(grid.flat, groups, strict=False)):
             _draw_panel(axes, rows, x, looks, estimates, orders)
             axes.set_title(_panel_title(dict(zip(panels, key, strict=True)), panels, varied))
-            if number + across >= count or len(set(xlabels)) > 1:
+            if number + across >= count or many_labels:
                 # the lowest panel of its column, or one with a label of its own
                 axes.tick_params(labelbottom=True)
                 axes.set_xlabel(textwrap.fill(xlabels[number], 42))
@@ -122,7 +123,6 @@ def draw(
         for axes in grid[:, 0]:
             axes.set_ylabel(ylabel)
         _add_to_legend(grid.flat[0], table, estimates)
-        many_labels = len(set(xlabels)) > 1
         return complete(
             figure, [title], list(grid.flat), note, across=0.5, down=0.62 if many_labels else 0.52
         )

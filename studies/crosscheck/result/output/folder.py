@@ -262,7 +262,13 @@ def _lock(folder: Path) -> Callable[[], object]:
 
 
 def _lock_by_file(file: Path) -> Callable[[], object]:
-    """Do the same by a file."""
+    """Lock a folder by a file in it; return the function that releases the lock.
+
+    Raises
+    ------
+    BlockingIOError
+        if another process holds the lock
+    """
     from filelock import FileLock, Timeout
 
     lock = FileLock(file, blocking=False)
