@@ -12,7 +12,7 @@ from .half_space import HalfSpace
 from .weak_form import tables
 
 
-def stresses(
+def stresses_in(
     solid: AxisymmetricElasticity, displacement: Array, elements: Indices, points: Array
 ) -> tuple[Array, Array]:
     """Return the displacements and stresses at reference points of elements of one degree.
@@ -133,7 +133,7 @@ def _fields_of_model(half_space: HalfSpace, pressures: Array, points: Array) -> 
     shape = len(coefficients), solid.mesh.nelements, points.shape[1]
     displacement, stress = np.empty((*shape, 2)), np.empty((*shape, 4))
     for batch in solid.batches:
-        displacement[:, batch.elements], stress[:, batch.elements] = stresses(
+        displacement[:, batch.elements], stress[:, batch.elements] = stresses_in(
             solid, coefficients, batch.elements, points
         )
     return displacement.reshape(shape[0], -1, 2), stress.reshape(shape[0], -1, 4)

@@ -120,11 +120,11 @@ def presses_everywhere(ground: Ground, inner_radius: float = 0.0) -> bool:
 
     A stiff layer on soft ground bends like a plate: only the rim of a flat punch touches it.
     """
-    least, _ = flat_punch(inner_radius, ground).extremes_on(np.array([inner_radius, 1.0]))
+    least, _ = flat_punch_of(inner_radius, ground).extremes_on(np.array([inner_radius, 1.0]))
     return bool(least[0] > -PRESSURE_ROUNDOFF * P0)
 
 
-def flat_punch(inner_radius: float, ground: Ground = HALF_SPACE) -> FlatPunch:
+def flat_punch_of(inner_radius: float, ground: Ground = HALF_SPACE) -> FlatPunch:
     """Return the flat punch with a given inner radius, which is 0 for a full punch."""
     if inner_radius:
         return flat_annulus(inner_radius, ground=ground)

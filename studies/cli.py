@@ -13,8 +13,8 @@ Exit status:
 
 import sys
 
-from .crosscheck import RingwearError, SceneError
-from .crosscheck.result.output.signals import STOPPED, ending_on_signals, signals_wait
+from ..meshes import RingwearError, SceneError
+from .crosscheck import STOPPED, ending_on_signals, signals_wait
 from .report.streams import print_error, tolerant_streams
 from .status import Status
 

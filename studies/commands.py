@@ -1,19 +1,35 @@
-"""The commands: `ringwear run | check | plan | mesh | compare | study | sweep | ...`."""
+"""The commands: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
+
+A command is a public function: its flags are the parameters of the function, and its help is the
+docstring. Here is what the command line adds: files are named, written and listed, and texts are
+printed.
+"""
 
 import argparse
 import atexit
 import gc
 import shutil
+import sys
 import textwrap
 from collections.abc import Callable
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from .arguments import EXAMPLES, OF_STUDIES, Parser, add_arguments
-from .crosscheck import Scene, SceneError, output_folder
-from .crosscheck.result.output.folder import Folder, default_folder, named_folder
-from .crosscheck.scene.sources import bundled, text_of
-from .crosscheck.versions import versions
+from ..meshes import SceneError
+from .arguments import FLAGS, add_arguments, flag_of, new_parser, with_new_flags
+from .crosscheck import (
+    Folder,
+    Scene,
+    bundled,
+    default_folder,
+    named_folder,
+    output_folder,
+    package_versions,
+    text_of,
+)
+from .documented import documented
 from .named_studies import STUDIES
 from .report.log import show_progress
 from .report.streams import print_error
@@ -29,19 +45,22 @@ def conduct(arguments: list[str] | None) -> Status:
     """Conduct the command of the command line; return the exit status."""
     # skip the garbage collection at exit, which takes as long as drawing a figure
     atexit.register(gc.freeze)
-    options = _parser().parse_args(arguments)
+    options = _read(with_new_flags(sys.argv[1:] if arguments is None else arguments))
+    if arguments is None and options.command != "sweep":
+        # xarray loads Dask wherever it is installed, and only sweeps need it
+        sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     show_progress(of_stages=options.command not in ("plan", "study", "sweep"))
     return COMMANDS[options.command].conduct(options)
 
 
 def _run(options: argparse.Namespace) -> Status:
-    from .crosscheck.result.output.files import run_files, write_numbers
+    from .crosscheck import RUN_FILES, write_numbers
 
     # collect garbage less often: nearly all objects of a run live to its end, and searching them
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
     scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
-    from .crosscheck.result.predictions.memory import refuse_beyond_memory
+    from .crosscheck import refuse_beyond_memory
 
     refuse_beyond_memory(scene, limit=options.memory)
     pictures: tuple[Picture, ...] = ()
@@ -49,19 +68,18 @@ def _run(options: argparse.Namespace) -> Status:
         from .figures.catalogue import PICTURES
 
         pictures = PICTURES
+    files = {*RUN_FILES, *(picture.file for picture in pictures)}
     # open the folder first, so that a folder that cannot be written to is refused before the work
-    with output_folder(_out(options, options.scene), "run", run_files(pictures)) as folder:
-        from .crosscheck.result.run import run
-        from .crosscheck.result.words import Account
+    with output_folder(_out(options, options.scene), "run", files) as folder:
+        from .crosscheck import Account, run
         from .report.page import show
         from .report.printed import print_account
 
-        result = run(scene)
-        write_numbers(result, folder.hidden, options.csv)
+        result = run(scene, memory=options.memory)
+        write_numbers(result.dataset, result.summary, folder.hidden, options.csv)
         account = Account(result)
         page = not (options.no_figures or options.no_report)
         # print the answer before drawing the figures
-        page = not (options.no_figures or options.no_report)
         print_account(account, options.verbose, page)
         failures = show(result, account, pictures, folder.hidden, page)
     _print_files(folder, failures)
@@ -83,9 +101,6 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
 
 
 def _check(options: argparse.Namespace) -> Status:
-    from .check.pictures import CHECK_PICTURES
-    from .crosscheck.result.output.files import run_files, write_numbers
-
     scene = Scene.load(options.scene)
     if options.template:
         from .check.template import write_template
@@ -95,60 +110,59 @@ def _check(options: argparse.Namespace) -> Status:
             print_lines(write_template(scene, options.units, folder.hidden))
         _print_files(folder, [])
         return Status.DONE
-    if not options.files:
+    if not options.theirs:
         raise SceneError(
             "check compares results of other programs with ours: give their files, or --template "
             "DIR to write a table for them to fill in"
         )
-    if repeated := [file for file in options.files if options.files.count(file) > 1]:
+    if repeated := [file for file in options.theirs if options.theirs.count(file) > 1]:
         raise SceneError(f"{repeated[0]} is given twice: give each file once")
-    others = {Path(file).name: file for file in options.files}
-    if len(others) < len(options.files):
-        others = {file: file for file in options.files}
+    others = {Path(file).name: file for file in options.theirs}
+    if len(others) < len(options.theirs):
+        others = {file: file for file in options.theirs}
     # in a refinement each size is half of the previous one, unless sizes are given
     halved_sizes = [0.5**level for level in range(len(others))]
     sizes = options.sizes or (halved_sizes if options.refinement else [])
-    out = _out(options, options.scene, "check_")
-    files = run_files(CHECK_PICTURES) | {"check.csv"}
-    with output_folder(out, "check", files) as folder:
-        from .check.account import CheckAccount
-        from .check.check import check, write_check
-        from .report.page import show
+    from .check.check import check, check_files
 
-        names = ("within", "columns", "units", "memory")
-        settings = {name: getattr(options, name) for name in names}
-        result = check(scene, others, sizes=sizes, **settings)
-        write_numbers(result, folder.hidden)
-        write_check(result, folder.hidden)
-        account = CheckAccount(result)
-        print_lines(["", *account.brief])
-        failures = show(result, account, CHECK_PICTURES, folder.hidden, page=True)
+    with output_folder(_out(options, options.scene, "check_"), "check", check_files()) as folder:
+        given = _given(options, "check") | {"sizes": sizes}
+        found = check(scene, others, **given)
+        print_lines(["", *found.texts.brief])
+        found.write_errors(folder)
+        failures = found.write_mistakes(folder)
+        print_lines(found.texts.mistakes)
     _print_files(folder, failures)
     if failures:
         return Status.FAILED
-    return Status.DONE if result.passes else Status.DISAGREE
+    return Status.DONE if found.passes else Status.DISAGREE
 
 
 def _fit(options: argparse.Namespace) -> Status:
-    from .fit.command import conduct
+    from .fit.fit import fit
+    from .fit.result import FILES
 
-    folder, failures, fits = conduct(options, _out(options, options.scene, "fit_"))
+    scene = Scene.load(options.scene)
+    with output_folder(_out(options, options.scene, "fit_"), "fit", FILES) as folder:
+        result = fit(scene, options.data, options.parameters, **_given(options, "fit"))
+        print_lines(["", *repr(result).split("\n")])
+        failures = result.write(folder.hidden)
     _print_files(folder, failures)
     if failures:
         return Status.FAILED
-    return Status.DONE if fits else Status.DISAGREE
+    return Status.DONE if result.fits else Status.DISAGREE
 
 
 def _plan(options: argparse.Namespace) -> Status:
-    from .crosscheck import plan
-    from .crosscheck.result.predictions.memory import refuse_beyond_memory
-    from .crosscheck.result.run import run
-    from .crosscheck.result.scope import (
+    from .crosscheck import (
         beyond_the_model,
         chosen_methods,
         left_out,
         modelled,
+        plan,
         refuse,
+        refuse_beyond_memory,
+        run,
         time_scale,
     )
     from .report.printed import print_scope
@@ -173,10 +187,11 @@ def _plan(options: argparse.Namespace) -> Status:
 
 
 def _mesh(options: argparse.Namespace) -> Status:
+    """Mesh the half-space of a scene, and write it as a VTU file and a figure."""
     scene = Scene.load(options.scene)
     with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
-        from ..meshes.half_space import quality
-        from .crosscheck.sizes.half_space_mesh import half_space_mesh
+        from ..meshes import quality
+        from .crosscheck import half_space_mesh
         from .figures.mesh import write_mesh
 
         half_space = half_space_mesh(scene.problem)
@@ -199,13 +214,13 @@ def _compare(options: argparse.Namespace) -> Status:
     from .report.printed import print_table
 
     with output_folder(_out(options, "compare"), "compare", FILES) as folder:
-        comparison = compare(options.A, options.B)
+        comparison = compare(options.a, options.b)
         comparison.write(folder.hidden)
-    print_lines([f"A: {options.A}", f"B: {options.B}"])
+    print_lines([f"A: {options.a}", f"B: {options.b}"])
     for table in (comparison.scenes, comparison.shown):
         print()
         print_table(table.to_dict("records"))
-    print_lines(["", comparison.verdict_in_words])
+    print_lines(["", comparison.conclusion])
     if comparison.fields is None:
         print("\ndifference.png is not drawn: no field is given by both at a common time")
     _print_files(folder, [])
@@ -220,7 +235,8 @@ def _study(options: argparse.Namespace) -> Status:
     name, scene = options.study, Scene.load(options.scene)
     out = _out(options, name)
     given = {each: getattr(options, each, None) for each in STUDIES[name].options}
-    given = {each: value for each, value in given.items() if value not in (None, [], ())}
+    # an abscissa that is the default is as none
+    given = {each: value for each, value in given.items() if value not in (None, [], (), "size")}
     setup = {"study": name, "scene": scene.to_toml(), "quick": options.quick, "options": given}
     text = rows_before(out, name, setup) if options.resume else ""
     with output_folder(out, f"study {name}", ["report.html"]) as folder:
@@ -245,7 +261,9 @@ def _orders(options: argparse.Namespace) -> Status:
     from .study.formats import to_latex, to_markdown
     from .study.sheet import orders_of_file, write
 
-    table, fitted = orders_of_file(options.table, options.by, options.right, options.tolerance)
+    table, fitted = orders_of_file(
+        options.table, options.by, options.right or [], options.tolerance
+    )
     text = to_latex(fitted) if options.latex else to_markdown(fitted)
     print_lines(text.splitlines())
     if options.out:
@@ -257,19 +275,37 @@ def _orders(options: argparse.Namespace) -> Status:
 
 
 def _sweep(options: argparse.Namespace) -> Status:
-    from .sweep.conduct import conduct
+    from .crosscheck import make, refuse_foreign_folders
+    from .sweep.axes import Sweep
+    from .sweep.cluster import cluster
+    from .sweep.cost import estimate_cost
+    from .sweep.sweep import compute
+    from .sweep.words import conclude
 
-    if options.workers < 1:
-        raise SceneError(f"--workers {options.workers}: give 1 or more")
+    plan = Sweep.load(options.file, options.methods and list(options.methods))
+    if options.dry_run:
+        print_lines(estimate_cost(plan, options.workers, options.memory))
+        return Status.DONE
     out = _out(options, options.file)
-    conclusions, complete, agree = conduct(options.file, out, options)
-    print_lines(conclusions)
-    if not complete:
+    if out.is_dir():
+        refuse_foreign_folders(out)
+        Folder(out, "sweep").refuse_to_replace(["sweep.png"])
+    with cluster(options.scheduler) if options.scheduler else nullcontext() as executor:
+        given = _given(options, "sweep")
+        dataset = compute(plan, out, executor, **given)
+    from .sweep.picture import PICTURE, draw
+
+    with output_folder(out, "sweep", [PICTURE]) as hidden:
+        failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
+    lines, complete, agree = conclude(dataset, out)
+    print_lines([*lines, *failures])
+    if not complete or failures:
         return Status.FAILED
     return Status.DONE if agree else Status.DISAGREE
 
 
 def _scenes(options: argparse.Namespace) -> Status:
+    """List the bundled scenes, or print one as a start for your own."""
     if options.name is not None:
         print(text_of(options.name), end="")
         return Status.DONE
@@ -278,11 +314,10 @@ def _scenes(options: argparse.Namespace) -> Status:
 
 
 def _deck(options: argparse.Namespace) -> Status:
-    from .decks.deck import Choice, write_decks
+    from .decks.deck import choose, write_decks
 
     scene = Scene.load(options.scene)
-    times = tuple(options.times) if options.times else None
-    choice = Choice(options.program, options.elements, options.size, options.reach, times)
+    choice = choose(scene, options.program, **_given(options, "deck"))
     out = options.out or default_folder(options.scene, "deck_")
     with output_folder(out, "deck", ["README.md"]) as folder:
         lines = write_decks(scene, choice, folder.hidden)
@@ -292,7 +327,10 @@ def _deck(options: argparse.Namespace) -> Status:
 
 
 def _challenge(options: argparse.Namespace) -> Status:
-    """List the problems of the challenge, print one as a scene, or compare results with it."""
+    """Compare results of another program with a problem of the wear challenge.
+
+    Without a file, list the problems, or print one as a scene.
+    """
     from .challenge.problems import problem_named, problem_of_file, problems
 
     match options.words:
@@ -311,16 +349,46 @@ def _challenge(options: argparse.Namespace) -> Status:
     return Status.DONE
 
 
+def _given(options: argparse.Namespace, command: str) -> dict[str, Any]:
+    """Return the flags of a command that are parameters of its function, by their names."""
+    command_ = COMMANDS[command]
+    parameters = documented(command_.place).parameters
+    names = parameters.keys() & {*command_.arguments} - {*command_.named}
+    given = {name: getattr(options, name) for name in names}
+    return {name: value for name, value in given.items() if value is not None}
+
+
 class Command(NamedTuple):
-    """A command: line of help, function, names in `ARGUMENTS`, default scene, help examples."""
+    """A command.
 
-    help: str
+    Parameters
+    ----------
+    place : the function whose docstring is the help, as in `documented`
+    conduct : conducts the command
+    arguments : parameters of the function, arguments without a flag, and flags of the command
+    named : arguments that `conduct` passes to the function by itself
+    defaults : values on the command line that differ from those of the function
+    examples : text at the end of the help
+    """
+
+    place: str
     conduct: Callable[[argparse.Namespace], Status]
-    arguments: tuple[str, ...] = ()
-    scene: str | None = None
-    examples: str | None = None
+    arguments: tuple[str, ...]
+    named: tuple[str, ...] = ("scene",)
+    defaults: dict[str, object] = {}  # noqa: RUF012
+    examples: str = ""
 
 
+EXAMPLES = """examples:
+  ringwear run                          compute the scene five_rings
+  ringwear scenes sphere > mine.toml    start a scene of your own
+  ringwear run mine.toml --rtol 1e-3    compute it with another tolerance
+  ringwear deck mine.toml --for abaqus  write input files for another program
+  ringwear check mine.toml abaqus.csv   check another program's results
+  ringwear fit mine.toml data.csv --parameters punch.wear_coefficient
+                                        fit wear coefficients to measurements
+  ringwear study convergence --quick    compare orders with theory
+"""
 DECK_EXAMPLES = """examples:
   ringwear deck mine.toml --for calculix --out deck       the start and the last time
   ringwear deck five_rings --for calculix --time 0.1 --time 2 --size 0.05 --reach 500
@@ -341,77 +409,63 @@ CHALLENGE_EXAMPLES = """examples:
 
 COMMANDS = {
     "run": Command(
-        "compute a scene by every method that it names, and report how far they agree",
+        "crosscheck.result.run:run",
         _run,
         (
-            *("scene", "--out", "--rtol", "--methods", "--quantities", "--no-figures"),
-            *("--no-report", "--csv", "--memory", "--verbose"),
+            *("scene", "--out", "rtol", "methods", "quantities", "--no-figures", "--no-report"),
+            *("--csv", "memory", "--verbose"),
         ),
-        "five_rings",
+        defaults={"scene": "five_rings"},
     ),
     "check": Command(
-        "compare results of other programs with ours, and report how large their errors are",
+        "check.check:check",
         _check,
         (
-            *("scene", "files", "--out", "--within", "--columns", "--units", "--refinement"),
-            *("--sizes", "--template", "--memory"),
+            *("scene", "theirs", "--out", "methods", "within", "columns", "units", "sizes"),
+            *("--refinement", "--template", "memory"),
         ),
+        ("scene", "theirs", "sizes"),
     ),
     "fit": Command(
-        "fit parameters of a scene to measurements, and report how well these determine them",
+        "fit.fit:fit",
         _fit,
         (
-            *("scene", "data", "--for", "--noise", "--density", "--design", "--columns"),
-            *("--units", "--out"),
+            *("scene", "data", "parameters", "noise", "density", "design", "columns", "units"),
+            "--out",
         ),
+        ("scene", "data", "parameters"),
     ),
     "plan": Command(
-        "print what a scene models and what it will cost",
-        _plan,
-        ("scene", "--memory", "--check"),
+        "crosscheck.result.predictions.plan:plan", _plan, ("scene", "memory", "--check")
     ),
-    "mesh": Command(
-        "mesh the half-space of a scene, and write it as a VTU file and a figure",
-        _mesh,
-        ("scene", "--out"),
-    ),
-    "compare": Command(
-        "compare two folders of results, or two scenes, and draw them together",
-        _compare,
-        ("A", "B", "--out"),
-    ),
-    "study": Command("conduct a study: write figures and tables, and print conclusions", _study),
+    "mesh": Command("commands:_mesh", _mesh, ("scene", "--out")),
+    "compare": Command("comparison:compare", _compare, ("a", "b", "--out")),
+    "study": Command("named_studies:study", _study, ()),
     "orders": Command(
-        "fit orders of convergence to a table of levels, and print them with their intervals",
+        "study.orders:orders",
         _orders,
-        ("table", "--by", "--right", "--tolerance", "--latex", "--out"),
-        None,
-        ORDERS_EXAMPLES,
+        ("table", "by", "right", "tolerance", "--latex", "--out"),
+        examples=ORDERS_EXAMPLES,
     ),
     "sweep": Command(
-        "compute many scenes over axes of scene keys, and write them to one store",
+        "sweep.sweep:sweep",
         _sweep,
         (
-            *("file", "--out", "--scheduler", "--workers", "--memory", "--dry-run", "--resume"),
-            "--retry-failed",
+            *("file", "--out", "methods", "workers", "--scheduler", "memory", "--dry-run"),
+            *("resume", "retry_failed"),
         ),
+        ("file", "methods"),
     ),
-    "scenes": Command(
-        "list the bundled scenes, or print one as a start for your own", _scenes, ("name",)
-    ),
+    "scenes": Command("commands:_scenes", _scenes, ("name",)),
     "deck": Command(
-        "write input files of a scene for CalculiX or Abaqus, and a README that explains them",
+        "decks.deck:deck",
         _deck,
-        ("scene", "--for PROGRAM", "--elements", "--size", "--reach", "--time", "--out"),
-        None,
-        DECK_EXAMPLES,
+        ("scene", "program", "element", "size", "reach", "times", "--out"),
+        ("scene", "program"),
+        examples=DECK_EXAMPLES,
     ),
     "challenge": Command(
-        "compare results of another program with a problem of the wear challenge",
-        _challenge,
-        ("words",),
-        None,
-        CHALLENGE_EXAMPLES,
+        "commands:_challenge", _challenge, ("words",), examples=CHALLENGE_EXAMPLES
     ),
 }
 
@@ -423,27 +477,33 @@ PURPOSE = (
 )
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = Parser(
-        prog="ringwear",
-        description=textwrap.fill(PURPOSE, shutil.get_terminal_size().columns - 2),
-        epilog=EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("--version", action="version", version=f"ringwear {versions()['ringwear']}")
+def _read(arguments: list[str]) -> argparse.Namespace:
+    """Read the arguments of the command line."""
+    width = shutil.get_terminal_size().columns - 2
+    parser = new_parser("ringwear", textwrap.fill(PURPOSE, width), EXAMPLES)
+    version = f"ringwear {package_versions()['ringwear']}"
+    parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
+    called = next(iter(arguments), "")
     for name, command in COMMANDS.items():
-        formatter, examples = argparse.RawDescriptionHelpFormatter, command.examples
+        # the sources of other commands are not read if one is called
+        if called in COMMANDS and called != name:
+            commands.add_parser(name)
+            continue
         subparser = commands.add_parser(
-            name, help=command.help, epilog=examples, formatter_class=formatter
+            name,
+            help=documented(command.place).purpose,
+            description=textwrap.fill(documented(command.place).purpose, width),
+            epilog=command.examples,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        add_arguments(subparser, command.arguments, command.scene)
+        add_arguments(subparser, command.place, command.arguments, command.defaults)
         if name == "study":
             names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
             for study, row in STUDIES.items():
-                subparser = names.add_parser(study, help=row.purpose)
-                add_arguments(subparser, ("scene", "--out", "--quick", "--resume"), row.scene)
-                for option in row.options:
-                    for flag, settings in OF_STUDIES.get(option, ()):
-                        subparser.add_argument(flag, dest=option, **settings)
-    return parser
+                subparser = names.add_parser(study, help=row.purpose, description=row.purpose)
+                options = (each for each in row.options if flag_of(each) in FLAGS)
+                flags = ["scene", "--out", "quick", "--resume", *options]
+                flags += ["--quantity"] * ("quantities" in row.options)
+                add_arguments(subparser, row.place, flags, {"scene": row.scene})
+    return parser.parse_args(arguments)

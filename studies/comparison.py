@@ -8,15 +8,20 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from .crosscheck import Scene, SceneError, Source, output_folder
-from .crosscheck.methods.sampling.field_differences import FieldComparison
-from .crosscheck.problem.written import shown
-from .crosscheck.result.guesses import AnswersGuesses
-from .crosscheck.result.outcome import Outcome
-from .crosscheck.result.output.stored import StoredOutcome, load
-from .crosscheck.result.run import run
-from .crosscheck.scene.calls import naming_arguments
-from .crosscheck.scene.explain import nearest
+from ..meshes import SceneError
+from .crosscheck import (
+    AnswersGuesses,
+    FieldComparison,
+    Result,
+    Scene,
+    Source,
+    did_you_mean,
+    load,
+    naming_arguments,
+    output_folder,
+    run,
+    shown,
+)
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
 from .tables import write_csv
 
@@ -27,7 +32,7 @@ FILES = "scenes.csv", "answers.csv", "comparison.png", "difference.png"
 
 
 @naming_arguments
-def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
+def compare(a: Source | Result, b: Source | Result) -> "Comparison":
     """Compare two results: their scenes, the numbers of their answers, and their fields.
 
     Parameters
@@ -39,7 +44,7 @@ def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
     Returns
     -------
     Comparison
-        With `table`, `scenes`, `verdict`, `figures` and `save(folder)`.
+        With `table`, `scenes`, `same`, `figures` and `save(folder)`.
 
     Raises
     ------
@@ -54,8 +59,8 @@ def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
     >>> scene = Scene.load("flat_punch").changed(methods=["mdr"])
     >>> twice = scene.changed({"load.normal_force": 2 * scene.load.normal_force})
     >>> found = compare(scene, twice)
-    >>> found.verdict
-    'differ'
+    >>> found.same
+    False
     >>> found.table.set_index("quantity").loc["indentation_start", "B against A"]
     '+100 %'
     """
@@ -65,17 +70,17 @@ def compare(a: Source | Outcome, b: Source | Outcome) -> "Comparison":
     return Comparison(*(run(source) if isinstance(source, Scene) else source for source in sources))
 
 
-def _source(source: Source | Outcome) -> Scene | Outcome:
+def _source(source: Source | Result) -> Scene | Result:
     """Return existing results, or the scene that is to be computed."""
-    if isinstance(source, Outcome):
+    if isinstance(source, Result):
         return source
     is_folder = isinstance(source, str | Path) and str(source) and Path(source).is_dir()
-    return load(str(source), StoredOutcome) if is_folder else Scene.of(source)
+    return load(str(source)) if is_folder else Scene.of(source)
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison(AnswersGuesses):
-    """A comparison of two results: `table`, `scenes`, `verdict`, `figures` and `save(folder)`.
+    """A comparison of two results: `table`, `scenes`, `same`, `figures` and `save(folder)`.
 
     Parameters
     ----------
@@ -87,11 +92,11 @@ class Comparison(AnswersGuesses):
         "to_csv": "save(folder)",
         "figure": "figures",
         "show": "plot()",
-        "agree": "verdict",
+        **dict.fromkeys(("agree", "verdict", "equal", "differs"), "same"),
     }
 
-    a: Outcome
-    b: Outcome
+    a: Result
+    b: Result
 
     @cached_property
     def table(self) -> pd.DataFrame:
@@ -117,13 +122,13 @@ class Comparison(AnswersGuesses):
         return self.table[self.table["differs"]]
 
     @property
-    def verdict(self) -> str:
-        """`differ` if any number differs by more than the error estimates of both; else `same`."""
-        return "differ" if len(self.differing) else "same"
+    def same(self) -> bool:
+        """Whether no number differs by more than the error estimates of both."""
+        return not len(self.differing)
 
     @property
-    def verdict_in_words(self) -> str:
-        """The verdict in a sentence, with the number that differs most."""
+    def conclusion(self) -> str:
+        """How many numbers differ, and which one most, in a sentence."""
         rows = self.differing
         if not len(rows):
             return f"A and B are equal in {len(self.table)} numbers, within their error estimates."
@@ -158,10 +163,9 @@ class Comparison(AnswersGuesses):
             if there is no figure of that name
         """
         if kind not in self.figures:
-            suggestion = nearest(str(kind), self.figures)
-            hint = f"did you mean {suggestion!r}? Else " if suggestion else ""
+            otherwise = f"give one of {', '.join(self.figures)}"
             raise SceneError(
-                f"no figure {shown(kind)}: {hint}give one of {', '.join(self.figures)}"
+                f"no figure {shown(kind)}{did_you_mean(kind, self.figures, otherwise)}"
             )
         return self.figures[kind]
 
@@ -193,11 +197,11 @@ class Comparison(AnswersGuesses):
         return self.table[["quantity", "A", "B", "B against A", "known"]]
 
     def __repr__(self) -> str:
-        """Return the differing scene keys, the table and the verdict as text."""
+        """Return the differing scene keys, the table and the conclusion as text."""
         parts = [table.to_string(index=False) for table in (self.scenes, self.shown) if len(table)]
-        return "\n\n".join([*parts, self.verdict_in_words])
+        return "\n\n".join([*parts, self.conclusion])
 
     def _repr_html_(self) -> str:
-        """Return the tables and the verdict as HTML, for notebooks."""
+        """Return the tables and the conclusion as HTML, for notebooks."""
         parts = [table.to_html(index=False) for table in (self.scenes, self.shown) if len(table)]
-        return "".join([*parts, f"<p>{self.verdict_in_words}</p>"])
+        return "".join([*parts, f"<p>{self.conclusion}</p>"])

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from ..fem.elements import is_on_quadrilaterals
-from .crosscheck import Problem, SceneError, Source
+from ..fem import is_on_quadrilaterals
+from ..meshes import SceneError
+from .crosscheck import Problem, Source
 from .study.accept import accept, refuse_abscissa, refuse_degree_without_mesh, steps_of
 from .study.draw import draw, titled
 from .study.errors import BY_PRESSURES, DEFAULT, ENERGY, STRESS
@@ -46,8 +47,7 @@ from .study.ways.finite_elements import (
     uniform,
 )
 from .study.ways.radial import cells, graded_radii, uniform_radii
-from .study.ways.runs import steps as time_steps
-from .study.ways.runs import tolerances
+from .study.ways.runs import steps as time_steps, tolerances
 
 if TYPE_CHECKING:
     from skfem import Element, Mesh

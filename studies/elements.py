@@ -21,9 +21,9 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..mdr.flat_punch import P0
-from ..meshes.half_space import contact_facets
-from .crosscheck import Array, Problem, SceneError, Solution, Source
+from ..mdr import P0
+from ..meshes import Array, SceneError, contact_facets
+from .crosscheck import Problem, Solution, Source
 from .figures.style import complete, in_style, new_panels
 from .study.accept import accept
 from .study.draw import draw, titled

@@ -25,9 +25,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from .crosscheck import Problem, RingwearError, Scene, SceneError, Solution, Source, method
-from .crosscheck.problem.written import shown
-from .crosscheck.verdict.promise import allowed_error
+from ..meshes import RingwearError, SceneError
+from .crosscheck import Problem, Scene, Solution, Source, allowed_error, method, shown
 from .study.accept import accept
 from .study.draw import draw, titled, worst
 from .study.errors import DEFAULT

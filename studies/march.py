@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ..mdr.uniform_grid import UniformGrid
-from .crosscheck import Problem, Scene, SceneError, Source, method
+from ..mdr import UniformGrid
+from ..meshes import SceneError
+from .crosscheck import Problem, Scene, Source, method
 from .study.accept import accept, steps_of
 from .study.draw import draw, titled
 from .study.measure import measure

@@ -7,10 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from .crosscheck import SceneError, Source
-from .crosscheck.problem.written import shown
-from .crosscheck.scene.calls import naming_arguments
-from .crosscheck.scene.explain import nearest
+from ..meshes import SceneError
+from .crosscheck import Source, did_you_mean, naming_arguments, shown
+from .documented import documented
 
 if TYPE_CHECKING:
     from .study.own import Methods, Quantities
@@ -24,17 +23,26 @@ class NamedStudy:
     Parameters
     ----------
     load : imports the module of the study, and returns its function
-    purpose : subject of the study, in one phrase
+    place : module and name of this function, as in `documented`
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
-    options : names of its options besides the scene, `quick` and `record`
     scene : name of the default scene
     """
 
     load: "Callable[[], Callable[..., Study]]"
-    purpose: str
+    place: str
     seconds: int
-    options: tuple[str, ...] = ()
     scene: str = "five_rings"
+
+    @property
+    def purpose(self) -> str:
+        """What the study does, in one phrase."""
+        return documented(self.place).purpose
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of its parameters besides the scene, `quick` and `record`."""
+        names = documented(self.place).parameters
+        return tuple(name for name in names if name not in ("scene", "quick", "record"))
 
 
 def _paper() -> "Callable[..., Study]":
@@ -86,53 +94,14 @@ def _tradeoff() -> "Callable[..., Study]":
 
 
 STUDIES: dict[str, NamedStudy] = {
-    "paper": NamedStudy(
-        _paper,
-        "the whole paper: Figs. 4 to 7 redrawn, its claims checked, and its open questions",
-        30,
-    ),
-    "convergence": NamedStudy(
-        _convergence,
-        "orders of convergence of every quantity in element size and degree, compared with theory",
-        20,
-        ("methods", "meshes", "degree", "elements", "steps", "quantities", "against"),
-    ),
-    "refinement": NamedStudy(
-        _refinement,
-        "cost of accuracy on uniform, graded, adaptive, layered and your own meshes",
-        10,
-        ("meshes", "degree", "methods", "quantities"),
-    ),
-    "elements": NamedStudy(
-        _elements,
-        "stable pairs of displacement and pressure spaces: elements of scikit-fem, or your own",
-        7,
-        ("elements",),
-    ),
-    "truncation": NamedStudy(
-        _truncation,
-        "errors due to the outer boundary, for every far field and Poisson's ratio",
-        3,
-        ("radii",),
-    ),
-    "march": NamedStudy(
-        _march,
-        "which time step a history needs, and the stability limit of explicit steps",
-        2,
-        ("steps", "quantities"),
-    ),
-    "extremes": NamedStudy(
-        _extremes,
-        "extreme values of any key of a scene: true and stated errors, and those of a naive solver",
-        20,
-        ("key", "values", "vary", "methods", "quantities"),
-    ),
-    "tradeoff": NamedStudy(
-        _tradeoff,
-        "speed against accuracy: tolerance, error estimate and true error of each method and march",
-        20,
-        ("methods", "quantities"),
-    ),
+    "paper": NamedStudy(_paper, "paper.study:paper", 30),
+    "convergence": NamedStudy(_convergence, "convergence:convergence", 20),
+    "refinement": NamedStudy(_refinement, "refinement:refinement", 10),
+    "elements": NamedStudy(_elements, "elements:elements", 7),
+    "truncation": NamedStudy(_truncation, "truncation:truncation", 3),
+    "march": NamedStudy(_march, "march:march", 2),
+    "extremes": NamedStudy(_extremes, "extremes:extremes", 20),
+    "tradeoff": NamedStudy(_tradeoff, "tradeoff:tradeoff", 20),
 }
 
 
@@ -203,9 +172,8 @@ def study(
     [1.0, 5.0, 9.0, 13.0]
     """
     if not isinstance(name, str) or name not in STUDIES:
-        similar = nearest(str(name), STUDIES)
-        hint = f"did you mean {similar}? Otherwise " if similar else ""
-        raise SceneError(f"there is no study {shown(name)}: {hint}give one of {', '.join(STUDIES)}")
+        hint = did_you_mean(name, STUDIES, f"give one of {', '.join(STUDIES)}", "")
+        raise SceneError(f"there is no study {shown(name)}{hint}")
     listed = STUDIES[name]
     given = {"quantities": quantities, "methods": methods}
     options |= {option: value for option, value in given.items() if value is not None}

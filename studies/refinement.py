@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from ..meshes.by_gmsh.session import unavailable
-from ..meshes.half_space import contact_radii
-from .crosscheck import SceneError, Solution, Source
-from .crosscheck.verdict.operators import STABLE
+from ..meshes import SceneError, contact_radii
+from ..meshes.by_gmsh import unavailable
+from .crosscheck import STABLE, Solution, Source
 from .study.accept import accept, refuse_degree_without_mesh
 from .study.draw import draw, titled
 from .study.errors import DEFAULT, EIGENVALUE, ENERGY

@@ -17,9 +17,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from .crosscheck import METHODS as KNOWN
-from .crosscheck import Array, Method, Scene, SceneError, Source, method
-from .crosscheck.problem.quantities import GROUPS
+from ..meshes import Array, SceneError
+from .crosscheck import GROUPS, METHODS as KNOWN, Method, Scene, Source, method
 from .study.accept import accept
 from .study.draw import draw, titled, worst
 from .study.extrapolation import CONFIDENCE, slope

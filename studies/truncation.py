@@ -10,8 +10,8 @@ orders are the same. On a rigid base the errors decay exponentially with R over 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from .crosscheck import Ground, Source
-from .crosscheck.scene.keys import numbers
+from ..meshes import Ground
+from .crosscheck import Source, numbers
 from .study.accept import accept
 from .study.draw import draw, titled
 from .study.measure import measure

@@ -3,7 +3,7 @@
 
 def errors(checked):
     """Return the errors of all programs, one for each quantity and time."""
-    return checked.verdicts
+    return checked.rows
 
 
 def mistakes(checked, program=None):
@@ -12,6 +12,5 @@ def mistakes(checked, program=None):
     Without a name, the only program is meant.
     """
     if program is None:
-        (only,) = checked.diagnoses.values()
-        return only
-    return checked.diagnoses[program]
+        (program,) = checked.judged
+    return checked.mistakes(program)

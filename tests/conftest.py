@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from ringwear import Problem, RunningIn, Scene, Stages
-from ringwear import method as find_method
+from ringwear import Problem, RunningIn, Scene, Stages, method as find_method
 from ringwear.meshes.by_gmsh.session import unavailable
 
 # pytest-xdist sets COLUMNS in its workers; argparse would then break lines as on a terminal

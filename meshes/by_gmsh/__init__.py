@@ -1,1 +1,9 @@
-"""Meshes of the quarter disc that gmsh makes: triangles, and quadrilaterals in geometric layers."""
+"""Meshes of the quarter disc that gmsh makes: triangles, and quadrilaterals in geometric layers.
+
+Its public names are in `__init__.pyi`.
+"""
+
+import lazy_loader as _lazy
+
+# the names in the stub `__init__.pyi`; the file of a name is loaded at its first use
+__getattr__, __dir__, __all__ = _lazy.attach_stub(__name__, __file__)

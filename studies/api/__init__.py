@@ -10,11 +10,12 @@ The methods are finite elements, boundary elements, dimensionality reduction and
     ``result.dataset`` (xarray), ``result.answers``, ``result.verdict``, ``result.error(name)``,
     ``result.plot()``, ``result.save(folder)``
 `check`
-    compare results of another program with ours: ``check("five_rings", {"abaqus":
-    "abaqus.csv"})``, then ``result.verdicts``, ``result.diagnoses`` and all attributes of a run
+    compare results of another program with ours: ``found = check("five_rings", {"abaqus":
+    "abaqus.csv"})``, then ``found.errors``, ``found.passes``, ``found.mistakes()``, and
+    ``found.result`` (ours)
 `compare`
     compare two results: ``comparison = compare("five_rings", "results/mine")``, then
-    ``comparison.table``, ``comparison.verdict``, ``comparison.figures``
+    ``comparison.table``, ``comparison.same``, ``comparison.figures``
 `deck`
     write input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix",
     "folder")``
@@ -33,8 +34,8 @@ The methods are finite elements, boundary elements, dimensionality reduction and
     ``results.table``, ``results.orders``, ``results.conclusions``, ``results.figures``
 `sweep`
     compute scenes over axes of scene keys, in one labelled dataset
-`Result`, `Study`, `Comparison`
-    classes of the results of `run`, `study` and `compare`
+`Result`, `Study`, `Comparison`, `Check`
+    classes of the results of `run`, `study`, `compare` and `check`
 `SceneError`, `MeshError`, `SolverError`, `RingwearError`
     exceptions: a scene cannot be computed (the message contains a remedy); a mesh is missing or
     broken; a system of equations has no meaningful solution; base of these and of all others
@@ -102,47 +103,53 @@ from typing import TYPE_CHECKING
 from ringwear.studies import STARTED as _STARTED  # noqa: F401
 
 if TYPE_CHECKING:
-    from ringwear.studies.check.result import check
+    from ringwear.fem import (
+        even_half_space,
+    )
+    from ringwear.mdr import (
+        direct,
+        energy,
+        ring_kernel,
+    )
+    from ringwear.meshes import (
+        Compliance,
+        ContactCells,
+        Ground,
+        MeshError,
+        PressureSpace,
+        RingwearError,
+        SceneError,
+        SizeField,
+        SolverError,
+        alternating_edges,
+        bisection,
+        ring_areas,
+    )
+    from ringwear.studies.check.check import Check, check
     from ringwear.studies.cli import main
     from ringwear.studies.comparison import Comparison, compare
     from ringwear.studies.crosscheck import (
-        Compliance,
         ComplianceMethod,
-        ContactCells,
         ContactMarch,
         Discretised,
-        Ground,
         InitialProfile,
         Load,
         Loading,
-        MeshError,
         Method,
-        PressureSpace,
         Problem,
         Result,
         Rings,
-        RingwearError,
         RunningIn,
         Scene,
-        SceneError,
-        SizeField,
         Solution,
-        SolverError,
         Stages,
-        alternating_edges,
-        bisection,
         differences,
-        direct,
-        energy,
-        even_half_space,
         load,
         method,
         moments,
         plan,
         press_flat,
         pressure_spaces,
-        ring_areas,
-        ring_kernel,
         run,
     )
     from ringwear.studies.decks.deck import deck
@@ -150,11 +157,12 @@ if TYPE_CHECKING:
     from ringwear.studies.named_studies import study
     from ringwear.studies.study.orders import orders
     from ringwear.studies.study.study import Study
-    from ringwear.studies.sweep.conduct import sweep
+    from ringwear.studies.sweep.sweep import sweep
 
     __version__: str
 
 __all__ = [
+    "Check",
     "Comparison",
     "Compliance",
     "ComplianceMethod",
@@ -209,52 +217,58 @@ __all__ = [
 # names that users need first
 _FIRST = (
     *("Scene", "run", "check", "compare", "deck", "fit", "load", "plan", "study", "sweep"),
-    *("Result", "Study", "Comparison", "RingwearError", "SceneError"),
+    *("Result", "Study", "Comparison", "Check", "RingwearError", "SceneError"),
 )
 # modules of the public names, which are imported at their first use, because they load other
 # packages; the command line can handle an interruption meanwhile
 _LATER = {
-    "studies.check.result": ["check"],
+    "studies.check.check": ["Check", "check"],
     "studies.cli": ["main"],
     "studies.comparison": ["Comparison", "compare"],
-    "studies.crosscheck": [
+    "fem": [
+        "even_half_space",
+    ],
+    "mdr": [
+        "direct",
+        "energy",
+        "ring_kernel",
+    ],
+    "meshes": [
         "Compliance",
-        "ComplianceMethod",
         "ContactCells",
+        "Ground",
+        "MeshError",
+        "PressureSpace",
+        "RingwearError",
+        "SceneError",
+        "SizeField",
+        "SolverError",
+        "alternating_edges",
+        "bisection",
+        "ring_areas",
+    ],
+    "studies.crosscheck": [
+        "ComplianceMethod",
         "ContactMarch",
         "Discretised",
-        "Ground",
         "InitialProfile",
         "Load",
         "Loading",
-        "MeshError",
         "Method",
-        "PressureSpace",
         "Problem",
         "Result",
         "Rings",
-        "RingwearError",
         "RunningIn",
         "Scene",
-        "SceneError",
-        "SizeField",
         "Solution",
-        "SolverError",
         "Stages",
-        "alternating_edges",
-        "bisection",
         "differences",
-        "direct",
-        "energy",
-        "even_half_space",
         "load",
         "method",
         "moments",
         "plan",
         "press_flat",
         "pressure_spaces",
-        "ring_areas",
-        "ring_kernel",
         "run",
     ],
     "studies.decks.deck": ["deck"],
@@ -262,7 +276,7 @@ _LATER = {
     "studies.named_studies": ["study"],
     "studies.study.orders": ["orders"],
     "studies.study.study": ["Study"],
-    "studies.sweep.conduct": ["sweep"],
+    "studies.sweep.sweep": ["sweep"],
 }
 _MODULES = {name: module for module, names in _LATER.items() for name in names}
 
@@ -273,7 +287,7 @@ def __dir__() -> list[str]:
 
 def __getattr__(name: str) -> object:
     if name == "__version__":
-        return _import_module("ringwear.studies.crosscheck.versions").versions()["ringwear"]
+        return _import_module("ringwear.studies.crosscheck.versions").package_versions()["ringwear"]
     if name in _MODULES:
         return getattr(_import_module(f"ringwear.{_MODULES[name]}"), name)
     raise AttributeError(_has_no(name))
@@ -298,10 +312,9 @@ _OTHER_NAMES = {
 
 def _has_no(name: str) -> str:
     """Return the error message for a name that the package does not have."""
-    from ringwear.studies.crosscheck.scene.explain import nearest
+    from ringwear.studies.crosscheck import did_you_mean
 
-    suggestion = _OTHER_NAMES.get(name) or nearest(name, __all__)
-    hint = f"did you mean {suggestion}? " if suggestion else ""
+    hint = did_you_mean(name, __all__, f"it has {', '.join(_FIRST)}", "")
     if name in _OTHER_NAMES:
-        hint = f"write {suggestion}; "
-    return f"module 'ringwear' has no attribute {name!r}: {hint}it has {', '.join(_FIRST)}"
+        hint = f": write {_OTHER_NAMES[name]}; it has {', '.join(_FIRST)}"
+    return f"module 'ringwear' has no attribute {name!r}{hint}"

@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import Scene
-from ..crosscheck.result.run import run
+from ..crosscheck import Scene, run
 
 # smallest rtol at which numbers are certified, by whether the punch is in full contact
 FINEST_RTOL = {True: 1e-8, False: 1e-5}

@@ -19,8 +19,7 @@ import xarray
 
 from ..check.check import check
 from ..check.tables import read
-from ..crosscheck import Scene
-from ..crosscheck.result.run import run
+from ..crosscheck import Scene, run
 from .problems import FOLDER, OTHERS, number_of, problem_named
 from .rows import (
     ERRORS,
@@ -56,8 +55,8 @@ def measure(
     program does not give are NaN.
     """
     exact = scene.changed(accuracy__rtol=1e-7)
-    verdicts = pd.DataFrame(check(exact, {"theirs": results}, methods=["bem"]).verdicts)
-    errors = verdicts["error"].abs().groupby(verdicts["quantity"]).max().reindex([*QUANTITIES])
+    rows = check(exact, {"theirs": results}, methods=["bem"]).errors
+    errors = rows["error"].abs().groupby(rows["quantity"]).max().reindex([*QUANTITIES])
     return pd.DataFrame({"program": [program], "seconds": seconds, **errors})
 
 

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from ..crosscheck import SceneError
+from ...meshes import SceneError
 
 FOLDER = Path(__file__).parent
 OTHERS = FOLDER / "others"

@@ -1,25 +1,28 @@
-"""The verdict on results of other programs as lines and tables of text, for the page of a check."""
+"""The errors of other programs' results as lines and tables of text, and the page of a check."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
-from ..crosscheck.result.words import Account, Rows
-from ..crosscheck.verdict.agreement import DISAGREE
+from ..crosscheck import DISAGREE, Account, Rows
 from ..figures.scale import Scale
-from .verdict import quantity_errors
+from .errors import quantity_errors
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
-    from .checked import CheckedOutcome
+    from .check import Check
+
+
+# file of the figure of a refinement
+REFINEMENT = "refinement.png"
 
 
 class Banner(NamedTuple):
-    """The verdict on the results of one program.
+    """The judgement on the results of one program.
 
     Parameters
     ----------
-    colour : class of the verdict in `page.css`
-    word, sentence : the verdict in a few words, and in a sentence
+    colour : class of the judgement in `page.css`
+    word, sentence : the judgement in a few words, and in a sentence
     mistake : the most likely mistake, in a sentence; empty if there is none to name
     """
 
@@ -33,28 +36,86 @@ class CheckAccount(Account):
     """All texts about a check: on the results of other programs, and then on our methods."""
 
     template: ClassVar[str] = "check.html.j2"
-    result: "CheckedOutcome"
+
+    def __init__(self, check: "Check") -> None:
+        super().__init__(check.together)
+        self.check, self.scale = check, Scale.of(check.together)
 
     @property
     def allowed(self) -> str:
         """The allowed error, in per cent."""
-        return f"{100 * self.result.within:.3g} %"
+        return f"{100 * self.check.within:.3g} %"
+
+    @property
+    def brief(self) -> list[str]:
+        """The title, the errors of the other programs, and the verdict on our methods."""
+        verdict = f"Our own methods: {self.verdict_line}"
+        return [self.title, "", *self.lines, "", verdict, *self.warnings]
+
+    @property
+    def lines(self) -> list[str]:
+        """The judgement on the other programs in sentences."""
+        lines = list[str]()
+        for name in self.check.judged:
+            errors = quantity_errors(self.check.rows_of(name), self.scale)
+            lines += [f"{name}: {line}" for line in (self.judgement_on(name), *map(str, errors))]
+        return lines + self.refinement
+
+    @property
+    def refinement(self) -> list[str]:
+        """The convergence of each quantity, in sentences; empty without a refinement."""
+        return [f"refinement: {row.in_words(self.names)}" for row in self.check.refinements]
+
+    @property
+    def mistakes(self) -> list[str]:
+        """The mistakes that may explain the errors, the most likely first; this takes seconds."""
+        return [
+            f"{name}: {mistake}" for name in self.check.judged for mistake in self.mistakes_of(name)
+        ]
+
+    def mistakes_of(self, program: str) -> list[str]:
+        """Return the mistakes that may explain the errors of a program, the likeliest first."""
+        if not self.check.rows_of(program):
+            return []
+        mistakes = [
+            f"the error looks like {mistake.words} (confidence {mistake.confidence:.0%}). To "
+            f"confirm: {mistake.confirm}"
+            for mistake in self.check.mistakes(program)
+        ]
+        if mistakes or self.check.is_within(program):
+            return mistakes
+        return ["no mistake that was tried explains the error"]
+
+    def judgement_on(self, program: str) -> str:
+        """Return a sentence on whether all quantities of a program are within the allowed error."""
+        check, rows = self.check, self.check.rows_of(program)
+        exceeding = dict.fromkeys(row.quantity for row in rows if not row.within)
+        quantities = dict.fromkeys(row.quantity for row in rows)
+        if not rows:
+            return "none of its results could be compared"
+        if not exceeding:
+            line = f"all {len(quantities)} quantities are within {check.within:.3g} of ours"
+            unsure = ", ".join(each.replace("_", " ") for each in check.undecided_on(program))
+            return f"{line}, or within our own error estimate: {unsure}" if unsure else line
+        names = ", ".join(name.replace("_", " ") for name in exceeding)
+        counts = f"{len(exceeding)} of {len(quantities)} quantities"
+        return f"{counts} differ from ours by more than {check.within:.3g}: {names}"
 
     @property
     def banners(self) -> list[Banner]:
-        """The verdict on each program whose results are judged."""
-        banners, result = [], self.result
-        for name in result.judged:
-            within, mistakes = result.is_within(name), result.mistakes_of(name)
+        """The judgement on each program whose results are judged."""
+        banners, check = [], self.check
+        for name in check.judged:
+            within, mistakes = check.is_within(name), self.mistakes_of(name)
             colour, word = "disagree", f"not within {self.allowed}"
-            if not result.verdicts_on(name):
+            if not check.rows_of(name):
                 colour, word = "undecided", "not compared"
             elif within:
                 colour, word = "agree", f"within {self.allowed}"
-            sentence, mistake = f"{name}: {result.verdict_on(name)}.", ""
-            if within and result.undecided_on(name):
+            sentence, mistake = f"{name}: {self.judgement_on(name)}.", ""
+            if within and check.undecided_on(name):
                 colour, word = "undecided", "undecided"
-            if within and result.verdict == DISAGREE:
+            if within and check.result.verdict == DISAGREE:
                 colour = "undecided"
                 sentence += " But our own methods disagree, so that this proves nothing."
             if mistakes and not within:
@@ -65,9 +126,9 @@ class CheckAccount(Account):
     @property
     def errors(self) -> Rows:
         """A row for each quantity of each program: its greatest error, where it is, and ours."""
-        scale, result = Scale.of(self.result), self.result
+        check = self.check
         return [
-            ({"results": name} if len(result.judged) > 1 else {})
+            ({"results": name} if len(check.judged) > 1 else {})
             | {
                 "quantity": error.quantity,
                 f"within {self.allowed}": "yes" if error.within else "NO",
@@ -76,19 +137,17 @@ class CheckAccount(Account):
                 "our error estimate": error.estimate.removeprefix("our error estimate: "),
                 "largest error at one radius": error.at_one_radius,
             }
-            for name in result.judged
-            for error in quantity_errors(result.verdicts_on(name), scale)
-        ]
-
-    @property
-    def mistakes(self) -> list[str]:
-        """The mistakes that may explain the errors, the most likely first."""
-        return [
-            f"{name}: {mistake}"
-            for name in self.result.judged
-            for mistake in self.result.mistakes_of(name)
+            for name in check.judged
+            for error in quantity_errors(check.rows_of(name), self.scale)
         ]
 
     def first_figures(self, pictures: Iterable["Picture"]) -> list[str]:
         """Return the files of the figures that show the checked results."""
-        return [picture.file for picture in pictures if self.result.shows_others(picture)]
+        return [picture.file for picture in pictures if shows_others(self.check, picture)]
+
+
+def shows_others(check: "Check", picture: "Picture") -> bool:
+    """Return whether a figure shows the results of other programs."""
+    solutions = check.together.solutions
+    given = {name for program in check.judged for name in solutions[program].results}
+    return picture.file == REFINEMENT or bool(given.intersection(picture.quantities))

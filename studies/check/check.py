@@ -4,88 +4,129 @@ The scene is solved at the times and radii of the other programs, so that nothin
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from html import escape
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
-from ..crosscheck import FIELDS, LOG, METHODS, Method, Problem, Scene, SceneError, Solution, Source
-from ..crosscheck.result.outcome import Outcome
-from ..crosscheck.result.predictions.memory import refuse_beyond_memory, why_beyond_memory
-from ..crosscheck.result.run import run
-from ..crosscheck.result.scope import chosen_methods, methods_of, refuse
-from ..crosscheck.scene.keys import listed
+from ...meshes import RingwearError, SceneError
+from ..crosscheck import (
+    FIELDS,
+    LOG,
+    METHODS,
+    OVER_TIME,
+    RUN_FILES,
+    AnswersGuesses,
+    Folder,
+    Problem,
+    Result,
+    Scene,
+    Solution,
+    Source,
+    Stages,
+    chosen_methods,
+    computed,
+    judged,
+    listed,
+    methods_of,
+    naming_arguments,
+    numbers,
+    output_folder,
+    refuse,
+    refuse_beyond_memory,
+    shown,
+    why_beyond_memory,
+    write_numbers,
+)
 from ..decks.reports import reach_of_deck
 from ..tables import write_csv
-from .checked import CheckedOutcome
+from .causes.comparison import Comparison
+from .causes.histories import PRINTED
+from .diagnose import Diagnosis, diagnose
+from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
+from .refinement import Refinement, refinements
 from .tables import OthersResults, read
 
-Kind = TypeVar("Kind", bound=CheckedOutcome)
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+    from matplotlib.figure import Figure
+
+    from ..figures.style import Picture
+    from .account import CheckAccount
+
 # Copies of the fields of another program that are in memory at once, with their differences to
-# ours; and numbers that the verdict on one quantity at one time takes, with its texts. Measured.
-COPIES_OF_FIELDS, NUMBERS_OF_VERDICT = 8.0, 250.0
+# ours; and numbers that the errors of one quantity at one time take, with their texts. Measured.
+COPIES_OF_FIELDS, NUMBERS_OF_ERRORS = 8.0, 250.0
 
 
-def write_check(result: CheckedOutcome, directory: Path) -> None:
-    """Write the errors to `check.csv`."""
-    rows = pd.DataFrame(asdict(row) for row in result.verdicts)
-    write_csv(rows, directory / "check.csv")
-
-
-def check(scene: Source, given: Mapping[str, OthersResults], **how: Any) -> CheckedOutcome:
-    """Compare results of other programs with ours; `check_as` describes the arguments."""
-    return check_as(CheckedOutcome, scene, given, **how)
-
-
-def check_as(
-    kind: type[Kind],
+@naming_arguments
+def check(
     scene: Source,
-    given: Mapping[str, OthersResults],
-    methods: Sequence[str | Method] | str | None = None,
+    theirs: "Mapping[str, OthersResults] | OthersResults",
+    methods: Sequence[str] | str | None = None,
     within: float = 0.01,
     columns: Mapping[str, str] | None = None,
     units: str = "",
     sizes: Sequence[float] = (),
     memory: float | None = None,
-) -> Kind:
+) -> "Check":
     """Compare results of other programs with ours, at their times and radii.
 
     Parameters
     ----------
-    kind : class of the outcome, such as one that shows itself in notebooks
     scene : a Scene, the name of a bundled one, a file, or nested dictionaries
-    given : CSV or netCDF files, DataFrames or xarray Datasets, by the names of their programs
-    methods : our methods, in place of those of the scene
-    within : relative error that is allowed, in the norm of each quantity
-    columns : our column names by theirs, ``{"p": "pressure"}``
-    units : of the results, such as ``"mm, N, MPa, s"``, if not those of the scene
-    sizes : decreasing sizes of elements or steps, one for each result, if all results are of one
-        program, from coarse to fine
+    theirs : results of other programs: CSV or netCDF files, DataFrames or xarray Datasets, by the
+        names of the programs; or a single one, which is named after its file, or "theirs"
+    methods : methods of ringwear, instead of the scene's
+    within : allowed relative error of their results, in the norm of each quantity
+    columns : our names by theirs, ``{"p": "pressure"}``
+    units : of their results, such as ``"mm, N, MPa, s"``, if they differ from the scene's
+    sizes : decreasing sizes of elements or steps, one for each result, if the results are those of
+        one program from coarse to fine; only the last one is judged then
     memory : largest memory to use, in GiB; by default that of the machine
+
+    Returns
+    -------
+    Check
+        With `result` (ours), `theirs`, `errors`, `within`, `passes` and `mistakes()`, which tries
+        mistakes that may explain the errors.
 
     Raises
     ------
     SceneError
-        if a table cannot be read, naming the file, the line, the column and the remedy; if a
-        program has the name of one of our methods; if the sizes do not suit the results; or if
-        there are so many times and radii that memory does not suffice
+        if a table cannot be read; the message names the file, the line, the column and the remedy.
+        If a program has the name of one of our methods, or if the sizes do not suit the results.
+        If there are so many times and radii that memory does not suffice, it says how many fit
+
+    Examples
+    --------
+    >>> from pandas import DataFrame
+    >>> table = DataFrame({"time": [0.0], "indentation": [0.97]})
+    >>> checked = check("flat_punch", {"abaqus": table}, methods=["mdr"])
+    >>> float(checked.errors.error[0].round(4)), checked.passes
+    (-0.03, False)
     """
+    if not (isinstance(within, float | int) and within > 0):
+        raise SceneError(f"within = {shown(within)}: give a positive number, such as 0.01")
+    programs, sizes = _by_program(theirs), tuple(numbers("sizes", sizes))
     scene = Scene.of(scene)
-    if taken_names := [name for name in given if name in METHODS]:
+    if taken_names := [name for name in programs if name in METHODS]:
         raise SceneError(
             f"{taken_names[0]} is one of our methods: give the other program another name"
         )
     decreasing = len(sizes) > 1 and (np.diff([*sizes, 0.0]) < 0).all()
-    if len(sizes) and not (decreasing and len(sizes) == len(given)):
+    if sizes and not (decreasing and len(sizes) == len(programs)):
         raise SceneError(
-            f"sizes {', '.join(f'{size:g}' for size in sizes)} of {len(given)} results: give two "
-            "or more results, and a size for each, above 0 and decreasing"
+            f"sizes {', '.join(f'{size:g}' for size in sizes)} of {len(programs)} results: give "
+            "two or more results, and a size for each, above 0 and decreasing"
         )
     tables = {
-        name: read(source, name, scene, columns or {}, units) for name, source in given.items()
+        name: read(source, name, scene, columns or {}, units) for name, source in programs.items()
     }
     scene = _scene_of_tables(scene, tables.values())
     ours = methods_of(listed(methods)) if methods else chosen_methods(scene)
@@ -94,31 +135,346 @@ def check_as(
         # mdr-grid is the paper's own algorithm, of first order: too inaccurate for a reference
         accurate = {name: entry for name, entry in ours.items() if name != "mdr-grid"}
         ours = accurate or methods_of(["mdr", "fem"])
-    numbers = sum(_numbers_at_each_time(scene, table) for table in tables.values())
+    memory_of_tables = sum(_numbers_at_each_time(scene, table) for table in tables.values())
     with_fields = any(map(_fields_of, tables.values()))
     # our own fields are shown, but not needed to check numbers
-    if not with_fields and why_beyond_memory(scene, ours.values(), memory, numbers):
+    if not with_fields and why_beyond_memory(scene, ours.values(), memory, memory_of_tables):
         LOG.warning(
             "%d times are too many for fields: ours are left out, because the results have none",
             len(scene.wear.times),
         )
         scene = scene.changed(output__quantities=["history", "steady"])
     how = {"without_fields": "tables without fields along the radius"} if with_fields else {}
-    refuse_beyond_memory(scene, ours.values(), memory, numbers, **how)
-    their_methods = [OtherProgram.from_table(name, table, scene) for name, table in tables.items()]
-    result = run(scene, [*ours.values(), *their_methods])
-    values = {field.name: getattr(result, field.name) for field in fields(Outcome)}
-    values["solutions"] = {
-        name: solution if name in given else _with_prescribed_force(scene.problem, solution)
-        for name, solution in result.solutions.items()
-    }
-    reaches = {name: reach_of_deck(source, scene) for name, source in given.items()}
-    decks = {name: reach for name, reach in reaches.items() if reach is not None}
-    return kind(**values, given=tuple(given), within=within, sizes=tuple(sizes), decks=decks)
+    refuse_beyond_memory(scene, ours.values(), memory, memory_of_tables, **how)
+    others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
+    methods_of([*others.values()])  # refuses names that are more than one line
+    reaches = {name: reach_of_deck(source, scene) for name, source in programs.items()}
+    return Check(
+        computed(scene, ours),
+        others,
+        within,
+        sizes,
+        {name: reach for name, reach in reaches.items() if reach is not None},
+    )
 
 
-def _scene_of_tables(scene: Scene, tables: Iterable[pd.DataFrame]) -> Scene:
+@dataclass(frozen=True, eq=False, repr=False)
+class Check(AnswersGuesses):
+    """Results of other programs and ours, and the errors of theirs.
+
+    Parameters
+    ----------
+    result : our result, at their times and radii
+    others : the other programs by their names
+    within : relative error that is allowed
+    sizes : of elements or steps, if all results are of one program, from coarse to fine, so that
+        only the last one is judged; otherwise empty
+    decks : radius of the half-space, in punch radii, of results of decks of this scene by
+        `ringwear deck`, by the name of the results
+    """
+
+    noun = "check"
+    instead = (
+        dict.fromkeys(("verdicts", "table", "df", "differences", "error"), "errors")
+        | dict.fromkeys(("diagnoses", "diagnosis", "causes"), "mistakes()")
+        | dict.fromkeys(("answers", "verdict", "anchors", "agreement"), "result.<name>")
+        | {"dataset": "theirs, or check.result.dataset", "ours": "result", "given": "theirs"}
+        | {"show": "plot()", "figures": "plots", "to_csv": "save(folder)", "passed": "passes"}
+    )
+
+    result: Result
+    others: Mapping[str, OtherProgram]
+    within: float
+    sizes: tuple[float, ...] = ()
+    decks: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene, at their times and radii."""
+        return self.result.scene
+
+    @property
+    def theirs(self) -> "xarray.Dataset":
+        """Their results over solver, time and radius, in the scene's units, where they have any."""
+        dataset = self.together.dataset.sel(solver=[*self.others])
+        return dataset[[name for name in dataset if dataset[name].notnull().any()]]
+
+    @cached_property
+    def errors(self) -> "pd.DataFrame":
+        """A row for each program, quantity and time.
+
+        The columns `error`, `stated` (our own error estimate), `radius`, `there` and `largest` are
+        those of `ErrorAtTime` in `studies/check/errors.py`; `within` is whether the error is within
+        the allowed one or our own error estimate.
+        """
+        import pandas as pd
+
+        return pd.DataFrame([asdict(row) for row in self.rows])
+
+    @property
+    def passes(self) -> bool:
+        """Whether judged results are within the allowed error, and our methods do not disagree."""
+        return all(map(self.is_within, self.judged)) and self.result.verdict != "disagree"
+
+    def mistakes(self, program: str | None = None) -> list[Diagnosis]:
+        """Try mistakes that may explain the errors, and return these, the likeliest first.
+
+        This takes seconds, because mistakes such as another wear coefficient are tried by solving a
+        changed scene. They are computed once.
+
+        Parameters
+        ----------
+        program : whose errors are to be explained; by default those of all judged results
+        """
+        names = self.judged if program is None else (program,)
+        for name in names:
+            if name not in self._mistakes:
+                LOG.info("   check  trying mistakes that may explain the errors of %s ...", name)
+                found = diagnose(self._compared(name), self.decks.get(name))
+                self._mistakes[name] = [replace(each, program=name) for each in found]
+        mistakes = [mistake for name in names for mistake in self._mistakes[name]]
+        return sorted(mistakes, key=lambda mistake: -mistake.confidence)
+
+    @cached_property
+    def _mistakes(self) -> dict[str, list[Diagnosis]]:
+        """The mistakes that were found so far, by program."""
+        return {}
+
+    @cached_property
+    def together(self) -> Result:
+        """Our result with theirs beside it, for figures and for `results.nc`."""
+        ours, problem = self.result, self.scene.problem
+        stages = {name: Stages(name) for name in self.others}
+        theirs = {name: other.solve(problem, stages[name]) for name, other in self.others.items()}
+        shown_beside = judged(
+            self.scene,
+            {**ours.methods, **self.others},
+            ours.solutions,
+            {**ours.stages, **stages},
+            ours.operators,
+            theirs,
+        )
+        return replace(shown_beside, compared_in_fields=self._compared_in_fields(theirs))
+
+    def _compared_in_fields(self, theirs: Mapping[str, Solution]) -> tuple[str, ...]:
+        """Return our most accurate method, then judged programs with fields, the last one first.
+
+        Empty if no program has fields.
+        """
+        fields = {
+            name: [each for each in OVER_TIME if each in theirs[name].results]
+            for name in reversed(self.judged)
+        }
+        names = [name for name in fields if fields[name]]
+        ours = best(self._our_solutions, fields[names[0]][0]) if names else ""
+        return (ours, *names) if ours else ()
+
+    @cached_property
+    def _our_solutions(self) -> dict[str, Solution]:
+        """Our solutions; a prescribed force has an error of 0."""
+        problem, solutions = self.scene.problem, self.result.solutions
+        return {
+            name: _with_prescribed_force(problem, solution) for name, solution in solutions.items()
+        }
+
+    @cached_property
+    def rows(self) -> tuple[ErrorAtTime, ...]:
+        """Errors of the other programs, by program, quantity and time."""
+        reference = "".join(self.together.compared_in_fields[:1])
+        return tuple(
+            row
+            for name in self.others
+            for row in errors_at_times(
+                self.scene,
+                self._our_solutions,
+                (name, self.together.solutions[name].results),
+                self.within,
+                reference,
+            )
+        )
+
+    def rows_of(self, program: str) -> list[ErrorAtTime]:
+        """Return the errors of a program."""
+        return [row for row in self.rows if row.solver == program]
+
+    @property
+    def judged(self) -> tuple[str, ...]:
+        """Names of the results that are judged: all, or the finest of a refinement."""
+        return tuple(self.others)[-1:] if self.sizes else tuple(self.others)
+
+    def is_within(self, program: str) -> bool:
+        """Return whether all results of a program are within the allowed error.
+
+        Those that cannot be compared do not count, but at least one must be compared.
+        """
+        rows = self.rows_of(program)
+        return bool(rows) and all(row.within for row in rows)
+
+    def undecided_on(self, program: str) -> list[str]:
+        """Return the quantities whose errors are above the allowed one, but within our estimate."""
+        rows = (row for row in self.rows_of(program) if row.within)
+        return [*dict.fromkeys(row.quantity for row in rows if abs(row.error) > self.within)]
+
+    @cached_property
+    def refinements(self) -> tuple[Refinement, ...]:
+        """Convergence of each quantity, if the results are a refinement."""
+        return tuple(refinements(self.rows, tuple(self.others), self.sizes)) if self.sizes else ()
+
+    def _compared(self, program: str) -> Comparison:
+        """Return the results of a program, and ours at its times and radii.
+
+        Quantities on which mistakes have no known effect are left out.
+        """
+        together = self.together
+        printed = [key for key in together.solutions[program].results if key in PRINTED]
+        dataset = together.dataset[printed].sel(solver=program)
+        for dim in list(dataset.dims):
+            dataset = dataset.dropna(dim, how="all")
+        theirs = {str(key): array.values for key, array in dataset.items()}
+        ours = {
+            key: together.dataset[key]
+            .sel(solver=best(self._our_solutions, key))
+            .reindex_like(dataset[key])
+            .values
+            for key in theirs
+            if best(self._our_solutions, key)
+        }
+        times, radii = dataset["time"].values, dataset.get("radius", np.empty(0))
+        return Comparison(times, np.asarray(radii), theirs, ours, self.scene)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The summary of our result, and the errors of theirs, as in `summary.json`.
+
+        There it also has the mistakes that may explain these errors. Numbers that are not finite
+        are None, because JSON cannot express them.
+        """
+        check = {"passes": self.passes, "within": self.within, "lines": self.texts.lines}
+        return self.together.summary | {"check": check, "errors": [*map(_json_row, self.rows)]}
+
+    @property
+    def texts(self) -> "CheckAccount":
+        """All texts about their results, and about ours."""
+        from .account import CheckAccount
+
+        return CheckAccount(self)
+
+    def __repr__(self) -> str:
+        """Return the errors of their results, and the verdict on ours."""
+        return "\n".join(self.texts.brief)
+
+    def _repr_html_(self) -> str:
+        """Return the errors, the verdict and one figure as HTML, for notebooks."""
+        from ..figures.style import html_of
+
+        text = f"<pre>{escape(repr(self))}</pre>"
+        return text + html_of(self.plot()) if self.plots else text
+
+    @property
+    def pictures(self) -> "list[Picture]":
+        """The figures of a check, those that show their results first."""
+        from .pictures import pictures
+
+        return pictures(self)
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """The figures that `plot` can draw."""
+        pictures = (each for each in self.pictures if each.drawn_for(self.together))
+        return tuple(picture.name for picture in pictures)
+
+    def plot(self, kind: str = "") -> "Figure":
+        """Draw a figure: one of `plots`, by default the first.
+
+        Raises
+        ------
+        SceneError
+            if there is no such figure; the message lists the available ones
+        """
+        from ..figures.style import picture_of
+
+        drawn = [picture for picture in self.pictures if picture.drawn_for(self.together)]
+        return picture_of(drawn, kind).figure(self.together)
+
+    def save(self, folder: str | Path) -> list[str]:
+        """Write the files of ``ringwear check --out folder``; return their names.
+
+        Errors are saved before mistakes are tried.
+
+        Raises
+        ------
+        SceneError
+            if the folder cannot be written to, or contains other files with these names
+        RingwearError
+            if a figure cannot be drawn
+        """
+        with output_folder(folder, "check", check_files()) as out:
+            self.write_errors(out)
+            if failures := self.write_mistakes(out):
+                raise RingwearError("; ".join(failures))
+        return out.written
+
+    def write_errors(self, folder: Folder) -> None:
+        """Write all numbers, and put them in place before anything else is computed."""
+        self._write_numbers(folder, self.summary)
+        folder.publish_so_far()
+
+    def write_mistakes(self, folder: Folder) -> list[str]:
+        """Try mistakes; write them, the figures and the page; return the failures, with reasons."""
+        from ..report.page import show
+
+        mistakes, account = self.mistakes(), self.texts
+        check = {"lines": [*account.lines, *account.mistakes]}
+        summary = self.summary
+        summary["check"] |= check
+        self._write_numbers(folder, summary | {"mistakes": [*map(_json_row, mistakes)]})
+        return show(self.together, account, self.pictures, folder.hidden, page=True)
+
+    def _write_numbers(self, folder: Folder, summary: dict[str, Any]) -> None:
+        write_numbers(self.together.dataset, summary, folder.hidden)
+        write_csv(self.errors, folder.hidden / "check.csv")
+
+
+def check_files() -> set[str]:
+    """Return the names of the files that a check may write."""
+    from .pictures import FILES
+
+    return {*RUN_FILES, "check.csv", *FILES}
+
+
+def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":
+    """Return results of other programs by the names of the programs."""
+    kinds = (str, Path)
+    # a Dataset is a mapping, too, but it has `to_dataframe`
+    if isinstance(given, Mapping) and not hasattr(given, "to_dataframe"):
+        if any(
+            isinstance(value, kinds) or hasattr(value, "columns") for value in given.values()
+        ) or any(hasattr(value, "data_vars") for value in given.values()):
+            return dict(given)
+        if given:  # the columns of one table
+            from pandas import DataFrame
+
+            try:
+                return {"theirs": DataFrame(given)}
+            except ValueError:
+                raise SceneError(
+                    f"{shown(given)} is no table: give a file, a DataFrame, a Dataset, or these by "
+                    "the names of their programs"
+                ) from None
+    if isinstance(given, kinds):
+        return {Path(given).name: given}
+    if hasattr(given, "columns") or hasattr(given, "data_vars"):
+        return {"theirs": given}
+    raise SceneError(
+        f"no results of other programs in {shown(given)}: give files, DataFrames or Datasets by "
+        "the names of the programs, {'abaqus': 'abaqus.csv'}, or a single one"
+    )
+
+
+def _scene_of_tables(scene: Scene, tables: "Iterable[pd.DataFrame]") -> Scene:
     """Return a scene at the times and radii of tables, with the quantities that they have."""
+    import pandas as pd
+
     rows = pd.concat(tables)
     radii = scene.problem.radii * scene.problem.units.length
     quantities = scene.output.quantities
@@ -133,15 +489,15 @@ def _scene_of_tables(scene: Scene, tables: Iterable[pd.DataFrame]) -> Scene:
     )
 
 
-def _fields_of(table: pd.DataFrame) -> list[str]:
+def _fields_of(table: "pd.DataFrame") -> list[str]:
     """Return the fields along the radius in a table."""
     return [name for name in table if name in FIELDS]
 
 
-def _numbers_at_each_time(scene: Scene, table: pd.DataFrame) -> float:
+def _numbers_at_each_time(scene: Scene, table: "pd.DataFrame") -> float:
     """Return about how many numbers a check of a table needs at each time of the scene."""
     fields, columns = len(_fields_of(table)), len(table.columns)
-    return COPIES_OF_FIELDS * fields * len(scene.problem.radii) + NUMBERS_OF_VERDICT * columns
+    return COPIES_OF_FIELDS * fields * len(scene.problem.radii) + NUMBERS_OF_ERRORS * columns
 
 
 def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:
@@ -151,3 +507,11 @@ def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:
     force = {"normal_force": problem.loading.at(problem.times).force}
     zero_error = {"normal_force": np.zeros(len(problem.times))}
     return replace(solution, results=force | solution.results, errors=zero_error | solution.errors)
+
+
+def _json_row(row: ErrorAtTime | Diagnosis) -> dict[str, object]:
+    """Return a row for JSON, with None for numbers that are not finite."""
+    items = asdict(row).items()
+    return {
+        key: value if isinstance(value, str) or np.isfinite(value) else None for key, value in items
+    }

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from ..crosscheck import SYMBOLS, SceneError
+from ...meshes import SceneError
+from ..crosscheck import SYMBOLS
 
 LINE = re.compile(r"^[ \t]*[^\s#][^\n]*(?:\n|$)", re.MULTILINE)
 """A line that is neither empty nor a comment."""

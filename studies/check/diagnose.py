@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..crosscheck import FIELDS, QUANTITIES, Array
+from ...meshes import Array
+from ..crosscheck import FIELDS, QUANTITIES
 from .causes import mesh, modelling_mistakes, output_mistakes
 from .causes.cause import Cause
 from .causes.comparison import Comparison
@@ -27,8 +28,6 @@ from .causes.hypotheses import (
 from .causes.inputs import input_causes
 from .causes.model import Model
 from .solve import solve
-
-__all__ = ["Comparison", "Diagnosis", "diagnose"]
 
 CAUSES: tuple[Cause, ...] = (
     modelling_mistakes.WearCoefficient(),
@@ -95,6 +94,7 @@ class Diagnosis:
         times the square of the part of the error that these explain
     words : what the error looks like, with the number, as a noun phrase
     confirm : what would confirm the mistake, or distinguish it from another that explains as much
+    program : whose results have the error
     """
 
     name: str
@@ -102,6 +102,7 @@ class Diagnosis:
     confidence: float
     words: str
     confirm: str
+    program: str = ""
 
 
 def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Diagnosis]:

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..crosscheck import FIELDS, Array, UnitNames
+from ...meshes import Array
+from ..crosscheck import FIELDS, UnitNames
 from ..study.extrapolation import order_of_errors, richardson
-from .verdict import Verdict
+from .errors import ErrorAtTime
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +103,7 @@ class Refinement:
 
 
 def refinements(
-    rows: Sequence[Verdict], names: Sequence[str], sizes: Sequence[float]
+    rows: Sequence[ErrorAtTime], names: Sequence[str], sizes: Sequence[float]
 ) -> Iterator[Refinement]:
     """Yield the refinement of each quantity that all results have.
 
@@ -110,7 +111,7 @@ def refinements(
 
     Parameters
     ----------
-    rows : verdicts on all results
+    rows : errors of all results
     names : of the results, from coarse to fine
     sizes : of elements or steps, one for each result
     """
@@ -121,7 +122,7 @@ def refinements(
         ]
         if times := set.intersection(*map(set, by_time)):
             time = max(times, key=lambda time: abs(by_time[-1][time].error))
-            levels = [verdicts[time] for verdicts in by_time]
+            levels = [errors[time] for errors in by_time]
             signed = np.array([row.error for row in levels])
             floor = max(row.stated for row in levels)
             yield Refinement(quantity, time, np.array(sizes), signed, floor)

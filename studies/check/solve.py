@@ -1,8 +1,7 @@
 """Solve the many problems of a diagnosis by MDR, without error estimates where that is possible."""
 
-from ..crosscheck import Problem, Results, RunningIn, Stages, energy, method
-from ..crosscheck.methods.sampling.sampler import Sampler
-from ..crosscheck.methods.spaces import choose_spaces
+from ...mdr import energy
+from ..crosscheck import Problem, Results, RunningIn, Sampler, Stages, choose_spaces, method
 
 
 def solve(problem: Problem) -> tuple[Results, RunningIn | None]:

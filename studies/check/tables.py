@@ -13,14 +13,24 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import FIELDS, LOG, QUANTITIES, MeshError, Scene, SceneError, UnitNames
-from ..crosscheck.problem.fields import refuse_device
-from ..crosscheck.problem.written import one_line, shown
-from ..crosscheck.result.output.checksums import CHECKSUMS
-from ..crosscheck.result.output.netcdf import RESULTS, SUMMARY
-from ..crosscheck.result.output.saved_files import has_checksums, read_folder
-from ..crosscheck.result.predictions.machine import refuse_large
-from ..crosscheck.scene.explain import nearest
+from ...meshes import MeshError, SceneError
+from ..crosscheck import (
+    CHECKSUMS,
+    FIELDS,
+    LOG,
+    QUANTITIES,
+    RESULTS,
+    SUMMARY,
+    Scene,
+    UnitNames,
+    has_checksums,
+    nearest,
+    one_line,
+    read_folder,
+    refuse_device,
+    refuse_large,
+    shown,
+)
 from ..decks.reports import NO_RESULTS, READERS, differing_keys
 from .csv_files import name_and_unit, read_csv_text, read_numbers, split_heading
 
@@ -255,7 +265,7 @@ def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
     Names of point arrays consist of quantity and time: ``displacement t=0.5``, and ``pressure
     t=0.5`` or ``stress_zz t=0.5``. Vectors are read by their second component.
     """
-    from ...meshes.files import read_with_meshio  # imported here: it loads scikit-fem and meshio
+    from ...meshes import read_with_meshio
 
     try:
         mesh = read_with_meshio(path)

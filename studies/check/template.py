@@ -8,9 +8,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from ..crosscheck import Array, Scene, SceneError, UnitNames
-from ..crosscheck.problem.fields import over_time
-from ..crosscheck.sizes.half_space_mesh import half_space_mesh
+from ...meshes import Array, SceneError
+from ..crosscheck import Scene, UnitNames, half_space_mesh, over_time
 
 
 def write_template(scene: Scene, units: str, folder: Path) -> list[str]:

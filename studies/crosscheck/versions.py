@@ -19,7 +19,7 @@ PACKAGES = ("meshes", "mdr", "fem", "studies")
 
 
 @cache
-def versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
     """Return the versions of ringwear and of its dependencies."""
     names = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")
     installed = {}
@@ -33,7 +33,7 @@ def versions() -> dict[str, str]:
 
 def computed_with() -> dict[str, str]:
     """Return the versions, and the hash of ringwear's files as this process has loaded them."""
-    return versions() | {"code": code()}
+    return package_versions() | {"code": code()}
 
 
 def code() -> str:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..crosscheck import Array, Indices
+from ...meshes import Array, Indices
 from .keywords import (
     CONTACT,
     FACE,

@@ -10,13 +10,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ..crosscheck import Array, Scene, SceneError, Source, output_folder
-from ..crosscheck.methods.inside.interior import first_and_last_in_contact
-from ..crosscheck.problem.written import shown
-from ..crosscheck.result.run import run
-from ..crosscheck.scene.calls import naming_arguments
-from ..crosscheck.scene.explain import did_you_mean
-from ..crosscheck.scene.keys import numbers
+from ...meshes import Array, SceneError
+from ..crosscheck import (
+    Scene,
+    Source,
+    did_you_mean,
+    first_and_last_in_contact,
+    naming_arguments,
+    numbers,
+    output_folder,
+    run,
+    shown,
+)
 from . import abaqus, calculix
 from .keywords import Model
 from .mesh import deck_mesh
@@ -25,9 +30,11 @@ from .states import State
 
 PROGRAMS = {"calculix": calculix, "abaqus": abaqus}
 """Modules that write decks, by the name of the program."""
-ELEMENTS = ("linear", "quadratic")
-SIZE, REACH = 0.1, 200.0
-"""Default size of the elements and default radius of the half-space, in punch radii."""
+ELEMENTS = ("Q1", "Q2S")
+ELEMENT, SIZE, REACH = "Q2S", 0.1, 200.0
+"""Default element, its default size and the default radius of the half-space, in punch radii."""
+SIZES = (1e-3, 0.5)
+"""Least and greatest size of the elements, in punch radii."""
 MAX_INDENTATION = 1e-3
 """Greatest indentation in contact decks, in punch radii. It is small because programs update the
 positions of the nodes."""
@@ -44,7 +51,7 @@ class Choice:
     Parameters
     ----------
     program : `calculix` or `abaqus`
-    elements : `linear` (CAX4) or `quadratic` (CAX8)
+    element : `Q1` (CAX4) or `Q2S` (CAX8)
     size : of the elements below the punch, away from ring edges, in punch radii
     reach : radius of the half-space that is modelled, in punch radii
     times : of the worn faces, in the units of the scene; None for the last time of the scene at
@@ -52,7 +59,7 @@ class Choice:
     """
 
     program: str
-    elements: str = "quadratic"
+    element: str = ELEMENT
     size: float = SIZE
     reach: float = REACH
     times: tuple[float, ...] | None = None
@@ -63,8 +70,8 @@ def deck(
     scene: Source,
     program: str,
     out: str | Path,
-    elements: str = "quadratic",
-    size: float = SIZE,
+    element: str = ELEMENT,
+    size: float | None = None,
     reach: float = REACH,
     times: Sequence[float] | None = None,
 ) -> list[Path]:
@@ -75,23 +82,17 @@ def deck(
 
     Parameters
     ----------
-    scene : Scene, str, Path or dict
-        The scene that is modelled; the files have its units.
-    program : str
-        ``"calculix"`` or ``"abaqus"``, in upper or lower case.
-    out : str or Path
-        The folder to write to.
-    elements : str
-        ``"linear"`` (CAX4) or ``"quadratic"`` (CAX8).
-    size : float
-        Size of the elements below the punch, in punch radii; they are smaller at ring edges and at
-        the rim.
-    reach : float
-        Radius at which the modelled half-space is clamped, in punch radii; the relative error of
-        the indentation by clamping is about 1.1 / `reach`.
-    times : sequence of float, optional
-        Times of worn faces, in the units of the scene; by default the last time of the scene at
-        which the punch is loaded. The start, or the first time with a load, is always written.
+    scene : the scene that is modelled; the files have its units
+    program : the program, ``"calculix"`` or ``"abaqus"``, in upper or lower case
+    out : the folder to write to
+    element : ``"Q1"`` (CAX4) or ``"Q2S"`` (CAX8) in the deck of prescribed displacements (default:
+        Q2S); contact decks have Q1
+    size : size of the elements below the punch, in the units of the scene; they are smaller at ring
+        edges and at the rim (default: a tenth of the radius of the punch)
+    reach : radius at which the modelled half-space is clamped, in punch radii (default: 200); the
+        relative error of the indentation by clamping is about 1.1 / reach
+    times : time of a worn face, in the units of the scene (default: the last time of the scene at
+        which the punch is loaded); the start, or the first time with a load, is always written
 
     Returns
     -------
@@ -103,12 +104,46 @@ def deck(
     SceneError
         if the scene has no deck, or if an option is out of range; it names the remedy
     """
-    chosen_times = None if times is None else tuple(numbers("times", times))
-    (size,), (reach,) = numbers("size", [size]), numbers("reach", [reach])
-    choice = Choice(str(program).lower(), str(elements).lower(), size, reach, chosen_times)
+    choice = choose(Scene.of(scene), program, element, size, reach, times)
     with output_folder(out, "deck", ["README.md"]) as folder:
         write_decks(Scene.of(scene), choice, folder.hidden)
     return [Path(out) / name for name in folder.written]
+
+
+def choose(
+    scene: Scene,
+    program: str,
+    element: str = ELEMENT,
+    size: float | None = None,
+    reach: float = REACH,
+    times: Sequence[float] | None = None,
+) -> Choice:
+    """Return the options of a deck, as `deck` takes them.
+
+    Raises
+    ------
+    SceneError
+        if one of them is out of range; it names the remedy
+    """
+    (reach,) = numbers("reach", [reach])
+    program, radius = str(program).lower(), scene.problem.units.length
+    if program not in PROGRAMS:
+        hint = did_you_mean(program, PROGRAMS, f"give one of {', '.join(PROGRAMS)}")
+        raise SceneError(f"a deck for {shown(program)} cannot be written{hint}")
+    if str(element).upper() not in ELEMENTS:
+        raise SceneError(
+            f"element = {shown(element)}: decks have Q1, with four nodes (CAX4), or Q2S, with "
+            "eight (CAX8)"
+        )
+    (given,) = (SIZE * radius,) if size is None else numbers("size", [size])
+    least, most = (f"{share * radius:.4g}" for share in SIZES)
+    if not SIZES[0] <= given / radius <= SIZES[1]:
+        raise SceneError(
+            f"size = {given:g}: give the size of the elements below the punch in the units of the "
+            f"scene, {least} to {most}"
+        )
+    chosen_times = None if times is None else tuple(numbers("times", times))
+    return Choice(program, str(element).upper(), given / radius, reach, chosen_times)
 
 
 def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
@@ -119,16 +154,10 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
     SceneError
         if the scene has no deck, or if an option is out of range; it names the remedy
     """
-    if choice.program not in PROGRAMS or choice.elements not in ELEMENTS:
-        raise SceneError(
-            f"a deck of {choice.elements} elements for {shown(choice.program)} cannot be written"
-            f"{did_you_mean(str(choice.program), PROGRAMS) or ':'} give one of "
-            f"{', '.join(PROGRAMS)}, and linear or quadratic elements"
-        )
     if reason := refusal(scene, choice.program):
         raise SceneError(reason)
     problem, writer = scene.problem, PROGRAMS[choice.program]
-    quadratic = choice.elements == "quadratic"
+    quadratic = choice.element == "Q2S"
     mesh = deck_mesh(problem.merged.ring_edges, choice.size, choice.reach, quadratic)
     model = Model(scene, mesh, hybrid=problem.poisson_ratio > LOCKING)
     punch_states = states(scene, _times(scene, choice.times), model.radii)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..crosscheck import Array, Indices, Scene
+from ...meshes import Array, Indices
+from ..crosscheck import Scene
 from .mesh import DeckMesh
 from .states import State
 

@@ -12,9 +12,15 @@ from functools import cached_property
 import numpy as np
 from skfem import MeshQuad
 
-from ...meshes.half_space import as_half_space, contact_facets, facet_ends
-from ...meshes.radial import from_axis
-from ..crosscheck import Array, Indices, SceneError
+from ...meshes import (
+    Array,
+    Indices,
+    SceneError,
+    as_half_space,
+    contact_facets,
+    facet_ends,
+    from_axis,
+)
 
 SQUARE = 2.0
 """Side of the square below the punch, in punch radii."""
@@ -125,10 +131,8 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
     Raises
     ------
     SceneError
-        if the size or the reach is out of range, or if the mesh would be too large
+        if the reach is out of range, or if the mesh would be too large
     """
-    if not 1e-3 <= size <= 0.5:
-        raise SceneError(f"--size {size:g}: give the size of elements in punch radii, 0.001 to 0.5")
     if not MIN_REACH <= reach <= 1e6:
         raise SceneError(
             f"--reach {reach:g}: give the radius of the modelled half-space in punch radii, "
@@ -141,7 +145,7 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
     if count > MAX_ELEMENTS:
         raise SceneError(
-            f"--size {size:g}: the deck would have {count} elements, more than {MAX_ELEMENTS}: "
+            f"the deck would have {count} elements, more than {MAX_ELEMENTS}: "
             "give a larger size, or fewer rings"
         )
     mesh = _quadrilaterals(radii, depths, shells)

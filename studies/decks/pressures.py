@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...meshes.radial import gauss
-from ..crosscheck import Array
+from ...meshes import Array, gauss
 
 
 def pressures_of(

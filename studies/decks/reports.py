@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import Array, Scene, SceneError
+from ...meshes import Array, SceneError
+from ..crosscheck import Scene
 from .pressures import pressures_of
 
 WEDGE = 180.0

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ..crosscheck import Array
+from ...meshes import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,10 +6,8 @@ It is a box mesh of scikit-fem, refined towards the rim of the punch and mapped 
 import numpy as np
 from skfem import MeshTri
 
-from ringwear.fem.far_field import enough_poles
-from ringwear.fem.half_space import pressure_space
-from ringwear.meshes.half_space import as_half_space
-from ringwear.studies.crosscheck import AxisymmetricElasticity, HalfSpace
+from ringwear.fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
+from ringwear.meshes import as_half_space
 
 # lengths in punch radii; each ring edge must be a vertex of the surface
 ring_edges, outer = np.array([0.0, 0.5, 1.0]), 4.0

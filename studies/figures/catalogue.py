@@ -1,7 +1,6 @@
 """List the figures of a run: file name, caption, drawing function, and required data."""
 
-from ..crosscheck.methods.sampling.field_differences import OVER_TIME
-from ..crosscheck.result.outcome import Outcome
+from ..crosscheck import OVER_TIME, Result
 from .contact import draw_contact
 from .difference import draw_result_difference
 from .history import draw_history
@@ -11,7 +10,7 @@ from .states import draw_states, draw_steady
 from .style import Picture
 
 
-def _has_history(result: Outcome) -> bool:
+def _has_history(result: Result) -> bool:
     problem = result.scene.problem
     return problem.earliest > 0 and problem.wants("rms_slope") and result.gives("displacement_max")
 
@@ -20,7 +19,7 @@ def _has_history(result: Outcome) -> bool:
 IN_CONTACT = ("contact_edge", "ring_force", "normal_force", "ring_worn_volume")
 
 
-def _has_changing_contact(result: Outcome) -> bool:
+def _has_changing_contact(result: Result) -> bool:
     """Return whether the contact, or the force of a falling load, changes over the times."""
     problem = result.scene.problem
     changes = problem.keeps_contact or not problem.full_contact
@@ -78,7 +77,7 @@ PICTURES = (
         "stress.png",
         "Von Mises stress in the half-space under the contact.",
         draw_stress,
-        lambda result: result.has_inside and any(map(len, result.inside.parts)),
+        lambda result: result.has_inside and any(map(len, result.inside().parts)),
     ),
     Picture(
         "mesh.png",

@@ -3,15 +3,15 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..crosscheck import SceneError
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import SceneError
+from ..crosscheck import Result
 from .scale import Scale
 from .style import PAGE, complete, curve, new_panels, set_linear, show_values
 
 COMPARED_LOOKS = {name: curve(number) for number, name in enumerate("AB")}
 
 
-def draw_comparison(a: Outcome, b: Outcome) -> Figure:
+def draw_comparison(a: Result, b: Result) -> Figure:
     """Draw two results in the same panels, each by its first method.
 
     Raises
@@ -45,7 +45,7 @@ def draw_comparison(a: Outcome, b: Outcome) -> Figure:
     return complete(figure, [title(a, b)], figure.axes, down=0.5)
 
 
-def title(a: Outcome, b: Outcome) -> str:
+def title(a: Result, b: Result) -> str:
     """Return the titles of both scenes as one title."""
     first, second = (result.scene.title or "untitled" for result in (a, b))
     return f"A is {first}; B is {second}"

@@ -5,12 +5,12 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
-from ..crosscheck.result.outcome import Outcome
+from ..crosscheck import Result
 from .scale import Scale
 from .style import PAGE, cell_edges, complete, curve, new_panels, set_linear, show_values
 
 
-def draw_contact(result: Outcome) -> Figure:
+def draw_contact(result: Result) -> Figure:
     """Draw the edges of the contact, the forces on rings and the worn volumes of rings over time.
 
     The figure shows edges by every method, and shades the inside of the contact. Forces and worn
@@ -40,7 +40,7 @@ def draw_contact(result: Outcome) -> Figure:
     return complete(figure, (result.scene.title, "contact over time"), figure.axes)
 
 
-def _draw_edges(axes: Axes, result: Outcome, scale: Scale) -> None:
+def _draw_edges(axes: Axes, result: Result, scale: Scale) -> None:
     """Draw the edges of the contact by every method, and shade its inside by the first of them.
 
     The centre of a solid punch is no edge. The shading begins at the first time that is shown.

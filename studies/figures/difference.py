@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ..crosscheck import Array, Indices
-from ..crosscheck.methods.sampling.field_differences import FieldComparison, FieldDifference
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import Array, Indices
+from ..crosscheck import FieldComparison, FieldDifference, Result
 from .scale import Scale, shown_times
 from .style import (
     PAGE,
@@ -45,7 +44,7 @@ ROWS = 400
 FEW_RADII = 25
 
 
-def draw_result_difference(result: Outcome) -> Figure:
+def draw_result_difference(result: Result) -> Figure:
     """Draw the difference of two methods of a run; a note lists differences of other methods."""
     return draw_difference(Scale.of(result), result.scene.title, result.field_comparisons)
 

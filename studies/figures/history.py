@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..crosscheck import Array
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import Array
+from ..crosscheck import Result
 from .scale import Scale
 from .style import (
     FAINT,
@@ -25,7 +25,7 @@ from .style import (
 LABEL_WIDTH, LABEL_HEIGHT = 0.12, 0.09
 
 
-def draw_history(result: Outcome) -> Figure:
+def draw_history(result: Result) -> Figure:
     """Draw displacement and RMS slope over time, and the differences of methods from the first.
 
     The RMS slope is left out if it has no finite value at any time.
@@ -73,7 +73,7 @@ def draw_history(result: Outcome) -> Figure:
     return complete(figure, titles, panels[:, 0])
 
 
-def _mark_running_in(axes: Axes, result: Outcome, scale: Scale) -> None:
+def _mark_running_in(axes: Axes, result: Result, scale: Scale) -> None:
     """Mark the times at which 90 % and 99 % of the running-in are complete.
 
     Labels are preferably at the bottom, to the left and to the right of the two lines. They are

@@ -10,9 +10,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from ..crosscheck import Array, Ground, Scene
-from ..crosscheck.methods.inside.interior import NEAR, Interior
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import Array, Ground
+from ..crosscheck import NEAR, Interior, Result, Scene
 from .scale import FAR_APART, Scale, panel_tops
 from .style import BLUE, PAGE, RED, complete, new_panels, save, set_linear
 from .ticks import one_digit
@@ -24,13 +23,13 @@ LEAST_DEPTH_OF_BASE = 0.1
 SHOWN_BELOW_BASE = 1.15
 
 
-def draw_stress(result: Outcome) -> Figure:
+def draw_stress(result: Result) -> Figure:
     """Draw the von Mises stress under the rings in up to four states with contact.
 
     All states have the same scales of colour and length, unless they differ by orders of magnitude;
     then up to three states are drawn.
     """
-    fields, scale, problem = result.inside, Scale.of(result), result.scene.problem
+    fields, scale, problem = result.inside(), Scale.of(result), result.scene.problem
     states_in_contact = [number for number, parts in enumerate(fields.parts) if len(parts)]
     radius = scale.shown("radius", problem.units.length)
     r, z = fields.points * radius
@@ -170,7 +169,7 @@ def _levels(least: float, greatest: float) -> Array:
     return np.asarray(10.0 ** (np.arange(first, last + 1) / 10))
 
 
-def draw_result_mesh(result: Outcome) -> Figure:
+def draw_result_mesh(result: Result) -> Figure:
     """Draw the mesh of the finite elements."""
     fem = result.solutions["fem"]
     assert fem.half_space is not None
@@ -188,7 +187,7 @@ def draw_mesh(scene: Scene, mesh: Any, mesher: str) -> Figure:
     mesh : mesh of the half-space, in punch radii; it is drawn in the scene's unit of length
     mesher : name of the program or algorithm that generated it, for the title
     """
-    from ...meshes.half_space import contact_radii, truncation  # imported here: loads skfem
+    from ...meshes import contact_radii, truncation
 
     scale, ring_edges = Scale(scene), scene.problem.ring_edges
     radius = scale.shown("radius", scene.problem.units.length)
@@ -259,7 +258,7 @@ def write_mesh(scene: Scene, mesh: Any, mesher: str, directory: Path) -> None:
     """
     from skfem.io.meshio import to_meshio
 
-    from ...meshes.half_space import quality, without_low_parts
+    from ...meshes import quality, without_low_parts
 
     scaled = without_low_parts(mesh).scaled(scene.punch.radius)
     content = to_meshio(scaled, cell_data={"quality": [quality(mesh)]})

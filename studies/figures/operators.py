@@ -2,12 +2,12 @@
 
 from matplotlib.figure import Figure
 
-from ..crosscheck.result.outcome import Outcome
+from ..crosscheck import Result
 from .style import PAGE, complete, curve, new_panels, set_logarithmic
 from .ticks import one_digit
 
 
-def draw_operators(result: Outcome) -> Figure:
+def draw_operators(result: Result) -> Figure:
     """Draw the relative difference of two methods against the wavelength of the pressure.
 
     Wavelengths that the elements do not resolve are shaded.

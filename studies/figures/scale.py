@@ -10,8 +10,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from ...mdr.flat_punch import D0, P0
-from ..crosscheck import Array, Indices, Problem, Scene
+from ...mdr import D0, P0
+from ...meshes import Array, Indices
+from ..crosscheck import Problem, Scene
 from .style import (
     Look,
     axis_start,

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..crosscheck import Array
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import Array
+from ..crosscheck import Result
 from .scale import Scale, face_depths, high_pressure, panel_tops, shown_times, subtracted_height
 from .style import FAINT, PAGE, RED, complete, new_panels, rings_differ, set_linear
 
@@ -43,7 +43,7 @@ class State:
     high: float
 
     @classmethod
-    def of(cls, result: Outcome, index: int) -> "State":
+    def of(cls, result: Result, index: int) -> "State":
         """Return the state of a result at the time with an index."""
         problem, radii = result.scene.problem, result.coordinates["radius"]
         profiles, pressures = (result.by_method(name, index) for name in ("profile", "pressure"))
@@ -70,7 +70,7 @@ class State:
         )
 
 
-def draw_states(result: Outcome) -> Figure:
+def draw_states(result: Result) -> Figure:
     """Draw profiles and pressures at several times, all methods in the same panels.
 
     If the punch is not flat, panels show the neighbourhood of the contact. The unworn face is above
@@ -122,7 +122,7 @@ def draw_states(result: Outcome) -> Figure:
     )
 
 
-def _draw_profile(axes: Axes, result: Outcome, state: State, depth: float, scale: Scale) -> None:
+def _draw_profile(axes: Axes, result: Result, state: State, depth: float, scale: Scale) -> None:
     """Draw the face of the punch, the unworn face, and the worn-off material between them."""
     radii = result.coordinates["radius"]
     scale.plot_radial(axes, "profile", radii, state.profiles)
@@ -152,7 +152,7 @@ def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) ->
     return lines
 
 
-def draw_steady(result: Outcome) -> Figure:
+def draw_steady(result: Result) -> Figure:
     """Draw limiting profile and steady pressure, all methods in the same panels."""
     scale, names = Scale.of(result), ("steady_profile", "steady_pressure")
     figure, panels = new_panels(PAGE, 2.8, columns=2)

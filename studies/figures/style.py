@@ -17,7 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from ..crosscheck import METHODS, Array
+from ...meshes import Array, SceneError
+from ..crosscheck import METHODS, did_you_mean, shown
 from .ticks import Decades, RoundTicks, power_of_ten, short_number, smallest_step
 
 Look: TypeAlias = dict[str, Any]
@@ -109,6 +110,11 @@ class Picture(NamedTuple):
     drawn_for: Callable[[Any], bool]
     quantities: tuple[str, ...] = ()
 
+    @property
+    def name(self) -> str:
+        """Name of the figure: that of its file without the ending."""
+        return Path(self.file).stem
+
     def figure(self, result: Any) -> Figure:
         """Return the figure of a result."""
         with in_style():
@@ -117,6 +123,23 @@ class Picture(NamedTuple):
     def write(self, result: Any, path: Path) -> None:
         """Draw the figure of a result and write it as PNG."""
         save(path, self.draw, result)
+
+
+def picture_of(pictures: Iterable[Picture], name: str = "") -> Picture:
+    """Return the picture of a name; without one, the first.
+
+    Raises
+    ------
+    SceneError
+        if there is no such picture; the message lists the available ones
+    """
+    by_name = {picture.name: picture for picture in pictures}
+    name = name or next(iter(by_name), "")
+    if not isinstance(name, str) or name not in by_name:
+        available = ", ".join(by_name) or "none: all selected quantities are numbers"
+        hint = did_you_mean(name, by_name, f"give one of {available}")
+        raise SceneError(f"no figure {shown(name)} of these results{hint}")
+    return by_name[name]
 
 
 def new_figure(width: float, height: float) -> Figure:

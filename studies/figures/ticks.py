@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.ticker import Locator
 
-from ..crosscheck import Array
+from ...meshes import Array
 
 # number of digits of a label
 DIGITS = 3

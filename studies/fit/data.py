@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ...meshes import Array, SceneError
 from ..check.tables import OthersResults, read
-from ..crosscheck import LOG, Array, Scene, SceneError
-from ..crosscheck.problem.unit_names import number_of
-from ..crosscheck.problem.written import shown
+from ..crosscheck import LOG, Scene, number_of, shown
 from .measurement import Measurement
 
 NoiseInput = float | str | Mapping[str, float | str] | None

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import Array
+from ...meshes import Array
 from .measurement import Measurement
 from .outcome import Outcome
 from .parameters import REACH

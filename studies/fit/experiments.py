@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ..crosscheck import Array, Scene
+from ...meshes import Array
+from ..crosscheck import Scene
 from .fit import fit_measurements, suitable_model
 from .measurement import Measurement, Predictor
 from .models.flat_histories import FlatHistories

@@ -4,9 +4,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
-from scipy.stats import norm
+from scipy.special import ndtri
 
-from ..crosscheck import Array, UnitNames
+from ...meshes import Array
+from ..crosscheck import UnitNames
 from ..figures.style import (
     FAINT,
     PAGE,
@@ -26,7 +27,7 @@ UNIT_KINDS = {
     "worn_volume": "volume",
 }
 # half width of the 95 % interval of a normal variable of deviation one
-NORMAL_HALF_WIDTH = float(norm.ppf(0.975))
+NORMAL_HALF_WIDTH = float(ndtri(0.975))
 # greatest number of measurements of one quantity that are drawn in its panel
 MAX_SERIES = 6
 # least ratio of the last to the first value of an axis that is drawn logarithmically

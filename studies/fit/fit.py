@@ -5,14 +5,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import norm
-from scipy.stats import t as student
+from scipy.special import ndtri, stdtrit
 from threadpoolctl import threadpool_limits
 
-from ..crosscheck import LOG, Array, Scene, SceneError, Source
-from ..crosscheck.problem.written import shown
-from ..crosscheck.scene.calls import naming_arguments
-from ..crosscheck.scene.keys import listed
+from ...meshes import Array, SceneError
+from ..crosscheck import LOG, Scene, Source, listed, naming_arguments, shown
 from .data import NoiseInput, read_measurements
 from .measurement import Measurement, Predictor
 from .models.flat_predictor import flat_predictor
@@ -233,8 +230,8 @@ def threshold(likelihood: Likelihood) -> float:
     """
     level = (1 + CONFIDENCE) / 2
     if all(each.noise_known for each in likelihood.measurements):
-        return float(norm.ppf(level) ** 2)
-    return float(student.ppf(level, max(likelihood.degrees_of_freedom, 1)) ** 2)
+        return float(ndtri(level) ** 2)
+    return float(stdtrit(max(likelihood.degrees_of_freedom, 1), level) ** 2)
 
 
 def _intervals(

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..crosscheck import Array
+from ...meshes import Array
 
 
 @dataclass(frozen=True, eq=False)

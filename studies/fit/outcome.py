@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import Array, Scene
+from ...meshes import Array
+from ..crosscheck import Scene
 from .measurement import Measurement
 from .parameters import Parameter
 from .statistics.likelihood import Likelihood, Point

@@ -1,6 +1,5 @@
 """The parameters of a fit: keys of a scene, by their logarithms, and unknowns of the rig."""
 
-import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,10 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from ..crosscheck import Array, Scene, SceneError, UnitNames
-from ..crosscheck.problem.fields import TomlTable
-from ..crosscheck.problem.unit_names import kind_of
-from ..crosscheck.scene.explain import declaration, keys_of, place_of
+from ...meshes import Array, SceneError
+from ..crosscheck import (
+    Scene,
+    TomlTable,
+    UnitNames,
+    declaration,
+    did_you_mean,
+    keys_of,
+    kind_of,
+    place_of,
+)
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
 # coordinate of another parameter, between minus and plus this
@@ -245,14 +251,12 @@ def _expanded(table: TomlTable, name: str) -> list[str]:
 def _why_not_fitted(name: str, table: TomlTable) -> str:
     """Return why a name cannot be fitted, and which names can."""
     names = [*_keys_in(table), *NUISANCES]
-    near = difflib.get_close_matches(name, names, 1)
-    if not near and (meant := place_of(name, Scene, Scene)):
-        near = difflib.get_close_matches(meant, names, 1, 0.9)
     *sections, key = _key_and_index(name)[0].split(".")
     section, _ = declaration(sections, Scene)
     if key not in keys_of(section):
-        suggestion = f"did you mean {near[0]}? Else " if near else ""
-        return f"{name} is no key of a scene: {suggestion}give some of {_choices(table)}"
+        word = place_of(name, Scene, Scene) or name
+        hint = did_you_mean(word, names, f"give some of {_choices(table)}", "")
+        return f"{name} is no key of a scene{hint}"
     path, index = _key_and_index(name)
     if path in KEYS and index is not None and _lookup(table, path) != {}:
         return f"{name}: {path} is one number in the scene: leave out the index"

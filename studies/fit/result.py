@@ -8,14 +8,11 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from ..crosscheck import RingwearError, output_folder
-from ..crosscheck.result.guesses import AnswersGuesses
-from ..crosscheck.result.output.one_file import make
-from ..figures.style import html_of, in_style
+from ...meshes import RingwearError
+from ..crosscheck import AnswersGuesses, make, output_folder
 from ..report.study_page import write_study
 from ..tables import write_csv
 from .design import design_table
-from .figures import draw_all
 from .outcome import Outcome
 from .words import conclude
 
@@ -50,6 +47,9 @@ class Fit(AnswersGuesses, Outcome):
     @cached_property
     def figures(self) -> "dict[str, Figure]":
         """The figures, by the name of their file without its ending."""
+        from ..figures.style import in_style
+        from .figures import draw_all
+
         with in_style():
             return draw_all(self)
 
@@ -64,6 +64,8 @@ class Fit(AnswersGuesses, Outcome):
 
     def _repr_html_(self) -> str:
         """Return conclusions, estimates and figures as HTML, for notebooks."""
+        from ..figures.style import html_of
+
         blocks = [f"<pre>{escape(repr(self))}</pre>"]
         blocks.append(self.estimates.to_html(float_format="{:.4g}".format))
         blocks += map(html_of, self.figures.values())
@@ -86,6 +88,8 @@ class Fit(AnswersGuesses, Outcome):
 
     def write(self, folder: Path) -> list[str]:
         """Write tables, figures and the page to a folder; return messages on what failed."""
+        from ..figures.style import in_style
+
         tables = {
             "estimates": self.estimates.rename_axis("parameter").reset_index(),
             "residuals": self.residuals,

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..crosscheck import Array, UnitNames, ring_areas
-from ..crosscheck.wear.time_scale import running_in
+from ...meshes import Array, ring_areas
+from ..crosscheck import UnitNames, running_in
 from .outcome import Estimate, Outcome
 from .parameters import REACH
 from .statistics.likelihood import inverse_of_information

@@ -9,7 +9,7 @@ import xarray
 
 from .theory import FIG7_WEAR_RATIO, STATIONARY_FRACTION, homogeneous, many_rings
 
-VERDICTS = ("holds", "holds with a remark", "does not hold")
+FINDINGS = ("holds", "holds with a remark", "does not hold")
 
 
 class Claim(NamedTuple):
@@ -31,9 +31,9 @@ class Claim(NamedTuple):
     remark: str = ""
 
     @property
-    def verdict(self) -> str:
-        """One of `VERDICTS`: `holds`, `holds with a remark` or `does not hold`."""
-        return VERDICTS[bool(self.remark) if self.holds else 2]
+    def finding(self) -> str:
+        """One of `FINDINGS`: `holds`, `holds with a remark` or `does not hold`."""
+        return FINDINGS[bool(self.remark) if self.holds else 2]
 
 
 def tabulate_claims(
@@ -49,20 +49,20 @@ def tabulate_claims(
         *claims_on_width_ratios(by_width_ratio),
     ]
     rows = [
-        (claim.where, claim.says, claim.computed, claim.verdict, claim.remark) for claim in claims
+        (claim.where, claim.says, claim.computed, claim.finding, claim.remark) for claim in claims
     ]
-    columns = ["where", "the paper says", "computed", "verdict", "why, or what to add"]
+    columns = ["where", "the paper says", "computed", "finding", "why, or what to add"]
     return pd.DataFrame(rows, columns=columns)
 
 
 def conclude(claims: pd.DataFrame) -> list[str]:
-    """Return sentences: numbers of claims by verdict, claims that do not hold, and symbols."""
-    verdict_counts = claims.verdict.value_counts().reindex(VERDICTS, fill_value=0)
-    refuted = claims[claims.verdict == VERDICTS[2]]
+    """Return sentences: numbers of claims by finding, claims that do not hold, and symbols."""
+    counts = claims.finding.value_counts().reindex(FINDINGS, fill_value=0)
+    refuted = claims[claims.finding == FINDINGS[2]]
     line, area = homogeneous()
     return [
-        "claims: " + ", ".join(f"{count} {verdict}" for verdict, count in verdict_counts.items()),
-        *(VERDICTS[2] + ": " + refuted["the paper says"] + ": " + refuted["computed"]),
+        "claims: " + ", ".join(f"{count} {finding}" for finding, count in counts.items()),
+        *(FINDINGS[2] + ": " + refuted["the paper says"] + ": " + refuted["computed"]),
         "`p0 = F/(2 pi a^2)`, `d0 = F/(2 a E*)`; `t_stat` is the time to "
         f"{STATIONARY_FRACTION:.1%} of the displacement difference; `line` is an average over the "
         "radius, `area` over the area, and gradients are `line` if nothing else is stated. The "

@@ -6,8 +6,8 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from ...mdr.flat_punch import D0
-from ..crosscheck import Rings, direct
+from ...mdr import D0, direct
+from ..crosscheck import Rings
 from ..figures.style import (
     FAINT,
     LINES,

@@ -10,12 +10,9 @@ import numpy as np
 import xarray
 from scipy.interpolate import CubicSpline
 
-from ...mdr.flat_punch import D0
-from ...mdr.transforms import line_density
-from ..crosscheck import Array, Scene
-from ..crosscheck.methods.sampling.sampler import AVERAGES
-from ..crosscheck.result.outcome import Outcome
-from ..crosscheck.result.run import run
+from ...mdr import D0, line_density
+from ...meshes import Array
+from ..crosscheck import AVERAGES, Result, Scene, run
 from .theory import STATE_PERCENTAGES, STATIONARY_FRACTION
 
 # methods that compute histories
@@ -87,7 +84,7 @@ def completed_fraction(worn: xarray.Dataset) -> xarray.DataArray:
     return (worn.displacement_max - 1) / (worn.steady_displacement_max - 1)
 
 
-def normalised(result: Outcome, stationary: float) -> xarray.Dataset:
+def normalised(result: Result, stationary: float) -> xarray.Dataset:
     """Return the normalised fields of a run over (solver, time, radius), with times in t_stat.
 
     The variables `limiting_...` are the steady state by direct integration.

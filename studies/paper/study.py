@@ -7,13 +7,12 @@ import pandas as pd
 import xarray
 from matplotlib.figure import Figure
 
-from ..crosscheck import Scene, Source
-from ..crosscheck.methods.sampling.sampler import AVERAGES
+from ..crosscheck import AVERAGES, Scene, Source
 from ..study.accept import accept
 from ..study.record import Record
 from ..study.study import QUICK, Study
 from ..sweep.axes import Sweep
-from ..sweep.conduct import sweep
+from ..sweep.sweep import sweep
 from ..tables import keeping_rows
 from . import claims, figures
 from .running_in import FiveRings
@@ -97,7 +96,7 @@ def compute_gradients(
     """
     bundled = Sweep.load(f"fig{figure}")
     base, axes = bundled.table["base"], bundled.table["axes"] | {"punch.rings": list(counts)}
-    by_direct = sweep(base, axes, bundled.keep)
+    by_direct = sweep(base, axes, keep=bundled.keep)
     varied_key = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
     ratio_name = varied_key.removeprefix("punch.")
     fem_points = {
@@ -112,7 +111,7 @@ def compute_gradients(
             "accuracy": {"rtol": scene.accuracy.rtol},
         },
         axes | fem_points,
-        bundled.keep,
+        keep=bundled.keep,
     )
     homogeneous_gradient = xarray.DataArray(homogeneous(), {"gradient_average": list(AVERAGES)})
     curves = xarray.Dataset(

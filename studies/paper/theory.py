@@ -13,8 +13,9 @@ from functools import cache
 
 import numpy as np
 
-from ..crosscheck import Array, direct
-from ..crosscheck.methods.sampling.sampler import AVERAGES
+from ...mdr import direct
+from ...meshes import Array
+from ..crosscheck import AVERAGES
 
 # states of Fig. 4: percentages of the total change of the greatest displacement
 STATE_PERCENTAGES = (0, 10, 30, 50, 70, 90, 100)

@@ -3,14 +3,18 @@
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import ANSWER, QUANTITIES, Scene, SceneError, error_name
-from ..crosscheck.methods.sampling.field_differences import (
+from ...meshes import SceneError
+from ..crosscheck import (
+    ANSWER,
     IN_STEADY_STATE,
     OVER_TIME,
+    QUANTITIES,
     FieldComparison,
+    Result,
+    Scene,
     compare_fields,
+    error_name,
 )
-from ..crosscheck.result.outcome import Outcome
 
 # relative difference up to which numbers count as equal
 ROUNDOFF = 1e-12
@@ -24,14 +28,14 @@ def refuse_other_units(a: Scene, b: Scene) -> None:
         )
 
 
-def scene_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
+def scene_rows(a: Result, b: Result) -> pd.DataFrame:
     """Return the scene keys whose values differ, with both values."""
     tables = [pd.json_normalize(side.scene.table()).iloc[0].astype(str) for side in (a, b)]
     table = pd.concat(tables, axis=1, keys=["A", "B"]).fillna("not given")
     return table[table.A != table.B].rename_axis("key").reset_index()
 
 
-def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
+def answer_rows(a: Result, b: Result) -> pd.DataFrame:
     """Return a row for each number of the answer: both values and their relative difference.
 
     Further columns are `known`, the sum of both relative error estimates, `change`, the relative
@@ -63,7 +67,7 @@ def answer_rows(a: Outcome, b: Outcome) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def field_comparison(a: Outcome, b: Outcome) -> FieldComparison | None:
+def field_comparison(a: Result, b: Result) -> FieldComparison | None:
     """Return B minus A in the fields along the radius, by the first method with fields of each.
 
     Return None if A and B have no field at a common time.

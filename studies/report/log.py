@@ -4,9 +4,7 @@ import logging
 import sys
 import time
 
-from ..crosscheck import LOG
-from ..crosscheck.problem.written import visible
-from ..crosscheck.progress import STAGES
+from ..crosscheck import LOG, STAGES, visible
 
 
 def show_progress(of_stages: bool) -> None:

@@ -5,22 +5,17 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..crosscheck.result.outcome import Outcome
-from ..crosscheck.result.output.files import draw
-from ..crosscheck.result.output.one_file import make
-from ..crosscheck.result.output.signals import STOPPED
-from ..crosscheck.result.words import Account
-from .template import write_page
+from ..crosscheck import INSIDE, LOG, STOPPED, Account, Result, make
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
 
 
 def show(
-    result: Outcome, account: Account, pictures: Sequence["Picture"], directory: Path, page: bool
+    result: Result, account: Account, pictures: Sequence["Picture"], directory: Path, page: bool
 ) -> list[str]:
     """Draw the pictures of a run, and its page if `page`; return the failures, with reasons."""
-    failures = draw(result, pictures, directory)
+    failures = _draw(result, pictures, directory)
     if page:
         write = partial(write_report, result, account, pictures)
         failures += make(directory / "report.html", write)
@@ -30,14 +25,37 @@ def show(
     return failures
 
 
+def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> list[str]:
+    """Draw the pictures that a result has data for; return the failures, with reasons.
+
+    Fields inside the half-space are written, too. They take as long as the contact problem, and are
+    therefore left out without pictures unless the scene asks for them (`output.field_times`).
+    """
+    from ..crosscheck import write_half_space
+
+    LOG.info("  output  drawing ...")
+    failures = []
+    if result.has_inside and (pictures or result.scene.output.field_times):
+        scene, series = result.scene, bool(result.scene.output.field_times)
+        failures += make(
+            directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
+        )
+    for picture in pictures:
+        if picture.drawn_for(result):
+            failures += make(directory / picture.file, partial(picture.write, result))
+    return failures
+
+
 def write_report(
-    result: Outcome, account: Account, pictures: Sequence["Picture"], path: Path
+    result: Result, account: Account, pictures: Sequence["Picture"], path: Path
 ) -> None:
     """Write the page of a run, with those of the pictures whose files are in the same folder."""
-    from .slides import slides  # imported here: it loads matplotlib, which other runs do not need
+    # imported here: they load matplotlib and jinja2, which runs without a page do not need
+    from .slides import slides
+    from .template import write_page
 
     missing = []
-    if result.has_inside and not any(map(len, result.inside.parts)):
+    if result.has_inside and not any(map(len, result.inside().parts)):
         missing.append(
             "stress.png is not drawn: nothing presses at the times of the fields inside the "
             "half-space. Give output.field_times at which the force is not 0."

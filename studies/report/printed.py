@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ..crosscheck.result.words import Account, Rows, columns
+from ..crosscheck import Account, Rows, columns
 from .terminal import broken, print_lines, terminal_width
 
 # characters that a meaning needs to the right of its number; on narrower terminals it is printed

@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ...meshes.radial import ring_of
-from ..crosscheck import Array
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import Array, ring_of
+from ..crosscheck import Result
 from ..figures.scale import (
     Scale,
     face_depths,
@@ -19,7 +18,7 @@ from ..figures.style import rings_differ
 from ..figures.ticks import short_number
 
 
-def slides(result: Outcome) -> dict[str, Any] | None:
+def slides(result: Result) -> dict[str, Any] | None:
     """Return the data that `slides.js` draws, in the units of its axes.
 
     Return None if no profiles and pressures along the radius are available.

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import TextIO
 
-from ..crosscheck.problem.written import visible
+from ..crosscheck import visible
 
 
 def print_error(message: str) -> None:

@@ -4,14 +4,15 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ..crosscheck import Scene
-from .template import write_page
 
 
 def write_study(
     title: str, purpose: str, scene: Scene, conclusions: Iterable[str], path: Path
 ) -> None:
     """Write the page of a study or a fit, with the figures and tables in the same folder."""
-    import pandas as pd  # imported here: runs do not need it
+    import pandas as pd  # imported here: runs need neither
+
+    from .template import write_page
 
     tables = {
         _plain(file): pd.read_csv(file, dtype=str, keep_default_na=False, nrows=200).map(_short)

@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from ..crosscheck import Scene
-from ..crosscheck.versions import versions
+from ..crosscheck import Scene, package_versions
 
 
 class Shown(NamedTuple):
@@ -37,6 +36,6 @@ def write_page(
         if (file := path.parent / name).exists()
     }
     page = environment.get_template(template).render(
-        pictures=pictures, scene=scene.to_toml(), versions=versions(), **context
+        pictures=pictures, scene=scene.to_toml(), versions=package_versions(), **context
     )
     path.write_text(page, "utf-8")

@@ -9,7 +9,7 @@ import sys
 import textwrap
 from collections.abc import Iterable
 
-from ..crosscheck.problem.written import visible
+from ..crosscheck import visible
 
 
 def terminal_width() -> int:

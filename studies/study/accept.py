@@ -1,8 +1,7 @@
 """Accept the scene and the options of a study, or refuse them with the remedy."""
 
-from ..crosscheck import Scene, SceneError, Source
-from ..crosscheck.problem.written import shown
-from ..crosscheck.scene.keys import numbers
+from ...meshes import SceneError
+from ..crosscheck import Scene, Source, numbers, shown
 from .draw import ABSCISSAS
 
 OF_ANY_PUNCH = "convergence, extremes and tradeoff"

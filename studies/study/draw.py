@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ..crosscheck import Array
+from ...meshes import Array
 from ..figures.style import (
     PAGE,
     RED,

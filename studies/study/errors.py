@@ -25,22 +25,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...mdr import energy, flat_punch_of
+from ...meshes import Array, PressureSpace
 from ..crosscheck import (
+    COMPARED_MODES,
+    DESCRIBED,
+    MOST_PRESSURES,
     QUANTITIES,
-    Array,
-    PressureSpace,
+    History,
     Problem,
     Results,
     Solution,
     differences,
-    energy,
-    flat_punch,
+    least_ratio_of_energies,
     press_flat,
+    unresolved,
 )
-from ..crosscheck.problem.quantities import COMPARED_MODES, DESCRIBED
-from ..crosscheck.verdict.operators import MOST_PRESSURES, least_ratio_of_energies
-from ..crosscheck.verdict.promise import unresolved
-from ..crosscheck.wear.history import History
 from .way import ALL, LATER, START, Case, Part
 from .ways.axis_stresses import element_stresses
 
@@ -211,7 +211,8 @@ def values_of(case: Case, solution: Solution, names: Collection[str]) -> Results
         if BY_PRESSURES in names:
             space = solution.wear.compliance.space
             depth = press_flat(energy.compliance(space)).indentation
-            values[BY_PRESSURES] = np.array(depth / flat_punch(space.inner_radius).indentation - 1)
+            exact_depth = flat_punch_of(space.inner_radius).indentation
+            values[BY_PRESSURES] = np.array(depth / exact_depth - 1)
     if half_space is not None and STRESS in names and solution.unknowns <= MOST_UNKNOWNS_INSIDE:
         states = states_inside(case.problem, solution)
         if len(states):

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import stdtrit
 
-from ..crosscheck import Array
+from ...meshes import Array
 
 INDEX_SAFETY_FACTOR = 1.25
 """Safety factor of the grid convergence index if three levels determine the order (Roache [1])."""

@@ -5,8 +5,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ..crosscheck import Results, RingwearError, Solution, Stages
-from ..crosscheck.result.outcome import Outcome
+from ...meshes import RingwearError
+from ..crosscheck import Result, Results, Solution, Stages, judged
 from .own import Quantity
 from .way import Case
 
@@ -24,11 +24,11 @@ def values_of_functions(case: Case, method: str, solution: Solution, functions: 
     """
     if not functions or case.scene is None:
         return {}
-    result = Outcome(case.scene, {}, {method: solution}, {method: Stages(method)}, (), ())
+    result = judged(case.scene, {}, {method: solution}, {method: Stages(method)})
     return {name: np.asarray(call(name, each, result)) for name, each in functions.items()}
 
 
-def call(name: str, function: Quantity, result: Outcome) -> float:
+def call(name: str, function: Quantity, result: Result) -> float:
     """Return the value of a function of the user for a result.
 
     Raises

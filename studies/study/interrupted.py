@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..crosscheck import LOG, SceneError
-from ..crosscheck.versions import computed_with
+from ...meshes import SceneError
+from ..crosscheck import LOG, computed_with
 from .record import Record
 
 HIDDEN = ".writing"

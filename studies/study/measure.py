@@ -17,8 +17,8 @@ import pandas as pd
 import psutil
 from threadpoolctl import threadpool_limits
 
-from ..crosscheck import LOG, Results, RingwearError, Solution
-from ..crosscheck.verdict.promise import allowed_error
+from ...meshes import RingwearError
+from ..crosscheck import LOG, Results, Solution, allowed_error
 from ..tables import keeping_rows
 from .errors import (
     ITSELF,

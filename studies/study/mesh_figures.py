@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from skfem import Mesh
 
-from ...meshes.half_space import contact_radii
-from ..crosscheck import Array, Results, Solution
+from ...meshes import Array, contact_radii
+from ..crosscheck import Results, Solution
 from ..figures.style import PAGE, RED, complete, new_panels, set_logarithmic, shade_rings
 from .draw import titled
 from .way import Case, Way

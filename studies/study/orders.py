@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import Array, SceneError
-from ..crosscheck.problem.written import shown
-from ..crosscheck.scene.explain import nearest
+from ...meshes import Array, SceneError
+from ..crosscheck import did_you_mean, shown
 from .extrapolation import (
     INDEX_SAFETY_FACTOR,
     order_of_changes,
@@ -50,7 +49,7 @@ def orders(
     right: Mapping[str, float] | float | None = None,
     tolerance: float | None = None,
 ) -> pd.DataFrame:
-    """Return the order of convergence of each column of a table of levels.
+    """Fit the order of convergence of each column of a table of levels.
 
     Parameters
     ----------
@@ -101,8 +100,8 @@ def orders(
         raise SceneError(f"orders: {type(table).__name__} is no table: give a pandas DataFrame")
     if by not in table:
         names = [str(name) for name in table]
-        hint = f"did you mean {shown(nearest(str(by), names))}? " if nearest(by, names) else ""
-        raise SceneError(f"by = {shown(by)}: the table has no such column: {hint}it has {names}")
+        hint = did_you_mean(by, names, f"give one of {', '.join(names)}")
+        raise SceneError(f"by = {shown(by)}: the table has no such column{hint}")
     if {"quantity", "error"} <= set(table):
         rows = list(_of_study(table, by))
     elif RADIUS in table:

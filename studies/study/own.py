@@ -6,9 +6,8 @@ from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..crosscheck import METHODS, MeshError, Method, Problem, SceneError
-from ..crosscheck.problem.written import check_one_line, shown
-from ..crosscheck.scene.explain import nearest
+from ...meshes import MeshError, SceneError
+from ..crosscheck import METHODS, Method, Problem, check_one_line, did_you_mean, shown
 
 if TYPE_CHECKING:
     from skfem import Element, Mesh
@@ -51,12 +50,12 @@ def read_quantities(
         elif isinstance(entry, str) and entry in known:
             names.append(entry)
         else:
-            hint = nearest(str(entry), known) if isinstance(entry, str) else ""
-            raise SceneError(
-                f"quantities = {shown(entry)}: {f'did you mean {hint}? Otherwise ' if hint else ''}"
+            otherwise = (
                 "give functions of the result of a run, {'mean p': lambda result: "
                 "float(result.dataset.pressure.mean())}, or names of " + ", ".join(known)
             )
+            hint = did_you_mean(entry, known if isinstance(entry, str) else (), otherwise, "")
+            raise SceneError(f"quantities = {shown(entry)}{hint}")
     try:
         return tuple(names), {check_one_line(name): each for name, each in functions.items()}
     except ValueError as error:
@@ -121,6 +120,16 @@ def read_methods(
     return tuple(names), tuple(own)
 
 
+SHORT_NAMES = {
+    "P1": "ElementTriP1",
+    "P2": "ElementTriP2",
+    "Q1": "ElementQuad1",
+    "Q2": "ElementQuad2",
+    "Q2S": "ElementQuadS2",
+}
+"""Elements of scikit-fem by the names that papers use; Q2S is the one with eight nodes."""
+
+
 def read_elements(given: "Iterable[str | Element] | str | Element") -> "tuple[Element, ...]":
     """Return elements: those of scikit-fem that are given by name, and the user's own.
 
@@ -134,7 +143,9 @@ def read_elements(given: "Iterable[str | Element] | str | Element") -> "tuple[El
 
 
 def load_element(text: str) -> "Element":
-    """Return an element of scikit-fem by its name, or one of the user from ``FILE.py:NAME``.
+    """Return an element by its short name, such as P2, its name in scikit-fem, or from a file.
+
+    The form ``FILE.py:NAME`` is that of an element of the user.
 
     Raises
     ------
@@ -143,12 +154,13 @@ def load_element(text: str) -> "Element":
     """
     import skfem
 
-    value = _load("--element", text) if ".py:" in text else getattr(skfem, text, None)
+    name = SHORT_NAMES.get(text.upper(), text)
+    value = _load("--element", text) if ".py:" in text else getattr(skfem, name, None)
     element = value() if isinstance(value, type) else value
     if not isinstance(element, skfem.Element):
         raise SceneError(
-            f"--element {text}: is not an element: give the name of an element of scikit-fem, such "
-            f"as ElementTriP2, or {FORM} of an element"
+            f"--element {text}: is not an element: give one of {', '.join(SHORT_NAMES)}, the name "
+            f"of an element of scikit-fem, such as ElementTriP3, or {FORM} of an element"
         )
     return element
 
@@ -192,8 +204,7 @@ def read_meshes(
     """
     from skfem import Mesh
 
-    from ...meshes import files
-    from ...meshes.half_space import as_half_space
+    from ...meshes import as_half_space, files
 
     sources: list[Any] = list(given) if isinstance(given, list | tuple) else [given]
     meshes, edges = list[Mesh](), problem.merged.ring_edges

@@ -14,21 +14,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...mdr import flat_punch_of
+from ...meshes import RingwearError, SceneError
 from ..crosscheck import (
+    FINEST_RTOL,
     LOG,
+    Cone,
+    FemAccuracy,
+    MdrAccuracy,
+    Parabola,
     Problem,
     Results,
-    RingwearError,
     Scene,
-    SceneError,
     Solution,
     Stages,
-    flat_punch,
     method,
 )
-from ..crosscheck.problem.fields import Cone, Parabola
-from ..crosscheck.problem.quantities import FINEST_RTOL
-from ..crosscheck.problem.sections import FemAccuracy, MdrAccuracy
 from .errors import (
     ITSELF,
     STRESS,
@@ -146,7 +147,7 @@ def _start(case: Case) -> dict[str, object]:
         return {}
     if not problem.full_contact:
         return dict(shaped_start(case.scene)) if case.scene else {}
-    flat = flat_punch(problem.inner_radius)
+    flat = flat_punch_of(problem.inner_radius)
     if problem.indentation is not None:
         return {"normal_force": problem.indentation / flat.indentation}
     return {
@@ -182,7 +183,7 @@ def shaped_start(scene: Scene) -> dict[str, float]:
 
 def exact_start(problem: Problem) -> Reference:
     """Return the closed form of the start alone, of a flat punch under the force 1."""
-    depth = flat_punch(problem.inner_radius).indentation
+    depth = flat_punch_of(problem.inner_radius).indentation
     return Reference({"time": np.zeros(1), "indentation": np.array([depth])}, lambda _: ROUNDOFF)
 
 

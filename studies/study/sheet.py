@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import SceneError
+from ...meshes import SceneError
 from ..tables import write_csv
 from .formats import to_latex, to_markdown
 from .orders import RADIUS, orders

@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
-from ..crosscheck import RingwearError, Scene, SceneError, output_folder
-from ..crosscheck.problem.written import shown
-from ..crosscheck.result.guesses import AnswersGuesses
-from ..crosscheck.result.output.one_file import make
+from ...meshes import RingwearError, SceneError
+from ..crosscheck import AnswersGuesses, Scene, make, output_folder, shown
 from ..figures.style import html_of, in_style
 from ..tables import write_csv
 from .formats import to_latex, to_markdown

@@ -27,27 +27,53 @@ from pathlib import Path
 from types import UnionType
 from typing import Self
 
-from ..crosscheck import ANSWER, LOG, QUANTITIES, Problem, Scene, SceneError, method
-from ..crosscheck.problem.fields import Height, TomlTable, read_table, refuse_device
-from ..crosscheck.problem.quantities import GROUPS
-from ..crosscheck.problem.written import shown
-from ..crosscheck.result.scope import unsuitable_methods
-from ..crosscheck.scene.explain import did_you_mean, nearest
-from ..crosscheck.scene.keys import with_key, without_alternatives
-from ..crosscheck.scene.sources import bundled, tables_of
+from ...meshes import SceneError
+from ..crosscheck import (
+    ANSWER,
+    GROUPS,
+    LOG,
+    QUANTITIES,
+    Height,
+    Problem,
+    Scene,
+    TomlTable,
+    bundled,
+    did_you_mean,
+    method,
+    nearest,
+    read_table,
+    refuse_device,
+    shown,
+    tables_of,
+    unsuitable_methods,
+    with_key,
+    without_alternatives,
+)
 from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep
 MOST_SCENES = 1_000_000_000
-# answers of a run that a sweep can keep, and the quantities from which they are computed
+# numbers of the answer, and the quantities from which they are computed
 ANSWERS = {
-    "worn_volume": ("profile", "ring_worn_volume"),
-    "force_share": ("ring_force", "normal_force", "indentation", "steady_pressure"),
+    "indentation_start": ("indentation",),
+    "indentation_steady": ("indentation",),
     "running_in_time": ("indentation",),
     "time_to_90": ("indentation", "time_to_90"),
     "time_to_99": ("indentation", "time_to_99"),
+    "pressure_min": ("pressure", "steady_pressure"),
+    "pressure_max": ("pressure", "steady_pressure"),
+    "force_share": ("ring_force", "normal_force", "indentation", "steady_pressure"),
+    "worn_volume": ("profile", "ring_worn_volume"),
+    "force_start": ("normal_force",),
+    "force_end": ("normal_force",),
+    "time_to_half_force": ("normal_force",),
+    "contact_radius_start": ("contact_radius", "pressure"),
+    "pressure_peak_start": ("pressure",),
+    "time_to_full_contact": ("contact_radius", "indentation"),
 }
-# all quantities and answers that a sweep can keep
+# numbers of the answer that refer to the last time
+AT_LAST_TIME = ("worn_volume", "force_end")
+# all quantities and numbers of the answer that a sweep can keep
 KEEPABLE = {
     name: quantity
     for name, quantity in QUANTITIES.items()
@@ -86,8 +112,19 @@ class Sweep:
     profiles: TomlTable = field(default_factory=dict)
 
     @classmethod
-    def load(cls, source: str | Path) -> Self:
-        """Read a sweep from a file, or a bundled sweep by its name."""
+    def load(
+        cls,
+        source: str | Path,
+        methods: list[str] | None = None,
+        keep: list[str] | None = None,
+    ) -> Self:
+        """Read a sweep from a file, or a bundled sweep by its name.
+
+        Parameters
+        ----------
+        source : file or name
+        methods, keep : methods and quantities to keep, in place of those of the sweep
+        """
         path, folder = Path(source), Path(str(files("ringwear.studies"))) / "sweep" / "files"
         file = path if path.exists() else folder / f"{source}.toml"
         try:
@@ -95,10 +132,12 @@ class Sweep:
             table = tables_of(file.read_text("utf-8"))
         except (OSError, ValueError) as error:
             raise SceneError(_explain_unreadable(str(source), error)) from error
-        return cls.of(table, path.parent)
+        return cls.of(table if keep is None else table | {"keep": keep}, path.parent, methods)
 
     @classmethod
-    def of(cls, table: TomlTable, folder: Path | None = None) -> Self:
+    def of(
+        cls, table: TomlTable, folder: Path | None = None, methods: list[str] | None = None
+    ) -> Self:
         """Make a sweep from nested dictionaries.
 
         Up to 200 values of each axis are checked, together with the first values of the other axes.
@@ -108,6 +147,7 @@ class Sweep:
         ----------
         table : the sweep as nested dictionaries
         folder : folder in which the files of the base scene and of profiles are sought first
+        methods : methods in place of those of the base scene
         """
         kinds: dict[str, type | UnionType] = {"base": str | dict, "keep": list}
         kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
@@ -138,6 +178,8 @@ class Sweep:
             base = Scene.load(in_folder if in_folder.is_file() else base).table()
         if "units" not in base and has_units(columns_by_key.items()):
             base = base | {"units": "SI"}
+        if methods is not None:
+            base = base | {"methods": methods}
         columns = read_columns(table, base)
         base, heights = _without_heights(without_alternatives(base, set(columns)))
         profiles = table.get("profiles") or _read_profiles(base, columns, folder or Path())
@@ -161,6 +203,8 @@ class Sweep:
         for scene in scenes:
             unsuitable |= unsuitable_methods(scene)
         chosen = [name for name in scenes[0].methods if name not in unsuitable]
+        if not scenes[0].names_methods:
+            LOG.info("   sweep  methods are not given: using %s", ", ".join(chosen))
         if unsuitable and chosen:
             for name, reason in unsuitable.items():
                 LOG.warning("   sweep  %s is left out: %s", name, reason)
@@ -173,8 +217,8 @@ class Sweep:
             _refuse_all(problems, scenes[0].methods)
         keep = _quantities_to_keep(table.get("keep"), problems, names)
         dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
-        if "worn_volume" in keep and "wear.times" not in columns:
-            dims.add("time")  # the worn volume refers to the last time
+        if set(AT_LAST_TIME) & set(keep) and "wear.times" not in columns:
+            dims.add("time")
         labels = _labels(scenes[0])
         shared = {key: column for key, column in labels.items() if column.dim in dims}
         sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
@@ -247,6 +291,17 @@ class Sweep:
         quantities = (quantity for name in self.keep for quantity in ANSWERS.get(name, (name,)))
         return self.scene(changes).problem.with_quantities(frozenset(quantities))
 
+    @property
+    def methods(self) -> list[str]:
+        """Names of the methods of all scenes."""
+        return list(self.first.methods)
+
+    def by(self, methods: list[str]) -> "Sweep":
+        """Return the sweep by other methods."""
+        table = self.table | {"base": self.table["base"] | {"methods": methods}}
+        shared = self.shared | {"methods": Column("solver", "solver", methods)}
+        return replace(self, table=table, shared=shared)
+
     def part(self, region: dict[str, slice]) -> "Sweep":
         """Return the sweep of the scenes in a region of the grid: a slice of each dimension."""
         columns = {
@@ -288,14 +343,12 @@ def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
     bundled_files = (files("ringwear.studies") / "sweep" / "files").iterdir()
     names = sorted(file.name.removesuffix(".toml") for file in bundled_files)
     reason = str(error.strerror).lower() if isinstance(error, OSError) else str(error)
-    similar = nearest(source, names)
-    hint = f"did you mean {similar}? Otherwise " if similar else ""
+    otherwise = f"give a sweep file, TOML in UTF-8, or one of {', '.join(names)}"
     if source in bundled():
-        reason, hint = "it is a scene", f"compute a scene with `ringwear run {source}`; "
-    return (
-        f"{source} cannot be read as a sweep: {reason}; {hint}give a sweep file, TOML in UTF-8, "
-        f"or one of {', '.join(names)}"
-    )
+        reason = "it is a scene"
+        otherwise = f"compute a scene with `ringwear run {source}`; {otherwise}"
+    hint = did_you_mean(source, () if source in bundled() else names, otherwise, "")
+    return f"{source} cannot be read as a sweep: {reason}; {hint.removeprefix(': ')}"
 
 
 def _profile_file(table: TomlTable) -> str:
@@ -365,11 +418,16 @@ def _quantities_to_keep(
             if name in computed and left_out.isdisjoint(KEEPABLE[name].dims)
         )
     computable = {name for name in KEEPABLE if not available.isdisjoint(ANSWERS.get(name, (name,)))}
-    if not keep or not set(map(str, keep)) <= computable:
-        unknown = next((str(name) for name in keep if str(name) not in computable), "")
+    unknown = [name for name in keep if str(name) not in computable]
+    if unknown or not keep:
+        wrong = "keep is empty"
+        if unknown:
+            wrong = f"keep has {', '.join(map(shown, unknown))}"
+            wrong += ", no quantities of these scenes"
+        nearest_names = (nearest(str(name), computable) for name in unknown)
+        meant = ", ".join(f"'{name}'" for name in dict.fromkeys(nearest_names) if name)
         raise SceneError(
-            f"keep = {shown(keep)} names something that is not a quantity of these scenes"
-            f"{did_you_mean(unknown, computable) or ':'} give a list of "
+            f"{wrong}: {f'did you mean {meant}? Otherwise ' if meant else ''}give a list of "
             f"{', '.join(sorted(computable))}; histories need wear.times, and steady quantities "
             "wear.steady = true"
         )

@@ -10,10 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..crosscheck import Array, Scene, SceneError
-from ..crosscheck.problem.fields import TomlTable
-from ..crosscheck.problem.unit_names import without_quantities
-from ..crosscheck.problem.written import shown
+from ...meshes import Array, SceneError
+from ..crosscheck import Scene, TomlTable, shown, without_quantities
 
 # values of one key, of the type that the scene declares for it
 Values = list[Any]

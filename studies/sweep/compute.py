@@ -10,13 +10,21 @@ import numpy as np
 import xarray
 from threadpoolctl import threadpool_limits
 
-from ..crosscheck import Array, Method, Problem, SceneError, Solution, Stages, error_name, method
-from ..crosscheck.problem.norms import common
-from ..crosscheck.result.table import in_units
-from ..crosscheck.sizes.shared import groups
-from ..crosscheck.verdict.accuracy import solved_to_accuracy
-from ..crosscheck.verdict.agreement import disagreement
-from ..crosscheck.versions import stamp
+from ...meshes import Array, SceneError
+from ..crosscheck import (
+    Method,
+    Problem,
+    Solution,
+    Stages,
+    common,
+    disagreement,
+    error_name,
+    groups,
+    in_units,
+    method,
+    solved_to_accuracy,
+    stamp,
+)
 from .axes import Sweep
 from .flags import DONE, FAILED, PENDING
 

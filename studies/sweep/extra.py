@@ -2,7 +2,7 @@
 
 from importlib.util import find_spec
 
-from ..crosscheck import SceneError
+from ...meshes import SceneError
 
 
 def require(packages: tuple[str, ...], purpose: str) -> None:

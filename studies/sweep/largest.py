@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from ..crosscheck import SceneError
-from ..crosscheck.problem.fields import TomlTable
-from ..crosscheck.result.predictions.memory import predict_memory
+from ...meshes import SceneError
+from ..crosscheck import TomlTable, predict_memory
 from .axes import Sweep
 
 # greatest number of values of an axis that are tried

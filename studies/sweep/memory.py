@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ..crosscheck import Array
+from ...meshes import Array
 from .axes import Sweep
 from .template import block_sizes, identity, one_scene, regions, template
 

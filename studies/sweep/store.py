@@ -22,8 +22,8 @@ import xarray
 import zarr
 from zarr.codecs import ZstdCodec
 
-from ..crosscheck import Array, SceneError, SolverError
-from ..crosscheck.versions import stamp
+from ...meshes import Array, SceneError, SolverError
+from ..crosscheck import stamp
 from .axes import Sweep
 from .flags import DONE, FAILED, PENDING
 from .template import block_sizes, identity, one_scene, regions, template

@@ -1,6 +1,7 @@
 """The empty results of a sweep, and the blocks of scenes that are computed together."""
 
 import json
+from collections.abc import Iterable
 from itertools import product
 from math import prod
 
@@ -8,12 +9,18 @@ import numpy as np
 import xarray
 from numpy.typing import ArrayLike
 
-from ..crosscheck import Scene, UnitNames, error_name
-from ..crosscheck.problem.quantities import ERROR, STATES
-from ..crosscheck.problem.unit_names import kind_of
-from ..crosscheck.versions import code, versions
-from ..crosscheck.wear.modes import SHOWN_RELAXATION_TIMES
-from .axes import ANSWERS, KEEPABLE, Sweep
+from ..crosscheck import (
+    NO_UNIT,
+    Scene,
+    Solution,
+    UnitNames,
+    code,
+    error_name,
+    kind_of,
+    package_versions,
+    tabulate,
+)
+from .axes import Sweep
 from .flags import PENDING
 
 # beginnings of keys in which scenes of a flat punch may differ and still share a discretisation
@@ -27,7 +34,7 @@ def identity(sweep: Sweep) -> dict[str, str]:
     """Return the attributes that tell the results of sweeps apart: sweep, versions and code."""
     return {
         "sweep": json.dumps(sweep.table),
-        "versions": json.dumps(versions()),
+        "versions": json.dumps(package_versions()),
         "code": code(),
     }
 
@@ -35,53 +42,55 @@ def identity(sweep: Sweep) -> dict[str, str]:
 def template(sweep: Sweep) -> xarray.Dataset:
     """Return an empty dataset for the results of all scenes; its arrays are views without memory.
 
-    The dimensions are those of the sweep, followed by `solver` and the dimensions of each quantity.
+    Its variables are those of one run. The dimensions are those of the sweep, followed by `solver`
+    and the dimensions of each quantity.
     """
-    first_scene = sweep.first
-    varied_values = {key: column.values for key, column in sweep.columns.items()}
-    edges, ring_counts = (
-        varied_values.get("punch.ring_edges", []),
-        varied_values.get("punch.rings", []),
-    )
-    ring_count = max([len(first_scene.problem.rings.widths), *ring_counts, *map(len, edges)])
-    units = UnitNames() if "units" in varied_values else first_scene.unit_names
-
-    def described(text: str, kind: str = "number") -> dict[str, str]:
-        return {"long_name": text, "units": units.name(kind)}
-
+    first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
+    no_results = Solution({}, {}, {}, {})
+    run = tabulate(first, dict.fromkeys(first.methods, no_results))
+    rings = map(len, varied.get("punch.ring_edges", []))
+    sizes = dict(run.sizes) | sweep.sizes
+    sizes["ring"] = max([run.sizes["ring"], *varied.get("punch.rings", []), *rings])
+    names = first.unit_names
+    if "units" in varied:
+        # numbers of several units have none
+        names = UnitNames()
+        for variable in run.variables.values():
+            variable.attrs["units"] = NO_UNIT
     coordinates: dict[str, object] = {
-        "ring": np.arange(1, ring_count + 1),
-        "mode": np.arange(1, SHOWN_RELAXATION_TIMES + 1),
-        "state": np.array(STATES, dtype=object),
+        name: (run[name].dims, run[name].values, run[name].attrs) for name in ("mode", "state")
     }
+    coordinates["ring"] = "ring", np.arange(1, sizes["ring"] + 1), run["ring"].attrs
     for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:
         numbers = all(isinstance(value, int | float) for value in values)
         array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
-        coordinates[name] = dim, array, described(key, kind_of(key, Scene))
+        label = {"long_name": key, "units": names.name(kind_of(key, Scene))}
+        coordinates[name] = dim, array, label
     dataset = xarray.Dataset(coords=coordinates)
 
-    def add(
-        name: str, dims: tuple[str, ...], label: dict[str, str], fill: ArrayLike = np.nan
-    ) -> None:
+    def add(name: str, dims: Iterable[str], label: dict[str, str], fill: ArrayLike) -> None:
         dims = (*sweep.sizes, *dims)
-        dataset[name] = dims, np.broadcast_to(fill, [dataset.sizes[dim] for dim in dims]), label
+        view = np.broadcast_to(fill, [sizes[dim] for dim in dims])
+        # without `fastpath`, xarray would look at each text of a view
+        dataset[name] = xarray.Variable(dims, view, label, fastpath=True)
 
-    for name in sweep.keep:
-        quantity = KEEPABLE[name]
-        add(name, ("solver", *quantity.dims), described(quantity.definition, quantity.unit))
-        if name not in ANSWERS:
-            error = described(ERROR.format(name, quantity.norm.definition))
-            add(error_name(name), ("solver", *quantity.error_dims), error)
-    if dataset.sizes["solver"] > 1:
+    kept = [each for name in sweep.keep for each in (name, error_name(name)) if each in run]
+    for name in kept:
+        add(name, map(str, run[name].dims), run[name].attrs, np.nan)
+    if run.sizes["solver"] > 1:
         definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
-        add("disagreement", (), described(definition))
+        add("disagreement", (), described(definition), np.nan)
     add("reason", (), described("reason why the scene failed"), np.array("", dtype=object))
-    add(
-        "code", (), described("hash of the code and versions that computed the scene"), np.uint64(0)
-    )
+    computed_with = "hash of the code and versions that computed the scene"
+    add("code", (), described(computed_with), np.uint64(0))
     add("status", (), described("0: pending, 1: done, 2: failed"), np.uint8(PENDING))
     # drop coordinates that no variable has
     return dataset[[*dataset.data_vars]]
+
+
+def described(definition: str) -> dict[str, str]:
+    """Return the attributes of a variable without a unit."""
+    return {"long_name": definition, "units": NO_UNIT}
 
 
 def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:

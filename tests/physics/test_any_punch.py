@@ -189,7 +189,7 @@ def test_an_indentation_that_does_not_touch_is_refused():
             "sphere",
             {"accuracy.rtol": [1e-2, 1e-3]},
             ["relaxation_time"],
-            "not a quantity of these scenes",
+            "keep has 'relaxation_time', no quantities of these scenes",
         ),
         ("sphere", {"load.indentation": [-1.0, 0.1]}, None, "load.indentation = -1"),
     ],

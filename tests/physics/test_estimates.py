@@ -9,8 +9,7 @@ import pandas
 import pytest
 from wear_reference import random_scenes, true_errors
 
-from ringwear import ComplianceMethod, Scene, SceneError, run
-from ringwear import method as named
+from ringwear import ComplianceMethod, Scene, SceneError, method as named, run
 
 FIVE = Scene.load("five_rings")
 TWO_RINGS = {"punch__rings": 2}

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, run
-from ringwear import method as named
+from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, method as named, run
 from ringwear.studies.crosscheck.anchors.checks import anchors
 from ringwear.studies.crosscheck.methods.sampling.sampler import Sampler
 from ringwear.studies.crosscheck.problem.norms import WITHOUT_EVEN_WEAR

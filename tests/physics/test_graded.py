@@ -7,8 +7,17 @@ import pytest
 from closed_forms import GradedSteadyState
 from independent import Load, Pieces, solved
 
-from ringwear import RunningIn, Scene, SceneError, Stages, differences, energy, pressure_spaces, run
-from ringwear import method as method_named
+from ringwear import (
+    RunningIn,
+    Scene,
+    SceneError,
+    Stages,
+    differences,
+    energy,
+    method as method_named,
+    pressure_spaces,
+    run,
+)
 from ringwear.studies.crosscheck.sizes.shared import covering
 
 SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}

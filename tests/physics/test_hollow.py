@@ -181,7 +181,7 @@ def test_random_hollow_punches_never_disagree(seed):
 
 def test_a_sweep_over_the_hole_has_the_known_stiffnesses():
     axes = {"punch.inner_radius": [0.0, 0.3, 0.6, 0.9]}
-    table = sweep(hollow(0.0, ["mdr"]), axes, ["indentation"])
+    table = sweep(hollow(0.0, ["mdr"]), axes, keep=["indentation"])
     stiffnesses = 1 / table.indentation.isel(time=0).values.ravel()
     np.testing.assert_allclose(stiffnesses, [2.0, *STIFFNESSES.values()], rtol=1e-6)
 

@@ -215,7 +215,7 @@ def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
 def test_stresses_at_an_interface():
     """The stresses zz and rz and the hoop strain are continuous; the radial stress jumps."""
     result = run(on(layer(0.4), below=5.0, wear={"times": []}), methods=["fem"])
-    inside, (r, z) = result.inside, result.inside.points
+    inside, (r, z) = result.inside(), result.inside().points
     state, mean = -1, 1 / np.pi
     upper, lower = (
         np.flatnonzero((np.abs(z - 0.4) < 1e-12) & (inside.layers == number) & (r < 0.9))

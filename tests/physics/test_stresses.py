@@ -84,7 +84,7 @@ def cone(r, z, poisson_ratio, contact):
 
 def half_space_under(scene):
     """Return the fields inside for a scene."""
-    return run(scene, methods=["fem"]).inside
+    return run(scene, methods=["fem"]).inside()
 
 
 def von_mises(stress):
@@ -209,7 +209,7 @@ def test_the_singular_stresses_at_a_tip_are_said_in_the_scope_and_below_the_figu
 def test_stresses_under_a_worn_sphere_carry_the_pressure_of_mdr():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 3.0], output__field_times=[3.0])
     result = run(scene, methods=["mdr", "fem"])
-    mdr, fields = result.solutions["mdr"], result.inside
+    mdr, fields = result.solutions["mdr"], result.inside()
     (r, z), edge = fields.points, float(mdr.results["contact_radius"][1])
     far = (z == 0) & (np.abs(r - edge) > NEAR * edge) & (np.abs(r - 1) > NEAR * edge)
     expected = np.interp(r[far], scene.problem.face.radii, mdr.compared["pressure"][1])

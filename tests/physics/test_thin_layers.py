@@ -124,7 +124,7 @@ def test_fields_inside_incompressible_layers():
     thickness = 0.05
     scene = on_a_rigid_base(thickness, 0.5, methods=["fem"])
     result = run(scene | {"wear": {"times": [0.0, 0.01]}})
-    inside, (r, z) = result.inside, result.inside.points
+    inside, (r, z) = result.inside(), result.inside().points
     within = (z > 0.3 * thickness) & (z < thickness) & (np.abs(r - 1) > 0.2) & (r < 1.5)
     some = np.flatnonzero(within)[::40]
     displacement, stress = fields_under_uniform_pressure(r[some], z[some], thickness, 0.5)

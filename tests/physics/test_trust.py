@@ -7,8 +7,7 @@ import pytest
 from given import judge
 from wear_reference import random_scenes
 
-from ringwear import ComplianceMethod, Scene, energy, run
-from ringwear import method as named
+from ringwear import ComplianceMethod, Scene, energy, method as named, run
 
 FIVE = Scene.load("five_rings")
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from checks import errors, mistakes
 
-from ringwear import Scene, SceneError, check, main, run
+from ringwear import Scene, SceneError, check, load, main, run
 
 CHALLENGE = Path(__file__).parents[2] / "studies" / "challenge"
 RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])
@@ -39,7 +39,7 @@ def test_closed_forms_pass(tmp_path, capsys):
     assert (rows.error.abs() <= rows.stated).all()
     files = {file.name for file in out.iterdir()}
     assert {"profiles_and_pressures.png", "difference.png", "report.html"} <= files
-    assert json.loads((out / "summary.json").read_text("utf-8"))["verdicts"][0]["within"]
+    assert json.loads((out / "summary.json").read_text("utf-8"))["errors"][0]["within"]
 
 
 def test_errors_are_reported_with_sign_time_and_radius(tmp_path, capsys):
@@ -67,7 +67,7 @@ def test_the_difference_is_the_other_program_minus_ringwear():
     table = flat_start(scene)
     table.loc[3, "displacement"] += 0.05
     # the indentation is 1, so the relative difference is 0.05
-    (comparison,) = check(scene, {"abaqus": table}).field_comparisons
+    (comparison,) = check(scene, {"abaqus": table}).together.field_comparisons
     assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
     (displacement,) = [field for field in comparison.fields if field.quantity == "displacement"]
     assert displacement.radii[displacement.largest[1]] == 0.5
@@ -75,7 +75,7 @@ def test_the_difference_is_the_other_program_minus_ringwear():
     assert np.isnan(displacement.second_error).all()
     # a file without fields has no difference to draw
     depths = table[["time", "indentation"]].iloc[:1]
-    assert not check(scene, {"depths": depths}).field_comparisons
+    assert not check(scene, {"depths": depths}).together.field_comparisons
 
 
 def test_errors_of_pressure_are_weighted_by_wear_and_area():
@@ -98,7 +98,7 @@ def test_a_pressure_at_zero_force_is_an_error():
     table = pd.DataFrame({"time": 0.0, "radius": [0.002, 0.004], "pressure": [1e6, 0.0]})
     checked = check(Scene.load("duty_cycle").changed(methods=["mdr"]), {"theirs": table})
     assert not checked.passes
-    assert checked.summary["verdicts"][0]["error"] is None
+    assert checked.summary["errors"][0]["error"] is None
 
 
 def test_anchors_do_not_check_the_force_of_another_program():
@@ -106,8 +106,8 @@ def test_anchors_do_not_check_the_force_of_another_program():
     table = flat_start(Scene.load("five_rings"))
     table["normal_force"] *= 1.002
     checked = check(Scene.load("five_rings").changed(methods=["mdr"]), {"theirs": table})
-    assert "theirs" not in {anchor.method for anchor in checked.anchors}
-    assert all(anchor.holds for anchor in checked.anchors)
+    assert "theirs" not in {anchor.method for anchor in checked.together.anchors}
+    assert all(anchor.holds for anchor in checked.together.anchors)
     assert checked.passes
 
 
@@ -120,7 +120,7 @@ def test_results_of_ringwear_have_errors_of_roundoff(tmp_path):
         assert len(errors(checked)) == 10 * len(scene.wear.times)
         assert max(abs(row.error) for row in errors(checked)) < 1e-10
         assert checked.passes
-    assert checked.dataset.sel(solver="again").indentation.notnull().all()
+    assert checked.theirs.sel(solver="again").indentation.notnull().all()
     assert checked.plot().axes
 
 
@@ -235,7 +235,7 @@ def test_a_refinement_of_known_order(sizes, order, off, honest):
     assert (index >= row.errors[-1]) == honest
     if honest:
         np.testing.assert_allclose(row.orders, order, rtol=1e-4)
-    assert ("TOO SMALL" in checked.lines[-1]) != honest
+    assert ("TOO SMALL" in checked.texts.lines[-1]) != honest
     assert checked.passes == (abs(off + finest) <= 0.01)
 
 
@@ -352,3 +352,42 @@ def test_a_malformed_option_is_refused(flags, words, tmp_path, capsys):
 def test_another_program_may_not_have_the_name_of_a_method():
     with pytest.raises(SceneError, match="another name"):
         check("five_rings", {"mdr": pd.DataFrame({"time": [0.0], "indentation": [1.0]})})
+
+
+def test_errors_are_saved_before_mistakes_are_tried(tmp_path, monkeypatch):
+    """Mistakes take seconds: what was computed before stays if they are stopped."""
+    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
+    checked = check(scene, {"abaqus": flat_start(scene).assign(indentation=1.05)})
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("ringwear.studies.check.check.diagnose", stop)
+    with pytest.raises(KeyboardInterrupt, match="what was complete is in place"):
+        checked.save(tmp_path / "out")
+    assert {file.name for file in (tmp_path / "out").iterdir()} == {
+        *(".ringwear.json", "check.csv", "results.nc", "summary.json")
+    }
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    assert not summary["check"]["passes"]
+    assert "mistakes" not in summary
+    errors_of = {row["quantity"]: row["error"] for row in summary["errors"]}
+    assert errors_of["indentation"] == pytest.approx(0.05, rel=1e-2)
+    assert load(tmp_path / "out").of_others == ("abaqus",)
+
+
+def test_a_check_has_our_result_theirs_and_mistakes():
+    """Its attributes are few, and each says what it is."""
+    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
+    table = flat_start(scene)
+    found = check(scene, {"abaqus": table.assign(indentation=2 * table["indentation"])})
+    assert found.result.dataset.solver.values.tolist() == ["mdr"]
+    assert found.theirs.solver.values.tolist() == ["abaqus"]
+    assert set(found.theirs.data_vars) == {*table.columns} - {"time", "radius"}
+    assert not found.passes
+    assert found.within == 0.01
+    assert {"quantity", "error", "within"} <= set(found.errors)
+    assert found.errors.set_index("quantity").error["indentation"] == pytest.approx(1, rel=1e-3)
+    assert [mistake.program for mistake in found.mistakes()][:1] == ["abaqus"]
+    with pytest.raises(AttributeError, match=r"write check\.mistakes\(\)"):
+        _ = found.diagnoses

@@ -2,6 +2,8 @@
 
 import json
 import re
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -9,7 +11,6 @@ import pytest
 from checks import errors, mistakes
 
 from ringwear import Scene, check, load, main, run
-from ringwear.studies.check.checked import CheckedOutcome
 
 SCENE = Scene(
     title="Two materials",
@@ -92,10 +93,11 @@ def test_results_that_are_read_back_say_the_same(folder):
     assert summary["verdict"] == "agree"
 
 
-def test_the_banner_says_that_our_methods_disagree(tmp_path, monkeypatch):
+def test_the_banner_says_that_our_methods_disagree(tmp_path):
     """Results within the tolerance then prove nothing, and the check does not pass."""
     checked = check(SCENE, {"abaqus": start(1.001)})
-    monkeypatch.setattr(CheckedOutcome, "verdict", property(lambda _: "disagree"))
+    judgement = SimpleNamespace(verdict="disagree", anchors=(), left_out_of_promise=())
+    checked = replace(checked, result=replace(checked.result, judgement=judgement))
     checked.save(tmp_path / "out")
     page = (tmp_path / "out" / "report.html").read_text("utf-8")
     assert '<p class="verdict undecided"><strong>within 1 %</strong>' in page
@@ -122,7 +124,7 @@ def steady_table():
 def test_text_table_and_figure_name_the_same_place():
     table, slow = steady_table()
     checked = check(SCENE, {"abaqus": table})
-    (field,) = checked.field_comparisons[0].fields
+    (field,) = checked.together.field_comparisons[0].fields
     _, index = field.largest
     assert field.radii[index] == pytest.approx(0.0015)
     (row,) = errors(checked)
@@ -134,7 +136,7 @@ def test_text_table_and_figure_name_the_same_place():
     assert row.largest == pytest.approx(0.1 * slow / rms, rel=0.05)
     assert row.largest == pytest.approx(field.relative[field.largest], rel=1e-6)
     assert row.error == pytest.approx(float(field.norms.max()), rel=1e-6)
-    line = next(line for line in checked.lines if "pressure: root mean square error" in line)
+    line = next(line for line in checked.texts.lines if "pressure: root mean square error" in line)
     assert "at one radius largest at t = 1e+06 s" not in line
     titles = [axes.get_title(loc="left") for axes in checked.plot("difference").axes]
     (largest,) = [title for title in titles if "largest" in title]
@@ -170,7 +172,7 @@ def test_an_order_of_convergence_is_never_minus_zero():
     """Errors that do not fall have the order 0."""
     files = {"coarse": start(1.02), "finer": start(1.020001), "finest": start(1.02)}
     checked = check(SCENE.changed(methods=["mdr"]), files, sizes=(0.4, 0.2, 0.1))
-    (line,) = [line for line in checked.lines if line.startswith("refinement: indentation")]
+    (line,) = [line for line in checked.texts.lines if line.startswith("refinement: indentation")]
     assert "order 0 (between successive sizes: 0, 0)" in line
 
 
@@ -178,7 +180,7 @@ def test_results_that_cannot_be_compared_do_not_pass(tmp_path):
     """Pressures jump at ring edges, where there is nothing to compare."""
     table = pd.DataFrame({"time": [1e4], "radius": [0.005], "pressure": [1.0]})
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": table})
-    (line,) = checked.lines
+    (line,) = checked.texts.lines
     assert line.startswith("abaqus: none of its results ")
     assert not checked.passes
     checked.save(tmp_path)
@@ -193,7 +195,7 @@ def test_errors_below_our_own_estimate_are_undecided(tmp_path):
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": start(1.0)}, within=1e-15)
     (row,) = errors(checked)
     assert 1e-15 < abs(row.error) <= row.stated
-    assert checked.lines[0].endswith("or within our own error estimate: indentation")
+    assert checked.texts.lines[0].endswith("or within our own error estimate: indentation")
     checked.save(tmp_path)
     ((colour, word, _),) = banners_on((tmp_path / "report.html").read_text("utf-8"))
     assert (colour, word) == ("undecided", "undecided")

@@ -118,7 +118,7 @@ def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinemen
 
 def test_large_errors_are_printed_as_multiples():
     table = pd.DataFrame({"time": [0.0], "indentation": [1e6 * DEPTH]})
-    (_, line, *_) = check(SCENE, table).lines
+    (_, line, *_) = check(SCENE, table).texts.lines
     assert "1e+06 times too high" in line
     assert "%" not in line.partition("(")[0]
 
@@ -126,7 +126,7 @@ def test_large_errors_are_printed_as_multiples():
 def test_a_misspelt_quantity_gets_the_right_name_as_a_suggestion():
     checked = check(SCENE, pd.DataFrame({"time": [0.0], "indentation": [DEPTH]}))
     with pytest.raises(SceneError, match="did you mean 'pressure'"):
-        checked.error("presure")
+        checked.result.error("presure")
 
 
 def test_a_column_of_nan_is_refused_and_an_empty_one_reported(tmp_path, caplog):

@@ -183,7 +183,7 @@ def trapezoids(monkeypatch, tmp_path):
     def load():
         return import_module("ringwear.studies.trapezoids").trapezoids
 
-    row = NamedStudy(load, "order of the trapezoidal rule", 1)
+    row = NamedStudy(load, "trapezoids:trapezoids", 1)
     monkeypatch.setitem(STUDIES, "trapezoids", row)
     yield row
     sys.modules.pop("ringwear.studies.trapezoids", None)
@@ -196,7 +196,7 @@ def test_a_study_needs_a_file_and_a_row(trapezoids, tmp_path, capsys):
     assert results.orders["order"].item() == pytest.approx(2, abs=0.05)
     with pytest.raises(SystemExit, match="0"):
         main(["study", "--help"])
-    assert "order of the trapezoidal rule" in capsys.readouterr().out
+    assert "Integrate exp from 0 to 1" in capsys.readouterr().out
     out = tmp_path / "out"
     assert main(["study", "trapezoids", "--quick", "--out", str(out)]) == 0
     assert len(pd.read_csv(out / "trapezoids.csv")) == 4

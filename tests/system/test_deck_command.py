@@ -52,7 +52,7 @@ def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
 
 
 def test_decks_for_abaqus_have_documented_keywords(tmp_path):
-    files = ringwear.deck("washer", "abaqus", tmp_path, size=0.4, reach=50)
+    files = ringwear.deck("washer", "abaqus", tmp_path, size=0.008, reach=50)
     names = {file.name for file in files}
     assert names == {
         *("README.md", "contact_1.inp", "contact_2.inp", "prescribed.inp", "scene.toml")
@@ -83,7 +83,7 @@ def test_a_scene_without_a_deck_is_refused_in_one_line(tmp_path, capsys):
 )
 def test_a_brake_has_decks_of_times_at_which_it_is_applied(flags, rows, tmp_path, capsys):
     """Its force rises from 0 to 2 kN in 0.5 s, and falls from 2 kN at 14 s to 0 at 14.5 s."""
-    call = ["deck", "duty_cycle", "--for", "calculix", "--size", "0.5", "--reach", "20"]
+    call = ["deck", "duty_cycle", "--for", "calculix", "--size", "0.005", "--reach", "20"]
     assert main([*call, *flags, "--out", str(tmp_path)]) == 0
     table = re.findall(r"\| - \| (.*?) \|.*\| (.*?) \|$", capsys.readouterr().out, re.MULTILINE)
     assert [f"{time} | {force}" for time, force in table] == rows

@@ -54,7 +54,7 @@ COMMANDS = {
     "template": ("check flat_punch --template out", {"template.csv"}),
     "deck": ("deck flat_punch --for calculix --size 0.5", {"contact_1.inp", "README.md"}),
     "mesh": ("mesh flat_punch", {"mesh.vtu", "mesh.png"}),
-    "fit": ("fit flat_punch data.csv --for punch.wear_coefficients", {"estimates.csv"}),
+    "fit": ("fit flat_punch data.csv --parameters punch.wear_coefficients", {"estimates.csv"}),
     "study": ("study truncation flat_punch --quick", {"truncation.csv", "report.html"}),
     "compare": ("compare direct.toml direct.toml", {"answers.csv"}),
     "sweep": ("sweep sweep.toml", {"sweep.png", "sweep.zarr"}),

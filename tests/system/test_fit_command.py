@@ -39,7 +39,7 @@ def measured(tmp_path_factory):
 
 def test_the_command_finds_a_wear_coefficient(measured, tmp_path, capsys):
     command = ["fit", str(measured / "pin.toml"), str(measured / "data.csv")]
-    command += ["--for", "punch.wear_coefficient,sensor_offset,machine_compliance"]
+    command += ["--parameters", "punch.wear_coefficient,sensor_offset,machine_compliance"]
     assert main([*command, "--noise", "0.01 um", "--design", "--out", str(tmp_path / "out")]) == 0
     printed = capsys.readouterr().out
     assert "punch.wear_coefficient = 1." in printed
@@ -76,7 +76,10 @@ def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path,
     table["Depth [um]"] *= 1 + 0.2 * table["time [h]"] / table["time [h]"].max()
     table.to_csv(tmp_path / "wrong.csv", index=False)
     command = ["fit", str(measured / "pin.toml"), str(tmp_path / "wrong.csv"), "--noise", "1e-8"]
-    assert main([*command, "--for", "punch.wear_coefficient", "--out", str(tmp_path / "out")]) == 3
+    assert (
+        main([*command, "--parameters", "punch.wear_coefficient", "--out", str(tmp_path / "out")])
+        == 3
+    )
     assert "THE MODEL DOES NOT FIT" in capsys.readouterr().out
 
 
@@ -91,7 +94,7 @@ def test_few_values_are_tested_against_archards_law(measured, tmp_path, capsys, 
         table = pd.DataFrame({"time": times, "worn_volume": worn})
         table.to_csv(tmp_path / "data.csv", index=False)
         command = ["fit", str(measured / "pin.toml"), str(tmp_path / "data.csv")]
-        command += ["--for", "punch.wear_coefficient", "--out", str(tmp_path / "out")]
+        command += ["--parameters", "punch.wear_coefficient", "--out", str(tmp_path / "out")]
         assert main([*command, *(["--noise", noise] if noise else [])]) == status
         assert ("THE MODEL DOES NOT FIT" in capsys.readouterr().out) == bool(faster)
         if not faster:
@@ -121,7 +124,7 @@ def test_wrong_data_and_options_are_refused_in_one_line(
 ):
     (tmp_path / "data.csv").write_text(data, "utf-8")
     command = ["fit", str(measured / "pin.toml"), str(tmp_path / "data.csv")]
-    command += ["--for", "punch.wear_coefficient", "--out", str(tmp_path / "out"), *options]
+    command += ["--parameters", "punch.wear_coefficient", "--out", str(tmp_path / "out"), *options]
     assert main(command) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
@@ -129,7 +132,14 @@ def test_wrong_data_and_options_are_refused_in_one_line(
 
 def test_a_file_given_twice_is_refused(measured, capsys):
     data = str(measured / "data.csv")
-    command = ["fit", str(measured / "pin.toml"), data, data, "--for", "punch.wear_coefficient"]
+    command = [
+        "fit",
+        str(measured / "pin.toml"),
+        data,
+        data,
+        "--parameters",
+        "punch.wear_coefficient",
+    ]
     assert main(command) == 2
     assert f"{data} and {data} are one file: give each table once" in capsys.readouterr().err
 
@@ -146,6 +156,12 @@ def test_a_parameter_without_effect_is_named_in_plain_words(measured):
 def test_layers_are_refused(tmp_path, capsys):
     """The model of the fit has no layers, so it would give wrong values without notice."""
     (tmp_path / "data.csv").write_text("time,indentation\n0,1e-6\n10,2e-6\n")
-    arguments = [str(tmp_path / "data.csv"), "--for", "punch.wear_coefficients", "--noise", "1e-8"]
+    arguments = [
+        str(tmp_path / "data.csv"),
+        "--parameters",
+        "punch.wear_coefficients",
+        "--noise",
+        "1e-8",
+    ]
     assert main(["fit", "polishing_pad", *arguments, "--out", str(tmp_path / "out")]) == 2
     assert "half_space.layers" in capsys.readouterr().err

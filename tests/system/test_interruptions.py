@@ -49,7 +49,7 @@ import signal, sys
 from ringwear import main
 from ringwear.studies.crosscheck.result import run
 
-def fail(scene):
+def fail(scene, **_):
     try:
         signal.raise_signal(signal.SIGINT)
     except KeyboardInterrupt:

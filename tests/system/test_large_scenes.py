@@ -146,18 +146,18 @@ def test_our_fields_are_left_out_of_a_check_that_does_not_need_them(caplog):
     with caplog.at_level("WARNING", logger="ringwear"):
         checked = check(FIVE, {"theirs": depths}, memory=0.3)
     assert "4000 times are too many for fields" in caplog.text
-    assert "pressure" not in checked.dataset
+    assert "pressure" not in checked.result.dataset
     assert max(abs(row.error) for row in errors(checked)) < 1e-10
     # fields are there if memory suffices
-    assert "pressure" in check(FIVE, {"theirs": depths[:10]}).dataset
+    assert "pressure" in check(FIVE, {"theirs": depths[:10]}).result.dataset
 
 
 def test_a_check_computes_the_quantities_of_its_scene_and_of_its_tables():
     scene = FIVE.changed(output__quantities=["indentation"])
     table = pd.DataFrame({"time": [0.0], "radius": [0.5], "profile": [0.0]})
     checked = check(scene, {"theirs": table})
-    assert {"indentation", "profile"} <= set(checked.dataset)
-    assert "rms_slope" not in checked.dataset
+    assert {"indentation", "profile"} <= set(checked.result.dataset)
+    assert "rms_slope" not in checked.result.dataset
 
 
 @pytest.mark.parametrize("scene", [FIVE, SPHERE], ids=["full", "moving"])

@@ -2,7 +2,6 @@
 
 import json
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -59,7 +58,7 @@ def test_summary_and_dataset_have_the_answer(five):
     ],
 )
 def test_each_variable_has_its_own_unit(five, stated, units):
-    dataset = replace(five, scene=five.scene.changed(units=stated)).dataset
+    dataset = run(five.scene.changed(units=stated), methods=["mdr"], rtol=1e-2).dataset
     assert {name: dataset[name].attrs["units"] for name in units} == units
 
 

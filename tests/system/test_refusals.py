@@ -184,7 +184,7 @@ def test_a_wrong_setting_is_refused_although_another_method_needs_none(changes, 
 
 def test_a_sweep_without_methods_has_those_that_solve_all_of_its_scenes():
     scene = without_methods(FEATURES["fixed indentation"] | {"wear.times": [0.0, 0.1]})
-    dataset = sweep(scene, {"load.indentation": [0.25, 0.5]}, ["normal_force"])
+    dataset = sweep(scene, {"load.indentation": [0.25, 0.5]}, keep=["normal_force"])
     assert dataset.solver.values.tolist() == ["mdr", "fem"]
     # F = 2 a E* d of a flat punch
     forces = dataset.normal_force.isel(time=0).transpose("indentation", "solver")

@@ -150,7 +150,7 @@ def test_an_array_that_is_altered_while_it_is_written_is_noticed(
         write(xarray.Dataset(arrays, coordinates, dataset.attrs), path)
 
     monkeypatch.setattr(files, "write_netcdf", write_altered)
-    files.write_numbers(result, tmp_path)
+    files.write_numbers(result.dataset, result.summary, tmp_path)
     assert f"{name!r} of results.nc does not match its checksum" in refusal(tmp_path)
 
 
@@ -286,7 +286,7 @@ def test_results_without_checksums_are_read_with_a_remark(copied, result, caplog
     remark = "without checksums"
     assert remark in record.getMessage()
     assert remark in repr(read)
-    assert any(remark in note for note in read.notes)
+    assert any(remark in line for line in read.warnings)
     out = str(copied.parent / "out")
     assert main(["compare", str(copied), "flat_punch", "--out", out]) == 0
     assert remark in capsys.readouterr().err

@@ -35,7 +35,7 @@ def small():
     axes = RATIOS | {"punch.rings": [2, 5], "load.normal_force": [1.0, 3.0]}
     by_default = quantities_of(sweep(FIVE, {"punch.rings": [2]}))
     assert {"indentation", "steady_wear_rate"} < {*by_default}
-    return sweep(FIVE, axes, [*by_default, *ANSWERS])
+    return sweep(FIVE, axes, keep=[*by_default, *ANSWERS])
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_sweeps_of_the_paper_equal_closed_forms(number):
     values = np.geomspace(*table["axes"][varied]["geomspace"])
     np.testing.assert_allclose(values, points, rtol=1e-13)
     axes = table["axes"] | {"punch.rings": [2, 8], varied: values[::10]}
-    slopes = sweep(table["base"], axes, table["keep"])["steady_rms_slope"].sel(solver="direct")
+    slopes = sweep(table["base"], axes, keep=table["keep"])["steady_rms_slope"].sel(solver="direct")
     for count, place in product((2, 8), range(0, 201, 10)):
         width, ratio = (1.0, points[place]) if number == 6 else (points[place], 0.01)
         rings = Rings.alternating(count, width, ratio)
@@ -167,16 +167,16 @@ def test_times_that_differ_between_scenes_are_refused(times):
         with pytest.raises(
             SceneError, match=r"punch.wear_ratio = 1.0: .* give the base wear.times as numbers"
         ):
-            sweep(scene, RATIOS, keep)
+            sweep(scene, RATIOS, keep=keep)
     # quantities that are not over time, and histories of one punch under other loads, are allowed
-    assert (sweep(scene, RATIOS, ["relaxation_time", "time_to_90"])["status"] == 1).all()
-    loads = sweep(scene, {"load.normal_force": [1.0, 2.0]}, ["indentation"])
+    assert (sweep(scene, RATIOS, keep=["relaxation_time", "time_to_90"])["status"] == 1).all()
+    loads = sweep(scene, {"load.normal_force": [1.0, 2.0]}, keep=["indentation"])
     assert loads["time"].values.tolist() == scene.wear.times
 
 
 def test_histories_need_times():
     with pytest.raises(SceneError, match=r"worn_volume.* need wear.times"):
-        sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, ["worn_volume"])
+        sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, keep=["worn_volume"])
 
 
 def test_axes_crossed_zipped_and_drawn(tmp_path):
@@ -194,7 +194,7 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
         "load.sliding_speed": {"linspace": [1.0, 2.0]},
     }
     keep = ["indentation", "steady_wear_rate", "worn_volume", "steady_rms_slope"]
-    sweep(scene, axes, keep, zip=zipped, random=draws, out=tmp_path)
+    sweep(scene, axes, tmp_path, keep=keep, zip=zipped, random=draws)
     dataset = xarray.open_zarr(tmp_path / "sweep.zarr", decode_timedelta=False)
     # `radius` is a dimension of results already
     grid = ("rtol", "punch_radius", "rings", "draw")
@@ -217,7 +217,8 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
     assert (dataset["sliding_speed"] > 1).all()
     assert (dataset["sliding_speed"] < 2).all()
     # the table in the store gives the same scenes
-    again = sweep(**json.loads(dataset.attrs["sweep"]))
+    table = json.loads(dataset.attrs["sweep"])
+    again = sweep(table.pop("base"), **table)
     xarray.testing.assert_equal(again, dataset.drop_vars("checksum").load())
     # the last scene, as it is run alone
     last = dataset.isel(rtol=1, punch_radius=0, rings=1, draw=2)

@@ -58,8 +58,8 @@ HALTING = PRELOAD.format("""
 """)
 # another version of ringwear
 OTHER = """
-from ringwear.studies.crosscheck.versions import versions
-versions()["ringwear"] = "0"
+from ringwear.studies.crosscheck.versions import package_versions
+package_versions()["ringwear"] = "0"
 """
 # a machine without ringwear
 WITHOUT = """

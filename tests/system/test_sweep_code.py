@@ -15,8 +15,7 @@ from pathlib import Path
 import pytest
 import tomli_w
 import xarray
-from test_sweep_cluster import PRELOAD, expect
-from test_sweep_cluster import cluster as cluster
+from test_sweep_cluster import PRELOAD, cluster as cluster, expect
 from test_sweep_faults import contents, statuses
 
 from ringwear import Scene, main
@@ -172,8 +171,8 @@ def test_blocks_of_altered_code_are_not_written(cluster, first):
 
 # the worker reports other versions when it is asked than when it computes
 CHANGED = PRELOAD.format("""
-    from ringwear.studies.crosscheck.versions import versions
-    versions()["numpy"] = "1.0"
+    from ringwear.studies.crosscheck.versions import package_versions
+    package_versions()["numpy"] = "1.0"
 """)
 
 

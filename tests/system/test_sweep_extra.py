@@ -19,11 +19,12 @@ for name in ("dask", "distributed", "zarr"):
     sys.modules[name] = None
 from ringwear import SceneError, main, sweep
 axes = {"punch.rings": [2, 3]}
-dataset = sweep("five_rings", axes, ["steady_rms_slope"])
+dataset = sweep("five_rings", axes, keep=["steady_rms_slope"])
 assert dataset["steady_rms_slope"].notnull().all()
 assert main(["sweep", "running_in", "--out", "out", "--workers", "1"]) == 2
+assert main(["sweep", "running_in", "--out", "out", "--scheduler", "tcp://127.0.0.1:9"]) == 2
 try:
-    sweep("five_rings", axes, ["steady_rms_slope"], workers=2)
+    sweep("five_rings", axes, "out", keep=["steady_rms_slope"])
 except SceneError as refused:
     print(refused, file=sys.stderr)
 """
@@ -57,7 +58,7 @@ def test_a_sweep_in_memory_needs_no_extra(tmp_path):
 
 
 def test_attributes_and_types_in_memory_are_those_of_the_store(tmp_path):
-    in_memory, stored = sweep(BASE, AXES, KEEP), sweep(BASE, AXES, KEEP, out=tmp_path / "out")
+    in_memory, stored = sweep(BASE, AXES, keep=KEEP), sweep(BASE, AXES, tmp_path / "out", keep=KEEP)
     xarray.testing.assert_identical(in_memory, stored.load())
     # zarr may have a type of its own for texts
     numbers = [name for name in stored if name != "reason"]

@@ -21,7 +21,7 @@ import xarray
 import zarr
 
 from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
-from ringwear.studies.sweep import compute, store, template, workers
+from ringwear.studies.sweep import blocks, cluster, compute, store, template
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
@@ -41,10 +41,10 @@ CODE = """
 import sys
 from pathlib import Path
 from ringwear import main
-from ringwear.studies.sweep import workers
+from ringwear.studies.sweep import blocks
 from ringwear.studies.sweep.store import Store
 # start workers although the sweep is short, because the test is about them
-workers.GREATEST_MEMORY_FRACTION = 0.0
+blocks.GREATEST_MEMORY_FRACTION = 0.0
 write = Store.write
 def counted(self, number, values):
     write(self, number, values)
@@ -63,7 +63,7 @@ def contents(directory):
 
 
 def compute_into(directory, **options):
-    return sweep(BASE, AXES, KEEP, out=directory, **options)
+    return sweep(BASE, AXES, directory, keep=KEEP, **options)
 
 
 def statuses(directory):
@@ -83,7 +83,7 @@ def undisturbed(tmp_path_factory):
 
 def test_results_in_memory_equal_those_on_disk(undisturbed):
     there = compute_into(undisturbed, resume=True).load()
-    xarray.testing.assert_identical(sweep(BASE, AXES, KEEP), there)
+    xarray.testing.assert_identical(sweep(BASE, AXES, keep=KEEP), there)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep
     damage(tmp_path / "sweep.zarr" / "zarr.json")
     before = contents(tmp_path)
     with pytest.raises(SceneError, match=r"zarr\.json is damaged or lost"):
-        sweep(BASE, AXES, keep, out=tmp_path, resume=True)
+        sweep(BASE, AXES, tmp_path, keep=keep, resume=True)
     assert contents(tmp_path) == before
 
 
@@ -217,7 +217,7 @@ def test_a_directory_holds_one_sweep_and_one_run_at_a_time(tmp_path, caplog):
     with pytest.raises(SceneError, match="--resume"):
         compute_into(tmp_path)
     with pytest.raises(SceneError, match="begun with another sweep file"):
-        sweep(BASE, AXES, KEEP[:1], out=tmp_path, resume=True)
+        sweep(BASE, AXES, tmp_path, keep=KEEP[:1], resume=True)
     (tmp_path / "file").touch()
     with pytest.raises(SceneError, match="cannot be written"):
         compute_into(tmp_path / "file" / "out")
@@ -278,7 +278,7 @@ def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch
     assert (there["ringwear"], there["numpy"]) == (__version__, np.__version__)
     other = there | {"ringwear": "0", "numpy": "1.0"}
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
-    monkeypatch.setattr(template, "versions", lambda: other)
+    monkeypatch.setattr(template, "package_versions", lambda: other)
     with pytest.raises(
         SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
     ):
@@ -287,9 +287,12 @@ def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch
 
 
 def test_a_scheduler_that_does_not_answer_is_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr(workers, "SCHEDULER_TIMEOUT", 1.0)
-    with pytest.raises(RingwearError, match="does not answer"):
-        compute_into(tmp_path, scheduler="tcp://127.0.0.1:9")
+    monkeypatch.setattr(cluster, "TIMEOUT", 1.0)
+    with (
+        pytest.raises(RingwearError, match="does not answer"),
+        cluster.cluster("tcp://127.0.0.1:9") as executor,
+    ):
+        compute_into(tmp_path, executor=executor)
 
 
 def test_workers_start_only_if_much_is_left(undisturbed, monkeypatch):
@@ -298,14 +301,14 @@ def test_workers_start_only_if_much_is_left(undisturbed, monkeypatch):
     def refuse(*_):
         raise RingwearError("workers are started")
 
-    monkeypatch.setattr(workers, "connect", refuse)
+    monkeypatch.setattr(blocks, "Processes", refuse)
     there = compute_into(undisturbed, resume=True).load()
-    xarray.testing.assert_identical(sweep(BASE, AXES, KEEP, workers=2), there)
+    xarray.testing.assert_identical(sweep(BASE, AXES, keep=KEEP, workers=2), there)
     for name, value in (("LEAST_SECONDS_SAVED", 0.0), ("GREATEST_MEMORY_FRACTION", 0.0)):
         with monkeypatch.context() as patch:
-            patch.setattr(workers, name, value)
+            patch.setattr(blocks, name, value)
             with pytest.raises(RingwearError, match="are started"):
-                sweep(BASE, AXES, KEEP, workers=2)
+                sweep(BASE, AXES, keep=KEEP, workers=2)
 
 
 def begin(directory, *arguments, table=LONG):

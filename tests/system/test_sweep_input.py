@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -31,27 +32,27 @@ def bowl(radii):
 def test_functions_of_the_face_are_in_every_scene():
     """Each scene has the heights that `with_heights` has given to the base."""
     scene = FLAT.with_heights(bowl)
-    dataset = sweep(scene, FORCES, KEEP)
+    dataset = sweep(scene, FORCES, keep=KEEP)
     for force in (1.0, 2.0):
         alone = run(scene.changed(load__normal_force=force)).dataset["indentation"].item()
         there = dataset["indentation"].sel(normal_force=force).item()
         assert there == pytest.approx(alone, rel=1e-12)
         # Hertz's solution with R = 1/2 and E* = 1 for a contact inside the punch
-        flat = sweep(FLAT, FORCES, KEEP)["indentation"].sel(normal_force=force).item()
+        flat = sweep(FLAT, FORCES, keep=KEEP)["indentation"].sel(normal_force=force).item()
         assert there > 1.5 * flat
 
 
 @pytest.mark.parametrize(
-    "options", [{"out": "out"}, {"workers": 2}, {"scheduler": "tcp://127.0.0.1:9"}], ids=str
+    "options", [{"store": "out"}, {"workers": 2}, {"executor": ThreadPoolExecutor(1)}], ids=" ".join
 )
 def test_functions_are_refused_with_a_store_or_workers(tmp_path, monkeypatch, options):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SceneError, match=r"with_heights.*punch\.profile") as refusal:
-        sweep(FLAT.with_heights(bowl), FORCES, KEEP, **options)
+        sweep(FLAT.with_heights(bowl), FORCES, keep=KEEP, **options)
     assert "\n" not in str(refusal.value)
     assert os.listdir() == []
     with pytest.raises(SceneError, match=r"punch\.heights"):
-        sweep(FLAT, {"punch.heights": [[bowl]]}, KEEP)
+        sweep(FLAT, {"punch.heights": [[bowl]]}, keep=KEEP)
 
 
 def write_profile(path, height):
@@ -84,7 +85,7 @@ def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
     monkeypatch.chdir(tmp_path)
     write_profile("profile.csv", 0.5)
     write_profile("other.csv", 0.3)
-    first = sweep(base, axes, KEEP, out="out")["indentation"].load()
+    first = sweep(base, axes, "out", keep=KEEP)["indentation"].load()
     # the store has all input that is needed to compute the scenes again
     stored_table = json.loads(xarray.open_zarr("out/sweep.zarr").attrs["sweep"])
     Path("stored.toml").write_text(tomli_w.dumps(stored_table))
@@ -97,17 +98,17 @@ def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
     write_profile("other.csv", 0.3)
     write_profile("profile.csv", 0.9)
     with pytest.raises(SceneError, match="begun with another sweep file"):
-        sweep(base, axes, KEEP, out="out", resume=True)
+        sweep(base, axes, "out", keep=KEEP, resume=True)
     write_profile("profile.csv", 0.5)
     xarray.testing.assert_identical(
-        sweep(base, axes, KEEP, out="out", resume=True)["indentation"].load(), first
+        sweep(base, axes, "out", keep=KEEP, resume=True)["indentation"].load(), first
     )
 
 
 def test_whole_numbers_stay_whole():
     axes = {"punch.rings": {"geomspace": [2, 32, 5]}}
     five = Scene.load("five_rings").changed(methods=["direct"])
-    counts = sweep(five, axes, ["steady_rms_slope"])["rings"]
+    counts = sweep(five, axes, keep=["steady_rms_slope"])["rings"]
     assert counts.values.tolist() == [2, 4, 8, 16, 32]
     assert counts.dtype.kind == "i"
 
@@ -176,7 +177,7 @@ def test_axes_with_units_are_numbers(tmp_path, units, size):
         table.pop("units", None)
     for radii in (["20 mm", "3 cm", 0.04 * size], {"linspace": ["20 mm", "40 mm", 3]}):
         folder = tmp_path / type(radii).__name__
-        sweep(table, {"punch.radius": radii}, ["steady_wear_rate"], out=folder)
+        sweep(table, {"punch.radius": radii}, folder, keep=["steady_wear_rate"])
         dataset = xarray.open_zarr(folder / "sweep.zarr", decode_timedelta=False)
         there = dataset["punch_radius"]
         assert there.dtype == float
@@ -191,6 +192,6 @@ def test_an_axis_with_the_name_of_a_quantity_gets_its_section_in_the_name():
     """The quantity keeps its name."""
     table = {"punch": {"profile": {"kind": "cone", "slope": 0.1}}}
     scene = Scene.from_table(BASE | {"punch": BASE["punch"] | table["punch"]})
-    dataset = sweep(scene, FORCES, ["normal_force", "indentation"])
+    dataset = sweep(scene, FORCES, keep=["normal_force", "indentation"])
     assert dataset["normal_force"].dims == ("load_normal_force", "solver", "time")
     np.testing.assert_allclose(dataset["normal_force"].values.ravel(), [1.0, 2.0], rtol=1e-2)

@@ -57,7 +57,7 @@ def test_any_printed_language_is_a_title(title):
 def test_no_title_is_a_keyword_or_a_comment_of_a_deck(program, title, tmp_path):
     """The lines of a deck with such a title are those of the deck with another title, but one."""
     for name, given in (("plain", "Plain"), ("odd", title)):
-        deck(FLAT.changed(title=given), program, tmp_path / name, "linear", size=0.5)
+        deck(FLAT.changed(title=given), program, tmp_path / name, "Q1", size=0.5)
     decks = [path.name for path in (tmp_path / "plain").glob("*.inp")]
     assert decks
     for name in decks:
@@ -101,7 +101,7 @@ NAMES = ["...toml", "..toml", ".toml", "....toml", "..x.toml", "x..toml", "...",
 
 
 RUN = "run {} --no-figures"
-OTHERS = ["mesh {}", "deck {} --for abaqus --size 0.5", "sweep {} --workers 1"]
+OTHERS = ["mesh {}", "deck {} --for abaqus", "sweep {} --workers 1"]
 
 
 @pytest.mark.parametrize(

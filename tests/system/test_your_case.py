@@ -97,7 +97,7 @@ def test_the_row_of_an_input_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("punch.toml").write_text(BASE)
     (command,) = [keys for _, keys in rows_of("ringwear deck")]
-    assert main([*command.split()[1:], "--size", "0.5", "--out", "deck"]) == 0
+    assert main([*command.split()[1:], "--size", "5e-3", "--out", "deck"]) == 0
     assert Path("deck/README.md").exists()
 
 

@@ -37,10 +37,10 @@ ROOMS: tuple[dict[str, str], ...] = (
     {"studies.crosscheck.methods.inside": "fields inside the half-space"},
     {"studies.crosscheck.anchors": "closed forms and balances that correct results satisfy"},
     {"studies.crosscheck.verdict": "agreement of methods, refinement, and what is not promised"},
-    {"studies.crosscheck.result": "runs and their results: table, answer, summary, words"},
+    {"studies.crosscheck.result.scope": "what a scene models, what is left out, and refusals"},
     {"studies.crosscheck.result.predictions": "seconds and memory of a run before it"},
     {"studies.crosscheck.result.output": "folders and files of results, signals"},
-    {"studies.crosscheck.result.results": "the calls `run` and `load`, and their result"},
+    {"studies.crosscheck.result": "runs and their results: table, answer, summary, words"},
     {"studies.figures": "figures of results"},
     {"studies.report": "pages of results, and their texts on the terminal"},
     {
@@ -63,11 +63,10 @@ ROOMS: tuple[dict[str, str], ...] = (
     },
 )
 # greatest number of files in a chain of imports, at the top of a file or within a function
-MOST_FLOORS = 19
+MOST_FLOORS = 20
 # what the core imports from above it, at the first use: figures and pages
 UPWARD = {
-    "studies.crosscheck.result.output.files": {"studies.figures.style"},
-    "studies.crosscheck.result.results": {
+    "studies.crosscheck.result.result": {
         "studies.figures.catalogue",
         "studies.figures.style",
         "studies.report.page",
@@ -77,7 +76,6 @@ UPWARD = {
 # packages that the package itself loads at their first use, by name
 LOADED_LATE = {
     "studies.api.__init__": "public names",
-    "studies.crosscheck.__init__": "public names of the core",
     "studies.crosscheck.methods.base": "methods, of which a scene needs some",
 }
 FILES = {
@@ -87,25 +85,43 @@ FILES = {
     if file.name != "__init__.py"
 }
 
-CORE = "studies.crosscheck"
-PUBLIC_OF_CORE = ast.parse((ROOT / "studies/crosscheck/__init__.py").read_text("utf-8"))
-# modules in which the public names of the core are defined
-PUBLIC = {
-    alias.name: ".".join([*CORE.split(".")[: 3 - node.level], node.module or ""]).lstrip(".")
-    for node in ast.walk(PUBLIC_OF_CORE)
-    if isinstance(node, ast.ImportFrom) and node.level
-    for alias in node.names
-}
+# rooms of the core that list public names, in a stub beside their `__init__.py`
+PUBLIC_ROOMS = ("meshes", "meshes.by_gmsh", "mdr", "fem", "studies.crosscheck")
 
 
-def imported(file):
-    """Yield the files of ringwear that a file imports, at its top or within a function."""
+def public_names(room):
+    """Return the module in which each public name of a room is defined, by the name."""
+    stub = ROOT / room.replace(".", "/") / "__init__.pyi"
+    return {
+        alias.name: f"{room}.{node.module}" if node.module else f"{room}.{alias.name}"
+        for node in ast.walk(ast.parse(stub.read_text("utf-8")))
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+
+
+PUBLIC = {room: public_names(room) for room in PUBLIC_ROOMS}
+
+
+def statements(tree, types):
+    """Yield all nodes of a tree, with or without those that only type checkers read."""
+    yield tree
+    only_types = isinstance(tree, ast.If) and getattr(tree.test, "id", "") == "TYPE_CHECKING"
+    for node in () if only_types and not types else ast.iter_child_nodes(tree):
+        yield from statements(node, types)
+
+
+def imported(file, types=True):
+    """Yield the files of ringwear that a file imports, at its top or within a function.
+
+    Without `types`, imports that only type checkers read are left out.
+    """
     folders = file.parent.relative_to(ROOT).parts
-    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+    for node in statements(ast.parse(file.read_text("utf-8")), types):
         if isinstance(node, ast.ImportFrom) and node.level:
             start = folders[: len(folders) + 1 - node.level]
             module = ".".join([*start, node.module] if node.module else start)
-            places = PUBLIC if module == CORE else {}
+            places = PUBLIC.get(module, {})
             names = [alias.name for alias in node.names]
             found = {module, *(places.get(name, f"{module}.{name}") for name in names)}
             yield from found & FILES.keys()
@@ -125,12 +141,12 @@ def floor_of(name):
 def test_every_folder_has_a_subject():
     folders = {name.rpartition(".")[0] for name in FILES}
     listed = {room for rooms in ROOMS for room in rooms}
-    assert folders == listed - {"studies.tables", "studies.crosscheck.result.results"}
+    assert folders == listed - {"studies.tables", "studies.crosscheck.result.scope"}
 
 
 def test_modules_are_loaded_by_name_in_few_places():
     """A name in a string is an import that no tool can follow."""
-    packages = ("studies.api.__init__", "studies.crosscheck.__init__")
+    packages = ("studies.api.__init__",)
     public = {name: ROOT / f"{name.replace('.', '/')}.py" for name in packages}
     for name, file in (FILES | public).items():
         loads = "import_module" in file.read_text("utf-8")
@@ -162,9 +178,13 @@ def test_imports_inside_the_package_are_relative():
 
 def test_import_chains_are_short():
     """Circular imports would raise a CycleError in the sorter."""
+    imports = {
+        name: set(imported(file, types=False)) - UPWARD.get(name, set())
+        for name, file in FILES.items()
+    }
     depth = {}
-    for name in TopologicalSorter(IMPORTS).static_order():
-        depth[name] = 1 + max((depth[other] for other in IMPORTS[name]), default=0)
+    for name in TopologicalSorter(imports).static_order():
+        depth[name] = 1 + max((depth[other] for other in imports[name]), default=0)
     assert max(depth.values()) <= MOST_FLOORS
 
 

@@ -30,7 +30,7 @@ for size, step in (0.4, 0.01), (0.25, 0.005):
     start = sum(os.times()[:4])
     with TemporaryDirectory() as name:
         folder = Path(name)
-        flags = ["--elements", "linear", "--size", f"{size}", "--reach", "50", "--time", "0"]
+        flags = ["--element", "Q1", "--size", f"{size}", "--reach", "50", "--time", "0"]
         command = ["ringwear", "deck", str(PROBLEM), "--for", "calculix", *flags, "--out", name]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         model = (folder / "prescribed.inp").read_text().partition("*STEP")[0]

@@ -5,7 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...crosscheck import FIELDS, Array, Indices, Results, Scene
+from ....meshes import Array, Indices
+from ...crosscheck import FIELDS, Results, Scene
 
 # least and greatest number of parts of the face over which fields are averaged
 MIN_PARTS, MAX_PARTS = 4, 8

@@ -16,8 +16,9 @@ import numpy as np
 from scipy.linalg import eig
 from scipy.special import j0, j1
 
-from ....meshes.radial import gauss
-from ...crosscheck import Array, Rings, direct
+from ....mdr import direct
+from ....meshes import Array, gauss
+from ...crosscheck import Rings
 
 # least number of elements on a ring, and about the least number on all rings together
 MIN_RING_ELEMENTS, MIN_ELEMENTS = 5, 40

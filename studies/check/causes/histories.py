@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ....meshes.ground.ground import HALF_SPACE
-from ...crosscheck import QUANTITIES, Array, Problem, Results, Rings, RunningIn, Scene
+from ....meshes import HALF_SPACE, Array
+from ...crosscheck import QUANTITIES, Problem, Results, Rings, RunningIn, Scene
 from . import grounds
 from .setting import Setting, computed_settings
 from .table import Table

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...crosscheck import Array, RingwearError
+from ....meshes import Array, RingwearError
 from .cause import Cause, Sizes
 from .comparison import Comparison
 from .model import Model

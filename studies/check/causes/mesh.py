@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ...crosscheck import Array
+from ....meshes import Array
 from .cause import Cause, Sizes
 from .model import Model
 from .setting import Setting

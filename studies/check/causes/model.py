@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from ...crosscheck import QUANTITIES, Array, Problem, Results, UnitNames
-from ...crosscheck.methods.sampling.sampler import Sampler
+from ....meshes import Array
+from ...crosscheck import QUANTITIES, Problem, Results, Sampler, UnitNames
 from .comparison import Comparison
 from .histories import LENGTHS, Histories, Solve
 from .setting import Setting, computed_settings

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...crosscheck import Array
+from ....meshes import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ....mdr.flat_punch import flat_punch
+from ....mdr.flat_punch import flat_punch_of
 from ....meshes.errors import RingwearError
 from ....meshes.ground.ground import HALF_SPACE, Ground
 from ....meshes.radial import Array, ring_areas, unit_gauss
@@ -113,7 +113,7 @@ class Reading:
             # unit of force: that of a flat punch at the same indentation beyond the first touch
             profile, unit = scene.problem.profile, scene.problem.units.displacement
             depth = load["indentation"] - profile.standoff * unit
-            greatest = radius * modulus * depth / flat_punch(float(edges[0]), ground).indentation
+            greatest = radius * modulus * depth / flat_punch_of(float(edges[0]), ground).indentation
         time = radius / modulus / fastest / speed.greatest
         return cls(
             rtol=toml.get("accuracy", {}).get("rtol", 1e-4),

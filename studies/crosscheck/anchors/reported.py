@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ....mdr import direct
-from ....mdr.flat_punch import FlatPunch, flat_punch
+from ....mdr.flat_punch import FlatPunch, flat_punch_of
 from ....meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.face import POINTS, radial_weight
@@ -94,7 +94,7 @@ class Reported:
     @cached_property
     def flat(self) -> FlatPunch:
         """The flat punch under the force 1 with the same radii and layers."""
-        return flat_punch(self.inner_radius, self.reading.ground)
+        return flat_punch_of(self.inner_radius, self.reading.ground)
 
     @cached_property
     def even_wear(self) -> Array:

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ....mdr.flat_punch import flat_punch, presses_everywhere
+from ....mdr.flat_punch import flat_punch_of, presses_everywhere
 from ....meshes.errors import SceneError
 from ....meshes.ground.ground import HALF_SPACE, Ground
 from ....meshes.radial import (
@@ -133,7 +133,7 @@ class Problem:
             face = Face(graded.ring_edges, ring_edges, graded.at)
             coefficients = ring_areas(ring_edges) / face.ring_sums(face.areas / face.wear)
         modulus, ground = half_space.modulus, half_space.ground(length)
-        unit_indentation = flat_punch(ring_edges[0], ground).indentation
+        unit_indentation = flat_punch_of(ring_edges[0], ground).indentation
         force = load.greatest_force(length, punch.inner_radius)
         if load.indentation is not None:
             approach = punch.approach(load.indentation, ring_edges)

@@ -6,7 +6,6 @@ users, and the norm in which two of its values are compared. The function comput
 what a method provides (`State`, `SteadyState`, `Modes`, `Run`, `Path`).
 """
 
-import difflib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
@@ -33,6 +32,7 @@ from .norms import (
     Results,
     Values,
 )
+from .suggestions import did_you_mean
 
 # smallest relative accuracy that can be requested
 FINEST_RTOL = 1e-9
@@ -744,12 +744,8 @@ def expand(names: Iterable[str]) -> frozenset[str]:
     expanded = frozenset[str]()
     for name in names:
         if name not in GROUPS and name not in QUANTITIES:
-            matches = difflib.get_close_matches(name.lower(), QUANTITIES, 1)
-            meant = f": did you mean '{matches[0]}'? Else" if matches else ";"
-            raise ValueError(
-                f"no quantity '{name}'{meant} give some of {', '.join(QUANTITIES)}, or the groups "
-                f"{', '.join(GROUPS)}"
-            )
+            otherwise = f"give some of {', '.join(QUANTITIES)}, or the groups {', '.join(GROUPS)}"
+            raise ValueError(f"no quantity '{name}'{did_you_mean(name, QUANTITIES, otherwise)}")
         expanded |= GROUPS.get(name, {name})
     return expanded
 

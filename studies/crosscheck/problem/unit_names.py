@@ -11,7 +11,6 @@ If a scene gives no sliding speed, its times are sliding distances: they have un
 wear rates are heights per length.
 """
 
-import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,6 +22,7 @@ from pydantic import BaseModel
 
 from ....meshes.errors import SceneError
 from .fields import TomlTable, Unit
+from .suggestions import nearest
 from .written import TOO_DEEP
 
 if TYPE_CHECKING:
@@ -455,8 +455,7 @@ def nearest_unit(unit: str, kind: str) -> str:
     match = by_lower.get(unit.lower())
     if match is None and _size_in_si(unit.lower(), kind) is not None:
         match = unit.lower()
-    if match is None:
-        match = next(iter(difflib.get_close_matches(unit, SI[kind], 1)), None)
+    match = match or nearest(unit, SI[kind])
     return f"did you mean '{match}'? Else " if match else ""
 
 

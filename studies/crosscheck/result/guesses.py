@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, NoReturn
 
+from ..problem.suggestions import nearest
 from ..problem.written import shown
 from ..registry import METHODS
-from ..scene.explain import nearest
 
 # what to write instead of attributes of results that other packages have
 OF_RESULTS = {

@@ -3,71 +3,265 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import TypeVar
 
 from threadpoolctl import threadpool_limits
 
+from ....meshes.errors import SceneError
 from ..methods.base import Method, Solution
 from ..methods.pipeline import AnySpaceMethod
 from ..problem.problem import Problem
+from ..problem.written import shown
 from ..progress import Stages
-from ..scene.scene import Scene
+from ..registry import METHODS
+from ..scene.calls import naming_arguments
+from ..scene.keys import listed
+from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements
 from ..verdict.operators import (
+    MOST_PRESSURES,
+    OPERATORS,
     OperatorDifference,
     affordable_subspace,
     check_multipliers,
     difference,
 )
-from .outcome import Outcome
+from .answer import Answers
+from .judgement import Judged
+from .predictions.memory import refuse_beyond_memory
+from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
+from .table import tabulate
 
-Kind = TypeVar("Kind", bound=Outcome)
-
-
-def run(scene: Scene, methods: Sequence[str | Method] | None = None) -> Outcome:
-    """Compute everything that a scene asks for, by every method it names, and compare them."""
-    return run_as(Outcome, scene, methods)
+NO_OTHERS: Mapping[str, Solution] = {}
 
 
-def run_as(kind: type[Kind], scene: Scene, methods: Sequence[str | Method] | None = None) -> Kind:
+@naming_arguments
+def run(
+    scene: Source,
+    methods: Sequence[str | Method] | str | None = None,
+    rtol: float | None = None,
+    quantities: Sequence[str] | str | None = None,
+    memory: float | None = None,
+) -> "Result":
     """Compute everything that a scene asks for, by every method it names, and compare them.
 
-    Users call `ringwear.run`; its docstring describes the methods and the rule of the verdict.
+    Every method solves the same problem: a rigid punch of concentric rings on an elastic
+    half-space that wears by Archard's law ``df/dt = k p v``. Each method estimates its own errors,
+    so that two methods can be compared.
 
     Parameters
     ----------
-    kind : class of the result, such as `Result`, which can draw itself
-    scene : the scene, with numbers in any consistent units
-    methods : names or objects of methods that replace those of the scene; if neither gives any,
-        those of the default methods that can solve the scene
+    scene : Scene, str, Path or dict
+        Punch, half-space, load, times and the relative tolerance ``rtol``: a Scene, the name of a
+        bundled scene, a file, or nested dictionaries. Its numbers are in any consistent units.
+    methods : sequence of str or Method, optional
+        Names of methods, or your own Method objects, instead of the scene's methods. Results and
+        figures are in this order. If neither gives any, those of 'mdr', 'direct' and 'fem' that can
+        solve the scene; ``summary["left_out"]`` names the others, with the reasons.
+
+        ========  ========================  ========================  ==================  =======
+        name      gives                     punches                   error falls         seconds
+        ========  ========================  ========================  ==================  =======
+        mdr       start, history, steady    all                       exponentially       0.13
+        bem       start, history, steady    all                       exponentially       0.10
+        fem       the same, and the inside  all                       exponentially       0.48
+        direct    steady                    k constant on rings       closed form         0.002
+        mdr-grid  start, history            flat discs, as `direct`   as step and cell    0.55
+        ========  ========================  ========================  ==================  =======
+
+        * 'mdr' (dimensionality reduction): the default choice. Its energy is exact for every
+          axisymmetric pressure, so that only the pressures and, for shaped punches, the time steps
+          are discretised.
+        * 'bem' (boundary elements): the same pressures with the ring kernel of Eq. 19. It uses no
+          identity of the MDR; choose it to check 'mdr' at the same cost.
+        * 'fem' (finite elements): a meshed half-space with Boussinesq's far field. It shares
+          neither a kernel nor a mesh with the others, and is the only method with displacements
+          and stresses inside the half-space. Choose it as the independent check, or to test a mesh.
+          On triangles its energies converge with order 2k in the element size, for displacements of
+          degree k.
+        * 'direct' (direct integration, Eqs. 21 to 27): the steady state to roundoff. Choose it if
+          no history is needed, especially in sweeps. It refuses a wear coefficient that varies
+          along the radius, and a fixed indentation, under which the pressure decays to zero.
+        * 'mdr-grid' (the algorithm of the paper): springs on a uniform grid and explicit steps, of
+          first order in both; the indentation of five rings with 400 springs has the relative error
+          1.8e-3. Choose it to reproduce the paper. It also refuses hollow punches, loads that vary,
+          and scenes without times.
+
+        "Exponentially" refers to the number of unknowns, for contact whose edges do not move. While
+        edges move, pressures are linear on cells, and time steps are of second order. The seconds
+        are those of solving `five_rings` at ``rtol = 1e-4`` on one core, including the error
+        estimate, as in `summary.json`.
+
+    rtol : float, optional
+        Relative tolerance, instead of the scene's.
+    quantities : sequence of str, optional
+        Names of quantities, or of groups of them, instead of the scene's.
+    memory : float, optional
+        Largest memory to use, in GiB; by default that of the machine. A run that is predicted to
+        need more is refused.
+
+    Returns
+    -------
+    Result
+        With the following attributes, among others:
+
+        dataset : xarray.Dataset
+            Quantities by solver, time, radius, ring and mode, in the scene's units; the relative
+            error estimate of each is in ``<quantity>_error``. NaN if a method does not compute it.
+        answers : dict
+            The numbers of the answer, by method.
+        verdict : str
+            "agree", "disagree" or "undecided".
+        agreement : tuple of Agreement
+            The verdict on each quantity and pair of methods.
+        anchors : tuple of Anchor
+            Comparisons of reported numbers with closed forms and conservation laws.
+        operators : tuple of OperatorDifference
+            Comparisons of methods for every pressure at once.
+        warnings : tuple of str
+            What to know before the numbers are used, such as that linear elasticity is not valid.
+        summary : dict
+            All of these except the fields, and the seconds, sizes and notes of each method.
 
     Raises
     ------
-    RingwearError
-        if a method cannot solve the scene, or if a mesh or a linear system fails; the message
-        contains a remedy
+    SceneError
+        If a method cannot solve the scene, or if memory does not suffice; the message names the key
+        and the remedy. This is raised before anything is computed.
+    MeshError
+        If a mesh of the half-space cannot be generated.
+    SolverError
+        If a linear system has no meaningful solution.
+
+    Notes
+    -----
+    **Accuracy.** ``rtol`` bounds the relative error of every quantity in the norm of the quantity.
+    If a method's error estimates are larger, it solves again with finer sizes, unless the scene
+    gives the sizes. `Result.left_out_of_promise` lists the quantities and times for which this
+    accuracy is not promised, with the reasons.
+
+    **Verdict.** Two methods *agree* on a quantity if, at every time, both error estimates are at
+    most ``rtol`` (twice that while edges of the contact move) and the difference is at most twice
+    this bound. They *disagree* if the difference is larger than that and larger than the sum of
+    both error estimates. All other cases are *undecided*. The verdict on the run is the worst one
+    on the promised quantities. It is "disagree" if an anchor does not hold, and "undecided" if an
+    anchor is missing or if there is only one method. A larger error estimate never turns a verdict
+    into "agree".
+
+    Progress is logged by the logger `ringwear`.
+
+    Examples
+    --------
+    Five rings under the force 2, with the radius 1 and the plane strain modulus 1, start at
+    ``d = F / (2 a E*) = 1``:
+
+    >>> result = run("five_rings", methods=["mdr", "direct"])
+    >>> start = result.dataset.indentation.sel(solver="mdr", time=0.0)
+    >>> bool(abs(start - 1.0) < 1e-4)
+    True
+
+    Both methods give the steady state, in which all rings wear at one rate:
+
+    >>> rates = result.dataset.steady_wear_rate
+    >>> bool(abs(rates.sel(solver="mdr") / rates.sel(solver="direct") - 1) < 1e-4)
+    True
+    >>> result.verdict
+    'agree'
     """
-    by_name = methods_of(methods) if methods else chosen_methods(scene)
-    problem = scene.problem
+    entries = listed(() if methods is None else methods)
+    if invalid := [entry for entry in entries if not isinstance(entry, str | Method)]:
+        raise SceneError(
+            f"methods has {shown(invalid[0])}: give names, {', '.join(METHODS)}, or objects of a "
+            "Method"
+        )
+    named = all(isinstance(entry, str) for entry in entries)
+    names = [str(entry) for entry in entries] if named and methods is not None else None
+    scene = Scene.of(scene, names, rtol, quantities)
+    by_name = methods_of(entries) if entries else chosen_methods(scene)
     refuse(scene, by_name)
-    stages = {name: Stages(name) for name in by_name}
+    refuse_beyond_memory(scene, by_name.values(), memory)
+    return computed(scene, by_name)
+
+
+def computed(scene: Scene, methods: Mapping[str, Method]) -> Result:
+    """Solve a scene by methods that can solve it, and judge their results."""
+    problem = scene.problem
+    stages = {name: Stages(name) for name in methods}
     # one thread: the matrices are small, and threads of two linear algebra libraries would mostly
     # wait for each other
     with threadpool_limits(1):
         solutions = {
             name: solved_to_accuracy(entry, [problem], stages[name])[0]
-            for name, entry in by_name.items()
+            for name, entry in methods.items()
         }
-        operators = tuple(compare_operators(problem, by_name, solutions))
-    units = scene.unit_names
+        operators = tuple(compare_operators(problem, methods, solutions))
+    return judged(scene, methods, solutions, stages, operators)
+
+
+def judged(
+    scene: Scene,
+    methods: Mapping[str, Method],
+    solutions: Mapping[str, Solution],
+    stages: Mapping[str, Stages],
+    operators: tuple[OperatorDifference, ...] = (),
+    others: Mapping[str, Solution] = NO_OTHERS,
+) -> Result:
+    """Return the result that consists of solutions of a scene, which are compared with each other.
+
+    Parameters
+    ----------
+    scene : the scene that was solved
+    methods : the methods by name, and the other programs
+    solutions : the solution of each of our methods
+    stages : the seconds of each stage, by method and program
+    operators : the comparisons of every pair of compliances
+    others : results of other programs, which are shown beside ours; they are judged by their errors
+        instead (`studies/check/`)
+    """
+    problem, units = scene.problem, scene.unit_names
     agreement = tuple(
         row
         for a, b in combinations(solutions, 2)
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]), units)
     )
-    return kind(scene, by_name, solutions, stages, agreement, operators)
+    dataset = tabulate(scene, {**solutions, **others})
+    left_out = left_out_operators(problem, solutions, operators)
+    notes = [note for solution in solutions.values() for note in solution.notes]
+    notes += [f"{name}: {reason}" for name, reason in left_out.items()]
+    return Result(
+        scene,
+        methods,
+        dataset,
+        Answers.of(dataset),
+        agreement,
+        Judged(scene, dataset, solutions, agreement),
+        tuple(dict.fromkeys(notes)),
+        {**solutions, **others},
+        stages,
+        operators,
+        left_out,
+        tuple(others),
+        compared_in_fields=methods_with_fields(dataset),
+    )
+
+
+def left_out_operators(
+    problem: Problem,
+    solutions: Mapping[str, Solution],
+    operators: tuple[OperatorDifference, ...],
+) -> dict[str, str]:
+    """Return the pairs of methods with a compliance that are not compared as operators, and why."""
+    with_wear = [name for name, solution in solutions.items() if solution.wear is not None]
+    compared = {frozenset(row.methods) for row in operators}
+    pairs = [pair for pair in combinations(with_wear, 2) if frozenset(pair) not in compared]
+    if not (problem.full_contact and pairs):
+        return {}
+    names = ", ".join(" and ".join(pair) for pair in pairs)
+    return {
+        OPERATORS: f"not compared for {names}: one method of a pair has to compute its compliance "
+        f"on the pressures of the other, or on {MOST_PRESSURES} of them"
+    }
 
 
 def compare_operators(

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ..problem.quantities import (
 )
 from ..problem.unit_names import NO_UNIT
 from ..scene.scene import Scene
-from ..versions import versions
+from ..versions import package_versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
             "(line) or area"
         ),
         "gradient_average": scene.output.gradient_average,
-        "versions": json.dumps(versions()),
+        "versions": json.dumps(package_versions()),
         "scene": scene.to_toml(),
     }
     return xarray.Dataset(variables, coordinates, attributes_of_table)
@@ -146,3 +146,25 @@ def in_units(problem: Problem, results: Results) -> dict[str, Array]:
         for name, values in results.items()
         if name in DESCRIBED
     }
+
+
+def report(dataset: "xarray.Dataset", method: str) -> dict[str, Array]:
+    """Return the quantities of a method and the coordinates, by their names in a dataset."""
+    row = dataset["solver"].values.tolist().index(method)
+    return {str(name): values.values for name, values in dataset.coords.items()} | {
+        name: values.values[row] for name, values in arrays(dataset).items()
+    }
+
+
+def arrays(dataset: "xarray.Dataset") -> "dict[str, xarray.Variable]":
+    """Return the variables of a dataset without its coordinates."""
+    return {str(name): dataset.variables[name] for name in dataset.data_vars}
+
+
+def by_method(dataset: "xarray.Dataset", quantity: str, times: Any = ...) -> dict[str, Array]:
+    """Return a quantity by the name of each method that computes it, at all or some times."""
+    if quantity not in dataset:
+        return {}
+    rows = zip(dataset["solver"].values, dataset.variables[quantity].values, strict=True)
+    selected = {name: values[times] for name, values in rows}
+    return {name: values for name, values in selected.items() if not np.isnan(values).all()}

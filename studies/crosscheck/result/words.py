@@ -11,11 +11,11 @@ from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..scene.scene import Scene
 from ..verdict.agreement import DISAGREE, by_quantity
 from ..verdict.promise import allowed_error
-from .outcome import Outcome
 from .scope import Methods, left_out, modelled, omitted_methods
 
 if TYPE_CHECKING:
     from ...figures.style import Picture
+    from .result import Result
 
 Rows = list[dict[str, str]]
 
@@ -32,7 +32,7 @@ class Account:
 
     template: ClassVar[str] = "run.html.j2"
 
-    def __init__(self, result: Outcome) -> None:
+    def __init__(self, result: "Result") -> None:
         self.result, self.scene = result, result.scene
         self.names = self.scene.unit_names
         self.title = self.scene.title or "Untitled scene"

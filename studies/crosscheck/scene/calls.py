@@ -5,8 +5,9 @@ from functools import wraps
 from inspect import signature
 from typing import Any, TypeVar, cast
 
+from ..problem.suggestions import did_you_mean
 from ..problem.written import shown
-from .explain import nearest, place_of
+from .explain import place_of
 from .keys import dotted
 from .scene import Scene
 
@@ -26,6 +27,12 @@ OTHER_ARGUMENTS = {
     "params": "parameters",
     "n_jobs": "workers",
     "processes": "workers",
+}
+# what to write instead of arguments of `sweep` that it had in the last release
+OF_SWEEPS = {
+    "base": "sweep({}, ...), the scene without a name",
+    "out": "store={}",
+    "scheduler": "executor=distributed.Client({}).get_executor()",
 }
 
 
@@ -60,13 +67,13 @@ def _refusal(call: str, name: str, value: object, names: list[str]) -> str:
         if call == "sweep":
             return f"{message}write {call}({names[0]}, {changes})"
         return f"{message}write {call}(scene.changed({changes}))"
+    if call == "sweep" and name in OF_SWEEPS:
+        return f"{message}write {OF_SWEEPS[name].format(shown(value))}"
     if name in ("out", "folder", "path", "save"):
         return f"{message}write {call}(...).save({shown(value)})"
     if name in ("plot", "show"):
         return f"{message}write {call}(...).plot()"
     if name in ("verbose", "quiet", "progress", "silent"):
         return f"{message}leave it out; progress is reported to logging.getLogger('ringwear')"
-    suggestion = nearest(name, names)
-    return (
-        f"{message}{f'did you mean {suggestion}? ' if suggestion else ''}it has {', '.join(names)}"
-    )
+    hint = did_you_mean(name, names, f"it has {', '.join(names)}", "")
+    return message + hint.removeprefix(": ")

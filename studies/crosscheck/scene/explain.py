@@ -3,9 +3,8 @@
 Keys for features that ringwear does not have are answered by what to use instead.
 """
 
-import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import get_args
 
 from pydantic import ValidationError
@@ -13,11 +12,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..problem.fields import KINDS, ProfileSection, Section
+from ..problem.suggestions import did_you_mean, nearest
 from ..problem.written import shown
 
-# least similarity (difflib ratio) of an unknown key to the suggested one, in its own table and in
-# other tables
-LEAST_SIMILARITY, LEAST_SIMILARITY_ELSEWHERE = 0.6, 0.75
+# least similarity of an unknown key to the suggested one in another table
+LEAST_SIMILARITY_ELSEWHERE = 0.75
 
 KINDS_OF_PROFILES = [name for name, section in KINDS.items() if issubclass(section, ProfileSection)]
 
@@ -151,22 +150,6 @@ def kind_instead(profile: object) -> str:
     if (advice := OTHER_KINDS.get(str(kind).lower())) is not None:
         return advice
     return f"there is no kind {shown(kind)}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
-
-
-def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARITY) -> str:
-    """Return the most similar of some words, ignoring case; empty if none is similar."""
-    by_lower = {candidate.lower().replace("-", "_"): candidate for candidate in words}
-    lower = word.lower().replace("-", "_").replace(" ", "_")
-    matches = difflib.get_close_matches(lower, by_lower, 1, similarity)
-    if not matches and len(word) > 2:
-        matches = [candidate for candidate in by_lower if lower in candidate]
-    return by_lower[matches[0]] if matches else ""
-
-
-def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """Return the question whether the most similar word is meant; empty if none is similar."""
-    match = nearest(word, words)
-    return f": did you mean '{match}'?" if match else ""
 
 
 def explain(error: ValidationError, scene: type[Section]) -> str:

@@ -28,10 +28,11 @@ from ..problem.sections import (
     OutputSection,
     WearSection,
 )
+from ..problem.suggestions import did_you_mean
 from ..problem.unit_names import UnitNames, without_quantities
 from ..problem.written import check_one_line, shown
 from ..registry import METHODS
-from .explain import did_you_mean, explain, key_meant, keys_of, place_of
+from .explain import explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
 from .sources import line_of, tables_of, text_of
 

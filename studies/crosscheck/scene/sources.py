@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ....meshes.errors import SceneError
 from ..problem.fields import TomlTable, refuse_device
+from ..problem.suggestions import did_you_mean
 from ..problem.written import TOO_DEEP, shown
-from .explain import nearest
 
 
 def text_of(source: str | Path) -> str:
@@ -32,12 +32,11 @@ def text_of(source: str | Path) -> str:
     except ValueError as error:
         raise SceneError(f"{error} that holds a scene") from None
     except OSError as error:
-        match = "" if path.is_dir() else nearest(str(source), bundled())
-        suggestion = f"did you mean {match}? Else " if match else ""
-        raise SceneError(
-            f"{source}: {str(error.strerror).lower()}; {suggestion}give a scene "
-            f"file, or one of {', '.join(bundled())}"
-        ) from None
+        names = bundled()
+        otherwise = f"give a scene file, or one of {', '.join(names)}"
+        hint = did_you_mean(source, () if path.is_dir() else names, otherwise, "")
+        reason = str(error.strerror).lower()
+        raise SceneError(f"{source}: {reason}; {hint.removeprefix(': ')}") from None
 
 
 def tables_of(text: str) -> TomlTable:

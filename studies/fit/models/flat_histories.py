@@ -20,11 +20,9 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ....meshes.radial import ring_of
-from ...crosscheck import Array, Compliance, Indices, Problem, Rings, energy
-from ...crosscheck.methods.spaces import choose_spaces
-from ...crosscheck.sizes.shared import covering
-from ...crosscheck.wear.modes import BandedCholesky, Modes, every_mode
+from ....mdr import energy
+from ....meshes import Array, Compliance, Indices, ring_of
+from ...crosscheck import BandedCholesky, Modes, Problem, Rings, choose_spaces, covering, every_mode
 
 # factor by which the discretisation covers earlier and later times than the data, so that it also
 # suits wear coefficients that are larger or smaller by this factor

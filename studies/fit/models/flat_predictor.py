@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...crosscheck import Array, Problem, Scene
+from ....meshes import Array
+from ...crosscheck import Problem, Scene
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter, scene_at
 from .flat_histories import FlatHistories, FlatHistory

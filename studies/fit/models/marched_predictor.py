@@ -18,9 +18,9 @@ from typing import TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from ...crosscheck import LOG, Array, Scene, SceneError, energy
-from ...crosscheck.methods.moving_evaluation import MovingContact
-from ...crosscheck.methods.spaces import choose_spaces
+from ....mdr import energy
+from ....meshes import Array, SceneError
+from ...crosscheck import LOG, MovingContact, Scene, choose_spaces
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter, scene_at
 from .flat_predictor import Logs

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...crosscheck import Array
+from ....meshes import Array
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...crosscheck import Array
+from ....meshes import Array
 from ..measurement import Measurement, Predictor
 from ..parameters import Parameter
 

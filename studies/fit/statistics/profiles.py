@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...crosscheck import Array
+from ....meshes import Array
 from .likelihood import Likelihood, Point
 
 # greatest number of rounds of searches; after the first round, a search begins again if another

@@ -9,11 +9,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import gammaln
-from scipy.stats import chi2, norm
-from scipy.stats import t as student
+from scipy.special import chdtrc, gammaln, ndtr, stdtr
 
-from ...crosscheck import Array, Indices
+from ....meshes import Array, Indices
 from .likelihood import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected
@@ -38,7 +36,7 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     residuals, probabilities = likelihood.residuals(x), dict[str, float]()
     if all(each.noise_known for each in likelihood.measurements):
         freedom = max(likelihood.degrees_of_freedom, 1)
-        probabilities["chi-square"] = float(chi2.sf(residuals @ residuals, freedom))
+        probabilities["chi-square"] = float(chdtrc(freedom, residuals @ residuals))
     row = 0
     for each in likelihood.measurements:
         series = residuals[row : row + len(each.values)]
@@ -101,7 +99,7 @@ def small_differences(series: Array) -> float:
     ratio = np.sum(np.diff(series) ** 2) / max(float(series @ series), 1e-300)
     count = len(series)
     # the mean of the residuals is known to be zero
-    return float(norm.cdf((ratio - 2 * (count - 1) / count) / np.sqrt(4 / count)))
+    return float(ndtr((ratio - 2 * (count - 1) / count) / np.sqrt(4 / count)))
 
 
 def _probability_of_score(likelihood: Likelihood, residuals: Array, score: float) -> float:
@@ -111,12 +109,12 @@ def _probability_of_score(likelihood: Likelihood, residuals: Array, score: float
     residuals without the drift, and it has Student's distribution.
     """
     if all(each.noise_known for each in likelihood.measurements):
-        return float(2 * norm.sf(abs(score)))
+        return float(2 * ndtr(-abs(score)))
     freedom = likelihood.degrees_of_freedom - 1
     variance = max(float(residuals @ residuals) - score**2, 0.0) / freedom
     # no drift is seen that is smaller than the numerical error of the model
     scale = max(np.sqrt(variance), MAX_NUMERICAL_ERROR)
-    return float(2 * student.sf(abs(score) / scale, freedom))
+    return float(2 * stdtr(freedom, -abs(score) / scale))
 
 
 def _drift_scores(

@@ -14,9 +14,8 @@ non-dimensional.
 
 import numpy as np
 
-from ....fem.stresses import stresses
-from ....meshes.radial import gauss
-from ...crosscheck import Array, HalfSpace, PressureSpace
+from ....fem import HalfSpace, stresses_in
+from ....meshes import Array, PressureSpace, gauss
 
 DEPTHS = np.array([0.3, 0.7, 1.3, 2.1])
 """Depths on the axis at which stresses are compared, in punch radii.
@@ -62,6 +61,6 @@ def element_stresses(half_space: HalfSpace, pressures: Array) -> Array:
         first, second = mesh.p[1, mesh.t[ends, element[0]]]
         start, end = reference.p[:, ends].T
         point = start + (depth - first) / (second - first) * (end - start)
-        _, stress = stresses(solid, coefficients, element, point[:, None])
+        _, stress = stresses_in(solid, coefficients, element, point[:, None])
         stress_of_depths.append(stress[:, 0, 0, [1, 0]])
     return np.stack(stress_of_depths, axis=1)

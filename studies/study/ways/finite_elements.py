@@ -13,29 +13,27 @@ from typing import NamedTuple
 import numpy as np
 from skfem import Element, Mesh, MeshQuad, MeshTri
 
-from ....fem.error_indicator import fewest_with_share, squared_indicators
-from ....fem.half_space import pressure_space
-from ....meshes.by_gmsh.quads import graded
-from ....meshes.half_space import truncation
-from ...crosscheck import (
-    Array,
+from ....fem import (
     AxisymmetricElasticity,
     HalfSpace,
-    Problem,
-    SizeField,
-    Solution,
-    bisection,
+    fewest_with_share,
+    pressure_space,
+    squared_indicators,
 )
-from ...crosscheck.methods.fem import half_space_on
-from ...crosscheck.problem.sections import FemAccuracy
-from ...crosscheck.sizes.defaults import (
+from ....meshes import Array, SizeField, bisection, truncation
+from ....meshes.by_gmsh import graded
+from ...crosscheck import (
     GROWTH,
     QUAD_GRADING,
     WIDER_TRUNCATION,
+    FemAccuracy,
+    Problem,
+    Solution,
+    half_space_mesh,
+    half_space_on,
     pole_orders,
     triangle_degree,
 )
-from ...crosscheck.sizes.half_space_mesh import half_space_mesh
 from ..errors import BY_PRESSURES, ENERGY, states
 from ..way import Way
 from . import theories

@@ -23,7 +23,8 @@ from skfem import (
     asm,
 )
 
-from ...crosscheck import Array, Problem, Results, SolverError
+from ....meshes import Array, SolverError
+from ...crosscheck import Problem, Results
 
 DEFAULT_CELLS = 20
 """Elements on the radius of the punch."""

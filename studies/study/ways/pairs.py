@@ -17,31 +17,35 @@ from scipy.linalg import LinAlgError, eigh, solve_triangular
 from scipy.sparse import csr_matrix
 from skfem import Element, Mesh, MeshQuad
 
-from ....fem.elements import degree_along_side, is_on_quadrilaterals
-from ....fem.far_field import enough_poles
-from ....fem.half_space import contact_breakpoints, pressure_space
-from ....fem.stability import refuse_singular
-from ....fem.weak_form import element_of_degree
-from ....meshes.by_gmsh import quads
-from ....meshes.half_space import as_half_space, halved, truncation
-from ....meshes.radial import ring_of, values_on_rings
-from ...crosscheck import (
-    Array,
+from ....fem import (
     AxisymmetricElasticity,
-    Ground,
     HalfSpace,
+    contact_breakpoints,
+    degree_along_side,
+    element_of_degree,
+    enough_poles,
+    is_on_quadrilaterals,
+    pressure_space,
+    refuse_singular,
+)
+from ....mdr import energy
+from ....meshes import (
+    Array,
+    Ground,
     MeshError,
     PressureSpace,
-    Problem,
-    Rings,
     SceneError,
     SizeField,
-    Solution,
     SolverError,
+    as_half_space,
     bisection,
-    energy,
+    halved,
+    ring_of,
+    truncation,
+    values_on_rings,
 )
-from ...crosscheck.verdict.operators import least_ratio_of_energies
+from ....meshes.by_gmsh import quads
+from ...crosscheck import Problem, Rings, Solution, least_ratio_of_energies
 from ..errors import CONDITION, EIGENVALUE
 
 TRUNCATION = 2.5

@@ -12,27 +12,25 @@ from functools import partial
 
 import numpy as np
 
-from ....fem.contact_meshes import TRIANGLE_GROWTH
-from ....fem.far_field import enough_poles
-from ....fem.half_space import pressure_space
-from ....meshes.radial import graded_breakpoints
-from ...crosscheck import (
-    Array,
+from ....fem import (
+    TRIANGLE_GROWTH,
     AxisymmetricElasticity,
+    HalfSpace,
+    enough_poles,
+    even_half_space,
+    pressure_space,
+)
+from ....mdr import energy, ring_kernel
+from ....meshes import (
+    Array,
     Compliance,
     ContactCells,
-    HalfSpace,
     PressureSpace,
-    Problem,
     SizeField,
-    Solution,
     bisection,
-    energy,
-    even_half_space,
-    ring_kernel,
+    graded_breakpoints,
 )
-from ...crosscheck.methods.spaces import scaled_cells
-from ...crosscheck.verdict.accuracy import with_rtol
+from ...crosscheck import Problem, Solution, scaled_cells, with_rtol
 from ..way import Way
 from . import theories
 from .subdivision import subdivided

@@ -6,11 +6,20 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from ...crosscheck import METHODS, Method, Problem, Solution, SolverError, Stages, energy, method
-from ...crosscheck.methods.evaluation import FullContact
-from ...crosscheck.methods.spaces import radial_space
-from ...crosscheck.problem.sections import MdrAccuracy
-from ...crosscheck.verdict.accuracy import solved_to_accuracy
+from ....mdr import energy
+from ....meshes import SolverError
+from ...crosscheck import (
+    METHODS,
+    FullContact,
+    MdrAccuracy,
+    Method,
+    Problem,
+    Solution,
+    Stages,
+    method,
+    radial_space,
+    solved_to_accuracy,
+)
 from ..way import Way
 from . import naive, theories
 

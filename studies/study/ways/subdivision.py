@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Mesh, MeshQuad, MeshTri
 
+from ....meshes import Array, Indices, MeshError, SizeField, as_half_space, bisection
 from ....meshes.by_gmsh import triangles
-from ....meshes.half_space import as_half_space
-from ...crosscheck import Array, Indices, MeshError, SizeField, bisection
 
 FLAT = np.array([0.0, 1.0])
 """Ring edges of a punch of one ring."""

@@ -15,21 +15,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ....fem.half_space import pressure_space
-from ....meshes.by_gmsh.outline import truncation_with_interfaces
-from ....meshes.by_gmsh.quads import graded
-from ....meshes.ground.line_energy import relative_stiffness
-from ...crosscheck import (
-    AxisymmetricElasticity,
-    Compliance,
-    Ground,
-    HalfSpace,
-    Problem,
-    SizeField,
-    Solution,
-    flat_punch,
-    press_flat,
-)
+from ....fem import AxisymmetricElasticity, HalfSpace, pressure_space
+from ....mdr import flat_punch_of
+from ....meshes import Compliance, Ground, SizeField, relative_stiffness
+from ....meshes.by_gmsh import graded, truncation_with_interfaces
+from ...crosscheck import Problem, Solution, press_flat
 from ..reference import Reference
 from ..way import Solve, Theory, Way
 from .subdivision import FLAT, triangulated
@@ -67,7 +57,7 @@ def start(depth: float, unknowns: int) -> Solution:
 
 def exact_on_layers(problem: Problem) -> Reference:
     """Return the indentation of a flat punch of the radius 1 under the force 1 in theory."""
-    depth = flat_punch(0.0).indentation / relative_stiffness(problem.ground)
+    depth = flat_punch_of(0.0).indentation / relative_stiffness(problem.ground)
     values = {"time": np.zeros(1), "indentation": np.array([depth])}
     return Reference(values, lambda _: ROUNDOFF)
 
@@ -78,7 +68,7 @@ def _outwards(poles: int, radii: Sequence[float]) -> Way:
         rows = len(compliance.factor) - MOST_POLES + poles
         with_fewer = replace(compliance, factor=compliance.factor[:rows])
         ratio = press_flat(with_fewer).indentation / press_flat(compliance).indentation
-        return start(ratio * flat_punch(0.0).indentation, unknowns)
+        return start(ratio * flat_punch_of(0.0).indentation, unknowns)
 
     name, order = tuple(ORDERS.items())[poles]
     return _way(name, radii, solve, Theory(order, ROUNDOFF, REASON, "roundoff"))

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ...crosscheck import Compliance, HalfSpace, Problem, Results, Solution, press_flat
-from ...crosscheck.methods.evaluation import FullContact
-from ...crosscheck.methods.moving_evaluation import MovingContact
+from ....fem import HalfSpace
+from ....meshes import Compliance
+from ...crosscheck import FullContact, MovingContact, Problem, Results, Solution, press_flat
 
 STEP_TOLERANCE_FACTOR = 0.2
 """Factor on the tolerance of time steps in moving contact, so that cells dominate the error."""

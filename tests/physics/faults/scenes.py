@@ -4,7 +4,7 @@ Two methods share each fault, so that only anchors can detect it.
 """
 
 from collections.abc import Callable
-from copy import copy
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -116,12 +116,8 @@ def with_table(result: Result, change: Callable) -> Result:
         for name, array in dataset.variables.items()
     }
     coordinates = {name: changed.pop(name) for name in dataset.coords}
-    wrong = copy(result)
-    # the result is frozen, and its properties are cached in __dict__
-    for name in ("anchors", "coordinates"):
-        wrong.__dict__.pop(name, None)
-    wrong.__dict__["dataset"] = xarray.Dataset(changed, coordinates, dataset.attrs)
-    return wrong
+    wrong = xarray.Dataset(changed, coordinates, dataset.attrs)
+    return replace(result, dataset=wrong, judgement=replace(result.judgement, dataset=wrong))
 
 
 def damage(right: Result, wrong: Result) -> float:

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from .....mdr.flat_punch import P0, flat_punch
+from .....mdr.flat_punch import P0, flat_punch_of
 from .....meshes.radial import Array, Indices
 from ...problem.problem import Problem
 from ...scene.scene import Scene
@@ -248,7 +248,7 @@ def compare_half_spaces(
         )
         mean = 2 * P0 * force / reach**2
         ground = problem.ground.in_units_of(reach)
-        indentation = flat_punch(0.0, ground).indentation * force / reach
+        indentation = flat_punch_of(0.0, ground).indentation * force / reach
         # the von Mises stress is a norm: that of the difference is at least the difference of the
         # two
         differences = (

@@ -1,8 +1,6 @@
-"""Write the files of a run: first the numbers, then figures, whose failure loses no number."""
+"""Write the numbers of a run to files."""
 
 import json
-from collections.abc import Iterable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,31 +10,31 @@ from ...problem.unit_names import NO_UNIT
 from ...progress import LOG
 from .checksums import CHECKSUMS, FILE, Json, checksums, digest_of_file
 from .netcdf import RESULTS, SUMMARY, write_netcdf
-from .one_file import make
 
 if TYPE_CHECKING:
     import xarray
 
-    from ....figures.style import Picture
-    from ..outcome import Outcome
 
 INSIDE = "half_space.vtu"
+# files of a run besides its figures
+RUN_FILES = (RESULTS, SUMMARY, "report.html", INSIDE)
 
 
-def run_files(pictures: Iterable["Picture"]) -> set[str]:
-    """Return the names of the files that a run with these pictures may write."""
-    numbers = {RESULTS, SUMMARY, "report.html", INSIDE}
-    return numbers | {picture.file for picture in pictures}
+def write_numbers(
+    dataset: "xarray.Dataset", entries: Json, directory: Path, tables: bool = False
+) -> None:
+    """Write `results.nc` and `summary.json` of a run, and CSV tables if `tables`.
 
-
-def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> None:
-    """Write `results.nc` and `summary.json` of a run, and CSV tables if `tables`."""
+    Parameters
+    ----------
+    dataset : `Result.dataset`
+    entries : `Result.summary`
+    """
     LOG.info("  output  writing ...")
-    entries = result.summary
     # before anything is written, so that they are those of the results in memory
-    recorded: Json = {**checksums(result.dataset, entries)}
+    recorded: Json = {**checksums(dataset, entries)}
     try:
-        write_netcdf(result.dataset, directory / RESULTS)
+        write_netcdf(dataset, directory / RESULTS)
     except RuntimeError as error:
         # netCDF raises a RuntimeError if the disk is full
         raise RingwearError(
@@ -46,7 +44,7 @@ def write_numbers(result: "Outcome", directory: Path, tables: bool = False) -> N
     summary = json.dumps(entries | {CHECKSUMS: recorded}, indent=1, allow_nan=False)
     (directory / SUMMARY).write_text(summary + "\n", "utf-8")
     if tables:
-        write_tables(result.dataset, directory)
+        write_tables(dataset, directory)
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
@@ -63,24 +61,3 @@ def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:
         if len(table):
             file = "_".join(map(str, dims)) + ".csv"
             write_csv(table.rename(columns=heads), directory / file)
-
-
-def draw(result: "Outcome", pictures: Sequence["Picture"], directory: Path) -> list[str]:
-    """Draw the pictures that a result has data for; return the failures, with reasons.
-
-    Fields inside the half-space are written, too. They take as long as the contact problem, and are
-    therefore left out without pictures unless the scene asks for them (`output.field_times`).
-    """
-    from .vtu import write_half_space
-
-    LOG.info("  output  drawing ...")
-    failures = []
-    if result.has_inside and (pictures or result.scene.output.field_times):
-        scene, series = result.scene, bool(result.scene.output.field_times)
-        failures += make(
-            directory / INSIDE, lambda path: write_half_space(result.inside, scene, path, series)
-        )
-    for picture in pictures:
-        if picture.drawn_for(result):
-            failures += make(directory / picture.file, partial(picture.write, result))
-    return failures

@@ -41,12 +41,15 @@ class Folder:
         The directory to write to.
     written : list of str
         Files that have been put in place.
+    published : bool
+        Whether all files of the command have been put in place.
     """
 
     def __init__(self, out: Path, command: str) -> None:
         self.out, self.command = out, command
         self.hidden = out / WRITING
         self.written: list[str] = []
+        self.published = False
 
     def refuse_to_replace(self, names: Iterable[str]) -> None:
         """Raise a SceneError if files not written by ringwear have these names."""
@@ -57,10 +60,22 @@ class Folder:
                 "written: move it away, or give another directory"
             )
 
+    def publish_so_far(self) -> None:
+        """Put the files that are complete in place; they stay if the command fails afterwards."""
+        with signals_wait():
+            self.publish()
+            self.create_hidden()
+
+    def create_hidden(self) -> None:
+        """Create the hidden directory, with a marker that it belongs to ringwear."""
+        self.hidden.mkdir()
+        (self.hidden / MARKER).write_text("{}\n", "utf-8")
+
     def publish(self) -> None:
         """Replace the command's earlier files by the new ones."""
-        self.written = sorted(set(os.listdir(self.hidden)) - {MARKER})
-        self.refuse_to_replace(self.written)
+        names = set(os.listdir(self.hidden)) - {MARKER}
+        self.written = sorted({*self.written, *names})
+        self.refuse_to_replace(names)
         files = {
             command: sorted(set(names).difference(self.written))
             for command, names in _files_by_command(self.out).items()
@@ -182,22 +197,20 @@ def output_folder(out: str | Path, command: str, names: Iterable[str] = ()) -> I
         refuse_foreign_folders(out)
         put_in_place(out)
         shutil.rmtree(folder.hidden, ignore_errors=True)
-        published = False
         try:
-            folder.hidden.mkdir()
-            # the marker tells the next run that this directory belongs to ringwear
-            (folder.hidden / MARKER).write_text("{}\n", "utf-8")
+            folder.create_hidden()
             folder.refuse_to_replace(names)
             yield folder
             with signals_wait():
                 folder.publish()
-                published = True
+                folder.published = True
         except KeyboardInterrupt as stop:
-            if not published:
+            if not folder.written:
                 raise
-            raise KeyboardInterrupt(
-                f"stopped after the work was done; the new results are in place in {out}"
-            ) from stop
+            what = "stopped after the work was done; the new results are in place in"
+            if not folder.published:
+                what = "stopped; what was complete is in place in"
+            raise KeyboardInterrupt(f"{what} {out}") from stop
         finally:
             with signals_wait():
                 shutil.rmtree(folder.hidden, ignore_errors=True)

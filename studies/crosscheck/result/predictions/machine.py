@@ -1,5 +1,6 @@
 """The memory of this machine, and the refusal of files whose contents would not fit into it."""
 
+import os
 from pathlib import Path
 
 import psutil
@@ -10,6 +11,12 @@ GIB = 2.0**30
 def machine_memory() -> float:
     """Return the memory of this machine, in GiB."""
     return psutil.virtual_memory().total / GIB
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def refuse_large(path: Path, size: float) -> None:

@@ -214,7 +214,7 @@ def _with_refinement(
 
 @naming_arguments
 def plan(source: Source, memory: float | None = None) -> list[str]:
-    """Return text about the system size and the cost of each method.
+    """Predict the unknowns, the seconds and the memory of a run, by each method.
 
     Methods that take a few seconds are solved once, others at a coarse tolerance.
 

@@ -88,6 +88,31 @@ def test_a_killed_run_leaves_the_old_or_the_new_folder(foreign, tmp_path):
     assert new in seen[:-1]
 
 
+def test_what_was_complete_stays_if_the_rest_is_stopped(tmp_path):
+    out = tmp_path / "out"
+    write(out, "xy", "old")
+
+    def stopped():
+        with output_folder(out, "run") as folder:
+            (folder.hidden / "a").write_text("new")
+            folder.publish_so_far()
+            assert contents(out) == {"a": b"new"}
+            (folder.hidden / "b").write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="what was complete is in place"):
+        stopped()
+    assert contents(out) == {"a": b"new"}
+    with output_folder(out, "run") as folder:
+        (folder.hidden / "a").write_text("newer")
+        folder.publish_so_far()
+        (folder.hidden / "b").write_text("newer")
+    assert folder.written == ["a", "b"]
+    assert contents(out) == dict.fromkeys("ab", b"newer")
+    write(out, "c", "newest")
+    assert contents(out) == {"c": b"newest"}
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
     publish = folder_module.Folder.publish

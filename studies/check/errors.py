@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..crosscheck import FIELDS, LOG, QUANTITIES, Scene, Solution
+from ..crosscheck import FIELDS, LOG, QUANTITIES, Results, Scene, Solution
 
 if TYPE_CHECKING:
     from ..figures.scale import Scale
@@ -19,7 +19,7 @@ MULTIPLES_FROM = 10.0
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ErrorAtTime:
     """The error of one quantity of a program at one time.
 
     It is measured in the norm of the quantity, relative to our value.
@@ -60,20 +60,25 @@ def best(solutions: Solutions, quantity: str) -> str:
     return min(errors, key=errors.__getitem__, default="")
 
 
-def verdicts(
-    scene: Scene, solutions: Solutions, name: str, limit: float, reference: str = ""
-) -> Iterator[Verdict]:
+def errors_at_times(
+    scene: Scene,
+    solutions: Solutions,
+    theirs: tuple[str, Results],
+    limit: float,
+    reference: str = "",
+) -> Iterator[ErrorAtTime]:
     """Yield the error of every quantity of a program, at each of its times.
 
     Parameters
     ----------
-    solutions : of our methods and of the program
-    name : of the program
+    solutions : of our methods
+    theirs : name and results of the program
     limit : relative error that is allowed
     reference : our method that fields are compared with, as in the figure of the difference; if
         empty, and for all other quantities, the method with the smallest error estimate
     """
-    problem, results, times = scene.problem, solutions[name].results, scene.wear.times
+    name, results = theirs
+    problem, times = scene.problem, scene.wear.times
     rings = problem.merged
     for quantity in filter(partial(best, solutions), results):
         is_field = quantity in FIELDS
@@ -91,16 +96,16 @@ def verdicts(
         columns = compared.any(axis=0) if is_field else np.zeros(1, dtype=int)
         radii = problem.radii[columns]
         face = problem.sampled_face(radii)
-        theirs, ours = (
+        values_of_theirs, ours = (
             np.where(compared, values, 0.0)[:, columns]
             if is_field
             else np.where(compared, values, 0.0)
             for values in (results[quantity], our_values)
         )
         reference_values = our_solution.results | {quantity: ours}
-        values, norm = {quantity: theirs}, QUANTITIES[quantity].norm
+        values, norm = {quantity: values_of_theirs}, QUANTITIES[quantity].norm
         errors = QUANTITIES[quantity].difference(values, reference_values, face)
-        signed_gaps = (theirs - ours).reshape(len(times), -1)
+        signed_gaps = (values_of_theirs - ours).reshape(len(times), -1)
         # where nothing presses, there is no value to which an error could be relative
         gaps = np.abs(signed_gaps)
         is_gap = gaps > 1e-9 * np.abs(ours).max()
@@ -122,7 +127,7 @@ def verdicts(
             stated = our_solution.errors[quantity][row]
             numbers = times[row], signed[row], stated, radius, local[row], largest[row]
             within = bool(errors[row] <= max(limit, stated))
-            yield Verdict(name, quantity, within, *map(float, numbers))
+            yield ErrorAtTime(name, quantity, within, *map(float, numbers))
 
 
 @dataclass(frozen=True)
@@ -131,11 +136,11 @@ class QuantityError:
 
     Parameters
     ----------
-    rows : the verdicts on the quantity, at each of its times
+    rows : the errors of the quantity, at each of its times
     scale : writes times and radii as the figures do
     """
 
-    rows: Sequence[Verdict]
+    rows: Sequence[ErrorAtTime]
     scale: "Scale"
 
     @property
@@ -149,13 +154,13 @@ class QuantityError:
         return all(row.within for row in self.rows)
 
     @property
-    def worst(self) -> Verdict:
-        """The verdict at the time at which the error exceeds our error estimate most."""
+    def worst(self) -> ErrorAtTime:
+        """The error at the time at which it exceeds our error estimate most."""
         return max(self.rows, key=lambda row: abs(row.error) - row.stated)
 
     @property
-    def largest(self) -> Verdict:
-        """The verdict at the time at which the difference at one radius is largest."""
+    def largest(self) -> ErrorAtTime:
+        """The error at the time at which the difference at one radius is largest."""
         significant = [row for row in self.rows if abs(row.error) > row.stated]
         return max(significant or self.rows, key=lambda row: row.largest)
 
@@ -222,8 +227,8 @@ class QuantityError:
         return line
 
 
-def quantity_errors(rows: Iterable[Verdict], scale: "Scale") -> list[QuantityError]:
-    """Return the errors of each quantity, from the verdicts on one program."""
+def quantity_errors(rows: Iterable[ErrorAtTime], scale: "Scale") -> list[QuantityError]:
+    """Return the errors of each quantity of one program, from those at each time."""
     groups = groupby(rows, lambda row: row.quantity)
     return [QuantityError(tuple(group), scale) for _, group in groups]
 

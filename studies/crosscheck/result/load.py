@@ -1,35 +1,33 @@
 """Read results back from the folder that they were written to."""
 
 import json
-from dataclasses import dataclass
-from functools import cache, cached_property
+from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from .....meshes.errors import SceneError
-from .....meshes.radial import Array
-from ...anchors.anchor import Anchor
-from ...problem.quantities import ANSWER, QUANTITIES, STEPS, error_name
-from ...problem.written import shown
-from ...progress import LOG
-from ...registry import METHODS
-from ...scene.scene import Scene
-from ...verdict.agreement import Agreement
-from ...verdict.promise import LeftOut
-from ..answer import Answers
-from ..outcome import Outcome
-from ..scope import methods_of
-from .checksums import Json
-from .netcdf import RESULTS, SUMMARY
-from .saved_files import Unreadable, read_folder, refused
+from ....meshes.errors import SceneError
+from ..anchors.anchor import Anchor
+from ..problem.quantities import ANSWER, QUANTITIES, STEPS, error_name
+from ..problem.written import shown
+from ..progress import LOG
+from ..registry import METHODS
+from ..scene.scene import Scene
+from ..verdict.agreement import Agreement
+from ..verdict.promise import LeftOut
+from .answer import Answers
+from .output.checksums import Json
+from .output.netcdf import RESULTS, SUMMARY
+from .output.saved_files import Unreadable, read_folder, refused
+from .result import Result, methods_with_fields
+from .scope import methods_of
 
 if TYPE_CHECKING:
     import xarray
 
-Kind = TypeVar("Kind", bound="StoredOutcome")
 Number = float | None
 UNCHECKED = (
     "these results were saved without checksums, so that it could not be checked whether their "
@@ -43,11 +41,12 @@ class Summary:
 
     Parameters
     ----------
-    verdict, notes : as in `Outcome`
+    verdict, notes : as in `Result`
     methods : sizes and costs of each method
     answer : numbers of the answer, by method and name; None for those that are not finite
     agreement, anchors, left_out_of_promise : rows of objects
-    verdicts : rows of results of other programs that were checked
+    check : whether results of other programs pass, and the judgement on them in sentences
+    errors, verdicts : rows of their errors; the second name is that of older results
     """
 
     verdict: Literal["agree", "disagree", "undecided"]
@@ -57,70 +56,15 @@ class Summary:
     agreement: tuple[Agreement, ...]
     anchors: tuple[Anchor, ...]
     left_out_of_promise: tuple[LeftOut, ...] = ()
+    check: Json = field(default_factory=dict)
+    errors: tuple[Json, ...] = ()
     verdicts: tuple[Json, ...] = ()
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class StoredOutcome(Outcome):
-    """Results from a folder: all numbers, and the figures that need only these.
-
-    Parameters
-    ----------
-    stored_dataset : the content of `results.nc`
-    stored_summary : the content of `summary.json` without its checksums
-    rebuilt : the entries of it from which results are rebuilt
-    remarks_on_files : what to say about the files, such as that they have no checksums
-    """
-
-    stored_dataset: "xarray.Dataset"
-    stored_summary: Json
-    rebuilt: Summary
-    remarks_on_files: tuple[str, ...]
-
-    @cached_property
-    def dataset(self) -> "xarray.Dataset":
-        """The content of `results.nc`."""
-        return self.stored_dataset
-
-    @property
-    def summary(self) -> Json:
-        """The content of `summary.json` without its checksums."""
-        return self.stored_summary
 
     @property
     def of_others(self) -> tuple[str, ...]:
         """Names of the programs whose results were checked."""
-        return tuple(dict.fromkeys(str(row.get("solver")) for row in self.rebuilt.verdicts))
-
-    @property
-    def about_others(self) -> tuple[str, ...]:
-        """The verdict on the results of other programs, in sentences; empty if there are none."""
-        return tuple(self.stored_summary.get("check", {}).get("lines", ()))
-
-    @property
-    def verdict(self) -> str:
-        """The verdict in `summary.json`: `agree`, `disagree` or `undecided`."""
-        return self.rebuilt.verdict
-
-    @property
-    def left_out_of_promise(self) -> tuple[LeftOut, ...]:
-        """Quantities that could not be promised, with the times and the reason."""
-        return self.rebuilt.left_out_of_promise
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """The notes of all methods, and the remarks on the files."""
-        return (*self.rebuilt.notes, *self.remarks_on_files)
-
-    @cached_property
-    def answers(self) -> dict[str, dict[str, Array]]:
-        """The numbers of the answer, by method, and their relative error estimates."""
-        return _answers(self.rebuilt)
-
-    @property
-    def anchors(self) -> tuple[Anchor, ...]:
-        """Closed forms and conservation laws that the report of each method was checked against."""
-        return self.rebuilt.anchors
+        rows = self.errors or self.verdicts
+        return tuple(dict.fromkeys(str(row.get("solver")) for row in rows))
 
 
 def _answers(summary: Summary) -> Answers:
@@ -142,19 +86,18 @@ def _answers(summary: Summary) -> Answers:
     return answers
 
 
-def load(folder: str | Path, kind: type[Kind]) -> Kind:
+def load(folder: str | Path) -> Result:
     """Read the results that ``ringwear run --out folder``, or `Result.save`, has written.
 
-    Parameters
-    ----------
-    folder : the folder with the results
-    kind : class of the results, such as `Stored`, which can draw itself
+    They have all numbers, and the figures that need only these. Both files are compared with the
+    checksums in `summary.json`. Results that were saved without checksums are read, too, with the
+    warning that they could not be checked.
 
     Raises
     ------
     SceneError
         if the folder contains no results that can be read, or if they do not match their
-        checksums
+        checksums; the message names what does not match
     """
     if not isinstance(folder, str | Path):
         raise SceneError(f"{shown(folder)} is no folder: give one that `ringwear run` has written")
@@ -166,14 +109,25 @@ def load(folder: str | Path, kind: type[Kind]) -> Kind:
             _refuse_malformed(dataset)
             _refuse_mixed(dataset, summary)
         scene = Scene.from_toml(_text(dataset, "scene"), str(path))
+        answers = _answers(summary)
     except (Unreadable, RecursionError) as error:
         raise refused(path, error) from None
-    methods = methods_of([name for name in summary.methods if name in METHODS])
-    remarks = () if has_checksums else (UNCHECKED,)
-    for remark in remarks:
-        LOG.warning("%s: %s", path, remark)
-    rows = summary.agreement
-    return kind(scene, methods, {}, {}, rows, (), dataset, entries, summary, remarks)
+    if not has_checksums:
+        LOG.warning("%s: %s", path, UNCHECKED)
+    return Result(
+        scene,
+        methods_of([name for name in summary.methods if name in METHODS]),
+        dataset,
+        answers,
+        summary.agreement,
+        summary,
+        summary.notes,
+        of_others=summary.of_others,
+        about_others=tuple(summary.check.get("lines", ())),
+        compared_in_fields=methods_with_fields(dataset),
+        saved=entries,
+        about_files=() if has_checksums else (UNCHECKED,),
+    )
 
 
 def _rebuild(entries: Json) -> Summary:

@@ -1,0 +1,50 @@
+from . import bisection as bisection, files as files
+from .compliance import (
+    Compliance as Compliance,
+)
+from .contact_cells import (
+    ContactCells as ContactCells,
+)
+from .errors import (
+    MeshError as MeshError,
+    RingwearError as RingwearError,
+    SceneError as SceneError,
+    SolverError as SolverError,
+)
+from .files import (
+    read_with_meshio as read_with_meshio,
+)
+from .ground.ground import (
+    HALF_SPACE as HALF_SPACE,
+    Ground as Ground,
+)
+from .ground.line_energy import (
+    relative_stiffness as relative_stiffness,
+)
+from .half_space import (
+    as_half_space as as_half_space,
+    contact_facets as contact_facets,
+    contact_radii as contact_radii,
+    facet_ends as facet_ends,
+    halved as halved,
+    quality as quality,
+    truncation as truncation,
+    without_low_parts as without_low_parts,
+)
+from .pressure_space import (
+    PressureSpace as PressureSpace,
+)
+from .radial import (
+    Array as Array,
+    Indices as Indices,
+    alternating_edges as alternating_edges,
+    from_axis as from_axis,
+    gauss as gauss,
+    graded_breakpoints as graded_breakpoints,
+    ring_areas as ring_areas,
+    ring_of as ring_of,
+    values_on_rings as values_on_rings,
+)
+from .sizes import (
+    SizeField as SizeField,
+)

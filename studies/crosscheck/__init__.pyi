@@ -1,0 +1,276 @@
+from .methods.base import (
+    Discretised as Discretised,
+    Method as Method,
+    Solution as Solution,
+    method as method,
+)
+from .methods.evaluation import (
+    FullContact as FullContact,
+)
+from .methods.fem import (
+    half_space_on as half_space_on,
+)
+from .methods.inside.interior import (
+    NEAR as NEAR,
+    Interior as Interior,
+    first_and_last_in_contact as first_and_last_in_contact,
+)
+from .methods.moving_evaluation import (
+    MovingContact as MovingContact,
+)
+from .methods.pipeline import (
+    ComplianceMethod as ComplianceMethod,
+)
+from .methods.sampling.field_differences import (
+    IN_STEADY_STATE as IN_STEADY_STATE,
+    OVER_TIME as OVER_TIME,
+    FieldComparison as FieldComparison,
+    FieldDifference as FieldDifference,
+    compare_fields as compare_fields,
+)
+from .methods.sampling.sampler import (
+    AVERAGES as AVERAGES,
+    Sampler as Sampler,
+)
+from .methods.spaces import (
+    choose_spaces as choose_spaces,
+    pressure_spaces as pressure_spaces,
+    radial_space as radial_space,
+    scaled_cells as scaled_cells,
+)
+from .problem.face import (
+    Rings as Rings,
+)
+from .problem.fields import (
+    Cone as Cone,
+    Height as Height,
+    Parabola as Parabola,
+    TomlTable as TomlTable,
+    over_time as over_time,
+    read_table as read_table,
+    refuse_device as refuse_device,
+)
+from .problem.loading import (
+    Loading as Loading,
+)
+from .problem.norms import (
+    Results as Results,
+    common as common,
+)
+from .problem.problem import (
+    Problem as Problem,
+)
+from .problem.profile import (
+    InitialProfile as InitialProfile,
+)
+from .problem.quantities import (
+    ANSWER as ANSWER,
+    COMPARED_MODES as COMPARED_MODES,
+    DESCRIBED as DESCRIBED,
+    FIELDS as FIELDS,
+    FINEST_RTOL as FINEST_RTOL,
+    GROUPS as GROUPS,
+    QUANTITIES as QUANTITIES,
+    SYMBOLS as SYMBOLS,
+    differences as differences,
+    error_name as error_name,
+)
+from .problem.sections import (
+    FemAccuracy as FemAccuracy,
+    MdrAccuracy as MdrAccuracy,
+)
+from .problem.suggestions import (
+    did_you_mean as did_you_mean,
+    nearest as nearest,
+)
+from .problem.unit_names import (
+    NO_UNIT as NO_UNIT,
+    UnitNames as UnitNames,
+    kind_of as kind_of,
+    number_of as number_of,
+    without_quantities as without_quantities,
+)
+from .problem.written import (
+    check_one_line as check_one_line,
+    one_line as one_line,
+    plain as plain,
+    shown as shown,
+    visible as visible,
+)
+from .progress import (
+    LOG as LOG,
+    STAGES as STAGES,
+    Stages as Stages,
+)
+from .registry import (
+    METHODS as METHODS,
+)
+from .result.guesses import (
+    AnswersGuesses as AnswersGuesses,
+)
+from .result.load import (
+    load as load,
+)
+from .result.output.checksums import (
+    CHECKSUMS as CHECKSUMS,
+)
+from .result.output.files import (
+    INSIDE as INSIDE,
+    RUN_FILES as RUN_FILES,
+    write_numbers as write_numbers,
+)
+from .result.output.folder import (
+    Folder as Folder,
+    default_folder as default_folder,
+    lock_folder as lock_folder,
+    named_folder as named_folder,
+    output_folder as output_folder,
+    refuse_foreign_folders as refuse_foreign_folders,
+)
+from .result.output.netcdf import (
+    RESULTS as RESULTS,
+    SUMMARY as SUMMARY,
+)
+from .result.output.one_file import (
+    make as make,
+)
+from .result.output.saved_files import (
+    has_checksums as has_checksums,
+    read_folder as read_folder,
+)
+from .result.output.signals import (
+    STOPPED as STOPPED,
+    ending_on_signals as ending_on_signals,
+    signals_wait as signals_wait,
+)
+from .result.output.vtu import (
+    write_half_space as write_half_space,
+)
+from .result.predictions.machine import (
+    cores as cores,
+    machine_memory as machine_memory,
+    refuse_large as refuse_large,
+)
+from .result.predictions.memory import (
+    LIBRARIES as LIBRARIES,
+    predict_memory as predict_memory,
+    refuse_beyond_memory as refuse_beyond_memory,
+    why_beyond_memory as why_beyond_memory,
+)
+from .result.predictions.plan import (
+    plan as plan,
+)
+from .result.result import (
+    Result as Result,
+)
+from .result.run import (
+    computed as computed,
+    judged as judged,
+    run as run,
+)
+from .result.scope import (
+    beyond_the_model as beyond_the_model,
+    chosen_methods as chosen_methods,
+    left_out as left_out,
+    methods_of as methods_of,
+    modelled as modelled,
+    refuse as refuse,
+    time_scale as time_scale,
+    unsuitable_methods as unsuitable_methods,
+)
+from .result.table import (
+    in_units as in_units,
+    tabulate as tabulate,
+)
+from .result.words import (
+    Account as Account,
+    Rows as Rows,
+    columns as columns,
+)
+from .scene.calls import (
+    naming_arguments as naming_arguments,
+)
+from .scene.explain import (
+    declaration as declaration,
+    keys_of as keys_of,
+    place_of as place_of,
+)
+from .scene.keys import (
+    dotted as dotted,
+    listed as listed,
+    numbers as numbers,
+    with_key as with_key,
+    without_alternatives as without_alternatives,
+)
+from .scene.scene import (
+    Scene as Scene,
+    Source as Source,
+)
+from .scene.sources import (
+    bundled as bundled,
+    tables_of as tables_of,
+    text_of as text_of,
+)
+from .sizes.defaults import (
+    GROWTH as GROWTH,
+    QUAD_GRADING as QUAD_GRADING,
+    WIDER_TRUNCATION as WIDER_TRUNCATION,
+    pole_orders as pole_orders,
+    triangle_degree as triangle_degree,
+)
+from .sizes.half_space_mesh import (
+    half_space_mesh as half_space_mesh,
+)
+from .sizes.shared import (
+    covering as covering,
+    groups as groups,
+)
+from .verdict.accuracy import (
+    solved_to_accuracy as solved_to_accuracy,
+    with_rtol as with_rtol,
+)
+from .verdict.agreement import (
+    DISAGREE as DISAGREE,
+    disagreement as disagreement,
+)
+from .verdict.operators import (
+    MOST_PRESSURES as MOST_PRESSURES,
+    STABLE as STABLE,
+    least_ratio_of_energies as least_ratio_of_energies,
+)
+from .verdict.promise import (
+    allowed_error as allowed_error,
+    unresolved as unresolved,
+)
+from .versions import (
+    code as code,
+    computed_with as computed_with,
+    package_versions as package_versions,
+    stamp as stamp,
+)
+from .wear.flat_contact import (
+    press_flat as press_flat,
+)
+from .wear.full_contact import (
+    RunningIn as RunningIn,
+)
+from .wear.history import (
+    History as History,
+)
+from .wear.march import (
+    ContactMarch as ContactMarch,
+)
+from .wear.modes import (
+    BandedCholesky as BandedCholesky,
+    Modes as Modes,
+    every_mode as every_mode,
+)
+from .wear.moments import (
+    moments as moments,
+)
+from .wear.time_scale import (
+    running_in as running_in,
+)
+from .wear.unilateral import (
+    Load as Load,
+)

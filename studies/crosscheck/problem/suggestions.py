@@ -1,0 +1,29 @@
+"""Suggest which of our names is meant by another one."""
+
+import difflib
+from collections.abc import Iterable
+
+# least similarity (difflib ratio) of an unknown name to the suggested one
+LEAST_SIMILARITY = 0.6
+
+
+def nearest(word: str, words: Iterable[str], similarity: float = LEAST_SIMILARITY) -> str:
+    """Return the most similar of some words, ignoring case; empty if none is similar."""
+    by_lower = {candidate.lower().replace("-", "_"): candidate for candidate in words}
+    lower = word.lower().replace("-", "_").replace(" ", "_")
+    matches = difflib.get_close_matches(lower, by_lower, 1, similarity)
+    if not matches and len(word) > 2:
+        matches = [candidate for candidate in by_lower if lower in candidate]
+    return by_lower[matches[0]] if matches else ""
+
+
+def did_you_mean(word: object, words: Iterable[str], otherwise: str = "", quote: str = "'") -> str:
+    """Return the end of an error message about an unknown word.
+
+    It asks whether the most similar of some words is meant, if one is similar, and says what to do
+    otherwise. Words that are not texts, such as names of keys and files, have no quotes.
+    """
+    if match := nearest(str(word), words):
+        meant = f"{quote}{match}{quote}"
+        return f": did you mean {meant}?{f' Otherwise {otherwise}' if otherwise else ''}"
+    return f": {otherwise}" if otherwise else ""

@@ -1,0 +1,418 @@
+"""The result of a run, in the scene's units.
+
+Its numbers are an xarray Dataset (written as netCDF-4) and a summary (written as JSON).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....meshes.errors import RingwearError, SceneError
+from ....meshes.radial import Array
+from ..anchors.anchor import Anchor
+from ..methods.base import Method, Solution
+from ..methods.inside.interior import Interior, interior
+from ..methods.sampling.field_differences import (
+    IN_STEADY_STATE,
+    OVER_TIME,
+    FieldComparison,
+    compare_fields,
+)
+from ..methods.sampling.sampler import Sampler
+from ..problem.quantities import DESCRIBED, FIELDS, SYMBOLS, error_name
+from ..problem.suggestions import did_you_mean, nearest
+from ..problem.written import shown
+from ..progress import LOG, Stages
+from ..registry import METHODS
+from ..scene.scene import Scene
+from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
+from ..verdict.operators import OperatorDifference
+from ..verdict.promise import LeftOut, allowed_error, in_words
+from .guesses import OF_RESULTS, missing_attribute
+from .output.files import RUN_FILES, write_numbers
+from .output.folder import output_folder
+from .scope import beyond_the_model, outside
+from .summary import summary
+from .table import arrays, by_method, in_units, report
+from .words import Account
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+    from ...figures.style import Picture
+    from .judgement import Judgement
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """All results of a run.
+
+    `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
+    `warnings`, `remarks`, `agreement`, `anchors`, `summary`, `plots`, `plot(kind)` and
+    `save(folder)`.
+
+    Parameters
+    ----------
+    scene : the scene that was solved
+    methods : the methods by their names
+    dataset : all results over solver, time, radius, ring and mode, in the scene's units
+    answers : the numbers of the answer and their relative error estimates `<name>_error`, by method
+    agreement : the verdicts on every pair of methods and every quantity
+    judgement : verdict, anchors, and what is left out of the promise
+    notes : notes of the methods; a note that several methods give appears once
+    solutions : non-dimensional solutions by method; none in results that were read from a folder
+    stages : the seconds of each stage, by method; none either
+    operators : the comparisons of every pair of compliances; none either
+    left_out_operators : pairs of methods that are not compared as operators, and why
+    of_others : names of other programs whose results are in the dataset as well
+    about_others : the judgement on the results of other programs, in sentences
+    compared_in_fields : methods that compute the same fields: the reference, the one that is drawn,
+        and the others
+    saved : the content of `summary.json`, if the results were read from a folder
+    about_files : warnings about the files that the results were read from
+    """
+
+    scene: Scene
+    methods: Mapping[str, Method]
+    dataset: "xarray.Dataset"
+    answers: Mapping[str, Mapping[str, Array]]
+    agreement: tuple[Agreement, ...]
+    judgement: "Judgement"
+    notes: tuple[str, ...]
+    solutions: Mapping[str, Solution] = field(default_factory=dict)
+    stages: Mapping[str, Stages] = field(default_factory=dict)
+    operators: tuple[OperatorDifference, ...] = ()
+    left_out_operators: Mapping[str, str] = field(default_factory=dict)
+    of_others: tuple[str, ...] = ()
+    about_others: tuple[str, ...] = ()
+    compared_in_fields: tuple[str, ...] = ()
+    saved: dict[str, Any] | None = None
+    about_files: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """``"agree"``, ``"disagree"`` or ``"undecided"``: the worst verdict on what is promised.
+
+        An anchor that does not hold makes it `disagree`. A missing anchor makes `agree`
+        `undecided`.
+        """
+        return self.judgement.verdict
+
+    @property
+    def anchors(self) -> tuple[Anchor, ...]:
+        """Closed forms and conservation laws that the report of each method is checked against."""
+        return self.judgement.anchors
+
+    @property
+    def left_out_of_promise(self) -> tuple[LeftOut, ...]:
+        """Quantities that cannot be promised, with the times and the reason."""
+        return self.judgement.left_out_of_promise
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What to know before the numbers are used.
+
+        The model is not valid, or the times miss the running-in, or the files of the results could
+        not be checked. `notes` are those of the methods.
+        """
+        problem = self.scene.problem
+        slowest = float(self.first("running_in_time")) / problem.units.time
+        return (*beyond_the_model(self.scene), *outside(problem, slowest), *self.about_files)
+
+    @property
+    def quantities(self) -> dict[str, str]:
+        """The verdict on each quantity, over all pairs of methods."""
+        return {name: row.verdict for name, row in by_quantity(self.agreement).items()}
+
+    @property
+    def verdict_in_words(self) -> str:
+        """The verdict in a sentence, with quantities left out and the number that agree."""
+        if not self.agreement:
+            return self._verdict_without_comparison
+        verdicts = list(self.quantities.values())
+        counts = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
+        counts += [
+            f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
+        ]
+        scene = self.scene
+        left_out = in_words(self.left_out_of_promise, scene.wear.times, scene.unit_names)
+        sentences = {
+            AGREE: f"The methods agree{f' in all but {left_out}' if left_out else ''}",
+            UNDECIDED: "Not all is decided",
+            DISAGREE: "THE METHODS DISAGREE",
+        }
+        return f"{sentences[self.verdict]}: {', '.join(counts)}."
+
+    @property
+    def _verdict_without_comparison(self) -> str:
+        """The verdict in a sentence, if no two methods are compared."""
+        if self.verdict == DISAGREE:
+            return "AN ANCHOR DOES NOT HOLD, and no two methods are compared."
+        ours = [name for name in self.coordinates["solver"] if name not in self.of_others]
+        if len(ours) == 1:
+            return "One method alone is undecided: there is nothing to compare it with."
+        return "Nothing is decided: no two methods compute the same quantity."
+
+    @property
+    def short_of(self) -> dict[str, float]:
+        """Error estimates of the indentation that are larger than is allowed, by method.
+
+        The stated error also contains the error by which cells represent the face, which the
+        difference to a coarser solution does not. If edges of the contact move, both may be twice
+        as large as `rtol`, as in the verdict.
+        """
+        allowed = allowed_error(self.scene.problem)
+        short = {}
+        for name, solution in self.solutions.items():
+            error = solution.error_estimate
+            if "indentation" in solution.errors:
+                error = max(error, solution.greatest_error("indentation"))
+            if error > allowed:
+                short[name] = error
+        return short
+
+    def gives(self, *quantities: str) -> bool:
+        """Return whether some method computes all of these quantities."""
+        return bool(set.intersection(*(set(self.by_method(name)) for name in quantities)))
+
+    @property
+    def has_inside(self) -> bool:
+        """Whether fields inside the half-space are wanted and finite elements can compute them.
+
+        If the contact changes, they need a history by finite elements.
+        """
+        problem, fem = self.scene.problem, self.solutions.get("fem")
+        wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
+        if not wanted or fem is None or fem.half_space is None:
+            return False
+        return problem.full_contact or fem.march is not None
+
+    def inside(self) -> Interior:
+        """Compute displacements and stresses inside the half-space, once.
+
+        This takes as long as the contact problem.
+        """
+        return self._inside
+
+    @cached_property
+    def _inside(self) -> Interior:
+        LOG.info("  output  computing the inside of the half-space ...")
+        return interior(self.scene, self.solutions["fem"])
+
+    @cached_property
+    def coordinates(self) -> dict[str, Array]:
+        """Times, radii and rings, by their names in the dataset."""
+        return {str(name): values.values for name, values in self.dataset.coords.items()}
+
+    def reported(self, method: str) -> dict[str, Array]:
+        """Return the quantities of a method and the coordinates, by their names in the dataset."""
+        return report(self.dataset, method)
+
+    def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
+        """Return a quantity by the name of each method that computes it, at all or some times."""
+        return by_method(self.dataset, quantity, times)
+
+    @cached_property
+    def field_comparisons(self) -> tuple[FieldComparison, ...]:
+        """Differences of other methods from the reference in fields; the drawn one comes first."""
+        if not self.compared_in_fields:
+            return ()
+        problem, (first, *others) = self.scene.problem, self.compared_in_fields
+        reports = (self.reported(name) for name in others)
+        compared = (
+            compare_fields(problem, (first, name), self.reported(first), report)
+            for name, report in zip(others, reports, strict=True)
+        )
+        return tuple(comparison for comparison in compared if comparison.fields)
+
+    def first(self, quantity: str) -> Array:
+        """Return a quantity by the first method that computes it; NaN if none does."""
+        return next(iter(self.by_method(quantity).values()), np.asarray(np.nan))
+
+    @cached_property
+    def between(self) -> tuple[str, dict[str, Array]]:
+        """The first method with values between the times of the scene, and these values.
+
+        The values are quantities by name, in the scene's units. If no method has such values, the
+        name is empty, and the values are the report of the first method that computes profiles.
+        """
+        problem = self.scene.problem
+        later = problem.times[problem.distances > 0]
+        for name, solution in self.solutions.items():
+            wear, march = solution.wear, solution.march
+            if problem.march != "modal" or not len(later):
+                continue
+            if wear is not None:
+                # times that are dense enough on a linear and on a logarithmic axis
+                times = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
+                history, compliance = wear.modal(np.append(0.0, times)), wear.compliance
+            elif march is not None:
+                history, compliance = march.between, march.face.compliance
+                # leave out times before the first one of the scene, except the start
+                history = history[(history.times == 0) | (history.times >= later[0])]
+            else:
+                continue
+            values = Sampler(problem, compliance.space, compliance).history(history)
+            time = {"time": values["time"] * problem.units.time}
+            return name, self.reported(name) | in_units(problem, values) | time
+
+        first = next(iter(self.by_method("profile")), self.coordinates["solver"][0])
+        return "", self.reported(first)
+
+    def error(self, quantity: str) -> float:
+        """Return the greatest relative error estimate of a quantity, over methods and times.
+
+        Raises
+        ------
+        SceneError
+            if no method has an error estimate of it
+        """
+        variables = arrays(self.dataset)
+        estimates = variables.get(error_name(str(quantity)))
+        if estimates is None:
+            with_estimate = [name for name in variables if error_name(name) in variables]
+            otherwise = f"give one of those in dataset: {', '.join(with_estimate)}"
+            hint = did_you_mean(quantity, with_estimate, otherwise)
+            raise SceneError(f"there is no error estimate of {shown(quantity)}{hint}")
+        # NaN where a method has no value
+        return float(np.fmax.reduce(estimates.values, axis=None))
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The content of `summary.json`: verdict, cost, error estimates, scope and notes."""
+        return summary(self) if self.saved is None else self.saved
+
+    def __repr__(self) -> str:
+        """Return the answer in a few lines, the verdict, and warnings."""
+        return "\n".join(self._account.brief)
+
+    def _repr_html_(self) -> str:
+        """Return the answer, the verdict and one figure as HTML, for notebooks."""
+        text = f"<pre>{escape(repr(self))}</pre>"
+        if not self._pictures:
+            return text
+        from ...figures.style import html_of
+
+        return text + html_of(self.plot())
+
+    @property
+    def _pictures(self) -> "Sequence[Picture]":
+        """The figures that can be drawn from the results."""
+        from ...figures.catalogue import PICTURES
+
+        return [picture for picture in PICTURES if picture.drawn_for(self)]
+
+    @property
+    def plots(self) -> tuple[str, ...]:
+        """The figures that `plot` can draw of these results."""
+        return tuple(picture.name for picture in self._pictures)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What the command prints below the verdict.
+
+        These are warnings, anchors that do not hold, disagreements, and what is undecided, with
+        reasons and remedies; errors above `rtol`; and notes.
+        """
+        return tuple(self._account.remarks)
+
+    @property
+    def _account(self) -> Account:
+        """All texts about the results."""
+        return Account(self)
+
+    def __getitem__(self, quantity: str) -> "xarray.DataArray":
+        """Return a quantity or a coordinate of `dataset`.
+
+        Raises
+        ------
+        SceneError
+            if there is none of that name; the message suggests the nearest name
+        """
+        if quantity not in self.dataset.variables:
+            names = [str(name) for name in self.dataset.variables]
+            otherwise = f"give one of {', '.join(names)}"
+            if quantity in METHODS:
+                otherwise = f"write result.dataset.sel(solver={quantity!r}), or {otherwise}"
+            word = SYMBOLS.get(str(quantity), str(quantity))
+            hint = did_you_mean(word, () if quantity in METHODS else names, otherwise)
+            raise SceneError(f"no {shown(quantity)} in these results{hint}")
+        return self.dataset[quantity]
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> object:
+            """Raise an AttributeError that says what to write instead."""
+            return missing_attribute(self, name, f"a result has no {name!r}{_instead_of(name)}")
+
+    def plot(self, kind: str = "") -> "Figure":
+        """Draw a figure.
+
+        Parameters
+        ----------
+        kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
+            ``"difference"``, ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default
+            the first of these that can be drawn
+
+        Raises
+        ------
+        SceneError
+            if the results have no such figure; the message lists the available ones
+        """
+        from ...figures.style import picture_of
+
+        return picture_of(self._pictures, kind).figure(self)
+
+    def save(self, folder: str | Path) -> list[str]:
+        """Write the files of ``ringwear run --out folder``; return their names.
+
+        Raises
+        ------
+        SceneError
+            if the folder cannot be written to, or contains other files with these names
+        RingwearError
+            if a figure cannot be drawn
+        """
+        from ...figures.catalogue import PICTURES
+        from ...report.page import show
+
+        files = {*RUN_FILES, *(picture.file for picture in PICTURES)}
+        with output_folder(folder, "run", files) as out:
+            write_numbers(self.dataset, self.summary, out.hidden)
+            if failures := show(self, self._account, PICTURES, out.hidden, page=True):
+                raise RingwearError("; ".join(failures))
+        return out.written
+
+
+def methods_with_fields(dataset: "xarray.Dataset") -> tuple[str, ...]:
+    """Return methods that compute the same fields: the reference, the one drawn, and the others.
+
+    The first method is the reference. The figure of the difference shows finite elements if they
+    have the fields, else the second method.
+    """
+    for fields in (OVER_TIME, IN_STEADY_STATE):
+        methods = {method: None for name in fields for method in by_method(dataset, name)}
+        if len(methods) > 1:
+            first, *others = (name for name in dataset["solver"].values if name in methods)
+            return str(first), *sorted(map(str, others), key=lambda name: name != "fem")
+    return ()
+
+
+def _instead_of(name: str) -> str:
+    """Return what to write instead of an attribute that a result does not have."""
+    if replacement := OF_RESULTS.get(name):
+        return f": write result.{replacement}"
+    public = [each for each in dir(Result) if not each.startswith("_")]
+    public += [each for each in Result.__dataclass_fields__ if each not in public]
+    if suggestion := nearest(name, public, 0.8):
+        return f": did you mean result.{suggestion}?"
+    names = [*DESCRIBED, "time", "radius", "solver"]
+    if suggestion := nearest(SYMBOLS.get(name, name), names):
+        return f": write result.dataset.{suggestion}"
+    return f"; it has {', '.join(public)}"

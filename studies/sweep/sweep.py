@@ -1,0 +1,215 @@
+"""Compute scenes over axes of scene keys: the unfinished blocks of a store, or all in memory."""
+
+import time
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import xarray
+
+from ...meshes import SceneError
+from ..crosscheck import (
+    LOG,
+    Scene,
+    TomlTable,
+    cores,
+    dotted,
+    listed,
+    lock_folder,
+    named_folder,
+    naming_arguments,
+    plain,
+    shown,
+)
+from .axes import Sweep
+from .blocks import compute_blocks
+from .extra import require
+from .memory import InMemory
+
+if TYPE_CHECKING:
+    from .store import Store
+
+
+@naming_arguments
+def sweep(
+    scene: Scene | str | Path | Mapping[str, object],
+    axes: Mapping[str, object] | None = None,
+    store: str | Path | None = None,
+    executor: Executor | None = None,
+    *,
+    keep: Sequence[str] | str | None = None,
+    zip: Mapping[str, object] | None = None,
+    random: Mapping[str, object] | None = None,
+    methods: Sequence[str] | str | None = None,
+    workers: int | None = None,
+    memory: float | None = None,
+    resume: bool = False,
+    retry_failed: bool = False,
+) -> xarray.Dataset:
+    """Compute many scenes over axes of scene keys, and write them to one store.
+
+    Parameters
+    ----------
+    scene : base scene, of which the other scenes are variants: a Scene, a bundled name, a file or
+        nested dictionaries; without axes, a sweep file or the name of a bundled sweep
+    axes : values of scene keys such as ``"punch.rings"``, named as in `Scene.changed`: a list or an
+        array, ``{"linspace": [...]}`` or ``{"geomspace": [first, last, count]}``. The sweep has all
+        combinations of the values of all axes
+    store : directory of the store, which is readable while it grows; by default results stay in
+        memory
+    executor : what computes blocks of scenes, such as an executor of `concurrent.futures`, of MPI,
+        or ``client.get_executor()`` on a Dask cluster; by default processes on this machine
+    keep : names of the quantities to keep; by default all quantities that do not depend on radius
+        or ring
+    zip : values of scene keys that vary together, along one dimension
+    random : ``count``, ``seed``, and the values or range that each key is drawn from
+    methods : methods, instead of those of the base scene
+    workers : number of processes on this machine (default: the number of its cores); a sweep that
+        takes seconds starts none
+    memory : memory in GiB that all processes on this machine may use together (default: all memory
+        of the machine); scenes that need more stay pending
+    resume : whether to continue the sweep in the directory
+    retry_failed : whether to continue it, and to compute failed scenes again
+
+    Returns
+    -------
+    xarray.Dataset
+        Its dimensions are the axes, followed by solver, time and so on. It contains the quantities
+        to keep, in the units of the scenes, the relative error estimate of each method
+        (``<quantity>_error``), and `status` (1 done, 2 failed) and `reason` of each scene.
+
+    Raises
+    ------
+    SceneError
+        if the axes or the base scene are invalid, or if a base scene with functions
+        (`with_heights`) is to be stored or sent to other processes; a single scene that fails
+        raises nothing
+    SolverError
+        if workers cannot start or are lost; finished blocks are in the store
+
+    Examples
+    --------
+    The five fastest of 500 designs, by the depth that wears off in the steady state:
+
+    >>> designs = {"count": 500, "seed": 1, "punch.width_ratio": {"geomspace": [0.2, 5.0]}}
+    >>> designs |= {"punch.wear_ratio": {"geomspace": [0.1, 10.0]}}
+    >>> rates = sweep("five_rings", random=designs, keep="steady_wear_rate", methods="direct")
+    >>> best = rates.steady_wear_rate.squeeze("solver").to_series().nlargest(5)
+    """
+    if isinstance(store, list | tuple):
+        raise SceneError(
+            f"store = {shown(store)}: write keep={shown(store)} for quantities to keep"
+        )
+    plan = planned(scene, axes, keep, zip, random, methods)
+    processes = executor is not None or (isinstance(workers, int) and workers > 1)
+    if plan.heights and (store is not None or processes):
+        raise SceneError(
+            "a sweep of a scene with functions of with_heights runs only in memory and in one "
+            "process: leave out `store`, `executor` and `workers`, or give the heights by "
+            "punch.profile = { kind = 'table', ... }"
+        )
+    return compute(plan, store, executor, workers, memory, resume, retry_failed)
+
+
+def compute(
+    plan: Sweep,
+    store: str | Path | None,
+    executor: Executor | None,
+    workers: int | None = None,
+    memory: float | None = None,
+    resume: bool = False,
+    retry_failed: bool = False,
+) -> xarray.Dataset:
+    """Compute the unfinished blocks of a sweep; return the dataset of all blocks.
+
+    The arguments are those of `sweep`.
+    """
+    count = cores() if workers is None else workers
+    if not isinstance(count, int) or count < 1:
+        raise SceneError(f"workers = {shown(workers)}: give a whole number, 1 or more")
+    folder = None if store is None else named_folder(store)
+    with nullcontext() if folder is None else lock_folder(folder):
+        results = InMemory(plan) if folder is None else _store(plan, folder, resume or retry_failed)
+        blocks, start = results.unfinished(retry_failed), time.perf_counter()
+        # functions are in the memory of this process only
+        count = 1 if plan.heights else count
+        computed = compute_blocks(plan, blocks, results.blank, executor, count, memory)
+        for done, (number, values) in enumerate(computed, 1):
+            results.write(number, values)
+            seconds_left = (time.perf_counter() - start) / done * (len(blocks) - done)
+            estimate = f", about {seconds_left:.0f} s left ..." if seconds_left else ""
+            LOG.info("   sweep  %d of %d blocks%s", done, len(blocks), estimate)
+        return results.dataset()
+
+
+def _store(plan: Sweep, folder: Path, resume: bool) -> "Store":
+    """Open the store in a folder, or create it.
+
+    Raises
+    ------
+    SceneError
+        if the extra `sweep` is not installed, or if the store is that of another sweep
+    """
+    require(("zarr",), "the store of a sweep")
+    from .store import Store
+
+    return Store(plan, folder, resume)
+
+
+def planned(
+    scene: Scene | str | Path | Mapping[str, object],
+    axes: Mapping[str, object] | None = None,
+    keep: Sequence[str] | str | None = None,
+    zip: Mapping[str, object] | None = None,
+    random: Mapping[str, object] | None = None,
+    methods: Sequence[str] | str | None = None,
+) -> Sweep:
+    """Return the scenes of a sweep; the arguments are those of `sweep`.
+
+    Raises
+    ------
+    SceneError
+        if the axes or the base scene are invalid
+    """
+    chosen = None if methods is None else listed(methods)
+    if axes is None and zip is None and random is None and isinstance(scene, str | Path):
+        return Sweep.load(scene, chosen, None if keep is None else listed(keep))
+    base = _table_of(scene) if isinstance(scene, Scene) else scene
+    table = {
+        "base": str(base) if isinstance(base, Path) else base,
+        "keep": None if keep is None else listed(keep),
+        "axes": _by_key(axes),
+        "zip": _by_key(zip),
+        "random": _by_key(random),
+    }
+    given = {name: value for name, value in table.items() if value is not None}
+    return Sweep.of(given, methods=chosen)
+
+
+def _by_key(axes: Mapping[str, object] | None) -> TomlTable | None:
+    """Return axes in the form of sweep files: scene keys with dots, and lists of values."""
+    if axes is None:
+        return None
+    if not isinstance(axes, Mapping):
+        raise SceneError(f"axes = {shown(axes)}: write sweep(scene, {{'punch.rings': [2, 4, 8]}})")
+    return {dotted(key): _as_list(values) for key, values in axes.items()}
+
+
+def _as_list(values: Any) -> object:
+    if isinstance(values, range | tuple):
+        return list(values)
+    if isinstance(values, Mapping):
+        return {key: plain(entry) for key, entry in values.items()}
+    # arrays of xarray have their numbers in `values`
+    values = getattr(values, "values", values)
+    return values.tolist() if hasattr(values, "tolist") else values
+
+
+def _table_of(scene: Scene) -> TomlTable:
+    """Return a scene as nested dictionaries, including the functions of `with_heights`."""
+    table = scene.table()
+    if scene.punch.heights:
+        table["punch"]["heights"] = scene.punch.heights
+    return table

@@ -1,0 +1,124 @@
+"""Sweeps whose blocks are computed by executors, by processes of this machine and by threads."""
+
+import subprocess
+import sys
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+
+import pytest
+import xarray
+from test_sweep_faults import AXES, BASE, KEEP
+
+from ringwear import SceneError, SolverError, run, sweep
+from ringwear.studies.sweep.processes import Processes, WorkerDiedError
+
+# a script that starts processes, and does not guard against being imported by them
+SCRIPT = """
+import ringwear
+from ringwear.studies.sweep import blocks
+blocks.GREATEST_MEMORY_FRACTION = 0.0
+print("begun")
+scene = ringwear.Scene.load("five_rings").changed(accuracy__rtol=1e-1)
+found = ringwear.sweep(scene, {"punch.rings": [2, 3, 4, 5, 6, 7, 8, 9, 10]}, keep="indentation",
+                       methods="mdr", workers=2)
+print(int((found["status"] == 1).sum()))
+"""
+
+
+@pytest.fixture(scope="module")
+def here():
+    return sweep(BASE, AXES, keep=KEEP, workers=1)
+
+
+def test_threads_compute_what_this_process_computes(here):
+    with ThreadPoolExecutor(2) as executor:
+        there = sweep(BASE, AXES, executor=executor, keep=KEEP)
+    xarray.testing.assert_identical(there, here)
+
+
+class Counting(Executor):
+    """An executor that computes at once, and counts how many tasks wait for their results."""
+
+    def __init__(self, workers):
+        self._max_workers, self.tasks = workers, 0
+
+    def submit(self, function, *arguments):
+        self.tasks += 1
+        future = Future()
+        future.set_result(function(*arguments))
+        return future
+
+
+def test_an_executor_gets_a_task_for_each_block(here):
+    executor = Counting(2)
+    xarray.testing.assert_identical(sweep(BASE, AXES, executor=executor, keep=KEEP), here)
+    assert executor.tasks == 3
+
+
+class Broken(Counting):
+    def submit(self, *_):
+        future = Future()
+        future.set_exception(BrokenExecutor("a process has died"))
+        return future
+
+
+def test_an_executor_that_is_lost_is_reported():
+    with pytest.raises(SolverError, match=r"lost a worker.*--resume"):
+        sweep(BASE, AXES, executor=Broken(1), keep=KEEP)
+
+
+def test_a_script_need_not_guard_against_its_processes(tmp_path):
+    """It is not run again by each process; nothing but its own lines is printed."""
+    (tmp_path / "script.py").write_text(SCRIPT)
+    done = subprocess.run(
+        [sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    assert done.stderr == ""
+    assert done.stdout.split() == ["begun", "9"]
+
+
+def test_a_task_that_kills_its_process_says_so_and_others_go_on():
+    with Processes(1, memory=2**40) as processes:
+        dies = processes.submit(sys.exit, 1)
+        # an exit of a task is an error of the task; the process goes on
+        assert isinstance(dies.exception(60), SystemExit)
+        assert isinstance(processes.submit(_end).exception(60), WorkerDiedError)
+        assert processes.submit(abs, -3).result(60) == 3
+
+
+def test_a_process_that_needs_too_much_memory_is_ended():
+    with Processes(1, memory=2**29) as processes:
+        assert processes.submit(abs, -3).result(60) == 3
+        assert isinstance(processes.submit(_allocate).exception(60), WorkerDiedError)
+
+
+def _end():
+    import os
+
+    os._exit(1)
+
+
+def _allocate():
+    import time
+
+    filled = b"x" * 2**30
+    time.sleep(60)
+    return len(filled)
+
+
+def test_numbers_of_the_answer_are_those_of_a_run():
+    """All names that `summary.json` has can be kept."""
+    keep = ["indentation_start", "time_to_90", "force_share", "worn_volume", "pressure_min"]
+    scene = BASE.changed(methods=["mdr"], accuracy__rtol=1e-3)
+    swept = sweep(scene, {"punch.wear_ratio": [3.0]}, keep=keep).isel(wear_ratio=0, solver=0)
+    answer = run(scene.changed({"punch.wear_ratio": 3.0})).answers["mdr"]
+    for name in keep:
+        assert (abs(swept[name].values / answer[name] - 1) < 2e-3).all()
+        assert f"{name}_error" in swept
+
+
+def test_every_wrong_name_is_named():
+    with pytest.raises(SceneError) as refusal:
+        sweep(BASE, AXES, keep=["indentatoin", "steady_rms_slope", "worn_volum", "x"])
+    line = str(refusal.value)
+    assert line.startswith("keep has 'indentatoin', 'worn_volum', 'x', no quantities")
+    assert "did you mean 'indentation', 'worn_volume'?" in line
