@@ -56,7 +56,7 @@ def spherical_bessel(s: Array, count: int) -> Array:
     return out
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=128)
 def line_energy(ground: Ground) -> Array:
     """Return the matrix I + K (J, J) on ``sqrt(4j + 1) P_2j(x)``, j < J.
 
@@ -73,14 +73,14 @@ def line_energy(ground: Ground) -> Array:
     return np.asarray(np.eye(count) + (transforms * layer_weights) @ transforms.T)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=128)
 def line_energy_modes(ground: Ground) -> tuple[Array, Array]:
     """Return the eigenvalues (J,) of I + K and its eigenvectors (J, J), in the same basis."""
     values, vectors = np.linalg.eigh(line_energy(ground))
     return values, vectors
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=128)
 def flat_series(ground: Ground) -> tuple[float, ...]:
     """Return the coefficients (J,) of ``P_2j(t) / t`` in the pressure of a flat punch.
 

@@ -3,15 +3,19 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
+import numpy as np
+
 from ..crosscheck import DISAGREE, Account, Rows
 from ..figures.scale import Scale
-from .errors import quantity_errors
+from .errors import QuantityError, quantity_errors
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
     from .check import Check
 
 
+# distance from the edge of a ring, over the punch radius, within which a mesh is to be fine
+NEAR_EDGE = 0.05
 # file of the figure of a refinement
 REFINEMENT = "refinement.png"
 
@@ -57,8 +61,8 @@ class CheckAccount(Account):
         """The judgement on the other programs in sentences."""
         lines = list[str]()
         for name in self.check.judged:
-            errors = quantity_errors(self.check.rows_of(name), self.scale)
-            lines += [f"{name}: {line}" for line in (self.judgement_on(name), *map(str, errors))]
+            errors = map(str, self.errors_of(name))
+            lines += [f"{name}: {line}" for line in (self.judgement_on(name), *errors)]
         return lines + self.refinement
 
     @property
@@ -74,17 +78,26 @@ class CheckAccount(Account):
         ]
 
     def mistakes_of(self, program: str) -> list[str]:
-        """Return the mistakes that may explain the errors of a program, the likeliest first."""
-        if not self.check.rows_of(program):
-            return []
-        mistakes = [
-            f"the error looks like {mistake.words} (confidence {mistake.confidence:.0%}). To "
-            f"confirm: {mistake.confirm}"
-            for mistake in self.check.mistakes(program)
-        ]
-        if mistakes or self.check.is_within(program):
-            return mistakes
-        return ["no mistake that was tried explains the error"]
+        """Return sentences on the mistakes that may explain the errors of a program."""
+        return [mistake.words for mistake in self.check.mistakes(program)]
+
+    def errors_of(self, program: str) -> list[QuantityError]:
+        """Return the errors of each quantity of a program."""
+        return quantity_errors(self.check.rows_of(program), self.scale)
+
+    def next_step(self, program: str) -> str:
+        """Return where the error of a program is greatest, and what to do about it."""
+        worst = max(self.errors_of(program), key=lambda each: each.excess)
+        line = f"the {str(worst).partition(' (our')[0]}"
+        place = worst.at_one_radius or worst.place
+        edges = self.scene.problem.ring_edges[1:] * self.scene.problem.units.length
+        near = np.abs(edges - worst.largest.radius).min() < NEAR_EDGE * edges[-1]
+        at_edge = worst.largest.quantity == "pressure" and near
+        return (
+            f"{line}{f', at {place}' if place else ''}"
+            f"{', as with a coarse mesh at an edge' if at_edge else ''}; give two results on finer "
+            "meshes with --refinement: errors of a mesh decrease, and wrong inputs do not"
+        )
 
     def judgement_on(self, program: str) -> str:
         """Return a sentence on whether all quantities of a program are within the allowed error."""
@@ -138,7 +151,7 @@ class CheckAccount(Account):
                 "largest error at one radius": error.at_one_radius,
             }
             for name in check.judged
-            for error in quantity_errors(check.rows_of(name), self.scale)
+            for error in self.errors_of(name)
         ]
 
     def first_figures(self, pictures: Iterable["Picture"]) -> list[str]:

@@ -42,10 +42,9 @@ from ..crosscheck import (
     write_numbers,
 )
 from ..decks.reports import reach_of_deck
+from ..estimate.compared import PRINTED, Comparison
+from ..estimate.diagnose import Diagnosis, diagnose, unexplained
 from ..tables import write_csv
-from .causes.comparison import Comparison
-from .causes.histories import PRINTED
-from .diagnose import Diagnosis, diagnose
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, refinements
@@ -219,8 +218,10 @@ class Check(AnswersGuesses):
     def mistakes(self, program: str | None = None) -> list[Diagnosis]:
         """Try mistakes that may explain the errors, and return these, the likeliest first.
 
-        This takes seconds, because mistakes such as another wear coefficient are tried by solving a
-        changed scene. They are computed once.
+        Each has `words`, which say whether it explains the differences, and what to do next. If no
+        mistake that is known does, the only entry says so, where the errors are greatest, and what
+        to do. This takes seconds, because mistakes are tried by solving changed scenes; they are
+        computed once.
 
         Parameters
         ----------
@@ -231,9 +232,11 @@ class Check(AnswersGuesses):
             if name not in self._mistakes:
                 LOG.info("   check  trying mistakes that may explain the errors of %s ...", name)
                 found = diagnose(self._compared(name), self.decks.get(name))
+                if not found and self.rows_of(name) and not self.is_within(name):
+                    found = [unexplained(self.texts.next_step(name))]
                 self._mistakes[name] = [replace(each, program=name) for each in found]
         mistakes = [mistake for name in names for mistake in self._mistakes[name]]
-        return sorted(mistakes, key=lambda mistake: -mistake.confidence)
+        return sorted(mistakes, key=lambda mistake: -mistake.share)
 
     @cached_property
     def _mistakes(self) -> dict[str, list[Diagnosis]]:
@@ -511,7 +514,7 @@ def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:
 
 def _json_row(row: ErrorAtTime | Diagnosis) -> dict[str, object]:
     """Return a row for JSON, with None for numbers that are not finite."""
-    items = asdict(row).items()
+    items = (asdict(row) | ({"words": row.words} if isinstance(row, Diagnosis) else {})).items()
     return {
         key: value if isinstance(value, str) or np.isfinite(value) else None for key, value in items
     }

@@ -159,6 +159,11 @@ class QuantityError:
         return max(self.rows, key=lambda row: abs(row.error) - row.stated)
 
     @property
+    def excess(self) -> float:
+        """The greatest error beyond our own error estimate."""
+        return abs(self.worst.error) - self.worst.stated
+
+    @property
     def largest(self) -> ErrorAtTime:
         """The error at the time at which the difference at one radius is largest."""
         significant = [row for row in self.rows if abs(row.error) > row.stated]

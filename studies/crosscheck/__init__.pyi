@@ -249,6 +249,7 @@ from .versions import (
     stamp as stamp,
 )
 from .wear.flat_contact import (
+    flat_start as flat_start,
     press_flat as press_flat,
 )
 from .wear.full_contact import (

@@ -12,7 +12,7 @@ import pandas as pd
 from ...meshes import Array, SceneError
 from ..check.tables import OthersResults, read
 from ..crosscheck import LOG, Scene, number_of, shown
-from .measurement import Measurement
+from ..estimate.measurement import Measurement
 
 NoiseInput = float | str | Mapping[str, float | str] | None
 """Standard deviations of the data: one, or several by column. Each is a number in the units of the

@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 
 from ...meshes import Array
-from .measurement import Measurement
+from ..estimate.estimator import Likelihood
+from ..estimate.measurement import Measurement
 from .outcome import Outcome
 from .parameters import REACH
-from .statistics.likelihood import Likelihood
 
 # numbers of values in a further series in time, and in a further profile, and number of times at
 # which profiles and volumes are considered

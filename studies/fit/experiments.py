@@ -17,10 +17,12 @@ from scipy.integrate import solve_ivp
 
 from ...meshes import Array
 from ..crosscheck import Scene
-from .fit import fit_measurements, suitable_model
-from .measurement import Measurement, Predictor
-from .models.flat_histories import FlatHistories
-from .parameters import Parameter, find_parameters
+from ..estimate.measurement import Measurement
+from ..estimate.model import Model
+from ..estimate.modes import FlatHistories
+from ..estimate.parameter import Parameter
+from .fit import fit_measurements
+from .parameters import find_parameters
 from .result import Fit
 
 # standard deviations of the logarithms of true parameters, by section of the scene: wear
@@ -78,13 +80,13 @@ class Experiments:
         return scene, parameters, empty
 
     @cached_property
-    def sharp(self) -> Predictor:
+    def sharp(self) -> Model:
         """The model from which the data come."""
         scene, parameters, empty = self._prepared
         if self.law is not None:
             empty = tuple(replace(each, times=self.law(each.times)) for each in empty)
         rtol = DATA_RTOL if scene.problem.full_contact else DATA_RTOL_MARCH
-        return suitable_model(scene)(scene, parameters, empty, rtol, np.zeros(len(parameters)))
+        return Model.of(scene, parameters, empty, rtol, np.zeros(len(parameters)))
 
     @cached_property
     def _depths_by_other_law(self) -> list[Array]:
@@ -102,13 +104,12 @@ class Experiments:
         measurements: tuple[Measurement, ...],
         rtol: float,
         origin: Array,
-    ) -> Predictor:
+    ) -> Model:
         """Return a model that shares its discretisation or marches with all experiments."""
         if rtol not in self._models:
             zeros = np.zeros(len(parameters))
-            model = suitable_model(scene)
-            self._models[rtol] = model(scene, parameters, measurements, rtol, zeros)
-        predictor: Predictor = self._models[rtol].for_measurements(measurements)
+            self._models[rtol] = Model.of(scene, parameters, measurements, rtol, zeros)
+        predictor: Model = self._models[rtol].for_measurements(measurements)
         return predictor
 
     def conduct(self, seed: int) -> tuple[Array, Fit]:

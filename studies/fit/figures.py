@@ -8,6 +8,7 @@ from scipy.special import ndtri
 
 from ...meshes import Array
 from ..crosscheck import UnitNames
+from ..estimate.measurement import Measurement
 from ..figures.style import (
     FAINT,
     PAGE,
@@ -17,7 +18,6 @@ from ..figures.style import (
     set_logarithmic,
     show_values,
 )
-from .measurement import Measurement
 from .outcome import Outcome
 
 UNIT_KINDS = {

@@ -10,14 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes import Array, SceneError
 from ..crosscheck import LOG, Scene, Source, listed, naming_arguments, shown
-from .data import NoiseInput, read_measurements
-from .measurement import Measurement, Predictor
-from .models.flat_predictor import flat_predictor
-from .models.marched_predictor import marched_predictor
-from .outcome import Estimate
-from .parameters import Parameter, find_parameters
-from .result import Fit
-from .statistics.likelihood import (
+from ..estimate.estimator import (
     MAX_NUMERICAL_ERROR,
     Likelihood,
     Point,
@@ -26,7 +19,14 @@ from .statistics.likelihood import (
     inverse_of_information,
     with_estimated_noise,
 )
-from .statistics.profiles import BetterPointError, Profiles
+from ..estimate.measurement import Measurement
+from ..estimate.model import Model
+from ..estimate.parameter import Parameter
+from ..estimate.profiles import BetterPointError, Profiles
+from .data import NoiseInput, read_measurements
+from .outcome import Estimate
+from .parameters import find_parameters
+from .result import Fit
 from .statistics.residual_tests import residual_tests
 
 if TYPE_CHECKING:
@@ -37,9 +37,6 @@ CONFIDENCE = 0.95
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 # standard deviation of a logarithm above which the interval does not follow from the curvature
 MAX_QUADRATIC_DEVIATION = 0.05
-# a function that returns a predictor, given the scene, the parameters, the measurements, the
-# tolerance, and the coordinates at which it is to be most accurate
-Model = Callable[[Scene, tuple[Parameter, ...], tuple[Measurement, ...], float, Array], Predictor]
 # greatest number of computations of the profiles, which begin anew at each better point
 MAX_RESTARTS = 4
 
@@ -103,11 +100,6 @@ def fit(
     True
     """
     scene = Scene.of(scene)
-    if scene.problem.ground.layered:
-        raise SceneError(
-            "half_space.layers: measurements can be fitted only on a homogeneous half-space; leave "
-            "out the layers and half_space.rigid"
-        )
     names = listed(parameters)
     if wrong := [name for name in names if not isinstance(name, str)]:
         raise SceneError(
@@ -129,7 +121,7 @@ def fit_measurements(
     scene: Scene,
     parameters: tuple[Parameter, ...],
     measurements: tuple[Measurement, ...],
-    model: Model | None = None,
+    model: Callable[..., Model] = Model.of,
 ) -> Fit:
     """Fit parameters to measurements that have been read.
 
@@ -139,10 +131,9 @@ def fit_measurements(
     Parameters
     ----------
     scene : with the times of the data
-    model : returns the predictor for a tolerance and for the coordinates at which it is to be most
-        accurate; by default the one that suits the punch
+    model : returns the model for a tolerance and for the coordinates at which it is to be most
+        accurate
     """
-    model = model or suitable_model(scene)
     rtol, *finer_rtols = RTOLS
     predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
@@ -192,17 +183,6 @@ def fit_measurements(
         rtol=likelihood.predictor.rtol,
         model_error=float(np.abs(error).max()),
     )
-
-
-def suitable_model(scene: Scene) -> Model:
-    """Return the model that suits a punch: modes in full contact, otherwise marches.
-
-    While a force falls, full contact is predicted for the scene, but not for other parameters.
-    """
-    if scene.problem.full_contact and not scene.problem.keeps_contact:
-        return flat_predictor
-    LOG.info("     fit  the contact changes: this takes ten or more marches, about a second each")
-    return marched_predictor
 
 
 def _with_scales(

@@ -8,10 +8,10 @@ import pandas as pd
 
 from ...meshes import Array
 from ..crosscheck import Scene
-from .measurement import Measurement
-from .parameters import Parameter
-from .statistics.likelihood import Likelihood, Point
-from .statistics.profiles import Profiles
+from ..estimate.estimator import Likelihood, Point
+from ..estimate.measurement import Measurement
+from ..estimate.parameter import Parameter
+from ..estimate.profiles import Profiles
 from .statistics.residual_tests import LEVEL, combined
 
 # a parameter is identifiable if both ends of its interval are within this factor of the estimate

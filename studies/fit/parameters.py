@@ -2,12 +2,11 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 
-from ...meshes import Array, SceneError
+from ...meshes import SceneError
 from ..crosscheck import (
     Scene,
     TomlTable,
@@ -18,6 +17,7 @@ from ..crosscheck import (
     kind_of,
     place_of,
 )
+from ..estimate.parameter import Parameter, Reading, Situation, looked_up
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
 # coordinate of another parameter, between minus and plus this
@@ -35,61 +35,28 @@ KEYS = (
     "load.sliding_speed",
 )
 NUISANCES = {
-    "start_time": ("time", "time at which sliding began, by the clock of the data"),
-    "sensor_offset": ("displacement", "reading of the displacement sensor without indentation"),
-    "machine_compliance": ("compliance", "displacement of the machine under a unit force"),
+    "start_time": ("time", "time at which sliding began, by the clock of the data", "start_time"),
+    "sensor_offset": (
+        "displacement",
+        "reading of the displacement sensor without indentation",
+        "offset",
+    ),
+    "machine_compliance": (
+        "compliance",
+        "displacement of the machine under a unit force",
+        "compliance",
+    ),
 }
-"""Unknowns of the rig, each with the kind of its unit and a description."""
+"""Unknowns of the rig, each with the kind of its unit, a description and its field in `Reading`."""
 WEAR = "punch.wear_"
 
 
-@dataclass(frozen=True)
-class Parameter:
-    """One parameter of a fit, described by a coordinate x.
-
-    Its value is ``value exp(x)`` if it is logarithmic, and ``value + scale x`` if not.
-
-    Parameters
-    ----------
-    name : a key of the scene, with the index of a value in brackets if it is one of a list; or a
-        name in `NUISANCES`
-    value : in the scene, in its units; 0 for a nuisance
-    scale : unit of the coordinate if the parameter is not logarithmic, in the units of the scene
-    unit : kind of its unit
-    """
-
-    name: str
-    value: float
-    scale: float
-    unit: str
-
-    @property
-    def logarithmic(self) -> bool:
-        """Whether it is positive, and described by its logarithm."""
-        return self.name not in NUISANCES
-
-    @property
-    def reach(self) -> float:
-        """Greatest absolute value of the coordinate x."""
-        return float(np.log(REACH)) if self.logarithmic else REACH
-
-    @property
-    def wear(self) -> bool:
-        """Whether it is a wear coefficient, or a ratio of two."""
-        return self.name.startswith(WEAR)
-
-    def at(self, x: float) -> float:
-        """Return the value at a coordinate, in the units of the scene."""
-        if self.logarithmic:
-            return float(self.value * np.exp(x))
-        return self.value + self.scale * x
-
-    def written(self, value: float, names: UnitNames) -> str:
-        """Return a value as text, with its unit."""
-        if self.unit == "compliance":
-            unit = "" if names.base is None else f" {names.base[0]}/{names.base[1]}"
-            return f"{value:.4g}{unit}"
-        return names.write(value, self.unit)
+def written(parameter: Parameter, value: float, names: UnitNames) -> str:
+    """Return a value of a parameter as text, with its unit."""
+    if parameter.unit == "compliance":
+        unit = "" if names.base is None else f" {names.base[0]}/{names.base[1]}"
+        return f"{value:.4g}{unit}"
+    return names.write(value, parameter.unit)
 
 
 def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Parameter, ...]]:
@@ -117,10 +84,21 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
     table, parameters = _table(scene), list[Parameter]()
     for name in names:
         if name in NUISANCES:
-            parameters.append(Parameter(name, 0.0, 1.0, NUISANCES[name][0]))
+            parameters.append(
+                Parameter(
+                    name,
+                    partial(_read_differently, NUISANCES[name][2]),
+                    value=0.0,
+                    reach=REACH,
+                    logarithmic=False,
+                    unit=NUISANCES[name][0],
+                    of_scene=False,
+                )
+            )
             continue
         parameters += [
-            Parameter(key, _value(table, key), 1.0, _kind(key)) for key in _expanded(table, name)
+            Parameter(key, key, _value(table, key), unit=_kind(key))
+            for key in _expanded(table, name)
         ]
     all_names = [each.name for each in parameters]
     repeated = {name for name in all_names if all_names.count(name) > 1}
@@ -130,21 +108,9 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
     return scene, tuple(parameters)
 
 
-def scene_at(scene: Scene, parameters: Sequence[Parameter], x: Array) -> Scene:
-    """Return the scene with the values of the parameters at coordinates (m,)."""
-    changes = TomlTable()
-    table = _table(scene)
-    for parameter, coordinate in zip(parameters, x, strict=True):
-        if parameter.name in NUISANCES:
-            continue
-        path, index = _key_and_index(parameter.name)
-        value = parameter.at(float(coordinate))
-        if index is None:
-            changes[path] = value
-        else:
-            values = changes.setdefault(path, list(_lookup(table, path)))
-            values[index] = value
-    return scene.changed(changes) if changes else scene
+def _read_differently(name: str, scene: Scene, reading: Reading, value: float) -> Situation:
+    """Return the reading with another value of one of its fields."""
+    return scene, reading.changed(name, value)
 
 
 def _with_list(scene: Scene) -> Scene:
@@ -206,15 +172,9 @@ def _key_and_index(name: str) -> tuple[str, int | None]:
     return matched[1], None if matched[2] is None else int(matched[2])
 
 
-def _lookup(table: TomlTable, path: str) -> Any:
-    for part in path.split("."):
-        table = table[part] if isinstance(table, dict) and part in table else {}
-    return table
-
-
 def _value(table: TomlTable, name: str) -> float:
     path, index = _key_and_index(name)
-    value = _lookup(table, path)
+    value = looked_up(table, path)
     return float(value if index is None else value[index])
 
 
@@ -231,9 +191,9 @@ def _expanded(table: TomlTable, name: str) -> list[str]:
         if the name cannot be fitted, or if its index is too large
     """
     path, index = _key_and_index(name)
-    if path in KEYS and isinstance(_lookup(table, path), dict) and _lookup(table, path):
+    if path in KEYS and isinstance(looked_up(table, path), dict) and looked_up(table, path):
         path = f"{path}.values"
-    value = _lookup(table, path)
+    value = looked_up(table, path)
     can_be_fitted = path.removesuffix(".values") in KEYS and value != {}
     if can_be_fitted and isinstance(value, list):
         numbers = range(len(value)) if index is None else [index]
@@ -258,7 +218,7 @@ def _why_not_fitted(name: str, table: TomlTable) -> str:
         hint = did_you_mean(word, names, f"give some of {_choices(table)}", "")
         return f"{name} is no key of a scene{hint}"
     path, index = _key_and_index(name)
-    if path in KEYS and index is not None and _lookup(table, path) != {}:
+    if path in KEYS and index is not None and looked_up(table, path) != {}:
         return f"{name}: {path} is one number in the scene: leave out the index"
     if path in KEYS:
         return (
@@ -273,8 +233,8 @@ def _why_not_fitted(name: str, table: TomlTable) -> str:
 
 def _keys_in(table: TomlTable) -> list[str]:
     """Return the keys that can be fitted, in the form that the scene has or can have."""
-    keys = [key for key in KEYS if _lookup(table, key) != {}]
-    two_materials = len(_lookup(table, "punch.wear_coefficients")) == 2
+    keys = [key for key in KEYS if looked_up(table, key) != {}]
+    two_materials = len(looked_up(table, "punch.wear_coefficients")) == 2
     return keys + ["punch.wear_ratio"] * two_materials
 
 

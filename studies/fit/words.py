@@ -6,9 +6,9 @@ import numpy as np
 
 from ...meshes import Array, ring_areas
 from ..crosscheck import UnitNames, running_in
+from ..estimate.estimator import inverse_of_information
 from .outcome import Estimate, Outcome
-from .parameters import REACH
-from .statistics.likelihood import inverse_of_information
+from .parameters import REACH, written
 from .statistics.residual_tests import LEVEL, combined
 
 # least correlation of two parameters that is reported
@@ -38,7 +38,7 @@ def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
     undetermined = {number for combination in fit.combinations for number in combination}
     for number, each in enumerate(fit.found):
         name, parameter = each.parameter.name, each.parameter
-        low, high = (parameter.written(end, names) for end in each.ends)
+        low, high = (written(parameter, end, names) for end in each.ends)
         if (number,) in fit.combinations:
             yield (
                 f"{name} is not identifiable: it has no effect on any of the measured quantities, "
@@ -48,7 +48,7 @@ def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
         elif number in undetermined:
             yield f"{name} is not identifiable: the data do not determine it alone"
         elif each.identifiable:
-            value = parameter.written(each.value, names)
+            value = written(parameter, each.value, names)
             yield f"{name} = {value} (95 %: {low} to {high}){_relative(each)}"
         else:
             yield f"{name} is not identifiable: {_bounds(each, low, high)}"
@@ -86,7 +86,7 @@ def _combinations(fit: Outcome, unit_names: UnitNames) -> Iterator[str]:
         if {"sensor_offset", "machine_compliance"} <= set(names):
             advice = "; data under a force that varies would separate them"
         held = fit.found[combination[-1]]
-        value = held.parameter.written(held.value, unit_names)
+        value = written(held.parameter, held.value, unit_names)
         yield (
             f"{listed} cannot be separated by these data: only a combination of them is known. "
             f"{names[-1]} is held at {value}{advice}"

@@ -15,7 +15,8 @@ from programs import finite_elements, input_of, springs
 
 import ringwear
 from ringwear import Scene, SceneError, check, run
-from ringwear.studies.check.diagnose import Comparison, diagnose
+from ringwear.studies.estimate.compared import Comparison
+from ringwear.studies.estimate.diagnose import diagnose
 
 MESH = {"coarse rim", "coarse mesh", "checkerboard"}
 QUICK = {"methods": ["mdr"], "accuracy": {"rtol": 1e-3}}
@@ -93,7 +94,7 @@ def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor)
     first, *others = in_other_units(column, factor)
     assert (first.name, first.size) == ("units", pytest.approx(factor))
     assert f"the column {column} is {factor:.4g} times ours" in first.words
-    assert all(other.confidence <= 0.7 or other.name in MESH for other in others)
+    assert all(other.share <= 0.7 or other.name in MESH for other in others)
 
 
 @pytest.mark.parametrize("factor", [60.0, 1e3])
@@ -101,7 +102,7 @@ def test_a_column_of_times_in_other_units_cannot_be_told_from_a_wear_coefficient
     """Results depend on the time only as k v t, so that neither may be sure."""
     found = in_other_units("time", factor)
     assert [fault.name for fault in found] == ["units of time", "wear coefficient"]
-    assert all(fault.confidence <= 0.7 for fault in found)
+    assert all(fault.share <= 0.7 for fault in found)
     assert [fault.size for fault in found] == pytest.approx([1 / factor] * 2, rel=0.01)
     assert f"the column time is {factor:.4g} times ours" in found[0].words
 
@@ -110,7 +111,7 @@ def test_a_column_of_radii_in_other_units_is_named():
     first, *others = in_other_units("radius", 1e-3)
     assert (first.name, first.size) == ("units of radii", pytest.approx(1e3))
     assert "the column radius is 0.001 times ours" in first.words
-    assert all(other.confidence <= 0.7 for other in others)
+    assert all(other.share <= 0.7 for other in others)
     with pytest.raises(SceneError, match="the column radius seems to be 1000 times ours"):
         in_other_units("radius", 1e3)
 
@@ -172,8 +173,8 @@ def test_a_single_wrong_input_is_named_and_no_other_is_sure(name):
     scene, changes, cause, size = WRONG[name]
     first, *others = looks(scene, ours(scene, **changes))
     assert (first.name, first.size) == (cause, pytest.approx(size, rel=0.05))
-    assert first.confidence > 0.7
-    assert all(other.confidence <= 0.7 for other in others)
+    assert first.share > 0.7
+    assert all(other.share <= 0.7 for other in others)
 
 
 def flat_start(error):
@@ -193,10 +194,10 @@ def test_the_error_of_a_deck_is_shared_by_its_arc_and_its_mesh(reach, share):
     found = {fault.name: fault for fault in diagnose(flat_start(1.09 / 20), deck_reach=reach)}
     arc = found["truncated half-space"]
     assert arc.size == reach
-    sure = arc.confidence + (found["coarse mesh"].confidence if share < 1 else 0)
-    assert arc.confidence / sure == pytest.approx(share, rel=0.05)
+    sure = arc.share + (found["coarse mesh"].share if share < 1 else 0)
+    assert arc.share / sure == pytest.approx(share, rel=0.05)
     assert all(
-        fault.confidence < 0.3
+        fault.share < 0.3
         for name, fault in found.items()
         if name not in MESH | {"truncated half-space"}
     )
@@ -222,4 +223,4 @@ def test_finite_elements_with_wrong_edges_are_named_despite_their_own_errors():
     given = input_of(THREE).changed(edges=(2.2, 5.5, 8.0))
     first, *others = looks(THREE, finite_elements(given))
     assert (first.name, first.size) == ("ring edges", pytest.approx(1.1, rel=0.03))
-    assert all(other.confidence <= 0.7 or other.name in MESH for other in others)
+    assert all(other.share <= 0.7 or other.name in MESH for other in others)

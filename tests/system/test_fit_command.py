@@ -153,15 +153,22 @@ def test_a_parameter_without_effect_is_named_in_plain_words(measured):
     assert "it has no effect on any of the measured quantities" in line
 
 
-def test_layers_are_refused(tmp_path, capsys):
-    """The model of the fit has no layers, so it would give wrong values without notice."""
-    (tmp_path / "data.csv").write_text("time,indentation\n0,1e-6\n10,2e-6\n")
-    arguments = [
-        str(tmp_path / "data.csv"),
-        "--parameters",
-        "punch.wear_coefficients",
-        "--noise",
-        "1e-8",
-    ]
-    assert main(["fit", "polishing_pad", *arguments, "--out", str(tmp_path / "out")]) == 2
-    assert "half_space.layers" in capsys.readouterr().err
+def test_wear_coefficients_are_fitted_on_layers():
+    """The data are by boundary elements, the model of the fit is the MDR."""
+    layer = {"thickness": 0.3, "youngs_modulus": 0.25, "poisson_ratio": 0.3}
+    scene = ringwear.Scene.load("five_rings").changed(
+        half_space={"youngs_modulus": 1.0, "poisson_ratio": 0.3, "layers": [layer]},
+        wear={"times": np.geomspace(0.01, 5.0, 40).tolist(), "steady": False},
+        punch__wear_coefficients=[1.3, 4.0],
+    )
+    data = ringwear.run(scene, methods=["bem"], rtol=1e-5, quantities=["indentation"]).dataset
+    noise = np.random.default_rng(5).normal(0, 1e-3, 40)
+    table = pd.DataFrame(
+        {"time": scene.wear.times, "indentation": data.indentation.values[0] + noise}
+    )
+    start = scene.changed(punch__wear_coefficients=[1.0, 3.0])
+    found = ringwear.fit(start, table, "punch.wear_coefficients", noise=1e-3).estimates
+    assert found.identifiable.all()
+    for true, row in zip((1.3, 4.0), found.itertuples(), strict=True):
+        assert row.low < true < row.high
+        assert row.high - row.low < 0.05 * true

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import chdtrc, gammaln, ndtr, stdtr
 
 from ....meshes import Array, Indices
-from .likelihood import MAX_NUMERICAL_ERROR, Likelihood
+from ...estimate.estimator import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected
 LEVEL = 0.05
@@ -137,7 +137,7 @@ def _drift_scores(
     stretches = {"drift in t": times / times.max(), "drift in ln t": np.log(positive)}
     parameter_basis = np.linalg.qr(likelihood.slopes(x))[0]
     for name, stretch in stretches.items():
-        direction = likelihood.without_offsets(rates * stretch / likelihood.noise)
+        direction = likelihood.whitened(rates * stretch / likelihood.noise)
         length = np.linalg.norm(direction)
         direction = direction - parameter_basis @ (parameter_basis.T @ direction)
         remaining_length = np.linalg.norm(direction)

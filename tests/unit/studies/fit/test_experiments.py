@@ -8,10 +8,17 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, ring_areas
+from ringwear.studies.estimate.estimator import Likelihood, fix_ineffective_parameters
+from ringwear.studies.estimate.parameter import situation
 from ringwear.studies.fit.experiments import WEAR, Experiments, cases
-from ringwear.studies.fit.models.rig import differences
-from ringwear.studies.fit.parameters import find_parameters, scene_at
-from ringwear.studies.fit.statistics.likelihood import Likelihood, fix_ineffective_parameters
+from ringwear.studies.fit.parameters import find_parameters
+
+
+def differences(model, x, steps):
+    """Return central differences of each measurement, by steps of the coordinates."""
+    ends = [(model.predict(x + shift), model.predict(x - shift)) for shift in np.diag(steps)]
+    columns = [[(a - b) / 2 for a, b in zip(*pair, strict=True)] for pair in ends]
+    return [np.column_stack(each) / steps for each in zip(*columns, strict=True)]
 
 
 def test_worn_volumes_over_k_sum_to_the_work_of_the_load():
@@ -93,7 +100,8 @@ def test_a_table_of_wear_along_the_radius_is_fitted():
     assert result.fits
     for each, true in zip(result.found, truth, strict=True):
         assert abs(each.best - true) < 1.5 * max(each.high - each.best, each.best - each.low)
-    moved = scene_at(result.scene, find_parameters(result.scene, case.names)[1], result.best.x)
+    parameters = find_parameters(result.scene, case.names)[1]
+    moved, _ = situation(result.scene, parameters, result.best.x)
     assert moved.punch.table.values == pytest.approx(result.estimates.value.tolist())
 
 

@@ -11,17 +11,18 @@ import pytest
 from scipy.integrate import quad
 
 from ringwear import Scene, SceneError
-from ringwear.studies.fit.data import read_measurements
-from ringwear.studies.fit.measurement import Measurement
-from ringwear.studies.fit.models.flat_histories import divided_difference
-from ringwear.studies.fit.models.marched_predictor import STENCIL, cubic_weights
-from ringwear.studies.fit.parameters import Parameter, find_parameters, scene_at
-from ringwear.studies.fit.statistics.likelihood import (
+from ringwear.studies.estimate.estimator import (
     Likelihood,
     best_points,
     fix_ineffective_parameters,
 )
-from ringwear.studies.fit.statistics.profiles import Profiles
+from ringwear.studies.estimate.measurement import Measurement
+from ringwear.studies.estimate.model import STENCIL, lagrange
+from ringwear.studies.estimate.modes import divided_difference
+from ringwear.studies.estimate.parameter import Parameter, situation
+from ringwear.studies.estimate.profiles import Profiles
+from ringwear.studies.fit.data import read_measurements
+from ringwear.studies.fit.parameters import find_parameters
 from ringwear.studies.fit.statistics.residual_tests import combined, few_runs, small_differences
 
 SCENE = Scene(
@@ -52,7 +53,7 @@ class Formula:
 
 
 def likelihood_of(model, count):
-    free = tuple(Parameter(f"punch.wear_coefficients[{n}]", 1.0, 1.0, "") for n in range(count))
+    free = tuple(Parameter(f"punch.wear_coefficients[{n}]", None) for n in range(count))
     return Likelihood(model, free, tuple(range(count)))
 
 
@@ -65,7 +66,7 @@ def test_the_key_of_a_list_means_all_of_its_values():
         "load.normal_force.values[0]",
         "load.normal_force.values[1]",
     ]
-    moved = scene_at(scene, parameters, np.array([0.0, np.log(2.0), 0.0, np.log(3.0)]))
+    moved = situation(scene, parameters, np.array([0.0, np.log(2.0), 0.0, np.log(3.0)]))[0]
     assert moved.punch.wear_coefficients == pytest.approx([1e-15, 1e-14])
     assert moved.load_.load_over_time.values == pytest.approx([50.0, 300.0])
 
@@ -104,7 +105,9 @@ def test_every_parameter_that_is_listed_can_be_fitted():
     changed, (ratio,) = find_parameters(pair, ["punch.wear_ratio"])
     assert ratio.value == pytest.approx(5.0)
     assert changed.punch.coefficients == pytest.approx([1e-15, 5e-15])
-    assert scene_at(changed, [ratio], np.array([np.log(2.0)])).punch.wear_ratio == pytest.approx(10)
+    assert situation(changed, [ratio], np.array([np.log(2.0)]))[
+        0
+    ].punch.wear_ratio == pytest.approx(10)
 
 
 def test_a_ratio_needs_two_materials():
@@ -188,7 +191,7 @@ def test_divided_differences_are_integrals():
 def test_a_cubic_is_interpolated_exactly():
     cubic = np.polynomial.Polynomial([1.0, -2.0, 0.5, 3.0])
     for place in (0.0, 0.37, 1.0):
-        assert np.dot(cubic_weights(place), cubic(STENCIL)) == pytest.approx(cubic(place))
+        assert np.dot(lagrange(place), cubic(STENCIL)) == pytest.approx(cubic(place))
 
 
 def test_a_straight_model_has_the_intervals_of_linear_regression():

@@ -1,6 +1,9 @@
-"""The likelihood of measurements with Gaussian noise: best points, and combinations without effect.
+"""Estimate parameters by least squares: best points, covariance, combinations without effect.
 
-The likelihood is described by chi-square, the sum of the squared residuals over the noise.
+The errors of the data are Gaussian, with the covariance ``C = diag(noise^2) + sum_q b_q b_q^T``:
+the values of a series q have a noise each, and an error b_q in common, such as an unknown offset of
+a profile, or the part of a program's error by which all of its pressures are too high. The
+likelihood is described by chi-square, ``r^T C^-1 r`` for residuals r.
 """
 
 from collections.abc import Sequence
@@ -11,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ....meshes import Array
-from ..measurement import Measurement, Predictor
-from ..parameters import Parameter
+from ...meshes import Array
+from .measurement import Measurement
+from .model import Model
+from .parameter import Parameter
 
 # factor on the reach of a parameter within which it is searched, so that a best point at the reach
 # is recognised as such
@@ -28,6 +32,9 @@ NO_EFFECT = 1e-6
 MIN_COMPONENT = 1e-3
 # number of starting points, and standard deviation of the logarithms of all but the first
 STARTS, SCATTER = 4, 1.2
+# least noise that is estimated, over the greatest value: exact data have none, and their residuals
+# are roundoff of the model
+LEAST_NOISE = 1e-9
 # greatest number of iterations that estimate noises from the residuals
 NOISE_ROUNDS = 4
 # greatest allowed numerical error of a prediction, over the noise
@@ -45,8 +52,7 @@ class Point(NamedTuple):
 class Likelihood:
     """Measurements and predictions, in units of the noise.
 
-    Unknown offsets of profiles are removed by an exact projection. n is the number of measured
-    values, m the number of parameters, f the number of free ones.
+    n is the number of measured values, m the number of parameters, f the number of free ones.
 
     Parameters
     ----------
@@ -55,7 +61,7 @@ class Likelihood:
     free : indices of the parameters that are fitted; the others keep the values of the scene
     """
 
-    predictor: Predictor
+    predictor: Model
     parameters: tuple[Parameter, ...]
     free: tuple[int, ...]
 
@@ -71,38 +77,54 @@ class Likelihood:
 
     @cached_property
     def _values(self) -> Array:
-        return np.concatenate([each.values for each in self.measurements]) / self.noise
+        values = np.concatenate([each.values for each in self.measurements])
+        # missing values have an infinite noise
+        return np.asarray(np.where(np.isfinite(self.noise), values, 0.0) / self.noise)
 
     @cached_property
-    def offsets(self) -> Array:
-        """(n, o) orthonormal columns that span the o unknown offsets, in units of the noise."""
-        columns, row = [], 0
+    def common(self) -> tuple[Array, Array]:
+        """The common errors: orthonormal columns (n, o), and the parts (o,) that are removed.
+
+        With the deviation b of a common error along the unit vector e, ``C^-1/2`` in units of the
+        noise is ``1 - (1 - 1 / sqrt(1 + b^2)) e e^T``: a projection if b is infinite.
+        """
+        columns, parts, row = [], [], 0
         for each in self.measurements:
-            if each.has_offset:
+            error, deviation = each.common_error
+            if deviation:
                 column = np.zeros(len(self.noise))
-                column[row : row + len(each.values)] = 1 / each.noise
-                columns.append(column / np.linalg.norm(column))
+                column[row : row + len(each.values)] = error
+                length = float(np.linalg.norm(column)) or 1.0
+                columns.append(column / length)
+                parts.append(1 - 1 / np.sqrt(1 + (deviation * length) ** 2))
             row += len(each.values)
-        return np.array(columns).T if columns else np.zeros((len(self.noise), 0))
+        return np.array(columns).T.reshape(len(self.noise), -1), np.array(parts)
+
+    @property
+    def offsets(self) -> Array:
+        """(n, o) orthonormal columns of the offsets of which nothing is known."""
+        columns, parts = self.common
+        return columns[:, parts == 1]
 
     @property
     def degrees_of_freedom(self) -> int:
         """Number of measured values, minus the numbers of offsets and of free parameters."""
         return len(self.noise) - self.offsets.shape[1] - len(self.free)
 
-    def without_offsets(self, values: Array) -> Array:
-        """Return values (n, ...) in units of the noise, projected to remove the offsets."""
-        return np.asarray(values - self.offsets @ (self.offsets.T @ values))
+    def whitened(self, values: Array) -> Array:
+        """Return values (n, ...) in units of the noise, multiplied by the root of ``C^-1``."""
+        columns, parts = self.common
+        return np.asarray(values - (columns * parts) @ (columns.T @ values))
 
     def residuals(self, x: Array) -> Array:
         """Return measured minus predicted values (n,) at coordinates (m,), over the noise."""
         predicted = np.concatenate(self.predictor.predict(x)) / self.noise
-        return self.without_offsets(self._values - predicted)
+        return self.whitened(self._values - predicted)
 
     def all_slopes(self, x: Array) -> Array:
         """Return the derivatives (n, m) of the predictions at coordinates (m,), over the noise."""
         slopes = np.concatenate(self.predictor.slopes(x)) / self.noise[:, None]
-        return self.without_offsets(slopes)
+        return self.whitened(slopes)
 
     def slopes(self, x: Array) -> Array:
         """Return the derivatives (n, f) by the free parameters, over the noise."""
@@ -114,6 +136,7 @@ class Likelihood:
         fixed: int | None = None,
         value: float = 0.0,
         tolerance: float = TOLERANCE,
+        evaluations: int = MAX_EVALUATIONS,
     ) -> Point:
         """Return the local minimum of chi-square that is reached from a start (m,).
 
@@ -122,6 +145,7 @@ class Likelihood:
         fixed : index of a parameter that is held at a coordinate, if any
         value : that coordinate
         tolerance : relative change of chi-square at which the search ends
+        evaluations : greatest number of evaluations
         """
         x, varied = start.copy(), [number for number in self.free if number != fixed]
         if fixed is not None:
@@ -144,7 +168,7 @@ class Likelihood:
             ftol=tolerance,
             xtol=tolerance,
             gtol=tolerance,
-            max_nfev=MAX_EVALUATIONS,
+            max_nfev=evaluations,
         )
         return Point(completed(solution.x), float(2 * solution.cost))
 
@@ -234,18 +258,20 @@ def with_estimated_noise(likelihood: Likelihood, points: list[Point]) -> Likelih
     for _ in range(NOISE_ROUNDS):
         columns = [each.column for each in likelihood.measurements]
         residuals, row = likelihood.residuals(best.x), 0
-        sums, counts = dict[str, float](), dict[str, int]()
+        sums, counts, least = dict[str, float](), dict[str, int](), dict[str, float]()
         for each in likelihood.measurements:
             series = residuals[row : row + len(each.values)]
             sums[each.column] = sums.get(each.column, 0.0) + float(series @ series)
             counts[each.column] = counts.get(each.column, 0) + len(series)
+            ratio = float(np.abs(each.values).max() / each.noise.max())
+            least[each.column] = max(least.get(each.column, 1e-12), LEAST_NOISE * ratio)
             row += len(series)
         # the fitted numbers are divided among the columns in proportion to their values
         freedom_per_value = max(likelihood.degrees_of_freedom, 1) / len(residuals)
         factors = {
             column: 1.0
             if known
-            else max(np.sqrt(sums[column] / (counts[column] * freedom_per_value)), 1e-12)
+            else max(np.sqrt(sums[column] / (counts[column] * freedom_per_value)), least[column])
             for column, known in zip(
                 columns, [each.noise_known for each in likelihood.measurements], strict=True
             )

@@ -1,4 +1,4 @@
-"""Histories of a flat punch for any wear coefficients on one discretisation, and derivatives.
+"""Solve a flat punch by modes, for any wear coefficients on one discretisation, with derivatives.
 
 The compliance `A` does not depend on wear. With the mass matrix ``K = sum_j c_j K_j`` of the
 pressures, weighted by the wear coefficient, the history obeys ``A p' = d' b - K p`` with ``b . p =
@@ -14,15 +14,25 @@ derivative, divided by -d. Pressures are sums of exponentials, and the integral 
 difference of these. Non-dimensional, in the units of the problem.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from ....mdr import energy
-from ....meshes import Array, Compliance, Indices, ring_of
-from ...crosscheck import BandedCholesky, Modes, Problem, Rings, choose_spaces, covering, every_mode
+from ...mdr import energy
+from ...meshes import Array, Compliance, Indices, PressureSpace, ring_of
+from ..crosscheck import (
+    BandedCholesky,
+    Modes,
+    Problem,
+    Rings,
+    choose_spaces,
+    covering,
+    every_mode,
+    flat_start,
+)
 
 # factor by which the discretisation covers earlier and later times than the data, so that it also
 # suits wear coefficients that are larger or smaller by this factor
@@ -31,6 +41,12 @@ TIME_SPAN = 30.0
 WEAR_RATIO = 10.0
 # modes that contribute less than this part to d(t) are left out of its derivatives
 NEGLIGIBLE = 1e-7
+ALL = ("pressure", "profile", "displacement", "indentation", "normal_force", "worn_volume")
+
+
+@lru_cache(maxsize=512)
+def _basis(space: PressureSpace, radii: bytes) -> csr_matrix:
+    return space.matrix(np.frombuffer(radii))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +96,7 @@ class FlatHistories:
             wear_shapes = [np.tile(row, (2, 1)) for row in np.eye(len(rings.widths))]
         middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
         scene_rings = ring_of(problem.ring_edges, middles)
-        compliance = energy.compliance(choose_spaces(covered).fine)
+        compliance = energy.compliance(choose_spaces(covered).fine, covered.ground)
         return cls(compliance, tuple(wear_shapes), scene_rings)
 
     @cached_property
@@ -105,6 +121,10 @@ class FlatHistories:
         ]
         return np.array(rows)
 
+    def basis(self, radii: Array) -> csr_matrix:
+        """Return the matrix (R, size) from coefficients to values at radii (R,)."""
+        return _basis(self.compliance.space, radii.tobytes())
+
     def wear_shapes_at(self, radii: Array) -> Array:
         """Return the shapes k_j (J, R) at radii (R,)."""
         edges = self.compliance.space.ring_edges
@@ -117,18 +137,25 @@ class FlatHistories:
             ]
         )
 
-    def solve(self, problem: Problem, coefficients: Array, earliest: float) -> "FlatHistory":
+    def solve(
+        self, problem: Problem, coefficients: Array, earliest: float, machine: float = 0.0
+    ) -> "FlatHistory":
         """Return the history under the load of a problem.
 
         Parameters
         ----------
         coefficients : (J,) wear coefficients, over their unit in the problem
         earliest : first sliding distance at which the history is evaluated
+        machine : compliance of the machine. If the indentation is prescribed, that of the punch and
+            the machine together is, which adds ``machine b b^T`` to A. Under a force it only adds
+            to the reading, and has no effect here
         """
         weighted = sum(c * mass for c, mass in zip(coefficients, self.masses, strict=True))
         mass = BandedCholesky(csr_matrix(weighted))
         energy = mass.forward(mass.forward(self.compliance.matrix).T)
         weights = mass.forward(self.compliance.space.weights)
+        if problem.indentation is not None:
+            energy = energy + machine * np.outer(weights, weights)
         steady = weights / (weights @ weights)
         indentation = problem.indentation
         moments = energy @ steady if indentation is None else -indentation * weights
@@ -169,13 +196,25 @@ class FlatHistory:
     steady: Array
     modes: Modes
 
-    def states(self, times: Array) -> tuple[Array, Array, Array]:
-        """Return pressures (T, n), indentations (T,) and forces (T,) at times (T,)."""
+    def states(self, times: Array, step: float = 0.0) -> tuple[Array, Array, Array]:
+        """Return pressures (T, n), indentations (T,) and forces (T,) at times (T,).
+
+        Under a constant load they may have the errors of steps of first order, of which one ends at
+        each of the times. An implicit step h divides the amplitude of a mode with relaxation time T
+        by ``1 + h / T``; between times that are closer than h, the step is their distance. Explicit
+        steps (h < 0) have about the opposite error, also where they would be unstable.
+        """
         state, modes = self.problem.loading.at(times), self.modes
         if self.problem.loading.varies:
             excited = modes.excite(modes.at_knots(self.problem.loading)[state.knot], state)
         else:
-            excited = modes.amplitudes * np.exp(-state.distance[:, None] / modes.relaxation)
+            decay = np.exp(-state.distance[:, None] / modes.relaxation)
+            if step:
+                parts = np.diff(state.distance, prepend=0.0)[:, None]
+                steps = np.clip(parts, 1e-300, abs(step))
+                implicit = np.cumsum(parts * np.log1p(steps / modes.relaxation) / steps, axis=0)
+                decay += np.sign(step) * (np.exp(-implicit) - decay)
+            excited = modes.amplitudes * decay
         pressures = excited @ self.modes.shapes.T
         if self.problem.indentation is not None:
             indentations = np.full(len(times), self.problem.indentation)
@@ -186,13 +225,45 @@ class FlatHistory:
         depth = rate * state.work + pressures @ (self.energy @ self.steady)
         return pressures, depth, state.force
 
+    def sample(
+        self, times: Array, radii: Array, step: float = 0.0, names: Collection[str] = ALL
+    ) -> dict[str, Array]:
+        """Return quantities by name: fields (T, R), numbers (T,), and volumes of rings (T, rings).
+
+        Parameters
+        ----------
+        times, radii : (T,) and (R,)
+        step : of first order, as in `states`
+        names : of the quantities that are wanted
+        """
+        pressures, depths, forces = self.states(times, step)
+        results = {"indentation": depths, "normal_force": forces}
+        unworn = self.problem.loading.at(times).distance == 0
+        if {"profile", "displacement", "worn_volume"} & {*names}:
+            integrals = self.pressure_integrals(pressures, depths)
+            # what is not worn yet is exactly 0, not roundoff
+            integrals[unworn] = 0.0
+            if "worn_volume" in names:
+                results["worn_volume"] = self.worn_volumes(integrals)
+            if len(radii):
+                results["profile"] = self.profiles(integrals, radii)
+                results["displacement"] = depths[:, None] - results["profile"]
+        if "pressure" in names and len(radii):
+            basis = self.punch.basis(radii)
+            results["pressure"] = np.asarray((basis @ self.mass.backward(pressures.T)).T)
+            if unworn.any():
+                # infinite at the rim, so that the space does not contain it
+                start = flat_start(self.punch.compliance)
+                results["pressure"][unworn] = np.outer(forces[unworn], start.pressure_at(radii))
+        return results
+
     def pressure_integrals(self, pressures: Array, depths: Array) -> Array:
         """Return integrals P (T, n) of the pressure over the sliding distance: K P = d b - A p."""
         return np.outer(depths, self.weights) - pressures @ self.energy
 
     def profiles(self, integrals: Array, radii: Array) -> Array:
         """Return worn heights (T, R) from integrals of the pressure (T, n), at radii (R,)."""
-        basis = self.punch.compliance.space.matrix(radii)
+        basis = self.punch.basis(radii)
         wear = self.coefficients @ self.punch.wear_shapes_at(radii)
         return np.asarray((basis @ self.mass.backward(integrals.T)).T * wear)
 
@@ -269,7 +340,7 @@ class FlatHistory:
         -------
         (R, J) array of worn heights, or (rings, J) array of worn volumes
         """
-        punch, space = self.punch, self.punch.compliance.space
+        punch = self.punch
         pressure = self.mass.backward(integral)
         mass_changes = [
             c * (mass @ pressure) for c, mass in zip(self.coefficients, punch.masses, strict=True)
@@ -280,7 +351,7 @@ class FlatHistory:
             by_ring = np.einsum("j,rjn->rn", self.coefficients, punch.volumes)
             direct = np.einsum("j,rjn,n->rj", self.coefficients, punch.volumes, pressure)
             return np.asarray(by_ring @ changes + direct)
-        basis, shapes = space.matrix(radii), punch.wear_shapes_at(radii)
+        basis, shapes = punch.basis(radii), punch.wear_shapes_at(radii)
         wear = self.coefficients @ shapes
         direct = (self.coefficients[:, None] * shapes).T * (basis @ pressure)[:, None]
         return np.asarray(wear[:, None] * (basis @ changes) + direct)

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ....meshes import Array
-from .likelihood import Likelihood, Point
+from ...meshes import Array
+from .estimator import Likelihood, Point
 
 # greatest number of rounds of searches; after the first round, a search begins again if another
 # one has found a point further out

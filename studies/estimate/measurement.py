@@ -1,7 +1,6 @@
-"""Measurements, and the interface of models that predict them."""
+"""Measured numbers, and the errors that they are expected to have."""
 
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -15,14 +14,16 @@ class Measurement:
     Parameters
     ----------
     column : name of the column, without the number of a ring
-    quantity : quantity that a model predicts for it: indentation, normal_force, profile or
-        worn_volume
-    times : (n,) in the units of the scene
+    quantity : quantity that a model predicts for it, such as indentation or worn_volume
+    times : (n,) in the units of the scene; (S,) if there are `means`
     values : (n,) in the units of the scene
-    noise : (n,) standard deviations
+    noise : (n,) standard deviations; infinite for values that are missing
     noise_known : whether the noise was given; otherwise only the ratios of the deviations count
-    radii : (n,) for a profile; None for other quantities
+    radii : (n,) for a profile; (R,) if there are `means`; None for numbers
     ring : index of the ring whose volume is measured, from 0; None for all rings together
+    means : (P, R) weights of the P means over the radii that the values are, at each time in turn,
+        so that n = S P; None for values at the radii themselves
+    bias : standard deviation of the relative error that all values have in common
     """
 
     column: str
@@ -33,11 +34,24 @@ class Measurement:
     noise_known: bool
     radii: Array | None = None
     ring: int | None = None
+    means: Array | None = None
+    bias: float = 0.0
 
     @property
     def has_offset(self) -> bool:
         """Whether all values share an unknown offset, like the heights of a profilometer."""
-        return self.quantity == "profile"
+        return self.quantity == "profile" and self.means is None
+
+    @property
+    def common_error(self) -> tuple[Array, float]:
+        """The error (n,) that all values have in common, over the noise, and its deviation.
+
+        The deviation is infinite for an offset of which nothing is known, and 0 without such an
+        error.
+        """
+        if self.has_offset:
+            return 1 / self.noise, np.inf
+        return self.values / self.noise, self.bias
 
     @property
     def label(self) -> str:
@@ -64,24 +78,3 @@ class Measurement:
     def with_scaled_noise(self, factor: float) -> "Measurement":
         """Return the measurement with its noise multiplied by a factor."""
         return replace(self, noise=self.noise * factor)
-
-
-class Predictor(Protocol):
-    """A model that predicts measurements for coordinates (m,) of the parameters."""
-
-    @property
-    def measurements(self) -> tuple[Measurement, ...]:
-        """The measurements that are predicted."""
-
-    @property
-    def rtol(self) -> float:
-        """The tolerance to which the model is solved."""
-
-    def predict(self, x: Array) -> list[Array]:
-        """Return the values (n,) of each measurement at coordinates (m,)."""
-
-    def slopes(self, x: Array) -> list[Array]:
-        """Return the derivatives (n, m) of each measurement by the coordinates."""
-
-    def for_measurements(self, measurements: tuple[Measurement, ...]) -> "Predictor":
-        """Return the model that predicts other measurements."""

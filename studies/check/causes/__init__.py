@@ -1,1 +1,0 @@
-"""Mistakes that people often make, each as a hypothesis that predicts what the program prints."""

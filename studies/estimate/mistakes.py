@@ -1,0 +1,774 @@
+"""The mistakes that people often make, as one table for each kind of scene.
+
+A row has a name, what is changed and by which values, what the difference looks like, and what the
+user can do to confirm it. Priors are our guesses: of two mistakes that explain the same, the one
+with the higher prior is named first.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ..crosscheck import Scene
+from .compared import Comparison
+from .parameter import Change, Parameter, Reading, Situation
+from .select import Mistake
+
+LENGTHS = ("displacement", "profile", "indentation")
+KINDS = {"lengths": LENGTHS, "pressure": ("pressure",), "normal_force": ("normal_force",)}
+POWERS = tuple(1000.0**power for power in (-3, -2, -1, 1, 2, 3))
+FACTORS = (1e-3, 0.03, 0.1, 0.4, 0.8, 1.25, 2.5, 10.0, 30.0, 1e3)
+# relative error of the start on a clamped half-space, times R / a, by Poisson's ratio (`study
+# truncation`)
+TRUNCATION_ERRORS = ([0, 0.3, 0.45, 0.5], [0.94, 1.09, 1.51, 1.91])
+# greatest number of wear coefficients, and of layers, of which each is considered
+MAX_MATERIALS, MAX_LAYERS, MAX_RINGS = 5, 2, 24
+# greatest relative difference of a fitted factor to a well-known one whose name it is given
+MAX_FACTOR_DIFFERENCE = 0.01
+# spacing of the nodes for mistakes in layers, whose size is known roughly
+COARSE = 0.7
+
+
+# ---- kinds of parameters --------------------------------------------------------------------
+
+
+def factor(change: Change, starts: Sequence[float] = FACTORS, of_scene: bool = False) -> Parameter:
+    """Return a positive factor that is fitted."""
+    reach = math.log(1e9)
+    return Parameter("factor", change, reach=reach, starts=tuple(starts), of_scene=of_scene)
+
+
+def choice(change: Change, *values: float, of_scene: bool = False) -> Parameter:
+    """Return a number that has one of several values."""
+    return Parameter(
+        "choice", change, 0.0, math.inf, logarithmic=False, values=values, of_scene=of_scene
+    )
+
+
+def of_scene(change: Callable[[Scene, float], Scene]) -> Change:
+    """Return a change of the scene, and not of the reading."""
+    return lambda scene, reading, value: (change(scene, value), reading)
+
+
+def of_reading(change: Callable[[Reading, float], Reading]) -> Change:
+    """Return a change of the reading, and not of the scene."""
+    return lambda scene, reading, value: (scene, change(reading, value))
+
+
+def set_reading(name: str) -> Change:
+    """Return a change that sets one field of the reading."""
+    return of_reading(lambda reading, value: reading.changed(name, value))
+
+
+def columns(*names: str) -> Change:
+    """Return a change that multiplies columns of a table."""
+    return of_reading(lambda reading, value: reading.multiplied(value, *names))
+
+
+# ---- changes of a scene ---------------------------------------------------------------------
+
+
+def with_force(scene: Scene, size: float) -> Scene:
+    """Return a scene with its load multiplied by a factor."""
+    for key in ("normal_force", "mean_pressure"):
+        value = getattr(scene.load_, key)
+        if isinstance(value, float | int):
+            return scene.changed({f"load.{key}": value * size})
+        if value is not None:
+            return scene.changed({f"load.{key}": _multiplied(value.model_dump(), size)})
+    return scene
+
+
+def _multiplied(curve: dict[str, list[float]], size: float) -> dict[str, list[float]]:
+    return curve | {"values": [size * each for each in curve["values"]]}
+
+
+def with_modulus(scene: Scene, size: float) -> Scene:
+    """Return a scene with the modulus of the half-space and of all layers multiplied."""
+    if not scene.half_space.layers:
+        modulus = scene.half_space.own_modulus * size
+        return scene.changed({"half_space.plane_strain_modulus": modulus})
+    materials = layer_tables(scene)
+    for each in materials:
+        each["youngs_modulus"] = each.get("youngs_modulus", 1.0) * size
+    return with_layers(scene, materials)
+
+
+def with_radius(scene: Scene, size: float) -> Scene:
+    """Return a scene with the radius of the punch and its rings multiplied."""
+    punch = scene.punch
+    changes: dict[str, Any] = {"punch.radius": punch.radius * size}
+    if punch.ring_edges is not None:
+        changes["punch.ring_edges"] = [size * edge for edge in punch.ring_edges]
+    if punch.inner_radius:
+        changes["punch.inner_radius"] = punch.inner_radius * size
+    if punch.table:
+        table = punch.table.model_dump()
+        table["radii"] = [size * each for each in table["radii"]]
+        changes["punch.wear_coefficient"] = table
+    return scene.changed(changes)
+
+
+def ring_wear(scene: Scene) -> list[float]:
+    """Return the wear coefficient of each ring of a scene."""
+    rings = len(scene.problem.ring_edges) - 1
+    return [float(each) for each in np.resize(scene.punch.coefficients, rings)]
+
+
+def with_wear(scene: Scene, changed: Callable[[float], float]) -> Scene:
+    """Return a scene with a function of each wear coefficient in place of it."""
+    wear = [changed(each) for each in ring_wear(scene)]
+    return scene.changed({"punch.wear_coefficients": wear})
+
+
+def with_wear_of(others: Mapping[float, float], scene: Scene, _: float) -> Scene:
+    """Return a scene with other wear coefficients in place of some."""
+    return with_wear(scene, lambda each: others.get(each, each))
+
+
+def with_wear_times(coefficient: float, scene: Scene, size: float) -> Scene:
+    """Return a scene with one of its wear coefficients multiplied."""
+    return with_wear(scene, lambda each: each * size if each == coefficient else each)
+
+
+def with_step(sign: float, reading: Reading, length: float) -> Reading:
+    """Return a reading with time steps of first order."""
+    return reading._replace(step=sign * length)
+
+
+def with_edges(scene: Scene, size: float) -> Scene:
+    """Return a scene with all edges between rings multiplied, and the rim as it is."""
+    edges = scene.problem.ring_edges[1:] * scene.punch.radius
+    edges[:-1] *= size
+    keys = {"punch.ring_edges": edges.tolist(), "punch.wear_coefficients": ring_wear(scene)}
+    return scene.changed(keys)
+
+
+def layer_tables(scene: Scene) -> list[dict[str, float]]:
+    """Return the tables of the layers of a scene and, last, of the base."""
+    ground = scene.half_space
+    below = {"thickness": 1.0, "poisson_ratio": ground.poisson_ratio}
+    if not ground.rigid:
+        below["youngs_modulus"] = ground.youngs_modulus or (
+            (ground.plane_strain_modulus or 0.0) * (1 - ground.poisson_ratio**2)
+        )
+    return [*(layer.model_dump() for layer in ground.layers), below]
+
+
+def with_layers(scene: Scene, materials: list[dict[str, float]]) -> Scene:
+    """Return a scene with other layers and another base: `layer_tables`."""
+    *layers, base = materials
+    changes: dict[str, object] = {"half_space.layers": layers}
+    if not scene.half_space.rigid:
+        changes["half_space.youngs_modulus"] = base["youngs_modulus"]
+        changes["half_space.poisson_ratio"] = base["poisson_ratio"]
+    return scene.changed(changes)
+
+
+def with_material(place: int, key: str) -> Callable[[Scene, float], Scene]:
+    """Return a change of one number of a layer or of the base: a factor, or Poisson's ratio."""
+
+    def change(scene: Scene, value: float) -> Scene:
+        materials = layer_tables(scene)
+        materials[place][key] = value if key == "poisson_ratio" else materials[place][key] * value
+        return with_layers(scene, materials)
+
+    return change
+
+
+def with_exchanged(places: tuple[int, int], keys: Sequence[str]) -> Callable[[Scene, float], Scene]:
+    """Return a change that exchanges numbers of two layers."""
+
+    def change(scene: Scene, _: float) -> Scene:
+        materials = layer_tables(scene)
+        upper, lower = (materials[place] for place in places)
+        for key in keys:
+            upper[key], lower[key] = lower[key], upper[key]
+        return with_layers(scene, materials)
+
+    return change
+
+
+def with_layer(key: str, scene: Scene, value: float) -> Scene:
+    """Return a scene with a layer of the material of the half-space, and one number multiplied.
+
+    The thickness is that over the punch radius.
+    """
+    if not scene.half_space.layers:
+        (base,) = layer_tables(scene)
+        layer = base | {"thickness": scene.punch.radius}
+        scene = with_layers(scene, [layer, base])
+    return with_material(0, key)(scene, value)
+
+
+# ---- the table ------------------------------------------------------------------------------
+
+
+def mistakes(comparison: Comparison) -> list[Mistake]:
+    """Return the mistakes that could be recognised in results of a scene."""
+    scene, problem = comparison.scene, comparison.scene.problem
+    names = {*comparison.quantities}
+    later = bool((comparison.times[comparison.time_rows] > 0).any())
+    several = len(comparison.time_rows) > 1
+    flat = problem.full_contact and not problem.loading.varies
+    steady_load = not problem.loading.varies
+    by_force = problem.indentation is None
+    bare = not problem.ground.layered
+    written = scene.unit_names.write
+    rows = []
+
+    # the program has another clock
+    if later and steady_load:
+        rows.append(
+            Mistake(
+                "wear coefficient",
+                "a wear coefficient or a sliding speed of {0:.4g} times ours: time runs {0:.4g} "
+                "times as fast",
+                "compare k and v of the input, and their units; with all times multiplied by this "
+                "factor the error disappears",
+                (factor(set_reading("time_scale")),),
+                "time",
+                prior=0.15,
+            )
+        )
+    if later:
+        rows.append(
+            Mistake(
+                "units of time",
+                lambda value: (
+                    f"another unit of time, {value:.4g} times that of the scene: the "
+                    f"column time is {1 / value:.4g} times ours"
+                ),
+                "give the unit of time of the table by --units, or in the heading of its times; a "
+                "wear coefficient or a sliding speed in another unit has the same effect",
+                (choice(set_reading("time_scale"), 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
+                "time",
+                prior=0.15,
+            )
+        )
+    if several:
+        last = float(comparison.times.max())
+        rows.append(
+            Mistake(
+                "late start",
+                lambda start: (
+                    f"a history that starts too late, at about t = {written(start, 'time', 3)}"
+                ),
+                "subtract this from all times: the error disappears",
+                (
+                    Parameter(
+                        "start",
+                        set_reading("start_time"),
+                        0.1 * last,
+                        math.log(10),
+                        starts=tuple(last * part for part in (0.02, 0.1, 0.3, 0.6)),
+                        of_scene=False,
+                    ),
+                ),
+                "late",
+            )
+        )
+    if several and flat:
+        longest = float(np.diff(comparison.times, prepend=0.0).max())
+        for kind, sign in (("implicit", 1.0), ("explicit", -1.0)):
+            rows.append(
+                Mistake(
+                    "first-order time step",
+                    partial(_steps_in_words, kind, written),
+                    "compute with half the time step: the error is halved",
+                    (
+                        Parameter(
+                            "step",
+                            of_reading(partial(with_step, sign)),
+                            longest / 20,
+                            math.log(20 * last / longest),
+                            of_scene=False,
+                        ),
+                    ),
+                    "step",
+                )
+            )
+
+    # the program solves another scene
+    if flat and by_force:
+        rows.append(
+            Mistake(
+                "normal force",
+                "a load of {0:.4g} times ours, which multiplies all results",
+                "compare the sum of 2 pi r p dr with the load of the scene",
+                (factor(of_scene(with_force), of_scene=True),),
+                "load",
+                prior=0.05,
+            )
+        )
+        known = force_factors(problem.units.length)
+        rows.append(
+            Mistake(
+                "force per length",
+                lambda value: (
+                    f"a load of {value:.4g} times ours, which multiplies all results: a "
+                    f"force {known[value]}"
+                ),
+                "compare the sum of 2 pi r p dr with the load; look up whether an axisymmetric "
+                "load counts for the whole circumference",
+                (choice(of_scene(with_force), *known, of_scene=True),),
+                "load",
+                "normal force",
+                prior=0.15,
+            )
+        )
+    if flat:
+        rows.append(
+            Mistake(
+                "modulus",
+                "a half-space {0:.4g} times as stiff as ours",
+                "compare the modulus of the input, and F / (2 a E*) with the first indentation",
+                (factor(of_scene(with_modulus), of_scene=True),),
+                "modulus",
+            )
+        )
+    plane = 1 - problem.poisson_ratio**2
+    if flat and bare and abs(problem.poisson_ratio) > 0.1:
+        rows.append(
+            Mistake(
+                "Poisson's ratio",
+                "a half-space {0:.4g} times as stiff as ours: E in place of E/(1 - nu^2), or the "
+                "reverse",
+                "compute with a Poisson's ratio of 0: the error disappears",
+                (choice(of_scene(with_modulus), plane, 1 / plane, of_scene=True),),
+                "modulus",
+                "modulus",
+                prior=0.03,
+            )
+        )
+    if bare:
+        rows.append(
+            Mistake(
+                "radius for diameter",
+                "a punch of {0:g} times the radius: a diameter in place of a radius, or the "
+                "reverse",
+                "look up the radius in the model beyond which pressures are zero",
+                (choice(of_scene(with_radius), 2.0, 0.5, of_scene=True),),
+                "radius",
+                prior=0.06,
+            )
+        )
+    if bare and (flat or by_force):
+        low = float(np.interp(problem.poisson_ratio, *TRUNCATION_ERRORS))
+
+        # a program that prints forces but no displacements prescribes ours, as decks do: its forces
+        # and pressures are then too high, as if the punch were deeper
+        at_our_depth = by_force and "normal_force" in names and not names & {*LENGTHS} - {"profile"}
+
+        def clamped(scene: Scene, reading: Reading, part: float) -> Situation:
+            if at_our_depth:
+                return scene, reading.multiplied(1 + part * low, "pressure", "normal_force")
+            units = scene.problem.units
+            compliance = -part * low / 2 * units.displacement / units.force
+            return scene, reading._replace(ground_compliance=compliance)
+
+        rows.append(
+            Mistake(
+                "truncated half-space",
+                lambda part: (
+                    "a half-space that is clamped at a distance R of about "
+                    f"{1 / part:.4g} radii: "
+                    + (
+                        "all displacements are too low by the same length, about 1.1 a/R of the "
+                        "indentation"
+                        if by_force and not at_our_depth
+                        else "forces are too high for the indentation, the first one by about "
+                        "1.1 a/R"
+                    )
+                ),
+                "compute with a half-space twice as large: the error is halved",
+                (
+                    Parameter(
+                        "a/R",
+                        clamped,
+                        0.02,
+                        math.log(20),
+                        starts=(0.005, 0.05, 0.2),
+                        of_scene=False,
+                    ),
+                ),
+                "truncation",
+                prior=0.1,
+                of_mesh=True,
+                size=lambda part: 1 / part,
+            )
+        )
+    rows += wear_mistakes(scene, later)
+    if flat and by_force and bare:
+        unit = min(max(2 * problem.units.length, 1e-6), 1e6)
+        depth = problem.units.displacement
+
+        def lower(scene: Scene, reading: Reading, value: float) -> Situation:
+            # the depth of the body is not known, and adds a constant in proportion to the force
+            offset = value * scene.problem.units.displacement / depth
+            return scene, reading._replace(offset=offset)
+
+        rows.append(
+            Mistake(
+                "plane strain",
+                lambda force, _: (
+                    "a strip in plane strain in place of an axisymmetric punch, under "
+                    f"a force per length of {force / (2 * problem.units.length):.3g} F (mean "
+                    f"pressure: {force * math.pi / 4:.3g} times ours)"
+                ),
+                "look up whether the element type is axisymmetric, and the load that of the whole "
+                "circle; in plane strain the indentation grows with the logarithm of the depth of "
+                "the mesh",
+                (
+                    factor(in_plane_strain, (1.0, 4 / math.pi, unit), of_scene=True),
+                    Parameter(
+                        "depth",
+                        lower,
+                        0.0,
+                        1e3,
+                        logarithmic=False,
+                        scale=depth,
+                        starts=(0.5 * depth, 2.0 * depth),
+                        of_scene=False,
+                    ),
+                ),
+                "ground",
+                prior=0.05,
+            )
+        )
+        if problem.poisson_ratio < 0.5:
+            rows.append(
+                Mistake(
+                    "layer",
+                    lambda thick, stiff: (
+                        f"a {'soft' if stiff < 1 else 'stiff'} layer on the "
+                        f"half-space, about {thick:.2g} a thick and {stiff:.2g} times as stiff as "
+                        "the half-space, which the scene does not have"
+                    ),
+                    "compute with a homogeneous half-space, and compare indentation and pressures",
+                    tuple(
+                        Parameter(
+                            key,
+                            of_scene(partial(with_layer, key)),
+                            value,
+                            COARSE * number,
+                            starts=tuple(value * math.exp(COARSE * node) for node in nodes),
+                            spacing=COARSE,
+                        )
+                        for key, value, number, nodes in (
+                            ("thickness", 0.28, 3, (-1, 1)),
+                            ("youngs_modulus", 0.5, 4, (-3, -1, 2, 3)),
+                        )
+                    ),
+                    "ground",
+                    prior=0.03,
+                    size=lambda _, stiff: stiff,
+                )
+            )
+    if flat and not bare:
+        rows += layer_mistakes(scene)
+    if not problem.full_contact and bare:
+        rows += shape_mistakes(scene)
+
+    # the table has other signs, units, or factors
+    for name in names:
+        words = name.replace("_", " ")
+        rows.append(
+            Mistake(
+                f"sign of the {words}",
+                f"an opposite sign of {words}",
+                "compare the sign conventions: p is positive in compression; u, d and f are "
+                "positive into the half-space",
+                (choice(columns(name), -1.0),),
+                f"sign of {name}",
+                prior=0.1,
+            )
+        )
+    lengths = names & {*LENGTHS}
+    kinds = {kind: {*members} & names for kind, members in KINDS.items()}
+    single = [({name}, 0.05, 0.03) for name in sorted(lengths) if len(lengths) > 1]
+    for members, of_units, of_factor in [
+        *((each, 0.06, 0.04) for each in kinds.values() if each),
+        *single,
+    ]:
+        words = " and ".join(name.replace("_", " ") for name in sorted(members))
+        verb = "are" if len(members) > 1 else "is"
+        rows.append(
+            Mistake(
+                "units",
+                lambda value, members=members: (
+                    "other units than ours: "
+                    + ", ".join(f"the column {name} is {value:.4g} times ours" for name in members)
+                ),
+                "give the units of the table by --units, or in the headings of its columns",
+                (choice(columns(*members), *POWERS),),
+                f"factor of {words}",
+                "constant factor",
+                prior=of_units,
+            )
+        )
+        rows.append(
+            Mistake(
+                "constant factor",
+                f"a constant factor: {words} {verb} {{0:.4g}} times ours at all times and radii",
+                "compare the units and the definition of this column with those of the others",
+                (factor(columns(*members)),),
+                f"factor of {words}",
+                prior=of_factor,
+            )
+        )
+    if len(comparison.radii) > 1:
+        greatest = comparison.radii.max() / problem.units.length
+        power = 1000.0 ** -round(math.log10(greatest or 1.0) / 3)
+        rows.append(
+            Mistake(
+                "units of radii",
+                lambda value: (
+                    "radii that are "
+                    + {2.0: "halves of the radii", 0.5: "diameters"}.get(value, "in another unit")
+                    + f": the right ones are {value:.4g} times those of the table: the column "
+                    f"radius is {1 / value:.4g} times ours"
+                ),
+                "compare the greatest radius of the table with punch.radius; give --units",
+                (choice(set_reading("radius_scale"), 2.0, 0.5, *[power] * (power > 1)),),
+                "radius",
+                prior=0.03,
+            )
+        )
+    return rows
+
+
+def _steps_in_words(kind: str, written: Callable[..., str], length: float) -> str:
+    return f"{kind} time steps of first order, about {written(length, 'time', 3)} long"
+
+
+def in_plane_strain(scene: Scene, reading: Reading, value: float) -> Situation:
+    """Return the scene with a load times a factor, solved in plane strain."""
+    return with_force(scene, value), reading._replace(plane_strain=True)
+
+
+def force_factors(radius: float) -> dict[float, str]:
+    """Return descriptions of the ways to enter a load wrongly, by their factor on the force."""
+    divisors = {
+        2 * math.pi: "per radian, 1/(2 pi) of the whole",
+        2 * math.pi * radius: "per length of the rim, 1/(2 pi a) of the whole",
+        math.pi * radius**2: "per area, 1/(pi a^2) of the whole",
+        2 * radius: "per length of the diameter, 1/(2a) of the whole",
+        radius: "per length of the radius, 1/a of the whole",
+        4.0: "of a quarter of the punch",
+        2.0: "of half the punch",
+    }
+    multiplied = {
+        value: f"{words}, but multiplied instead of divided" for value, words in divisors.items()
+    }
+    both = multiplied | {1 / value: words for value, words in divisors.items()}
+    return {value: words for value, words in both.items() if abs(math.log(value)) > 0.06}
+
+
+def wear_mistakes(scene: Scene, later: bool) -> list[Mistake]:
+    """Return mistakes in the wear coefficients and edges of rings."""
+    values, edges = sorted(set(ring_wear(scene))), scene.problem.ring_edges
+    count = len(values)
+    if scene.punch.table or len(edges) > MAX_RINGS + 1 or not later or not count > 1:
+        return []
+    rows = [
+        Mistake(
+            "swapped materials",
+            "swapped wear coefficients of two materials"
+            + (f", {first:.4g} and {second:.4g}" if count > 2 else ""),
+            "look at the latest pressures: they must be greatest on rings that wear least",
+            (
+                choice(
+                    of_scene(partial(with_wear_of, {first: second, second: first})),
+                    1.0,
+                    of_scene=True,
+                ),
+            ),
+            "rings",
+            prior=0.05 if count == 2 else 0.02,
+        )
+        for first, second in combinations(values[:MAX_MATERIALS], 2)
+    ]
+    if count > MAX_MATERIALS:
+        return rows
+    rows += [
+        Mistake(
+            "wear ratio",
+            f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g} is "
+            "{0:.4g} times ours",
+            "compare the wear coefficient of each material; late pressures are inverse to them",
+            (
+                Parameter(
+                    "wear ratio",
+                    of_scene(partial(with_wear_times, value)),
+                    reach=math.log(11),
+                    starts=(0.45, 2.2),
+                ),
+            ),
+            "rings",
+            prior=0.06,
+        )
+        for value in values
+    ]
+    if edges[0] == 0 and (edges[1:-1] * 1.24 < 1).all():
+        rows.append(
+            Mistake(
+                "ring edges",
+                "edges between rings at {0:.4g} times our radii",
+                "compare the radii at which late pressures jump with the ring edges of the scene",
+                (
+                    Parameter(
+                        "edges",
+                        of_scene(with_edges),
+                        reach=0.21,
+                        starts=(math.exp(-0.06), math.exp(0.06)),
+                        spacing=0.06,
+                    ),
+                ),
+                "rings",
+            )
+        )
+    return rows
+
+
+def layer_mistakes(scene: Scene) -> list[Mistake]:
+    """Return mistakes in the layers of a scene."""
+    layers, tables = scene.half_space.layers, layer_tables(scene)
+    base = not scene.half_space.rigid
+
+    def described(place: int) -> str:
+        return f"layer {place + 1}" if place < len(layers) else "the base below the layers"
+
+    def without_layers(scene: Scene, place: float) -> Scene:
+        below = {key: tables[int(place)][key] for key in ("youngs_modulus", "poisson_ratio")}
+        return scene.changed({"half_space": below})
+
+    rows = [
+        Mistake(
+            "layers left out",
+            lambda place: (
+                f"a homogeneous half-space of the material of {described(int(place))}, "
+                "without the layers of the scene"
+            ),
+            "compare the material of the model at each depth with the layers of the scene",
+            (choice(of_scene(without_layers), *range(len(layers) + base), of_scene=True),),
+            "ground",
+            # a layer of the modulus of the base is none
+            "modulus of a layer",
+            prior=0.06,
+            size=lambda place: tables[int(place)]["youngs_modulus"] / tables[0]["youngs_modulus"],
+        )
+    ]
+    if len(layers) > MAX_LAYERS:
+        return rows
+    for place in range(len(layers) + base):
+        keys = ["youngs_modulus", "thickness"][: 1 + (place < len(layers))]
+        for key in keys:
+            words = key.removeprefix("youngs_")
+            rows.append(
+                Mistake(
+                    f"{words} of a layer",
+                    f"a {words} of {described(place)} of {{0:.4g}} times ours",
+                    "compare Young's modulus and the thickness of each layer",
+                    (
+                        Parameter(
+                            key,
+                            of_scene(with_material(place, key)),
+                            reach=math.log(5),
+                            starts=(math.exp(-COARSE), math.exp(COARSE)),
+                            spacing=COARSE,
+                        ),
+                    ),
+                    "ground",
+                )
+            )
+        ratio = tables[place]["poisson_ratio"]
+        ratios = [each for each in (0.0, 0.2, 0.3, 0.4, 0.45, 0.49) if abs(each - ratio) > 0.005]
+        rows.append(
+            Mistake(
+                "Poisson's ratio of a layer",
+                f"a Poisson's ratio of {described(place)} of about {{0:.2g}}",
+                "compare Poisson's ratio of each layer",
+                (choice(of_scene(with_material(place, "poisson_ratio")), *ratios, of_scene=True),),
+                "ground",
+                prior=0.05,
+            )
+        )
+    for places in combinations(range(len(layers) + base), 2):
+        for moved, what in (
+            (("youngs_modulus", "poisson_ratio"), "materials"),
+            (("youngs_modulus",), "moduli"),
+        ):
+            rows.append(
+                Mistake(
+                    "swapped layers",
+                    f"swapped {what} of {described(places[0])} and {described(places[1])}",
+                    "compare the material of the model at each depth with the layers of the scene",
+                    (choice(of_scene(with_exchanged(places, moved)), 1.0, of_scene=True),),
+                    "ground",
+                )
+            )
+    return rows
+
+
+def shape_mistakes(scene: Scene) -> list[Mistake]:
+    """Return mistakes in the load, the modulus and the shape of a punch that is not flat."""
+    changes = dict[str, tuple[str, Callable[[Scene, float], Scene]]]()
+    if isinstance(scene.load_.normal_force, float):
+        changes["normal force"] = "a load", with_force
+    if scene.half_space.punch_youngs_modulus is None:
+        changes["modulus"] = "a modulus of the half-space", with_modulus
+    for key in ("curvature_radius", "ball_radius"):
+        if hasattr(scene.punch.profile, key):
+            changes["radius of curvature"] = (
+                "a radius of curvature of the punch",
+                partial(_with_curvature, key),
+            )
+    return [
+        Mistake(
+            name,
+            f"{words} of {{0:.4g}} times ours",
+            "compare this number of the input; compute with another one, and compare the change",
+            (
+                Parameter(
+                    name,
+                    of_scene(change),
+                    reach=math.log(2),
+                    starts=(0.75, 1.33),
+                    spacing=0.29,
+                ),
+            ),
+            "ground",
+            prior=0.05,
+        )
+        for name, (words, change) in changes.items()
+    ]
+
+
+def _with_curvature(key: str, scene: Scene, size: float) -> Scene:
+    radius: float = getattr(scene.punch.profile, key)
+    return scene.changed({f"punch.profile.{key}": radius * size})
+
+
+def named(mistake: Mistake, values: tuple[float, ...], comparison: Comparison) -> str:
+    """Return the name of a mistake; a factor that is well-known has a name of its own."""
+    if mistake.name != "constant factor":
+        return mistake.name
+    plane = 1 - comparison.scene.problem.poisson_ratio**2
+    labels = {1e3: "units", 1e6: "units", 2 * math.pi: "2 pi missing", plane: "Poisson's ratio"}
+    for number, label in labels.items():
+        nearest = min(abs(values[0] / number - 1), abs(values[0] * number - 1))
+        if number != 1 and nearest < MAX_FACTOR_DIFFERENCE:
+            return label
+    return mistake.name
+
+
+def sentence(mistake: Mistake, values: tuple[float, ...]) -> str:
+    """Return what the difference looks like, with its numbers, as a noun phrase."""
+    if callable(mistake.sentence):
+        return mistake.sentence(*values)
+    return mistake.sentence.format(*values)

@@ -1,0 +1,544 @@
+"""Predict measured numbers by solving the changed scene.
+
+Scenes that are similar (other force, modulus, radius, speed, unit of time) have one non-dimensional
+history, which is computed once: they differ by `problem.units` only. Wear coefficients of a flat
+punch need new modes on the same discretisation. Whatever needs a new discretisation or a march is
+solved at the nodes of a lattice in the coordinates on which it depends, and is interpolated.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import product
+from math import prod
+from typing import Protocol
+
+import numpy as np
+
+from ...meshes import Array, SceneError
+from ..crosscheck import LOG, QUANTITIES, Problem, Scene
+from .marches import March
+from .measurement import Measurement
+from .modes import FlatHistories, FlatHistory
+from .parameter import Parameter, Reading, Situation, situation
+from .strips import Strips
+
+# rtol of a march over the rtol of the model, because marches are less smooth than modes
+MARCH_RTOL_FACTOR = 0.1
+# step of the coordinates in central differences
+STEP = 1e-4
+# greatest number of dimensions of the lattice: each one multiplies the number of solutions by four
+MAX_DIMENSIONS = 2
+# lattice points through which a cubic, or a straight line, is laid, relative to the point below
+STENCIL, SHORT_STENCIL = np.array([-1, 0, 1, 2]), np.array([0, 1])
+# number of heights that represent the unworn face among the numbers on which a march depends
+HEIGHTS = 24
+# greatest relative error of the model that is corrected
+MAX_CORRECTION = 0.1
+# numbers of stored histories, and of stored scenes
+STORED, STORED_SITUATIONS = 300, 5000
+
+
+class History(Protocol):
+    """A non-dimensional history."""
+
+    def sample(
+        self, times: Array, radii: Array, step: float, names: Sequence[str]
+    ) -> dict[str, Array]:
+        """Return fields (T, R), numbers (T,) and volumes of rings (T, rings) by quantity."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solver:
+    """Solve scenes, each non-dimensional problem once.
+
+    Parameters
+    ----------
+    rtol : tolerance
+    times : times of the data after the start, for which discretisations are made
+    radii : radii of the data, over the radius of the punch
+    fields : whether fields or volumes are needed, not only the indentation
+    rough : whether lattices of two dimensions are interpolated linearly
+    direct : whether every scene is solved, and nothing is interpolated
+    """
+
+    rtol: float
+    times: Array
+    radii: Array
+    fields: bool
+    rough: bool = False
+    direct: bool = False
+    situations: dict[object, Situation] = field(default_factory=dict)
+    _samples: dict[object, dict[str, Array]] = field(default_factory=dict)
+    _punches: dict[object, FlatHistories] = field(default_factory=dict)
+    _histories: dict[object, History] = field(default_factory=dict)
+
+    def history(self, scene: Scene, reading: Reading) -> History:
+        """Return the history of a scene."""
+        problem = scene.problem
+        times = reading.times(self.times) / problem.units.time
+        times = times[times > 0] if (times > 0).any() else np.array([1e-3, 1.0])
+        if reading.plane_strain:
+            return self._strips(scene)
+        if is_flat(problem):
+            return self._flat_history(scene, problem, times, reading)
+        return self._march(scene, problem, times)
+
+    def sample(
+        self, history: History, times: Array, radii: Array, step: float, names: tuple[str, ...]
+    ) -> dict[str, Array]:
+        """Return quantities of a history by name; those that were sampled before are stored."""
+        key = history, times.tobytes(), radii.tobytes(), step, names
+        if key not in self._samples:
+            if len(self._samples) > STORED:
+                self._samples.clear()
+            self._samples[key] = history.sample(times, radii, step, names)
+        return self._samples[key]
+
+    def _flat_history(
+        self, scene: Scene, problem: Problem, times: Array, reading: Reading
+    ) -> History:
+        distances = problem.loading.at(times).distance
+        distances = distances[distances > 0]
+        ends = float(distances.min()), float(distances.max())
+        geometry = written(ground_numbers(scene))
+        if geometry not in self._punches:
+            table = scene.punch.table
+            radii = np.array(table.radii) / problem.units.length if table else None
+            coarse = replace(problem, rtol=self.rtol)
+            self._punches[geometry] = FlatHistories.discretise(coarse, *ends, self.fields, radii)
+        wear = wear_coefficients(scene) / problem.units.wear_coefficient
+        machine = 0.0
+        if problem.indentation is not None:
+            machine = reading.ground_compliance * problem.units.force / problem.units.displacement
+        numbers = wear, load_numbers(problem), np.array([machine])
+        key = geometry, written(np.concatenate(numbers))
+        if key not in self._histories:
+            while len(self._histories) >= STORED:
+                del self._histories[next(iter(self._histories))]
+            punch = self._punches[geometry]
+            self._histories[key] = punch.solve(problem, wear, ends[0] / 10, machine)
+        return self._histories[key]
+
+    def _strips(self, scene: Scene) -> History:
+        numbers = scene.problem.ring_edges, wear_coefficients(scene)
+        key = "strips", written(np.concatenate(numbers))
+        if key not in self._histories:
+            self._histories[key] = Strips.of(scene.problem)
+        return self._histories[key]
+
+    def _march(self, scene: Scene, problem: Problem, times: Array) -> History:
+        clock, key = clock_of(problem), written(shape_numbers(scene))
+        earliest, latest = float(times.min()) / clock, float(times.max()) / clock
+        stored = self._histories.get(key)
+        if isinstance(stored, March):
+            if stored.earliest <= earliest and latest <= stored.latest:
+                return stored
+            earliest, latest = min(earliest, stored.earliest), max(latest, stored.latest)
+        coarse = replace(problem, rtol=MARCH_RTOL_FACTOR * self.rtol)
+        march = March.compute(coarse, clock, earliest, latest, self.radii)
+        self._histories[key] = march
+        LOG.info("     fit  %d marches ...", len(self._histories))
+        return march
+
+
+def is_flat(problem: Problem) -> bool:
+    """Return whether the contact is full for all parameters, not only predicted to be."""
+    return problem.full_contact and not problem.keeps_contact
+
+
+def clock_of(problem: Problem) -> float:
+    """Return the unit of time in which the first wear coefficient is 1; 1 if the load varies."""
+    return 1.0 if problem.loading.varies else float(1 / problem.wear_coefficients[0])
+
+
+def wear_coefficients(scene: Scene) -> Array:
+    """Return the wear coefficients (J,) of the rings of a scene, or the values of its table."""
+    values = np.array(scene.punch.coefficients)
+    return values if scene.punch.table else np.resize(values, len(scene.problem.wear_coefficients))
+
+
+def ground_numbers(scene: Scene) -> Array:
+    """Return the numbers on which a discretised half-space depends: ring edges and layers."""
+    problem = scene.problem
+    layers = np.empty(0)
+    if (ground := problem.ground).layered:
+        shear = np.array(ground.shear_moduli) / ground.shear_moduli[0]
+        layers = np.array([*ground.thicknesses, *np.minimum(shear, 1e9), *ground.poisson_ratios])
+    graded = np.array(scene.punch.table.radii if scene.punch.table else ())
+    return np.concatenate([problem.ring_edges, layers, graded / problem.units.length])
+
+
+def load_numbers(problem: Problem) -> Array:
+    """Return the numbers that describe a load that varies, and a prescribed indentation."""
+    loading = problem.loading
+    loads = [loading.times, loading.forces, loading.speeds] if loading.varies else []
+    return np.concatenate([*loads, [problem.indentation or 0.0]])
+
+
+def shape_numbers(scene: Scene) -> Array:
+    """Return the numbers on which a discretisation depends and, if the contact moves, a march."""
+    problem = scene.problem
+    if is_flat(problem):
+        return ground_numbers(scene)
+    radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
+    contrasts = wear_coefficients(scene)
+    return np.concatenate(
+        [
+            ground_numbers(scene),
+            load_numbers(problem),
+            np.log(contrasts / contrasts[0]),
+            problem.profile(radii),
+        ]
+    )
+
+
+def written(numbers: Array) -> tuple[str, ...]:
+    """Return numbers as texts without their roundoff, as a key."""
+    return tuple(f"{number:.8e}" for number in numbers)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Predict measurements at coordinates (m,) of parameters.
+
+    Parameters
+    ----------
+    scene : with the initial values of the parameters
+    parameters : m parameters
+    measurements : that are predicted
+    solver : with the histories that have been computed
+    origin : (m,) coordinates of a point of the lattice, at which nothing is interpolated
+    known : accurate values of each measurement in the scene as it is, if there are any: predictions
+        are multiplied by their ratio to those of the model, whose tolerance is loose
+    """
+
+    scene: Scene
+    parameters: tuple[Parameter, ...]
+    measurements: tuple[Measurement, ...]
+    solver: Solver
+    origin: Array
+    known: tuple[Array, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        parameters: tuple[Parameter, ...],
+        measurements: tuple[Measurement, ...],
+        rtol: float,
+        origin: Array | None = None,
+        rough: bool = False,
+    ) -> "Model":
+        """Return the model of a scene, with a tolerance."""
+        times = np.concatenate([each.times for each in measurements])
+        solver = Solver(rtol, times[times > 0], *_needs(scene, measurements), rough)
+        zeros = np.zeros(len(parameters))
+        return cls(scene, parameters, measurements, solver, zeros if origin is None else origin)
+
+    @property
+    def rtol(self) -> float:
+        """The tolerance to which the model is solved."""
+        return self.solver.rtol
+
+    def for_measurements(self, measurements: tuple[Measurement, ...]) -> "Model":
+        """Return the model that predicts other measurements."""
+        radii, fields = _needs(self.scene, measurements)
+        if fields > self.solver.fields or not np.isin(radii, self.solver.radii).all():
+            return Model.of(self.scene, self.parameters, measurements, self.rtol, self.origin)
+        return replace(self, measurements=measurements)
+
+    def with_parameters(self, parameters: tuple[Parameter, ...]) -> "Model":
+        """Return the model with other parameters; it shares all solutions."""
+        origin = [each.coordinate(each.values[0]) if each.values else 0.0 for each in parameters]
+        return replace(self, parameters=parameters, origin=np.array(origin))
+
+    @property
+    def interpolates(self) -> bool:
+        """Whether histories are interpolated."""
+        return not self.solver.direct and bool(len(self._lattice[0]))
+
+    def solved_directly(self) -> "Model":
+        """Return the model without interpolation; it shares all solutions."""
+        return replace(self, solver=replace(self.solver, direct=True))
+
+    def predict(self, x: Array) -> list[Array]:
+        """Return the values (n,) of each measurement at coordinates (m,)."""
+        return self._corrected(self._read(*self._situation(x), self._histories(x)))
+
+    def _corrected(self, values: list[Array]) -> list[Array]:
+        """Return values of the measurements without most of the error of the model."""
+        if not self.known:
+            return values
+        return [each * ratio for each, ratio in zip(values, self._ratios, strict=True)]
+
+    @cached_property
+    def _ratios(self) -> list[Array]:
+        """Ratios of known values to those of the model in the scene as it is; 1 if far from 1."""
+        alone = replace(self, parameters=(), origin=np.zeros(0), known=())
+        ratios = []
+        for known, own in zip(self.known, alone.predict(np.zeros(0)), strict=True):
+            with np.errstate(all="ignore"):
+                ratio = known / own
+            near = np.abs(ratio - 1) < MAX_CORRECTION
+            ratios.append(np.where(near, ratio, 1.0))
+        return ratios
+
+    def _situation(self, x: Array) -> Situation:
+        """Return the scene and the reading at coordinates (m,); each scene is made once."""
+        pairs = list(zip(self.parameters, x.tolist(), strict=True))
+        key = tuple(pair for pair in pairs if pair[0].of_scene)
+        stored = self.solver.situations
+        if key not in stored:
+            if len(stored) > STORED_SITUATIONS:
+                stored.clear()
+            stored[key] = situation(self.scene, [each for each, _ in key], [x for _, x in key])
+        rest = [pair for pair in pairs if not pair[0].of_scene]
+        scene, reading = stored[key]
+        return situation(scene, [each for each, _ in rest], [x for _, x in rest], reading)
+
+    def _histories(self, x: Array) -> list[tuple[float, History]]:
+        """Return histories and their weights in the one at coordinates (m,).
+
+        There is only one history, with the weight 1, if no interpolation is needed.
+        """
+        return [
+            (weight, self.solver.history(*self._situation(node))) for weight, node in self._nodes(x)
+        ]
+
+    def _nodes(self, x: Array) -> Iterator[tuple[float, Array]]:
+        """Yield the lattice points (m,) around coordinates (m,), each with its weight."""
+        if self.solver.direct:
+            yield 1.0, x
+            return
+        to_lattice, from_lattice, ends = self._lattice
+        positions = to_lattice @ (x - self.origin)
+        # at a lattice point, the weights of all other points become exactly 0
+        rounded = np.round(positions)
+        exact = np.where(np.abs(positions - rounded) < 1e-9, rounded, positions)
+        stencil = SHORT_STENCIL if self.solver.rough and len(positions) > 1 else STENCIL
+        # no point is outside the range of the parameters
+        below = np.clip(np.floor(exact), -ends - stencil[0], ends - stencil[-1])
+        weights = [lagrange(float(fraction), stencil) for fraction in exact - below]
+        for corner in product(range(len(stencil)), repeat=len(positions)):
+            weight = prod(each[number] for each, number in zip(weights, corner, strict=True))
+            if weight:
+                point = below + stencil[list(corner)]
+                # directions without an effect on the shape keep their coordinates; rounded, so that
+                # a point has the same coordinates from wherever it is reached
+                yield weight, np.round(x + from_lattice @ (point - positions), 10)
+
+    @cached_property
+    def _lattice(self) -> tuple[Array, Array, Array]:
+        """Matrices from coordinates to positions in the lattice (K, m), and back (m, K); ends (K,).
+
+        The lattice has the K directions in which the shape changes. Its ends are those of the
+        parameters if each of these directions is that of one parameter; otherwise infinite.
+
+        Raises
+        ------
+        SceneError
+            if there are too many dimensions
+        """
+        count = len(self.parameters)
+        spacing = np.array([each.spacing for each in self.parameters])
+        continuous = np.flatnonzero([not each.values for each in self.parameters])
+        changes = np.zeros((count, len(shape_numbers(self._situation(self.origin)[0]))))
+        for number in continuous:
+            shift = np.zeros(count)
+            shift[number] = STEP * spacing[number]
+            above, below = (
+                shape_numbers(self._situation(self.origin + each)[0]) for each in (shift, -shift)
+            )
+            changes[number] = (above - below) / (2 * STEP)
+        effective = np.linalg.norm(changes, axis=1) > 1e-6
+        _, singular, right = np.linalg.svd(changes.T, full_matrices=False)
+        rank = int(np.sum(singular > 1e-6))
+        if rank > MAX_DIMENSIONS:
+            raise SceneError(
+                f"a fit of a punch whose contact changes, or whose half-space does, depends on "
+                f"{rank} parameters besides the scale of time, and can have at most "
+                f"{MAX_DIMENSIONS}: give fewer in --for"
+            )
+        directions, ends = right[:rank], np.full(rank, np.inf)
+        if rank == effective.sum():
+            directions = np.eye(count)[effective]
+            reach = np.array([each.reach for each in self.parameters])
+            ends = np.round((reach / spacing)[effective], 6) // 1
+            ends = np.maximum(ends, 2)
+        return directions / spacing, spacing[:, None] * directions.T, ends
+
+    def _radii_at(self, times: Array) -> Array:
+        """Return the radii (R,) of the measurements at the same times that have radii."""
+        return next(
+            (
+                each.radii
+                for each in self.measurements
+                if each.radii is not None and np.array_equal(each.times, times)
+            ),
+            np.empty(0),
+        )
+
+    def _read(
+        self, scene: Scene, reading: Reading, histories: list[tuple[float, History]]
+    ) -> list[Array]:
+        """Return the values (n,) of each measurement that a reading of histories has."""
+        problem, values = scene.problem, list[Array]()
+        units, sampled = problem.units, dict[object, dict[str, Array]]()
+        clock = 1.0 if is_flat(problem) else clock_of(problem)
+        names = sorted({"normal_force", *(each.quantity for each in self.measurements)})
+        for each in self.measurements:
+            times = each.times[:1] if each.has_offset else each.times
+            radii = self._radii_at(each.times)
+            key = times.tobytes()
+            if key not in sampled:
+                since = reading.times(times) / units.time / clock
+                own_radii = radii * (reading.radius_scale / units.length)
+                if any(other.means is not None for other in self.measurements):
+                    # radii beyond the rim, or in a hole, have the values at the edge
+                    own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
+                step = reading.step / units.time
+                sampled[key] = weighted(
+                    [
+                        (weight, self.solver.sample(history, since, own_radii, step, tuple(names)))
+                        for weight, history in histories
+                    ]
+                )
+            samples = sampled[key]
+            predicted = samples[each.quantity]
+            if each.quantity == "worn_volume":
+                predicted = predicted.sum(axis=1) if each.ring is None else predicted[:, each.ring]
+            predicted = predicted * unit_of(units, each.quantity)
+            if each.quantity in ("indentation", "displacement"):
+                compliance = reading.compliance
+                if problem.indentation is None:
+                    compliance += reading.ground_compliance
+                shift = reading.offset + compliance * units.force * samples["normal_force"]
+                predicted = predicted + (shift if predicted.ndim == 1 else shift[:, None])
+            if each.means is not None:
+                predicted = predicted @ each.means.T
+            values.append(predicted.ravel() * reading.factors.get(each.quantity, 1.0))
+        return values
+
+    def slopes(self, x: Array) -> list[Array]:
+        """Return the derivatives (n, m) of each measurement by the coordinates.
+
+        What changes only the units, the clock and the reading is differentiated with the history as
+        it is. The derivatives of a flat history by its wear coefficients are exact.
+        """
+        histories = self._histories(x)
+        first, exact = histories[0][1], None
+        if (
+            len(histories) == 1
+            and isinstance(first, FlatHistory)
+            and not self.scene.problem.loading.varies
+            and all(each.quantity in EXACT and each.means is None for each in self.measurements)
+        ):
+            exact = first
+        columns, contrasts = [], []
+        # rough slopes are forward differences
+        back = 0.0 if self.solver.rough else 1.0
+        before = self.predict(x) if self.solver.rough else []
+        for parameter, shift in zip(self.parameters, STEP * np.eye(len(x)), strict=True):
+            if parameter.values:
+                columns.append([np.zeros(len(each.noise)) for each in self.measurements])
+                contrasts.append(np.zeros(len(exact.coefficients) if exact else 0))
+                continue
+            ends = x + shift, x - back * shift
+            pair = [self._situation(each) for each in ends]
+            values = [
+                before
+                if self.solver.rough and not np.any(coordinates - x)
+                else self._corrected(
+                    self._read(*each, histories if exact else self._histories(coordinates))
+                )
+                for each, coordinates in zip(pair, ends, strict=True)
+            ]
+            step = (1 + back) * STEP
+            columns.append([(a - b) / step for a, b in zip(*values, strict=True)])
+            if exact:
+                logs = [
+                    np.log(wear_coefficients(scene) / scene.problem.units.wear_coefficient)
+                    for scene, _ in pair
+                ]
+                contrasts.append((logs[0] - logs[1]) / step)
+        slopes = [np.column_stack(each) for each in zip(*columns, strict=True)]
+        if exact is not None and np.any(contrasts):
+            scene, reading = self._situation(x)
+            by_logs = np.column_stack(contrasts)
+            slopes = [
+                own + wear_slopes(exact, each, scene.problem, reading) @ by_logs
+                for own, each in zip(slopes, self.measurements, strict=True)
+            ]
+        return slopes
+
+
+# quantities whose derivatives by wear coefficients are exact
+EXACT = ("indentation", "normal_force", "profile", "worn_volume")
+
+
+def wear_slopes(
+    history: FlatHistory, each: Measurement, problem: Problem, reading: Reading
+) -> Array:
+    """Return the derivatives (n, J) of a measurement by the logarithms of wear coefficients.
+
+    They are in the units of the scene, at non-dimensional times that are held.
+    """
+    times, count = reading.times(each.times) / problem.units.time, len(history.coefficients)
+    response = "normal_force" if problem.indentation is not None else "indentation"
+    if each.quantity in ("indentation", "normal_force"):
+        slopes = np.zeros((len(times), count))
+        if each.quantity == response:
+            slopes = history.response_slopes(times)
+    elif each.radii is not None:
+        pressures, depths, _ = history.states(times[:1])
+        integral = history.pressure_integrals(pressures, depths)[0]
+        slopes = history.worn_slopes(float(times[0]), integral, each.radii / problem.units.length)
+    else:
+        pressures, depths, _ = history.states(times)
+        integrals = history.pressure_integrals(pressures, depths)
+        rows = [
+            history.worn_slopes(float(time), integral, None)
+            for time, integral in zip(times, integrals, strict=True)
+        ]
+        slopes = np.array(rows)
+        slopes = slopes.sum(axis=1) if each.ring is None else slopes[:, each.ring]
+    return slopes * unit_of(problem.units, each.quantity)
+
+
+def _needs(scene: Scene, measurements: Sequence[Measurement]) -> tuple[Array, bool]:
+    """Return the radii of measurements, over the punch radius, and whether fields are needed.
+
+    Volumes count as fields.
+    """
+    radii = [each.radii / scene.punch.radius for each in measurements if each.radii is not None]
+    fields = any(each.quantity not in ("indentation", "normal_force") for each in measurements)
+    return np.unique(np.concatenate([[1.0], *radii])), fields
+
+
+def unit_of(units: object, quantity: str) -> float:
+    """Return the unit of a quantity, in the units of the scene."""
+    kind = "volume" if quantity == "worn_volume" else QUANTITIES[quantity].unit
+    return float(getattr(units, kind))
+
+
+def weighted(samples: list[tuple[float, dict[str, Array]]]) -> dict[str, Array]:
+    """Return the weighted sum of samples."""
+    if len(samples) == 1:
+        return samples[0][1]
+    return {
+        name: np.sum([weight * each[name] for weight, each in samples], axis=0)
+        for name in samples[0][1]
+    }
+
+
+def lagrange(position: float, stencil: Array = STENCIL) -> tuple[float, ...]:
+    """Return the weights of the values at the points of a stencil in the polynomial through them.
+
+    They are those at a position, usually between 0 and 1.
+    """
+    points = stencil.astype(float)
+    return tuple(
+        float(np.prod([(position - other) / (each - other) for other in points if other != each]))
+        for each in points
+    )

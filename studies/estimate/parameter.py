@@ -1,0 +1,157 @@
+"""What may be unknown: a parameter changes the scene, or the way in which a table was read from it.
+
+A mistake in the input of another program is such a parameter, too: its value is not 1 (or 0).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from ...meshes import Array
+from ..crosscheck import Scene, TomlTable
+
+
+class Reading(NamedTuple):
+    """How a table was read from a solution: everything that is not part of the scene.
+
+    The table has the value ``factor * (value + offset + compliance * force)`` at its time t and
+    radius r, with the value of the solution at ``time_scale * t - start_time`` and ``radius_scale *
+    r``. Offset and compliances belong to indentations and displacements only.
+
+    Parameters
+    ----------
+    start_time : at which sliding began, by the clock of the table
+    time_scale, radius_scale : factors from times and radii of the table to those of the scene
+    offset : reading of the displacement sensor without indentation
+    compliance : displacement of the machine per force, which the sensor also measures
+    ground_compliance : displacement per force, equal everywhere, that the half-space has besides
+        that of the scene; negative if it is clamped at a distance
+    step : length of the program's time steps of first order, implicit if positive, else explicit
+    plane_strain : whether the program models a strip in plane strain in place of a round punch
+    factors : by quantity, such as -1000 for another sign and unit
+    """
+
+    start_time: float = 0.0
+    time_scale: float = 1.0
+    radius_scale: float = 1.0
+    offset: float = 0.0
+    compliance: float = 0.0
+    ground_compliance: float = 0.0
+    step: float = 0.0
+    plane_strain: bool = False
+    factors: Mapping[str, float] = {}
+
+    def times(self, times: Array) -> Array:
+        """Return the times of the scene since sliding began, from those of a table."""
+        return np.maximum(times * self.time_scale - self.start_time, 0.0)
+
+    def changed(self, name: str, value: float) -> "Reading":
+        """Return the reading with another value of one of its numbers."""
+        fields: dict[str, Any] = self._asdict()
+        return Reading(**(fields | {name: value}))
+
+    def multiplied(self, factor: float, *quantities: str) -> "Reading":
+        """Return the reading with the columns of some quantities multiplied."""
+        changed = {name: factor * self.factors.get(name, 1.0) for name in quantities}
+        return self._replace(factors={**self.factors, **changed})
+
+
+# how a table is read that says what the solution says
+AS_GIVEN = Reading()
+Situation: TypeAlias = tuple[Scene, Reading]
+Change: TypeAlias = Callable[[Scene, Reading, float], Situation]
+
+
+@dataclass(frozen=True, eq=False)
+class Parameter:
+    """An unknown number, described by a coordinate x.
+
+    Its value is ``value exp(x)`` if it is logarithmic, and ``value + scale x`` if not.
+
+    Parameters
+    ----------
+    name : such as a key of the scene
+    change : returns the scene and the reading with a value of the parameter put in; or a key of the
+        scene, with the index of a value in brackets if it is one of a list
+    value : at x = 0: where a search begins
+    reach : greatest absolute value of x
+    logarithmic : whether it is positive, or negative, and described by its logarithm
+    scale : unit of x if it is not logarithmic
+    values : the only possible values of a discrete parameter; empty for a continuous one
+    starts : further values at which a search may begin
+    of_scene : whether it changes the scene, and not only the reading
+    spacing : change of x over which predictions bend a little, at which nodes of a lattice are put
+    unit : kind of its unit
+    """
+
+    name: str
+    change: Change | str
+    value: float = 1.0
+    reach: float = float(np.log(1e3))
+    logarithmic: bool = True
+    scale: float = 1.0
+    values: tuple[float, ...] = ()
+    starts: tuple[float, ...] = ()
+    of_scene: bool = True
+    spacing: float = 0.4
+    unit: str = ""
+
+    @property
+    def wear(self) -> bool:
+        """Whether it is a wear coefficient, or a ratio of two."""
+        return self.name.startswith("punch.wear_")
+
+    def at(self, x: float) -> float:
+        """Return the value at a coordinate."""
+        if self.logarithmic:
+            return float(self.value * np.exp(x))
+        return self.value + self.scale * x
+
+    def coordinate(self, value: float) -> float:
+        """Return the coordinate of a value: the inverse of `at`."""
+        if self.logarithmic:
+            return float(np.log(value / self.value))
+        return (value - self.value) / self.scale
+
+
+def situation(
+    scene: Scene,
+    parameters: Sequence[Parameter],
+    x: Sequence[float] | Array,
+    reading: Reading = AS_GIVEN,
+) -> Situation:
+    """Return the scene and the reading at coordinates (m,) of the parameters.
+
+    All keys of the scene are set first, at once; the other changes are made in their order.
+    """
+    values = [each.at(float(coordinate)) for each, coordinate in zip(parameters, x, strict=True)]
+    pairs = list(zip(parameters, values, strict=True))
+    keys = {each.change: value for each, value in pairs if isinstance(each.change, str)}
+    if keys:
+        scene = with_values(scene, keys)
+    for parameter, value in pairs:
+        if not isinstance(parameter.change, str):
+            scene, reading = parameter.change(scene, reading, value)
+    return scene, reading
+
+
+def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """Return the scene with the values of keys, some of which may be those of values in lists."""
+    changes, table = dict[str, Any](), scene.table()
+    for name, value in values.items():
+        key, _, index = name.rstrip("]").partition("[")
+        if index:
+            listed = changes.setdefault(key, list(looked_up(table, key)))
+            listed[int(index)] = value
+        else:
+            changes[key] = value
+    return scene.changed(changes)
+
+
+def looked_up(table: TomlTable, key: str) -> Any:
+    """Return the value of a key with dots in nested dictionaries; empty if there is none."""
+    for part in key.split("."):
+        table = table[part] if isinstance(table, dict) and part in table else {}
+    return table

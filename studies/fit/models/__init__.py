@@ -1,1 +1,0 @@
-"""Models of the punch that predict measurements."""
