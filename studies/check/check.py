@@ -27,9 +27,9 @@ from ..crosscheck import (
     Solution,
     Source,
     Stages,
+    beside,
     chosen_methods,
     computed,
-    judged,
     listed,
     methods_of,
     naming_arguments,
@@ -246,18 +246,10 @@ class Check(AnswersGuesses):
     @cached_property
     def together(self) -> Result:
         """Our result with theirs beside it, for figures and for `results.nc`."""
-        ours, problem = self.result, self.scene.problem
-        stages = {name: Stages(name) for name in self.others}
-        theirs = {name: other.solve(problem, stages[name]) for name, other in self.others.items()}
-        shown_beside = judged(
-            self.scene,
-            {**ours.methods, **self.others},
-            ours.solutions,
-            {**ours.stages, **stages},
-            ours.operators,
-            theirs,
-        )
-        return replace(shown_beside, compared_in_fields=self._compared_in_fields(theirs))
+        problem = self.scene.problem
+        theirs = {name: each.solve(problem, Stages(name)) for name, each in self.others.items()}
+        compared = self._compared_in_fields(theirs)
+        return replace(beside(self.result, self.others, theirs), compared_in_fields=compared)
 
     def _compared_in_fields(self, theirs: Mapping[str, Solution]) -> tuple[str, ...]:
         """Return our most accurate method, then judged programs with fields, the last one first.

@@ -164,6 +164,7 @@ from .result.result import (
     Result as Result,
 )
 from .result.run import (
+    beside as beside,
     computed as computed,
     judged as judged,
     run as run,

@@ -8,7 +8,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
 from threading import Event, Thread
@@ -59,14 +59,13 @@ class Processes(Executor):
         outer: Future[Any] = Future()
 
         def finish(inner: "Future[Any]") -> None:
+            error = CancelledError() if inner.cancelled() else inner.exception()
+            if isinstance(error, BrokenExecutor):
+                error = worker.why_broken()
             self._busy.discard(worker)
             self._free.append(worker)
-            error = None if inner.cancelled() else inner.exception()
-            if inner.cancelled():
-                outer.cancel()
-            elif isinstance(error, BrokenExecutor):
-                outer.set_exception(worker.why_broken())
-            elif error is not None:
+            # last, because the next task may follow at once
+            if error is not None:
                 outer.set_exception(error)
             else:
                 outer.set_result(inner.result())
@@ -117,7 +116,12 @@ class _Worker:
                 raise SolverError(
                     f"no process can be started ({error.strerror or error}): give --workers 1"
                 ) from error
-        return self._pool.submit(function, *args, **keywords)
+        try:
+            return self._pool.submit(function, *args, **keywords)
+        except BrokenExecutor:
+            # it has ended after its last task
+            self.why_broken()
+            return self.submit(function, args, keywords)
 
     def why_broken(self) -> Exception:
         """Return the error of a process that has ended, and forget it."""

@@ -1,9 +1,12 @@
 """Sweeps whose blocks are computed by executors, by processes of this machine and by threads."""
 
+import os
 import subprocess
 import sys
+import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 
+import psutil
 import pytest
 import xarray
 from test_sweep_faults import AXES, BASE, KEEP
@@ -85,6 +88,15 @@ def test_a_task_that_kills_its_process_says_so_and_others_go_on():
         assert processes.submit(abs, -3).result(60) == 3
 
 
+def test_a_process_that_ends_between_two_tasks_is_started_anew():
+    with Processes(1, memory=2**40) as processes:
+        first = psutil.Process(processes.submit(os.getpid).result(60))
+        first.kill()
+        psutil.wait_procs([first])
+        time.sleep(1.0)
+        assert processes.submit(os.getpid).result(60) != first.pid
+
+
 def test_a_process_that_needs_too_much_memory_is_ended():
     with Processes(1, memory=2**29) as processes:
         assert processes.submit(abs, -3).result(60) == 3
@@ -92,14 +104,10 @@ def test_a_process_that_needs_too_much_memory_is_ended():
 
 
 def _end():
-    import os
-
     os._exit(1)
 
 
 def _allocate():
-    import time
-
     filled = b"x" * 2**30
     time.sleep(60)
     return len(filled)

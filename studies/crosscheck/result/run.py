@@ -33,8 +33,6 @@ from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
 from .table import tabulate
 
-NO_OTHERS: Mapping[str, Solution] = {}
-
 
 @naming_arguments
 def run(
@@ -205,19 +203,16 @@ def judged(
     solutions: Mapping[str, Solution],
     stages: Mapping[str, Stages],
     operators: tuple[OperatorDifference, ...] = (),
-    others: Mapping[str, Solution] = NO_OTHERS,
 ) -> Result:
     """Return the result that consists of solutions of a scene, which are compared with each other.
 
     Parameters
     ----------
     scene : the scene that was solved
-    methods : the methods by name, and the other programs
-    solutions : the solution of each of our methods
-    stages : the seconds of each stage, by method and program
+    methods : the methods by name
+    solutions : the solution of each method
+    stages : the seconds of each stage, by method
     operators : the comparisons of every pair of compliances
-    others : results of other programs, which are shown beside ours; they are judged by their errors
-        instead (`studies/check/`)
     """
     problem, units = scene.problem, scene.unit_names
     agreement = tuple(
@@ -225,7 +220,7 @@ def judged(
         for a, b in combinations(solutions, 2)
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]), units)
     )
-    dataset = tabulate(scene, {**solutions, **others})
+    dataset = tabulate(scene, solutions)
     left_out = left_out_operators(problem, solutions, operators)
     notes = [note for solution in solutions.values() for note in solution.notes]
     notes += [f"{name}: {reason}" for name, reason in left_out.items()]
@@ -237,12 +232,35 @@ def judged(
         agreement,
         Judged(scene, dataset, solutions, agreement),
         tuple(dict.fromkeys(notes)),
-        {**solutions, **others},
+        solutions,
         stages,
         operators,
         left_out,
-        tuple(others),
         compared_in_fields=methods_with_fields(dataset),
+    )
+
+
+def beside(
+    result: Result, programs: Mapping[str, Method], others: Mapping[str, Solution]
+) -> Result:
+    """Return a result with results of other programs beside it, for figures and for files.
+
+    The judgement stays that of our results: others are judged by their errors (`studies/check/`).
+
+    Parameters
+    ----------
+    programs, others : the other programs, and their results, by name
+    """
+    solutions = {**result.solutions, **others}
+    dataset = tabulate(result.scene, solutions)
+    return replace(
+        result,
+        methods={**result.methods, **programs},
+        dataset=dataset,
+        answers=Answers.of(dataset),
+        solutions=solutions,
+        stages={**result.stages, **{name: Stages(name) for name in others}},
+        of_others=tuple(others),
     )
 
 
