@@ -16,7 +16,7 @@ from concurrent.futures import (
     wait,
 )
 from math import prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
@@ -173,15 +173,18 @@ def _computed_by(
     gathered = _Gathered(shapes)
     last_result, checked = time.monotonic(), set[str]()
     while True:
-        count = number_of_workers(executor, checked)
+        count, chosen = workers_of(executor, checked)
         # each worker has at most one block: a waiting one would die with the worker
-        while waiting and len(running) < max(1, count):
+        while waiting and len(running) < count:
             piece = waiting.popleft()
             block = blocks[piece.number]
             scenes = block.part(dict(zip(block.sizes, piece.box, strict=True)))
-            running[executor.submit(compute_with_versions, scenes, blank)] = piece
-        if not running:
+            running[executor.submit(compute_with_versions, scenes, blank, **chosen)] = piece
+        if not running and not waiting:
             return
+        if not running:
+            # all workers of a cluster are lost, and others may join
+            time.sleep(1.0)
         finished, _ = wait(running, 1.0, FIRST_COMPLETED)
         if finished:
             last_result = time.monotonic()
@@ -220,8 +223,11 @@ def _computed_by(
             yield piece.number, whole
 
 
-def number_of_workers(executor: Executor, checked: set[str]) -> int:
-    """Return how many workers an executor has at the moment.
+def workers_of(executor: Executor, checked: set[str]) -> tuple[int, dict[str, Any]]:
+    """Return how many workers an executor has at the moment, and arguments that choose them.
+
+    A worker that joins a cluster gets a block only after it has been checked. If all chosen workers
+    are lost before they begin, Dask gives the block to others.
 
     Parameters
     ----------
@@ -235,9 +241,11 @@ def number_of_workers(executor: Executor, checked: set[str]) -> int:
     """
     # executors of the standard library and of MPI, and those of Dask
     if (count := getattr(executor, "_max_workers", None)) is not None:
-        return int(count)
-    client = getattr(executor, "_client", None)
-    return MOST_TASKS if client is None else threads_of(client, checked)
+        return int(count), {}
+    if (client := getattr(executor, "_client", None)) is None:
+        return MOST_TASKS, {}
+    threads = threads_of(client, checked)
+    return sum(threads.values()), {"workers": [*threads], "allow_other_workers": True}
 
 
 def _is_death(error: BaseException) -> bool:

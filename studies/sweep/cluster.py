@@ -58,8 +58,8 @@ def cluster(scheduler: str) -> Iterator[Executor]:
                 client.close()
 
 
-def threads_of(client: "Client", checked: set[str]) -> int:
-    """Return the number of threads of all workers of a cluster; check workers that are new.
+def threads_of(client: "Client", checked: set[str]) -> dict[str, int]:
+    """Return the number of threads of each worker of a cluster; check workers that are new.
 
     A worker without ringwear would lose its connection as soon as it gets a block, without saying
     why.
@@ -85,4 +85,4 @@ def threads_of(client: "Client", checked: set[str]) -> int:
                     f"{RESUME_HINT}"
                 )
         checked |= new
-    return sum(threads.values())
+    return dict(threads)
