@@ -109,12 +109,13 @@ def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:
         return np.asarray(legvander(root, 2 * count - 2)[..., ::2]), 1 / root
 
 
+@lru_cache(maxsize=512)
 def flat_disc(ground: Ground = HALF_SPACE) -> DiscSeries:
     """Return the full flat punch, computed from the energy of its line density."""
     return DiscSeries(D0 / relative_stiffness(ground), P0 * np.array(flat_series(ground)))
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=512)
 def presses_everywhere(ground: Ground, inner_radius: float = 0.0) -> bool:
     """Return whether the pressure of a flat punch on layers is positive on the whole face.
 

@@ -80,6 +80,7 @@ FLAGS: dict[str, Settings] = {
     "--columns": {"type": _pairs, "metavar": "THEIRS=OURS,..."},
     "--degree": {"type": _whole, "metavar": "K"},
     "--density": {"metavar": "X"},
+    "--cycle": {"metavar": "LENGTH"},
     "--design": {"action": "store_true"},
     "--element": {"metavar": "NAME"},
     "--for": {

@@ -430,7 +430,17 @@ COMMANDS = {
         "fit.fit:fit",
         _fit,
         (
-            *("scene", "data", "parameters", "noise", "density", "design", "columns", "units"),
+            *(
+                "scene",
+                "data",
+                "parameters",
+                "noise",
+                "density",
+                "design",
+                "columns",
+                "units",
+                "cycle",
+            ),
             "--out",
         ),
         ("scene", "data", "parameters"),

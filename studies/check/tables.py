@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pandas as pd
 
-from ...meshes import MeshError, SceneError
+from ...meshes import Array, MeshError, SceneError
 from ..crosscheck import (
     CHECKSUMS,
     FIELDS,
@@ -43,6 +43,8 @@ OthersResults: TypeAlias = "str | Path | pd.DataFrame | xarray.Dataset"
 
 COMPARED = ("pressure", "displacement", "profile", "indentation", "normal_force")
 """Columns that messages name as those that `check` compares."""
+CLOCKS: Mapping[str, str] = {"distance": "distance", "cycles": "number"}
+"""Columns that may take the place of times, each with the kind of its unit."""
 LARGE = 200_000
 """Number of characters above which a CSV file is read by `read_numbers`, if that is possible."""
 
@@ -55,8 +57,12 @@ def read(
     units: str,
     more: Mapping[str, str] | None = None,
     wanted: Sequence[str] = COMPARED,
+    cycle: float | None = None,
 ) -> pd.DataFrame:
     """Return the validated results of another program, in the units of a scene.
+
+    Sliding distances, or numbers of cycles, may take the place of times: `attrs["clock"]` says
+    which of them the table has.
 
     Parameters
     ----------
@@ -67,6 +73,7 @@ def read(
     units : of the results, in the notation of a scene; if empty, those of the scene
     more : further columns that depend on time alone, each with the kind of its unit
     wanted : columns of which the table needs at least one, for messages
+    cycle : sliding distance of one cycle, in the units of the scene
 
     Raises
     ------
@@ -85,7 +92,7 @@ def read(
         for key, quantity in QUANTITIES.items()
         if {"time"} <= {*quantity.dims} <= {"time", "radius"} and key != "contact"
     }
-    kinds |= more or {}
+    kinds |= {**(more or {}), **CLOCKS}
     if not (isinstance(source, str | Path | pd.DataFrame) or hasattr(source, "to_dataframe")):
         raise SceneError(
             f"{name} is of type {type(source).__name__}: give a file, a pandas DataFrame or an "
@@ -114,8 +121,13 @@ def read(
     renamed, heading_units = _rename_headings(source, columns, named, kinds)
     missing = [theirs for theirs, headings in named.items() if not headings]
     headings = ", ".join(map(str, source))
-    frame = _select_columns(renamed, name, headings, missing, list(kinds), wanted)
-    table = _validate(frame, f"{name}, {place}")
+    clock = next((key for key in ("time", *CLOCKS) if key in renamed), "time")
+    if clock != "time":
+        renamed = renamed.rename(columns={clock: "time"})
+        kinds["time"], heading_units["time"] = CLOCKS[clock], heading_units.pop(clock, "")
+    known = [key for key in kinds if key not in CLOCKS]
+    frame = _select_columns(renamed, name, headings, missing, known, wanted)
+    table = _validate(frame, f"{name}, {place}", clock)
     _report_missing(frame, table, name)
     scene_units = scene.unit_names
     if units and scene_units.base is None:
@@ -135,6 +147,8 @@ def read(
         elif unit:
             size = scene_units.size_of(unit, kind, f"{name}, the heading of {key}")
         table[key] *= size
+    table["time"] = _times(table["time"], clock, scene, cycle, name)
+    table.attrs["clock"] = clock
     if "radius" in table:
         radius, rim = table["radius"], scene.punch.radius
         # a radius that roundoff of units has moved beyond the rim is at the rim
@@ -160,6 +174,36 @@ def read(
             LOG.warning("%s: %d rows within the hole are ignored", name, in_hole.sum())
         table = table.assign(radius=radius.clip(hole, rim))[~(beyond | in_hole)]
     return table
+
+
+def _times(
+    values: "pd.Series[float]", clock: str, scene: Scene, cycle: float | None, name: str
+) -> Array:
+    """Return the times at which a scene reaches the values of a column: its clock.
+
+    Raises
+    ------
+    SceneError
+        if the values are cycles of an unknown length, or if the punch does not slide so far
+    """
+    numbers = values.to_numpy(dtype=float)
+    if clock == "time":
+        return numbers
+    if clock == "cycles" and cycle is None:
+        raise SceneError(
+            f"{name} has cycles: give the sliding distance of one cycle by --cycle, such as "
+            "'20 mm' for a stroke of 10 mm to and fro; or give a column of times or distances"
+        )
+    distances = numbers * (cycle or 1.0) if clock == "cycles" else numbers
+    problem, speed = scene.problem, scene.load_.speed_over_time.greatest
+    unit = problem.units.time
+    times = problem.loading.times_at(distances / (speed * unit)) * unit
+    if np.isnan(times).any():
+        raise SceneError(
+            f"{name}: the punch of the scene never slides as far as {np.nanmax(distances):.4g}: "
+            "give load.sliding_speed for longer, or shorter distances"
+        )
+    return np.asarray(times)
 
 
 def _columns_named(frame: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, list[object]]:
@@ -338,8 +382,13 @@ def _select_columns(
     return frame
 
 
-def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
+def _validate(frame: pd.DataFrame, place: str, clock: str) -> pd.DataFrame:
     """Return the table as numbers, with each time and radius once.
+
+    Parameters
+    ----------
+    place : name of the table, and the word for its rows
+    clock : name of the column that is read as times
 
     Raises
     ------
@@ -353,8 +402,8 @@ def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
     places = pd.DataFrame({"time": time, "radius": radius}).mask(~has_field)
     repeated = has_field & places.duplicated()
     checks = [
-        ("time", blank["time"], "give the time of each row"),
-        ("time", time < 0, "give the time since sliding began, 0 or more"),
+        ("time", blank["time"], f"give the {clock} of each row"),
+        ("time", time < 0, f"give the {clock} since sliding began, 0 or more"),
         ("radius", radius < 0, "give the distance from the axis, 0 or more"),
         ("radius", radius.isna() & has_field, "give the radius of each row of a field"),
         (
@@ -372,7 +421,9 @@ def _validate(frame: pd.DataFrame, place: str) -> pd.DataFrame:
     for key, wrong, remedy in checks:
         if wrong.any():
             line = wrong.idxmax()
-            raise SceneError(f"{place} {line}, column {key!r}: {shown(frame[key][line])}; {remedy}")
+            column = clock if key == "time" else key
+            cell = shown(frame[key][line])
+            raise SceneError(f"{place} {line}, column {column!r}: {cell}; {remedy}")
     if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
         raise SceneError(
             f"{place.rpartition(',')[0]} has no numbers other than times and radii: give some"

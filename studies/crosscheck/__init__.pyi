@@ -72,10 +72,12 @@ from .problem.quantities import (
     GROUPS as GROUPS,
     QUANTITIES as QUANTITIES,
     SYMBOLS as SYMBOLS,
+    Units as Units,
     differences as differences,
     error_name as error_name,
 )
 from .problem.sections import (
+    THINNEST_LAYER as THINNEST_LAYER,
     FemAccuracy as FemAccuracy,
     MdrAccuracy as MdrAccuracy,
 )

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ...meshes import Array
 from ..crosscheck import FIELDS, QUANTITIES, UnitNames
@@ -101,6 +102,13 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
     """
     if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
         return []
+    # the matrices are so small that several threads would only wait for each other
+    with threadpool_limits(1):
+        return _ranked(comparison, deck_reach)
+
+
+def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]:
+    """Return the diagnoses of a difference that is above the `rtol` of the scene."""
     rows = mistakes(comparison)
     if deck_reach is not None:
         rows = [

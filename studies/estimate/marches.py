@@ -23,6 +23,8 @@ TIMES_PER_DECADE, TIME_SPAN = 12, 4.0
 ROUNDOFF = 1e-9
 # number of radii, besides those of the data, between which fields are linear
 RADII = 100
+# name of the width of the cell at the edge of the contact, among the results
+CELL = "contact_cell"
 # a function of time
 Curve: TypeAlias = Callable[[Array], Array]
 
@@ -87,6 +89,12 @@ class March:
         results = Sampler(problem, compliance.space, compliance).history(history)
         forces = np.asarray(history.force, dtype=float)
         results["normal_force"], results["worn_volume"] = forces, results["ring_worn_volume"]
+        # a scar does not become smaller under a force that falls
+        radius = results["contact_radius"]
+        results["scar_diameter"] = 2 * np.maximum.accumulate(radius)
+        cells = compliance.space.breakpoints
+        last = np.clip(np.searchsorted(cells, radius), 1, len(cells) - 1)
+        results[CELL] = np.diff(cells)[last - 1]
         return cls(earliest, latest, radii, results, times, not problem.loading.varies)
 
     @cached_property

@@ -11,13 +11,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ...meshes import Array, SceneError
-from ..crosscheck import LOG, QUANTITIES, Problem, Scene
-from .marches import March
+from ..crosscheck import LOG, QUANTITIES, Problem, Scene, Units
+from .marches import CELL, March
 from .measurement import Measurement
 from .modes import FlatHistories, FlatHistory
 from .parameter import Parameter, Reading, Situation, situation
@@ -48,6 +48,59 @@ class History(Protocol):
         """Return fields (T, R), numbers (T,) and volumes of rings (T, rings) by quantity."""
 
 
+class Frame(NamedTuple):
+    """How a non-dimensional history is read.
+
+    Parameters
+    ----------
+    problem : whose history it is, or one with the same load and the same face
+    units : of the history
+    clock : unit of its times
+    """
+
+    problem: Problem
+    units: Units
+    clock: float
+
+    @classmethod
+    def of(cls, problem: Problem) -> "Frame":
+        """Return the frame of the history of a problem."""
+        clock = 1.0 if is_flat(problem) else clock_of(problem)
+        return cls(problem, problem.units, problem.units.time * clock)
+
+
+class Weighted(NamedTuple):
+    """A history among those whose weighted sum is another one."""
+
+    weight: float
+    history: History
+    frame: Frame
+
+
+def mean_frame(histories: Sequence[Weighted]) -> Frame:
+    """Return the frame of a weighted sum of histories, by the means of logarithms of units.
+
+    Most units are products of powers of the parameters, so that these means are exact.
+    """
+    first = histories[0].frame
+    if len(histories) == 1:
+        return first
+
+    def mean(values: Sequence[float]) -> float:
+        weights = [each.weight for each in histories]
+        return float(np.exp(np.dot(weights, np.log(values))))
+
+    frames = [each.frame for each in histories]
+    units = replace(
+        first.units,
+        **{
+            name: mean([getattr(frame.units, name) for frame in frames])
+            for name in ("length", "modulus", "force", "time", "wear_coefficient")
+        },
+    )
+    return Frame(first.problem, units, mean([frame.clock for frame in frames]))
+
+
 @dataclass(frozen=True, eq=False)
 class Solver:
     """Solve scenes, each non-dimensional problem once.
@@ -69,6 +122,7 @@ class Solver:
     rough: bool = False
     direct: bool = False
     situations: dict[object, Situation] = field(default_factory=dict)
+    nodes: dict[object, tuple[History, Frame]] = field(default_factory=dict)
     _samples: dict[object, dict[str, Array]] = field(default_factory=dict)
     _punches: dict[object, FlatHistories] = field(default_factory=dict)
     _histories: dict[object, History] = field(default_factory=dict)
@@ -233,6 +287,9 @@ class Model:
         """Return the model of a scene, with a tolerance."""
         times = np.concatenate([each.times for each in measurements])
         solver = Solver(rtol, times[times > 0], *_needs(scene, measurements), rough)
+        if not scene.problem.loading.varies:
+            # the times of the measurements count, and a scene with one time is changed faster
+            scene = scene.changed(wear__times=[float(times.max())])
         zeros = np.zeros(len(parameters))
         return cls(scene, parameters, measurements, solver, zeros if origin is None else origin)
 
@@ -264,7 +321,9 @@ class Model:
 
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,)."""
-        return self._corrected(self._read(*self._situation(x), self._histories(x)))
+        histories = self._histories(x)
+        frame = mean_frame(histories)
+        return self._corrected(self._read(self._situation(x)[1], histories, frame))
 
     def _corrected(self, values: list[Array]) -> list[Array]:
         """Return values of the measurements without most of the error of the model."""
@@ -297,14 +356,21 @@ class Model:
         scene, reading = stored[key]
         return situation(scene, [each for each, _ in rest], [x for _, x in rest], reading)
 
-    def _histories(self, x: Array) -> list[tuple[float, History]]:
+    def _histories(self, x: Array) -> list[Weighted]:
         """Return histories and their weights in the one at coordinates (m,).
 
         There is only one history, with the weight 1, if no interpolation is needed.
         """
-        return [
-            (weight, self.solver.history(*self._situation(node))) for weight, node in self._nodes(x)
-        ]
+        histories, nodes = [], self.solver.nodes
+        for weight, node in self._nodes(x):
+            key = self.parameters, node.tobytes()
+            if key not in nodes:
+                if len(nodes) > STORED_SITUATIONS:
+                    nodes.clear()
+                scene, reading = self._situation(node)
+                nodes[key] = self.solver.history(scene, reading), Frame.of(scene.problem)
+            histories.append(Weighted(weight, *nodes[key]))
+        return histories
 
     def _nodes(self, x: Array) -> Iterator[tuple[float, Array]]:
         """Yield the lattice points (m,) around coordinates (m,), each with its weight."""
@@ -358,7 +424,7 @@ class Model:
             raise SceneError(
                 f"a fit of a punch whose contact changes, or whose half-space does, depends on "
                 f"{rank} parameters besides the scale of time, and can have at most "
-                f"{MAX_DIMENSIONS}: give fewer in --for"
+                f"{MAX_DIMENSIONS}: give fewer in --parameters"
             )
         directions, ends = right[:rank], np.full(rank, np.inf)
         if rank == effective.sum():
@@ -379,31 +445,35 @@ class Model:
             np.empty(0),
         )
 
-    def _read(
-        self, scene: Scene, reading: Reading, histories: list[tuple[float, History]]
-    ) -> list[Array]:
-        """Return the values (n,) of each measurement that a reading of histories has."""
-        problem, values = scene.problem, list[Array]()
-        units, sampled = problem.units, dict[object, dict[str, Array]]()
-        clock = 1.0 if is_flat(problem) else clock_of(problem)
+    def _read(self, reading: Reading, histories: Sequence[Weighted], frame: Frame) -> list[Array]:
+        """Return the values (n,) of each measurement that a reading of histories has.
+
+        Parameters
+        ----------
+        frame : of the weighted sum of the histories
+        """
+        problem, units = frame.problem, frame.units
+        values, sampled = list[Array](), dict[object, dict[str, Array]]()
+        # if the load varies, all histories have to have the load of the same time
+        clocks = [each.frame.clock if problem.loading.varies else frame.clock for each in histories]
         names = sorted({"normal_force", *(each.quantity for each in self.measurements)})
         for each in self.measurements:
             times = each.times[:1] if each.has_offset else each.times
             radii = self._radii_at(each.times)
             key = times.tobytes()
             if key not in sampled:
-                since = reading.times(times) / units.time / clock
+                since = reading.times(times)
                 own_radii = radii * (reading.radius_scale / units.length)
                 if any(other.means is not None for other in self.measurements):
                     # radii beyond the rim, or in a hole, have the values at the edge
                     own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
                 step = reading.step / units.time
-                sampled[key] = weighted(
-                    [
-                        (weight, self.solver.sample(history, since, own_radii, step, tuple(names)))
-                        for weight, history in histories
-                    ]
-                )
+                parts = [
+                    self.solver.sample(part.history, since / clock, own_radii, step, tuple(names))
+                    for part, clock in zip(histories, clocks, strict=True)
+                ]
+                weights = [part.weight for part in histories]
+                sampled[key] = weighted(list(zip(weights, parts, strict=True)))
             samples = sampled[key]
             predicted = samples[each.quantity]
             if each.quantity == "worn_volume":
@@ -427,7 +497,7 @@ class Model:
         it is. The derivatives of a flat history by its wear coefficients are exact.
         """
         histories = self._histories(x)
-        first, exact = histories[0][1], None
+        first, exact = histories[0].history, None
         if (
             len(histories) == 1
             and isinstance(first, FlatHistory)
@@ -446,14 +516,16 @@ class Model:
                 continue
             ends = x + shift, x - back * shift
             pair = [self._situation(each) for each in ends]
-            values = [
-                before
-                if self.solver.rough and not np.any(coordinates - x)
-                else self._corrected(
-                    self._read(*each, histories if exact else self._histories(coordinates))
-                )
-                for each, coordinates in zip(pair, ends, strict=True)
-            ]
+            if exact:
+                values = [
+                    self._corrected(self._read(reading, histories, Frame.of(scene.problem)))
+                    for scene, reading in pair
+                ]
+            else:
+                values = [
+                    before if before and not np.any(each - x) else self.predict(each)
+                    for each in ends
+                ]
             step = (1 + back) * STEP
             columns.append([(a - b) / step for a, b in zip(*values, strict=True)])
             if exact:
@@ -518,8 +590,8 @@ def _needs(scene: Scene, measurements: Sequence[Measurement]) -> tuple[Array, bo
 
 def unit_of(units: object, quantity: str) -> float:
     """Return the unit of a quantity, in the units of the scene."""
-    kind = "volume" if quantity == "worn_volume" else QUANTITIES[quantity].unit
-    return float(getattr(units, kind))
+    kind = {"worn_volume": "volume", "scar_diameter": "length", CELL: "length"}.get(quantity)
+    return float(getattr(units, kind or QUANTITIES[quantity].unit))
 
 
 def weighted(samples: list[tuple[float, dict[str, Array]]]) -> dict[str, Array]:

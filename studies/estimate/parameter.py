@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from ...meshes import Array
-from ..crosscheck import Scene, TomlTable
+from ..crosscheck import Scene, TomlTable, dotted
 
 
 class Reading(NamedTuple):
@@ -141,17 +141,21 @@ def with_values(scene: Scene, values: Mapping[str, float]) -> Scene:
     """Return the scene with the values of keys, some of which may be those of values in lists."""
     changes, table = dict[str, Any](), scene.table()
     for name, value in values.items():
-        key, _, index = name.rstrip("]").partition("[")
-        if index:
+        if name.endswith("]"):
+            key, _, index = name[:-1].rpartition("[")
             listed = changes.setdefault(key, list(looked_up(table, key)))
             listed[int(index)] = value
         else:
-            changes[key] = value
+            changes[name] = value
     return scene.changed(changes)
 
 
 def looked_up(table: TomlTable, key: str) -> Any:
-    """Return the value of a key with dots in nested dictionaries; empty if there is none."""
-    for part in key.split("."):
-        table = table[part] if isinstance(table, dict) and part in table else {}
-    return table
+    """Return the value of a key in nested dictionaries and lists; empty if there is none."""
+    value: Any = table
+    for part in dotted(key).split("."):
+        if isinstance(value, list):
+            value = value[int(part)] if part.isdigit() and int(part) < len(value) else {}
+        else:
+            value = value[part] if isinstance(value, dict) and part in value else {}
+    return value

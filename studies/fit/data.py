@@ -13,6 +13,7 @@ from ...meshes import Array, SceneError
 from ..check.tables import OthersResults, read
 from ..crosscheck import LOG, Scene, number_of, shown
 from ..estimate.measurement import Measurement
+from ..estimate.model import is_flat
 
 NoiseInput = float | str | Mapping[str, float | str] | None
 """Standard deviations of the data: one, or several by column. Each is a number in the units of the
@@ -23,10 +24,14 @@ KINDS = {
     "indentation": "displacement",
     "normal_force": "force",
     "profile": "displacement",
+    "contact_radius": "length",
+    "scar_diameter": "length",
     "worn_volume": "volume",
     "lost_mass": "mass",
 }
 VOLUMES = ("worn_volume", "lost_mass")
+# columns that depend on wear only if the contact grows
+SCARS = ("contact_radius", "scar_diameter")
 # number of rings whose columns are recognised
 MOST_RINGS = 1000
 # initial noise, over the range of a series or over each volume, if it is estimated from residuals
@@ -42,6 +47,8 @@ def read_measurements(
     density: float | str | None = None,
     columns: Mapping[str, str] | None = None,
     units: str = "",
+    cycle: float | str | None = None,
+    parameters: Sequence[str] = (),
 ) -> tuple[Measurement, ...]:
     """Return the measurements in files or tables.
 
@@ -54,21 +61,30 @@ def read_measurements(
         "7.8 g/cm^3"
     columns : our column names by those of the data
     units : of the data, if not those of the scene
+    cycle : sliding distance of one cycle, which is necessary for cycles in place of times
+    parameters : names of the parameters that will be fitted to the measurements
 
     Raises
     ------
     SceneError
-        if a table cannot be read, has no column to fit, or needs a density or a noise
+        if a table cannot be read, has no column to fit, needs a density or a noise, or does not
+        depend on a parameter
     """
     rings = len(scene.problem.wear_coefficients)
     # columns of rings that the punch does not have are read, too, and then refused by their names
     volumes = {name: KINDS[name] for name in VOLUMES}
     volumes |= {f"{name}_{ring}": KINDS[name] for name in VOLUMES for ring in range(MOST_RINGS)}
+    more = volumes | {name: KINDS[name] for name in SCARS}
+    length = None
+    if cycle is not None:
+        length = _positive_number(scene, cycle, "length", "--cycle")
     measurements, divisors = list[Measurement](), list[float]()
     by_source = dict[str, list[Measurement]]()
     for name, source in _sources_by_name(data).items():
         source = _without_known(source, scene)
-        table = read(source, name, scene, columns or {}, units, volumes, list(KINDS))
+        table = read(source, name, scene, columns or {}, units, more, list(KINDS), length)
+        _refuse_speed(table, name, parameters)
+        _refuse_scars(table, name, scene)
         _refuse_other_rings(table, name, rings)
         divisor = _density(scene, density, table, name)
         in_table = _measurements(table, divisor)
@@ -127,6 +143,38 @@ def _sources_by_name(
             raise SceneError(f"{name} and {name} are one file: give each table once")
         by_name[name] = source
     return by_name
+
+
+def _refuse_speed(table: "pd.DataFrame", name: str, parameters: Sequence[str]) -> None:
+    """Refuse to fit the sliding speed to a table over distances.
+
+    Raises
+    ------
+    SceneError
+        with the remedy
+    """
+    if table.attrs["clock"] != "time" and "load.sliding_speed" in parameters:
+        raise SceneError(
+            f"load.sliding_speed: {name} has {table.attrs['clock']} in place of times, so that its "
+            "values do not depend on the speed: leave this parameter out, or give times"
+        )
+
+
+def _refuse_scars(table: "pd.DataFrame", name: str, scene: Scene) -> None:
+    """Refuse radii of contacts that are the whole face of the punch, whatever wears.
+
+    Raises
+    ------
+    SceneError
+        with the remedy
+    """
+    for column in SCARS:
+        if column in table and is_flat(scene.problem):
+            raise SceneError(
+                f"{name} has {column}, but the punch of the scene is flat, so that all of its face "
+                "is in contact, whatever wears: give punch.profile, such as { kind = 'ball', "
+                "ball_radius = ... }, or other columns"
+            )
 
 
 def _refuse_other_rings(table: "pd.DataFrame", name: str, rings: int) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from threadpoolctl import threadpool_limits
 
 from ...meshes import Array
 from ..crosscheck import Scene
@@ -127,7 +128,8 @@ class Experiments:
             noise = noise * np.ones(len(exact))
             values = exact + noise * random.normal(size=len(exact))
             measurements.append(replace(each, values=values, noise=noise))
-        return truth, fit_measurements(scene, parameters, tuple(measurements), self._model)
+        with threadpool_limits(1):
+            return truth, fit_measurements(scene, parameters, tuple(measurements), self._model)
 
 
 def report(name: str, experiments: Experiments, count: int, first: int = 0) -> str:
@@ -219,7 +221,33 @@ def cases() -> dict[str, Experiments]:
     two_material_ball["punch"] |= {"ring_edges": [0.4, 1.0], WEAR.rpartition(".")[2]: [1.0, 3.0]}
     del two_material_ball["punch"]["rings"]
     weighings, late = np.array([0.1, 0.3, 1.0, 3.0, 10.0]), np.array([5.0, 10.0, 20.0])
+    thickness, layer_modulus = (
+        f"half_space.layers[0].{key}" for key in ("thickness", "youngs_modulus")
+    )
+    flat_on_layer = Scene(
+        punch={"radius": 1.0, "wear_coefficient": 1e-9},
+        half_space={
+            "youngs_modulus": 2.0,
+            "poisson_ratio": 0.3,
+            "layers": [{"thickness": 0.3, "youngs_modulus": 1.0, "poisson_ratio": 0.3}],
+        },
+        load={"normal_force": {"times": [0.0, 1.0], "values": [3e-4, 0.15]}, "sliding_speed": 1.0},
+    )
+    on_layer = flat_on_layer.changed({"punch.profile": {"kind": "ball", "ball_radius": 5.0}})
+    two_forces = (
+        ("indentation", np.array([0.0]), None, 2e-5, None),
+        ("indentation", np.array([1.0]), None, 1e-3, None),
+    )
     return {
+        "layer under a ball": Experiments(on_layer, (thickness, layer_modulus), two_forces),
+        "layer under a flat punch": Experiments(
+            flat_on_layer,
+            (thickness, layer_modulus),
+            (
+                ("indentation", np.array([0.0]), None, 1e-6, None),
+                ("indentation", np.array([1.0]), None, 5e-4, None),
+            ),
+        ),
         "two": Experiments(two_materials, (WEAR,), (INDENTATION,)),
         "two, noise unknown": Experiments(
             two_materials, (WEAR,), (INDENTATION,), noise_known=False

@@ -18,14 +18,9 @@ from ..figures.style import (
     set_logarithmic,
     show_values,
 )
+from .data import KINDS
 from .outcome import Outcome
 
-UNIT_KINDS = {
-    "indentation": "displacement",
-    "profile": "displacement",
-    "normal_force": "force",
-    "worn_volume": "volume",
-}
 # half width of the 95 % interval of a normal variable of deviation one
 NORMAL_HALF_WIDTH = float(ndtri(0.975))
 # greatest number of measurements of one quantity that are drawn in its panel
@@ -61,7 +56,7 @@ def draw_fit(fit: Outcome) -> Figure:
             if each.quantity == quantity
         ]
         greatest = max(float(np.abs(each.values).max()) for each, _ in series)
-        unit, unit_name = names.readable(greatest, UNIT_KINDS[quantity])
+        unit, unit_name = names.readable(greatest, KINDS[quantity])
         for number, (each, part) in enumerate(series[:MAX_SERIES]):
             look = curve(number)
             abscissas, label = _abscissa(each, names)

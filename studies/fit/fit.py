@@ -19,11 +19,12 @@ from ..estimate.estimator import (
     inverse_of_information,
     with_estimated_noise,
 )
+from ..estimate.marches import CELL
 from ..estimate.measurement import Measurement
 from ..estimate.model import Model
 from ..estimate.parameter import Parameter
 from ..estimate.profiles import BetterPointError, Profiles
-from .data import NoiseInput, read_measurements
+from .data import SCARS, NoiseInput, read_measurements
 from .outcome import Estimate
 from .parameters import find_parameters
 from .result import Fit
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 CONFIDENCE = 0.95
 # tolerances of the model that are tried, until the next one changes the predictions by little
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+# number of them for radii of contacts, which cells resolve to about a thousandth: more would take
+# minutes, and the error is reported
+RTOLS_OF_SCARS = 3
 # standard deviation of a logarithm above which the interval does not follow from the curvature
 MAX_QUADRATIC_DEVIATION = 0.05
 # greatest number of computations of the profiles, which begin anew at each better point
@@ -51,6 +55,7 @@ def fit(
     design: bool = False,
     columns: Mapping[str, str] | None = None,
     units: str = "",
+    cycle: float | str | None = None,
 ) -> Fit:
     """Fit parameters of a scene to measurements, and report how well the data determine them.
 
@@ -64,8 +69,9 @@ def fit(
         initial ones, and parameters are fitted up to a factor of 1000 from them. Its times are
         replaced by those of the data
     data : files or tables, one, several, or by name. Columns are time, indentation, normal_force;
-        time, radius, profile; worn_volume or lost_mass, for ring N worn_volume_N or lost_mass_N,
-        counted from the centre, from 1
+        time, radius, profile; contact_radius or scar_diameter; worn_volume or lost_mass, for ring N
+        worn_volume_N or lost_mass_N, counted from the centre, from 1. Instead of time, the sliding
+        distance or the number of cycles may be given
     parameters : keys of the scene, such as ``punch.wear_coefficients[1]``, counted from 0, where
         the key of a list means all of its values; or unknowns of the rig: ``start_time``,
         ``sensor_offset``, ``machine_compliance``
@@ -76,6 +82,7 @@ def fit(
     design : whether to compute which further measurement would narrow the widest interval most
     columns : our column names by those of the data, ``{"depth": "indentation"}``
     units : of the data, such as ``"mm, N, MPa, s"``, if not those of the scene
+    cycle : sliding distance of one cycle, for cycles in place of times, such as ``"20 mm"``
 
     Returns
     -------
@@ -105,7 +112,7 @@ def fit(
         raise SceneError(
             f"parameters has {shown(wrong[0])}: give names, such as 'punch.wear_coefficients'"
         )
-    measurements = read_measurements(scene, data, noise, density, columns, units)
+    measurements = read_measurements(scene, data, noise, density, columns, units, cycle, names)
     times = np.unique(np.concatenate([each.times for each in measurements]))
     if not (times > 0).any():
         raise SceneError("the data has no time after the start: give later times")
@@ -134,7 +141,8 @@ def fit_measurements(
     model : returns the model for a tolerance and for the coordinates at which it is to be most
         accurate
     """
-    rtol, *finer_rtols = RTOLS
+    has_scars = any(each.quantity in SCARS for each in measurements)
+    rtol, *finer_rtols = RTOLS[:RTOLS_OF_SCARS] if has_scars else RTOLS
     predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
     likelihood, combinations = fix_ineffective_parameters(likelihood)
@@ -155,6 +163,8 @@ def fit_measurements(
             (likelihood.best_from(point.x) for point in points), key=lambda point: point.chi_square
         )
     best, profiles, intervals = _intervals(likelihood, points)
+    if has_scars:
+        error = np.maximum(np.abs(error), _widths_of_cells(likelihood, best.x) / likelihood.noise)
     slopes = likelihood.slopes(best.x)
     shifts = inverse_of_information(slopes) @ (slopes.T @ error)
     undetermined = {number for combination in combinations for number in combination}
@@ -182,6 +192,21 @@ def fit_measurements(
         tests=residual_tests(likelihood, best.x),
         rtol=likelihood.predictor.rtol,
         model_error=float(np.abs(error).max()),
+    )
+
+
+def _widths_of_cells(likelihood: Likelihood, x: Array) -> Array:
+    """Return the widths (n,) of the cells at the edge of the contact; 0 for all but its radii.
+
+    A tolerance does not bound the error of the edge, which is at most so large.
+    """
+    cells = tuple(replace(each, quantity=CELL) for each in likelihood.measurements)
+    widths = likelihood.predictor.for_measurements(cells).predict(x)
+    return np.concatenate(
+        [
+            width if each.quantity in SCARS else np.zeros(len(width))
+            for each, width in zip(likelihood.measurements, widths, strict=True)
+        ]
     )
 
 

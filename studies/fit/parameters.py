@@ -8,16 +8,18 @@ import numpy as np
 
 from ...meshes import SceneError
 from ..crosscheck import (
+    THINNEST_LAYER,
     Scene,
     TomlTable,
     UnitNames,
     declaration,
     did_you_mean,
+    dotted,
     keys_of,
     kind_of,
     place_of,
 )
-from ..estimate.parameter import Parameter, Reading, Situation, looked_up
+from ..estimate.parameter import Change, Parameter, Reading, Situation, looked_up, with_values
 
 # a positive parameter is fitted between its value in the scene divided and multiplied by this; the
 # coordinate of another parameter, between minus and plus this
@@ -34,6 +36,8 @@ KEYS = (
     "load.indentation",
     "load.sliding_speed",
 )
+# keys of each layer that can be fitted
+LAYER_KEYS = ("thickness", "youngs_modulus")
 NUISANCES = {
     "start_time": ("time", "time at which sliding began, by the clock of the data", "start_time"),
     "sensor_offset": (
@@ -97,7 +101,7 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
             )
             continue
         parameters += [
-            Parameter(key, key, _value(table, key), unit=_kind(key))
+            Parameter(key, _change_of(key, scene), _value(table, key), unit=_kind(key))
             for key in _expanded(table, name)
         ]
     all_names = [each.name for each in parameters]
@@ -106,6 +110,17 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
         fault = f"{min(repeated)} is given twice" if repeated else "no parameter is given"
         raise SceneError(f"{fault}: give each parameter once, such as {_choices(table)}")
     return scene, tuple(parameters)
+
+
+def _change_of(key: str, scene: Scene) -> Change | str:
+    """Return the change of a key: an upper layer is never thinner than a scene can have it."""
+    if key != "half_space.layers[0].thickness":
+        return key
+    return partial(_with_first_layer, THINNEST_LAYER * scene.punch.radius)
+
+
+def _with_first_layer(least: float, scene: Scene, reading: Reading, value: float) -> Situation:
+    return with_values(scene, {"half_space.layers[0].thickness": max(value, least)}), reading
 
 
 def _read_differently(name: str, scene: Scene, reading: Reading, value: float) -> Situation:
@@ -166,7 +181,7 @@ def _table(scene: Scene) -> TomlTable:
 
 def _key_and_index(name: str) -> tuple[str, int | None]:
     """Return the key of a parameter, and the index of its value in a list; None without a list."""
-    matched = re.fullmatch(r"([\w.]+)(?:\[(\d+)\])?", name)
+    matched = re.fullmatch(r"(.+?)(?:\[(\d+)\])?", name)
     if matched is None:
         return name, None
     return matched[1], None if matched[2] is None else int(matched[2])
@@ -179,7 +194,7 @@ def _value(table: TomlTable, name: str) -> float:
 
 
 def _kind(name: str) -> str:
-    return kind_of(_key_and_index(name)[0], Scene)
+    return kind_of(dotted(_key_and_index(name)[0]), Scene)
 
 
 def _expanded(table: TomlTable, name: str) -> list[str]:
@@ -190,6 +205,8 @@ def _expanded(table: TomlTable, name: str) -> list[str]:
     SceneError
         if the name cannot be fitted, or if its index is too large
     """
+    if name in _keys_of_layers(table):
+        return [name]
     path, index = _key_and_index(name)
     if path in KEYS and isinstance(looked_up(table, path), dict) and looked_up(table, path):
         path = f"{path}.values"
@@ -226,7 +243,8 @@ def _why_not_fitted(name: str, table: TomlTable) -> str:
             f"or fit some of {_choices(table)}"
         )
     return (
-        f"{name} cannot be fitted, only wear coefficients, moduli, loads and unknowns of the rig: "
+        f"{name} cannot be fitted, only wear coefficients, moduli, layers, loads and unknowns of "
+        "the rig: "
         f"give its value in the scene, and fit some of {_choices(table)}"
     )
 
@@ -235,7 +253,12 @@ def _keys_in(table: TomlTable) -> list[str]:
     """Return the keys that can be fitted, in the form that the scene has or can have."""
     keys = [key for key in KEYS if looked_up(table, key) != {}]
     two_materials = len(looked_up(table, "punch.wear_coefficients")) == 2
-    return keys + ["punch.wear_ratio"] * two_materials
+    return keys + ["punch.wear_ratio"] * two_materials + _keys_of_layers(table)
+
+
+def _keys_of_layers(table: TomlTable) -> list[str]:
+    layers = range(len(looked_up(table, "half_space.layers")))
+    return [f"half_space.layers[{number}].{key}" for number in layers for key in LAYER_KEYS]
 
 
 def _choices(table: TomlTable) -> str:

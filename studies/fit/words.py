@@ -7,6 +7,7 @@ import numpy as np
 from ...meshes import Array, ring_areas
 from ..crosscheck import UnitNames, running_in
 from ..estimate.estimator import inverse_of_information
+from .data import KINDS
 from .outcome import Estimate, Outcome
 from .parameters import REACH, written
 from .statistics.residual_tests import LEVEL, combined
@@ -180,8 +181,8 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
     for column in dict.fromkeys(each.column for each in fit.measurements):
         first = next(each for each in fit.measurements if each.column == column)
         if not first.noise_known:
-            kind = "volume" if first.quantity == "worn_volume" else None
-            kind = kind or ("force" if first.quantity == "normal_force" else "displacement")
+            # the noise of a mass is that of its volume
+            kind = KINDS["worn_volume" if first.quantity == "worn_volume" else column]
             size = names.write(float(np.median(first.noise)), kind, 2)
             yield f"the noise of {column}, estimated from the residuals, is {size}"
     yield f"chi-square is {fit.chi_square:.3g} for {fit.degrees_of_freedom} degrees of freedom"

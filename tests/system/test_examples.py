@@ -59,6 +59,16 @@ def test_own_mesh(show):
     assert 1.7 < min(ratios) <= max(ratios) < 2.3
 
 
+def test_wear_scars(show):
+    """The coefficients of steel are those of the published volumes, to 2 %.
+
+    Under alumina, the elastic indentation takes 4 % of the cap (`test_wear_scars.by_geometry`).
+    """
+    rows = re.findall(r"k = (\S+) .* by the scar,\n    V / \(F s\) = (\S+)", show("wear_scars"))
+    ratios = [float(found) / float(by_volume) for found, by_volume in rows]
+    assert ratios == pytest.approx([1.0, 1.0, 0.96], abs=0.02)
+
+
 @pytest.mark.gmsh
 def test_the_notebook_has_the_outputs_of_its_cells(capsys):
     """The printed text and the last value of each cell equal the outputs stored in the notebook."""

@@ -159,6 +159,17 @@ class Loading:
         """
         return np.union1d(times, self.times[self.times < times[-1]])
 
+    def times_at(self, distances: Array) -> Array:
+        """Return the first times (S,) at which sliding distances (S,) are reached.
+
+        A distance that is never reached, because sliding stops before, has no time: NaN.
+        """
+        knots = np.maximum(np.searchsorted(self._integrals[0], distances) - 1, 0)
+        pairs = zip(distances.tolist(), knots.tolist(), strict=True)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            times = np.array([self.time_at(distance, knot) for distance, knot in pairs])
+        return np.asarray(np.where(np.isfinite(times), times, np.nan))
+
     def time_at(self, distance: float, knot: int) -> float:
         """Return the time at which a sliding distance is reached between a knot and the next."""
         speed, slid = self.speeds[knot], distance - self._integrals[0][knot]

@@ -1,6 +1,5 @@
 """Handle keys of a scene by their names: lists of names, changes, and alternative keys."""
 
-import copy
 import re
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
@@ -78,7 +77,8 @@ def without_alternatives(base: TomlTable, keys: set[str]) -> TomlTable:
     keys : set of str
         Keys that are about to change, with dots.
     """
-    table = copy.deepcopy(base)
+    # only sections lose keys
+    table = {key: dict(each) if isinstance(each, dict) else each for key, each in base.items()}
     punch = table.get("punch", {})
     pair = punch.get("wear_coefficients", [])
     if len(pair) == 2 and keys & {"punch.wear_ratio", "punch.wear_coefficient"}:

@@ -34,8 +34,8 @@ def residual_tests(likelihood: Likelihood, x: Array) -> dict[str, float]:
     if there are too few values for any test.
     """
     residuals, probabilities = likelihood.residuals(x), dict[str, float]()
-    if all(each.noise_known for each in likelihood.measurements):
-        freedom = max(likelihood.degrees_of_freedom, 1)
+    freedom = likelihood.degrees_of_freedom
+    if freedom > 0 and all(each.noise_known for each in likelihood.measurements):
         probabilities["chi-square"] = float(chdtrc(freedom, residuals @ residuals))
     row = 0
     for each in likelihood.measurements:
