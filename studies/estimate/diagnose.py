@@ -24,6 +24,8 @@ MAX_ALIKE_DIFFERENCE = 0.02
 MIN_SHARE, SPECIAL_SHARE = 0.15, 1 / 3
 # least part of the errors of pressures that a pattern of a mesh has to be
 SURE = 0.7
+# factor on the errors of pressures above which those of another quantity are not caused by a mesh
+OTHERS_FACTOR = 3.0
 # least `explained_part` of an explanation: it leaves at most a sixth of the difference
 MIN_EXPLAINED = 0.7
 # least relative difference of two predictions at which a result can distinguish them
@@ -132,6 +134,11 @@ def _patterns_of_mesh(candidates: Sequence[Candidate], comparison: Comparison) -
     theirs = comparison.theirs["pressure"][comparison.time_rows]
     ours = comparison.ours["pressure"][comparison.time_rows]
     (none,) = (each for each in candidates if not each.mistakes)
+    others = [
+        error
+        for name, error in zip(comparison.quantities, candidates[0].errors, strict=True)
+        if name != "pressure"
+    ]
     explained, as_it_is = (_pressures(each, comparison) for each in (candidates[0], none))
     errors = _relative_errors(theirs, ours)
     with np.errstate(all="ignore"):
@@ -155,7 +162,10 @@ def _patterns_of_mesh(candidates: Sequence[Candidate], comparison: Comparison) -
         for name, size, part in patterns(
             unexplained_errors, comparison.radii, comparison.scene.punch.radius
         )
-        if remaining * part > SURE and size > comparison.scene.accuracy.rtol
+        if remaining * part > SURE
+        and size > comparison.scene.accuracy.rtol
+        # errors of pressures are not what is wrong if those of another column are much greater
+        and max(others, default=0.0) < max(USUAL_ERROR, OTHERS_FACTOR * size)
     ]
 
 

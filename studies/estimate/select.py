@@ -37,9 +37,12 @@ MAX_EXTENDED, MAX_STARTS = 4, 2
 # relative change of chi-square, and number of evaluations, at which a search for the values of
 # mistakes ends
 TOLERANCE, EVALUATIONS = 1e-3, 20
-# relative error that remains in most programs, which no further mistake has to explain; and least
-# change of the prediction that a mistake must cause
+# relative error that remains in most programs, and least change of the prediction that a mistake
+# must cause
 USUAL_ERROR, MIN_EFFECT = 0.03, 1e-3
+# relative error up to which no further mistake is sought: coarse meshes have such errors, and
+# a thin layer looks like them
+MAX_UNEXPLAINED = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,9 +227,9 @@ def select(model: Model, mistakes: Sequence[Mistake], depth: int = 2) -> list[Ca
         # nothing is added to a candidate that leaves no more than most programs do, and nothing at
         # all once the best candidate leaves no more
         first = min(by_mistakes.values(), key=lambda each: each.bic)
-        if first.mistakes and first.errors.max() <= USUAL_ERROR:
+        if first.mistakes and first.errors.max() <= MAX_UNEXPLAINED:
             break
-        worth = [each for each in levels[-1] if each is none or each.errors.max() > USUAL_ERROR]
+        worth = [each for each in levels[-1] if each is none or each.errors.max() > MAX_UNEXPLAINED]
         extended = sorted(worth, key=lambda each: each.bic)[:MAX_EXTENDED]
         level, tried = [], set[frozenset[Mistake]]()
         for candidate in extended:

@@ -27,8 +27,8 @@ from ..estimate.profiles import BetterPointError, Profiles
 from .data import SCARS, NoiseInput, read_measurements
 from .outcome import Estimate
 from .parameters import find_parameters
+from .residual_tests import residual_tests
 from .result import Fit
-from .statistics.residual_tests import residual_tests
 
 if TYPE_CHECKING:
     from ..check.tables import OthersResults

@@ -12,7 +12,7 @@ from ..estimate.estimator import Likelihood, Point
 from ..estimate.measurement import Measurement
 from ..estimate.parameter import Parameter
 from ..estimate.profiles import Profiles
-from .statistics.residual_tests import LEVEL, combined
+from .residual_tests import LEVEL, combined
 
 # a parameter is identifiable if both ends of its interval are within this factor of the estimate
 MAX_FACTOR = 2.0

@@ -10,7 +10,7 @@ from ..estimate.estimator import inverse_of_information
 from .data import KINDS
 from .outcome import Estimate, Outcome
 from .parameters import REACH, written
-from .statistics.residual_tests import LEVEL, combined
+from .residual_tests import LEVEL, combined
 
 # least correlation of two parameters that is reported
 MIN_CORRELATION = 0.9

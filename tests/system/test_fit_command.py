@@ -153,6 +153,48 @@ def test_a_parameter_without_effect_is_named_in_plain_words(measured):
     assert "it has no effect on any of the measured quantities" in line
 
 
+@pytest.mark.slow
+def test_a_ball_determines_a_layer_by_two_forces():
+    """The contact is as wide as the layer is thick under one of them. Data by boundary elements."""
+    layer = {"thickness": 0.3, "youngs_modulus": 1.0, "poisson_ratio": 0.3}
+    scene = ringwear.Scene(
+        punch={
+            "radius": 1.0,
+            "profile": {"kind": "ball", "ball_radius": 5.0},
+            "wear_coefficient": 1e-9,
+        },
+        half_space={"youngs_modulus": 2.0, "poisson_ratio": 0.3, "layers": [layer]},
+        load={"normal_force": {"times": [0.0, 1.0], "values": [3e-4, 0.15]}, "sliding_speed": 1.0},
+        wear={"times": [0.0, 1.0], "steady": False},
+    )
+    names = ["half_space.layers[0].thickness", "half_space.layers[0].youngs_modulus"]
+    truth = dict(zip(names, (0.33, 0.9), strict=True))
+    data = ringwear.run(scene.changed(truth), methods=["bem"], quantities=["indentation"]).dataset
+    table = {"time": [0.0, 1.0], "indentation": data.indentation.values[0]}
+    found = ringwear.fit(scene, table, names, noise="0.3 %").estimates
+    assert found.identifiable.all()
+    for name, row in found.iterrows():
+        assert row.low < truth[name] < row.high
+        assert row.value == pytest.approx(truth[name], rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("half_space.layers[1].thickness", "layers\\[0\\].thickness"),
+        ("half_space.layers[0].poisson_ratio", "only wear coefficients, moduli, layers"),
+        ("half_space.layers", "layers\\[0\\].youngs_modulus"),
+    ],
+)
+def test_what_no_layer_has_is_refused(name, words):
+    layer = {"thickness": 0.3, "youngs_modulus": 0.25, "poisson_ratio": 0.3}
+    scene = ringwear.Scene.load("five_rings").changed(
+        half_space={"youngs_modulus": 1.0, "poisson_ratio": 0.3, "layers": [layer]}
+    )
+    with pytest.raises(ringwear.SceneError, match=words):
+        ringwear.fit(scene, {"time": [1.0], "indentation": [1.0]}, name, noise=0.1)
+
+
 def test_wear_coefficients_are_fitted_on_layers():
     """The data are by boundary elements, the model of the fit is the MDR."""
     layer = {"thickness": 0.3, "youngs_modulus": 0.25, "poisson_ratio": 0.3}

@@ -56,7 +56,6 @@ ROOMS: tuple[dict[str, str], ...] = (
         "studies.decks": "input files for other programs",
         "studies.examples": "scripts as users write them",
         "studies.fit": "fits of scenes to measurements",
-        "studies.fit.statistics": "likelihoods, intervals and tests of residuals",
         "studies.paper": "study of the paper",
         "studies.sweep": "sweeps over keys of a scene",
     },

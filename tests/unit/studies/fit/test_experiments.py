@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fit_experiments import WEAR, Experiments, cases
 
 from ringwear import Scene, ring_areas
 from ringwear.studies.estimate.estimator import Likelihood, fix_ineffective_parameters
 from ringwear.studies.estimate.parameter import situation
-from ringwear.studies.fit.experiments import WEAR, Experiments, cases
 from ringwear.studies.fit.parameters import find_parameters
 
 
@@ -118,6 +118,26 @@ def test_intervals_contain_the_true_values(name, count, least):
         pairs = zip(result.found, truth, strict=True)
         counts = counts + np.array([each.low <= true <= each.high for each, true in pairs])
     assert min(counts) >= least
+
+
+def test_interpolation_between_layers_is_at_the_load_of_the_same_time():
+    """The force rises by 500 until t = 1, and the unit of time depends on the layer."""
+    model = cases()["layer under a flat punch"].sharp
+    assert model.interpolates
+    for x in (np.array([0.13, -0.21]), np.array([-0.4, 0.3])):
+        pairs = zip(model.predict(x), model.solved_directly().predict(x), strict=True)
+        for interpolated, solved in pairs:
+            assert interpolated == pytest.approx(solved, rel=1e-3)
+
+
+def test_a_flat_punch_does_not_determine_a_layer_by_two_forces():
+    """Its indentation is proportional to the force: two forces have one compliance."""
+    case = cases()["layer under a flat punch"]
+    for seed in range(3):
+        truth, result = case.conduct(seed)
+        assert not any(each.identifiable for each in result.found)
+        assert all(each.low <= true for each, true in zip(result.found, truth, strict=True))
+    assert any("cannot be separated by these data" in line for line in result.conclusions)
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ from ringwear.studies.estimate.parameter import Parameter, situation
 from ringwear.studies.estimate.profiles import Profiles
 from ringwear.studies.fit.data import read_measurements
 from ringwear.studies.fit.parameters import find_parameters
-from ringwear.studies.fit.statistics.residual_tests import combined, few_runs, small_differences
+from ringwear.studies.fit.residual_tests import combined, few_runs, small_differences
 
 SCENE = Scene(
     units="SI",
@@ -76,7 +76,7 @@ def test_the_key_of_a_list_means_all_of_its_values():
     [
         ("punch.wear_coeficient", "did you mean punch.wear_coefficient?"),
         ("punch.wear_coefficients[2]", "has 2 values, counted from 0"),
-        ("punch.radius", "only wear coefficients, moduli, loads and unknowns of the rig"),
+        ("punch.radius", "only wear coefficients, moduli, layers, loads and unknowns of the rig"),
         ("punch.rings", "punch.rings cannot be fitted, only wear coefficients"),
         ("load.mean_pressure", "the scene does not have it"),
         ("half_space.youngs_modulus[0]", "is one number in the scene: leave out the index"),

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import chdtrc, gammaln, ndtr, stdtr
 
-from ....meshes import Array, Indices
-from ...estimate.estimator import MAX_NUMERICAL_ERROR, Likelihood
+from ...meshes import Array, Indices
+from ..estimate.estimator import MAX_NUMERICAL_ERROR, Likelihood
 
 # combined probability below which the law is rejected
 LEVEL = 0.05

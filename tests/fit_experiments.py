@@ -1,6 +1,6 @@
 """Synthetic experiments: how often intervals contain the truth and wrong laws are detected.
 
-``python -m ringwear.studies.fit.experiments CASE COUNT [FIRST]`` prints a line on experiments with
+``python tests/fit_experiments.py CASE COUNT [FIRST]`` prints a line on experiments with
 the random seeds FIRST, FIRST + 1, ... The true parameters are drawn around the values of the scene,
 and the data come from a model with a finer tolerance than that of the fits.
 """
@@ -16,15 +16,15 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from threadpoolctl import threadpool_limits
 
-from ...meshes import Array
-from ..crosscheck import Scene
-from ..estimate.measurement import Measurement
-from ..estimate.model import Model
-from ..estimate.modes import FlatHistories
-from ..estimate.parameter import Parameter
-from .fit import fit_measurements
-from .parameters import find_parameters
-from .result import Fit
+from ringwear import Scene
+from ringwear.meshes import Array
+from ringwear.studies.estimate.measurement import Measurement
+from ringwear.studies.estimate.model import Model
+from ringwear.studies.estimate.modes import FlatHistories
+from ringwear.studies.estimate.parameter import Parameter
+from ringwear.studies.fit.fit import fit_measurements
+from ringwear.studies.fit.parameters import find_parameters
+from ringwear.studies.fit.result import Fit
 
 # standard deviations of the logarithms of true parameters, by section of the scene: wear
 # coefficients, and moduli

@@ -1,1 +1,0 @@
-"""The likelihood of measurements, confidence intervals, and tests of the residuals of a fit."""
