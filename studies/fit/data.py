@@ -359,7 +359,7 @@ def _with_noise(
     if noises is None:
         if len(values) < MIN_VALUES and measurement.quantity != "worn_volume":
             raise SceneError(
-                f"{len(values)} values of {measurement.column} are too few to estimate the noise: "
+                f"{measurement.column} has too few values, {len(values)}, to estimate the noise: "
                 f"give --noise {measurement.column}=..."
             )
         # the initial noise of volumes is relative to each value, otherwise to the range

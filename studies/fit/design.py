@@ -22,7 +22,7 @@ from .parameters import REACH
 # which profiles and volumes are considered
 SERIES_VALUES, PROFILE_RADII, CANDIDATE_TIMES = 40, 60, 4
 # noise of quantities that are not in the data: of a profile over its range, of a volume over its
-# value, and of the indentation or the force over its unit in the non-dimensional problem
+# value, and of the indentation or the force over its greatest value
 PROFILE_NOISE, VOLUME_NOISE, DEPTH_NOISE = 0.01, 0.01, 1e-3
 # greatest numbers of points over which variances are averaged, of candidates in the table, and of
 # rings that are weighed one by one
@@ -166,5 +166,7 @@ def _noise_of(fit: Outcome, quantity: str) -> float:
     for each in fit.measurements:
         if each.quantity == quantity:
             return float(np.median(each.noise))
-    units = fit.scene.problem.units
-    return DEPTH_NOISE * (units.force if quantity == "normal_force" else units.displacement)
+    times = np.unique(np.concatenate([each.times for each in fit.measurements]))
+    model = fit.likelihood.predictor.for_measurements((_candidate(quantity, times, 1.0),))
+    (values,) = model.predict(fit.best.x)
+    return DEPTH_NOISE * float(np.abs(values).max())

@@ -113,7 +113,7 @@ def test_too_few_values_for_any_test_are_reported(measured):
 @pytest.mark.parametrize(
     ("data", "options", "words"),
     [
-        ("time,indentation\n1,1e-6\n2,2e-6\n", [], "too few to estimate the noise"),
+        ("time,indentation\n1,1e-6\n2,2e-6\n", [], "too few values, 2, to estimate the noise"),
         ("time,lost_mass\n1,1e-6\n2,2e-6\n", ["--noise", "1 mg"], "give --density"),
         ("time,radius,pressure\n1,0,1e6\n", [], "nothing to fit"),
         ("time,indentation\n1,1e-6\n2,2e-6\n", ["--noise", "profile=1"], "no such column"),
