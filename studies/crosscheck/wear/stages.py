@@ -194,11 +194,17 @@ class ContactStages:
         if not with_slopes:
             return middle, following, StepError(depth)
         slopes_after = self._unworn_slopes + self._slopes_of_wear @ following.integral
-        slope, slope_after = (
-            float(np.linalg.norm(slopes))
-            for slopes in (self._slopes_of_wear @ defect, slopes_after)
-        )
+        # a node that comes into contact or leaves it during the step has a kink in time, which no
+        # shorter step resolves: the worn depth judges the cells there
+        in_contact = [instant.press.contact for instant in (current, middle, following)]
+        slopes = self._cells_within(np.all(in_contact, axis=0)) * (self._slopes_of_wear @ defect)
+        slope, slope_after = (float(np.linalg.norm(each)) for each in (slopes, slopes_after))
         return middle, following, StepError(depth, slope, slope_after)
+
+    def _cells_within(self, nodes: Mask) -> Mask:
+        """Return the cells (E,) all of whose nodes are among some nodes (size,)."""
+        # the last entry stands for the functions that a cell does not have
+        return np.asarray(np.append(nodes, True)[self.face.compliance.space.dofs].all(axis=1))
 
 
 def _predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:

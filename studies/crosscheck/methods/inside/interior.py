@@ -11,8 +11,8 @@ of a crease of the unworn face, such as the tip of a cone, except in the steady 
 creases are worn off.
 
 If the contact opens, closes and spreads, the triangles are those of the march, with one degree
-more. The coarser solution has a degree and a pole less, and its pressures come from its own march
-on every second cell.
+more. Its pressures are those of a march on the compliance of the contact solution. The coarser
+solution has a degree and a pole less, and its pressures come from a march on every second cell.
 """
 
 from collections.abc import Sequence
@@ -137,6 +137,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         # error estimates on quadrilaterals are about 8 / 3^degree; closer to incompressibility they
         # are larger
         degree = max(min(degree, ceil(log(8 / (STRESS_ERROR_PER_RTOL * problem.rtol), 3))), 3)
+    pressures = list[Array]()
     with threadpool_limits(1):
         while True:
             spaces = []
@@ -146,11 +147,11 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 if full_contact:
                     space = pressure_space(solid, problem.merged.ring_edges)
                 spaces.append(HalfSpace(solid, space, pole_orders).without_dependent_poles())
-            fine, coarse = spaces
-            pressures = (
-                pressures_of(problem_inside, fine, coarse=False),
-                pressures_of(problem_inside, coarse, coarse=True),
-            )
+            fine = spaces[0]
+            if full_contact:
+                pressures = [pressures_in_full_contact(problem_inside, each) for each in spaces]
+            elif not pressures:
+                pressures = pressures_of_marches(problem_inside, fem)
             result = compare_half_spaces(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (STRESS_ERROR_PER_RTOL * problem.rtol)
             # matrices of more pressures are dense, and too expensive for the fields inside alone
@@ -173,30 +174,42 @@ def first_and_last_in_contact(scene: Scene) -> list[float]:
     return [float(ends[0]), float(ends[-1])]
 
 
-def pressures_of(problem: Problem, half_space: "HalfSpace", coarse: bool) -> Array:
-    """Return the pressures (states, size) at the times of a problem, and in the steady state.
+def pressures_in_full_contact(problem: Problem, half_space: "HalfSpace") -> Array:
+    """Return the pressures (states, size) at the times of a problem, and in the steady state."""
+    wear = FullContact(problem, half_space.compliance()).wear
+    # no modes are needed for the start
+    pressures = np.outer(problem.loading.at(problem.times).force, wear.flat.pressure)
+    if problem.earliest:
+        pressures = wear.modal(problem.times).pressure
+    return _with_steady_state(problem, wear, pressures)
 
-    If `coarse`, the pressures of a shaped punch are those of a march on every second cell, with a
-    larger tolerance of its time steps.
+
+def pressures_of_marches(problem: Problem, fem: Solution) -> list[Array]:
+    """Return the pressures (states, size) of a shaped punch by two marches, both on one space.
+
+    Both have the compliance of a solution. The second one has every second cell, and a larger
+    tolerance of its time steps.
     """
-    compliance, space = half_space.compliance(), half_space.space
-    if problem.full_contact:
-        marched_space, wear = space, FullContact(problem, compliance).wear
-        # no modes are needed for the start
-        pressures = np.outer(problem.loading.at(problem.times).force, wear.flat.pressure)
-        if problem.earliest:
-            pressures = wear.modal(problem.times).pressure
-    else:
-        marched_space = space.coarser() if coarse else space
-        compliance = compliance.restricted(marched_space)
-        wear = RunningIn(compliance, problem.merged.wear_coefficients, continuous=False)
-        factor_of_steps = error_factor("steps of the coarser march") if coarse else 1.0
-        pressures = MovingContact(
-            problem, compliance, step_tolerance_factor=factor_of_steps
-        ).history.pressure
-    if problem.steady:
-        pressures = np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])
-    return np.asarray(pressures @ space.embedding(marched_space).T)
+    assert fem.march is not None
+    compliance, pressures = fem.march.face.compliance, list[Array]()
+    space = compliance.space
+    for marched_space, tolerance_factor in (
+        (space, 1.0),
+        (space.coarser(), error_factor("steps of the coarser march")),
+    ):
+        restricted = compliance.restricted(marched_space)
+        wear = RunningIn(restricted, problem.merged.wear_coefficients, continuous=False)
+        march = MovingContact(problem, restricted, step_tolerance_factor=tolerance_factor)
+        states = _with_steady_state(problem, wear, march.history.pressure)
+        pressures.append(states @ space.embedding(marched_space).T)
+    return pressures
+
+
+def _with_steady_state(problem: Problem, wear: RunningIn, pressures: Array) -> Array:
+    """Return pressures (T, size) and, if a problem has one, the steady state."""
+    if not problem.steady:
+        return np.asarray(pressures)
+    return np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])
 
 
 def compare_half_spaces(
