@@ -365,7 +365,7 @@ class Model:
         for weight, node in self._nodes(x):
             key = self.parameters, node.tobytes()
             if key not in nodes:
-                if len(nodes) > STORED_SITUATIONS:
+                if len(nodes) > STORED:
                     nodes.clear()
                 scene, reading = self._situation(node)
                 nodes[key] = self.solver.history(scene, reading), Frame.of(scene.problem)
