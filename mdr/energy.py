@@ -32,8 +32,12 @@ def compliance(
     """
     panels = panels_from_axis(space).no_wider(WIDEST_PANEL * ground.first_thickness)
     positions, weights, low_parts = panel_quadrature(panels, extra_points)
-    factor = np.sqrt(2 * weights)[:, None] * line_density(space, positions, low_parts)
-    return Compliance(space, factor + _added(factor, positions, weights, ground), ground)
+    # in place: for hundreds of rings, a copy takes as long as the integrals
+    factor = line_density(space, positions, low_parts)
+    factor *= np.sqrt(2 * weights)[:, None]
+    if ground.layered:
+        factor += _added(factor, positions, weights, ground)
+    return Compliance(space, factor, ground)
 
 
 def _added(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
