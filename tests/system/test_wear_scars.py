@@ -37,7 +37,7 @@ def by_geometry(diameter, force=10.0, ball_radius=5.0, modulus=200e3 / 0.91):
     return cap - 4 * force * a / (3 * np.pi * modulus)
 
 
-@pytest.mark.parametrize("diameter", [0.6, 2.0])
+@pytest.mark.parametrize("diameter", [0.6, pytest.param(2.0, marks=pytest.mark.slow)])
 def test_a_scar_has_the_wear_coefficient_of_its_volume(diameter):
     data = {"distance [m]": [1000.0], "scar_diameter [mm]": [diameter]}
     found = ringwear.fit(BALL, data, WEAR, noise="0.5 %")
@@ -50,6 +50,7 @@ def test_a_scar_has_the_wear_coefficient_of_its_volume(diameter):
     assert not found.tests
 
 
+@pytest.mark.slow
 def test_distances_and_cycles_are_times_by_the_speed_of_the_scene():
     """At 0.1 m/s, 100 s are 10 m, or 500 cycles of 20 mm; radii are halves of diameters."""
     times, diameters = np.array([100.0, 1000.0, 1e4]), np.array([0.7, 1.2, 2.1])
@@ -85,6 +86,7 @@ def test_distances_of_a_speed_that_varies():
     assert np.isnan(missed)
 
 
+@pytest.mark.slow
 def test_a_scene_without_a_speed_has_distances_as_times():
     scene = BALL.table()
     del scene["load"]["sliding_speed"]
