@@ -6,12 +6,15 @@ which a test can make a mistake, and returns a table of time, radius, pressure, 
 profile and indentation. The programs have errors of a few per cent.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+
+from ringwear import run
 
 FOLDER = Path(__file__).parent / "physics" / "programs"
 
@@ -20,9 +23,11 @@ FOLDER = Path(__file__).parent / "physics" / "programs"
 class Input:
     """Input that a user types into a program.
 
-    `reach` is the side of the box relative to the radius. `layer` has the thickness of a layer
-    relative to the radius, and its modulus relative to that of the half-space. `plane` chooses
-    plane strain elements, which is a mistake.
+    `law` is another law of wear: ``law(p, t, r)`` takes the pressure over its mean, the time
+    over the last one, and the radius over that of the punch, and returns the wear rate over
+    that by the mean pressure. `reach` is the side of the box relative to the radius. `layer`
+    has the thickness of a layer relative to the radius, and its modulus relative to that of the
+    half-space. `plane` chooses plane strain elements, which is a mistake.
     """
 
     radius: float
@@ -36,6 +41,7 @@ class Input:
     reach: float = 200.0
     layer: tuple[float, float] | None = None
     plane: bool = False
+    law: Callable[..., np.ndarray] | None = None
 
     @property
     def modulus(self):
@@ -95,16 +101,19 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
     The matrix `stiffness` maps displacements of nodes to forces on nodes; `force` is the total.
     """
     wear, profile, time = given.wear_at(radii) * given.speed, 0 * radii, 0.0
-    # explicit steps are stable up to about this length
-    stable = 0.4 / np.max(np.abs(np.linalg.eigvals(stiffness / areas[:, None] * wear)))
-    rigid, states = stiffness.sum(axis=1), []
+    # explicit steps are stable up to about this length, which is shorter for some laws
+    part = 0.1 if given.law else 0.4
+    stable = part / np.max(np.abs(np.linalg.eigvals(stiffness / areas[:, None] * wear)))
+    rigid, states, last, mean = stiffness.sum(axis=1), [], max(given.times), force / areas.sum()
     for end in given.times:
-        count = int(np.ceil((end - time) / min(stable, max(given.times) / steps_to_longest)))
-        for _ in range(count):
+        count = int(np.ceil((end - time) / min(stable, last / steps_to_longest)))
+        for step in range(count):
             depth = (force + rigid @ profile) / rigid.sum()
-            profile = (
-                profile + wear * (stiffness @ (depth - profile)) / areas * (end - time) / count
-            )
+            rate = stiffness @ (depth - profile) / areas
+            if given.law:
+                now = (time + (end - time) * step / count) / last
+                rate = mean * given.law(rate / mean, now, radii / given.radius)
+            profile = profile + wear * rate * (end - time) / count
         time, depth = end, (force + rigid @ profile) / rigid.sum()
         states.append((stiffness @ (depth - profile) / areas, profile, depth))
     return zip(*states, strict=True)
@@ -170,6 +179,22 @@ def springs(given, cells=120):
     stiffness = np.linalg.solve(moved.T, np.eye(cells)).T @ forces
     results = explicit_steps(given, stiffness.T, areas, radii, given.force, 400)
     return table(given.times, radii, *results)
+
+
+def ours(scene, **changes):
+    """Return our results of a scene with changes, as a table of another program."""
+    radii = np.linspace(0.008, 0.99, 60) * scene.punch.radius
+    dataset = run(scene.changed(output__radii=radii.tolist(), **changes), methods=["mdr"]).dataset
+    names = ("pressure", "displacement", "profile", "indentation")
+    columns = {name: dataset[name].isel(solver=0) for name in names}
+    rows = [
+        pd.DataFrame(
+            {"time": time, "radius": radii}
+            | {name: values.sel(time=time).values for name, values in columns.items()}
+        )
+        for time in scene.wear.times
+    ]
+    return pd.concat(rows, ignore_index=True)
 
 
 @cache

@@ -27,7 +27,6 @@ from ..crosscheck import (
     Solution,
     Source,
     Stages,
-    beside,
     chosen_methods,
     computed,
     listed,
@@ -39,6 +38,7 @@ from ..crosscheck import (
     refuse_beyond_memory,
     shown,
     why_beyond_memory,
+    with_others,
     write_numbers,
 )
 from ..decks.reports import reach_of_deck
@@ -249,7 +249,7 @@ class Check(AnswersGuesses):
         problem = self.scene.problem
         theirs = {name: each.solve(problem, Stages(name)) for name, each in self.others.items()}
         compared = self._compared_in_fields(theirs)
-        return replace(beside(self.result, self.others, theirs), compared_in_fields=compared)
+        return replace(with_others(self.result, self.others, theirs), compared_in_fields=compared)
 
     def _compared_in_fields(self, theirs: Mapping[str, Solution]) -> tuple[str, ...]:
         """Return our most accurate method, then judged programs with fields, the last one first.

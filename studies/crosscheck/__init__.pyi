@@ -166,10 +166,10 @@ from .result.result import (
     Result as Result,
 )
 from .result.run import (
-    beside as beside,
     computed as computed,
     judged as judged,
     run as run,
+    with_others as with_others,
 )
 from .result.scope import (
     beyond_the_model as beyond_the_model,

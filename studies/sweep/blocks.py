@@ -202,8 +202,8 @@ def _computed_by(
                 waiting.appendleft(piece._replace(deaths=piece.deaths + 1))
                 continue
             if error is not None and prod(piece.sizes) > 1:
-                count = prod(piece.sizes)
-                LOG.info("   sweep  %d scenes kill their workers: they are split", count)
+                scene_count = prod(piece.sizes)
+                LOG.info("   sweep  %d scenes kill their workers: they are split", scene_count)
                 waiting.extendleft(reversed(piece.halves()))
                 continue
             if error is None:

@@ -8,13 +8,12 @@ import shutil
 import subprocess
 
 import numpy as np
-import pandas as pd
 import pytest
 from checks import mistakes
-from programs import finite_elements, input_of, springs
+from programs import finite_elements, input_of, ours, springs
 
 import ringwear
-from ringwear import Scene, SceneError, check, run
+from ringwear import Scene, SceneError, check
 from ringwear.studies.estimate.compared import Comparison
 from ringwear.studies.estimate.diagnose import diagnose
 
@@ -54,22 +53,6 @@ BALL = Scene(
     load={"normal_force": 40.0, "sliding_speed": 10.0},
     wear={"times": [0.0, 5.0, 30.0, 120.0], "steady": False},
 )
-
-
-def ours(scene, **changes):
-    """Return our results of a scene with changes, as a table of another program."""
-    radii = np.linspace(0.008, 0.99, 60) * scene.punch.radius
-    dataset = run(scene.changed(output__radii=radii.tolist(), **changes), methods=["mdr"]).dataset
-    names = ("pressure", "displacement", "profile", "indentation")
-    columns = {name: dataset[name].isel(solver=0) for name in names}
-    rows = [
-        pd.DataFrame(
-            {"time": time, "radius": radii}
-            | {name: values.sel(time=time).values for name, values in columns.items()}
-        )
-        for time in scene.wear.times
-    ]
-    return pd.concat(rows, ignore_index=True)
 
 
 def looks(scene, table, **how):

@@ -240,7 +240,7 @@ def judged(
     )
 
 
-def beside(
+def with_others(
     result: Result, programs: Mapping[str, Method], others: Mapping[str, Solution]
 ) -> Result:
     """Return a result with results of other programs beside it, for figures and for files.

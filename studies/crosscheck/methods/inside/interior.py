@@ -137,7 +137,6 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         # error estimates on quadrilaterals are about 8 / 3^degree; closer to incompressibility they
         # are larger
         degree = max(min(degree, ceil(log(8 / (STRESS_ERROR_PER_RTOL * problem.rtol), 3))), 3)
-    pressures = list[Array]()
     with threadpool_limits(1):
         while True:
             spaces = []
@@ -150,7 +149,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
             fine = spaces[0]
             if full_contact:
                 pressures = [pressures_in_full_contact(problem_inside, each) for each in spaces]
-            elif not pressures:
+            else:
                 pressures = pressures_of_marches(problem_inside, fem)
             result = compare_half_spaces(problem, spaces, pressures, labels, refinements)
             excess = result.errors["stress"].max() / (STRESS_ERROR_PER_RTOL * problem.rtol)
@@ -198,8 +197,8 @@ def pressures_of_marches(problem: Problem, fem: Solution) -> list[Array]:
         (space.coarser(), error_factor("steps of the coarser march")),
     ):
         restricted = compliance.restricted(marched_space)
-        wear = RunningIn(restricted, problem.merged.wear_coefficients, continuous=False)
         march = MovingContact(problem, restricted, step_tolerance_factor=tolerance_factor)
+        wear = march.marched.face.running_in
         states = _with_steady_state(problem, wear, march.history.pressure)
         pressures.append(states @ space.embedding(marched_space).T)
     return pressures
