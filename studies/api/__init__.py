@@ -55,9 +55,12 @@ in punch radii, forces in units of that which gives a flat punch the indentation
 `Problem`, `Rings`, `InitialProfile`, `Loading`, `Ground`
     a scene without units (``Scene.problem``), and its parts: rings, unworn face, load over time,
     elastic layers
-`press_flat`, `moments`, `Load`, `ContactMarch`, `RunningIn`
-    a flat punch that is pressed; integrals of a face; a force or an indentation; wear in steps
-    while contact opens and spreads; wear in full contact, exact in time
+`press_flat`, `moments`, `Load`, `RunningIn`
+    a flat punch that is pressed; integrals of a face; a force or an indentation; wear in full
+    contact, exact in time
+`WearingPunch`, `evolve`, `evolve_in_equal_steps`
+    a punch that wears while contact opens and spreads; its wear at any time, in steps that follow a
+    tolerance, or in equal steps
 `Method`, `ComplianceMethod`, `Discretised`, `pressure_spaces`, `Solution`, `method`, `Stages`
     a method, and one that only computes a compliance; the half-space it discretises; the space that
     resolves a problem, and a coarser one; what a method has solved; the bundled method of a name;
@@ -130,7 +133,6 @@ if TYPE_CHECKING:
     from ringwear.studies.comparison import Comparison, compare
     from ringwear.studies.crosscheck import (
         ComplianceMethod,
-        ContactMarch,
         Discretised,
         InitialProfile,
         Load,
@@ -143,7 +145,10 @@ if TYPE_CHECKING:
         Scene,
         Solution,
         Stages,
+        WearingPunch,
         differences,
+        evolve,
+        evolve_in_equal_steps,
         load,
         method,
         moments,
@@ -167,7 +172,6 @@ __all__ = [
     "Compliance",
     "ComplianceMethod",
     "ContactCells",
-    "ContactMarch",
     "Discretised",
     "Ground",
     "InitialProfile",
@@ -188,6 +192,7 @@ __all__ = [
     "SolverError",
     "Stages",
     "Study",
+    "WearingPunch",
     "__version__",
     "alternating_edges",
     "bisection",
@@ -198,6 +203,8 @@ __all__ = [
     "direct",
     "energy",
     "even_half_space",
+    "evolve",
+    "evolve_in_equal_steps",
     "fit",
     "load",
     "main",
@@ -249,7 +256,6 @@ _LATER = {
     ],
     "studies.crosscheck": [
         "ComplianceMethod",
-        "ContactMarch",
         "Discretised",
         "InitialProfile",
         "Load",
@@ -262,7 +268,10 @@ _LATER = {
         "Scene",
         "Solution",
         "Stages",
+        "WearingPunch",
         "differences",
+        "evolve",
+        "evolve_in_equal_steps",
         "load",
         "method",
         "moments",

@@ -47,8 +47,8 @@ Contact and wear
 ----------------
 `press_flat`, `moments`, `Load`
     a pressed flat punch; integrals of a face; force or depth
-`ContactMarch`, `RunningIn`
-    wear while contact opens and spreads; wear in full contact
+`WearingPunch`, `evolve`, `evolve_in_equal_steps`, `RunningIn`
+    a punch that wears; its wear while contact opens and spreads; wear in full contact
 
 Files and messages
 ------------------

@@ -251,6 +251,10 @@ from .versions import (
     package_versions as package_versions,
     stamp as stamp,
 )
+from .wear.evolution import (
+    evolve as evolve,
+    evolve_in_equal_steps as evolve_in_equal_steps,
+)
 from .wear.flat_contact import (
     flat_start as flat_start,
     press_flat as press_flat,
@@ -260,9 +264,6 @@ from .wear.full_contact import (
 )
 from .wear.history import (
     History as History,
-)
-from .wear.march import (
-    ContactMarch as ContactMarch,
 )
 from .wear.modes import (
     BandedCholesky as BandedCholesky,
@@ -277,4 +278,7 @@ from .wear.time_scale import (
 )
 from .wear.unilateral import (
     Load as Load,
+)
+from .wear.wearing_punch import (
+    WearingPunch as WearingPunch,
 )

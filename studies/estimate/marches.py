@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicSpline, PchipInterpolator, make_smoothing_spline
 
 from ...mdr import energy
 from ...meshes import Array
@@ -25,6 +25,8 @@ ROUNDOFF = 1e-9
 RADII = 100
 # name of the width of the cell at the edge of the contact, among the results
 CELL = "contact_cell"
+# quantities that are known to a part of a cell
+EDGES = ("contact_radius", "scar_diameter")
 # a function of time
 Curve: TypeAlias = Callable[[Array], Array]
 
@@ -105,7 +107,12 @@ class March:
         if name not in self._curves:
             values = self.results[name]
             if self.smooth and name != "pressure":
-                spline = CubicSpline(self.times**0.25, values, axis=0)
+                roots = self.times**0.25
+                if name in EDGES:
+                    # an edge of the contact is located to a part of a cell
+                    spline = make_smoothing_spline(roots, values)
+                else:
+                    spline = CubicSpline(roots, values, axis=0)
                 self._curves[name] = lambda times: np.asarray(spline(times**0.25))
             else:
                 # without overshooting where the load has a kink, or contact begins

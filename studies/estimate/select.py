@@ -327,5 +327,6 @@ def shares(candidates: Sequence[Candidate]) -> Mapping[Mistake, float]:
     shares = dict[Mistake, float]()
     for candidate, weight in zip(candidates, weights.tolist(), strict=True):
         for mistake in candidate.mistakes:
-            shares[mistake] = shares.get(mistake, 0.0) + weight
+            # the sum may exceed 1 by roundoff
+            shares[mistake] = min(shares.get(mistake, 0.0) + weight, 1.0)
     return shares

@@ -222,16 +222,16 @@ def values_of(case: Case, solution: Solution, names: Collection[str]) -> Results
 
 def history_of(problem: Problem, solution: Solution) -> History:
     """Return the history of a solution at the compared times, with coefficients of pressures."""
-    if solution.march is not None:
-        return solution.march.history[problem.compared_rows]
+    if solution.evolution is not None:
+        return solution.evolution.at(problem.times[problem.compared_rows])
     assert solution.wear is not None
     return solution.wear.modal(problem.times[problem.compared_rows])
 
 
 def pressure_space(solution: Solution) -> PressureSpace:
     """Return the space of the pressures of `history_of`."""
-    if solution.march is not None:
-        return solution.march.space
+    if solution.evolution is not None:
+        return solution.evolution.punch.space
     assert solution.wear is not None
     return solution.wear.compliance.space
 

@@ -10,12 +10,14 @@ from wear_reference import Reference
 
 from ringwear import (
     ContactCells,
-    ContactMarch,
     InitialProfile,
     Load,
     Scene,
     SceneError,
+    WearingPunch,
     energy,
+    evolve,
+    evolve_in_equal_steps,
     moments,
     run,
 )
@@ -147,12 +149,15 @@ def test_a_shaped_face_in_full_contact_against_short_implicit_steps():
     space = ContactCells(tuple(rings), 1 / 60, 1e-3).space()
     profile = InitialProfile(rings, np.zeros(1), (lambda radii: 0.2 * radii**2,))
     compliance, moved = energy.compliance(space), moments(profile, space)
-    march = ContactMarch(compliance, np.ones(1), moved, Load(None, depth))
+    punch = WearingPunch(compliance, np.ones(1), moved, Load(None, depth))
     times = np.array([2.0, 4.0, 8.0])
-    history = march.adaptive(times, 1e-7).history
+    evolution = evolve(punch, times[-1], 1e-7)
+    history = evolution.at(times)
     assert history.contact.all()
-    assert history.steps.taken < 400
-    coarse, fine = (march.implicit(times, step).history.force for step in (0.01, 0.005))
+    assert evolution.statistics.taken < 400
+    coarse, fine = (
+        evolve_in_equal_steps(punch, times, step).at(times).force for step in (0.01, 0.005)
+    )
     assert 2 * fine - coarse == pytest.approx(history.force, rel=1e-4)
     # volume of the indentation that is neither unworn gap nor worn = volume of the displacement
     unworn = moved.sum()
@@ -212,14 +217,16 @@ def fixed_sphere(depth, edges, wear, times, rtol):
 
 
 @pytest.mark.parametrize(
-    ("stick", "rtol"), [(0.3, 1e-3), pytest.param(0.5, 1e-4, marks=pytest.mark.slow)]
+    ("stick", "rtol"), [(0.3, 3e-4), pytest.param(0.5, 1e-4, marks=pytest.mark.slow)]
 )
 def test_a_stick_zone_leads_to_popovs_limiting_shape(stick, rtol):
     """Outside the stick zone the face wears until it no longer presses."""
     scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], rtol)
     exact = FrettedSphere(1.0, 0.4, stick)
     table = run(scene).dataset.isel(time=1)
-    np.testing.assert_allclose(table.normal_force, exact.force, rtol=2e-5)
+    wrong_force = np.abs(table.normal_force / exact.force - 1)
+    assert (wrong_force <= table.normal_force_error).all()
+    assert wrong_force.max() < 0.2 * rtol
     wrong = np.abs(table.profile - exact.heights(table.radius.values)).max("radius") / 0.4
     assert (wrong <= table.profile_error).all()
     assert wrong.max() < 2e-3

@@ -65,13 +65,14 @@ def test_contact_radii_of_a_rounded_rim(rim, method):
 def test_edges_lie_in_the_cell_in_which_contact_ends(rim):
     """The error estimate of a contact radius is at least the width of that cell."""
     result = run(RIM, methods=["mdr"])
-    march = result.solutions["mdr"].march
-    cells, radii = march.space.breakpoints, np.empty(march.space.size)
+    evolution = result.solutions["mdr"].evolution
+    space, history = evolution.punch.space, evolution.at(result.scene.problem.times)
+    cells, radii = space.breakpoints, np.empty(space.size)
     # radii of the pressures at both ends of each cell
-    radii[march.space.dofs] = np.stack([cells[:-1], cells[1:]], axis=1)
+    radii[space.dofs] = np.stack([cells[:-1], cells[1:]], axis=1)
     errors = result.solutions["mdr"].errors["contact_radius"]
     for time in (1, 2):
-        last = np.flatnonzero(march.history.contact[time])[-1]
+        last = np.flatnonzero(history.contact[time])[-1]
         width = radii[last + 1] - radii[last]
         assert radii[last] - 2e-4 <= rim[time] <= radii[last + 1] + 0.1 * width + 2e-4
         assert errors[time] >= width * (1 - 1e-12)

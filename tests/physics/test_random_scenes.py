@@ -125,7 +125,7 @@ def test_layers_where_the_rim_loses_contact_under_a_falling_force():
     solution, finer = (
         run(each).solutions["mdr"] for each in (scene, scene.changed(accuracy__rtol=rtol / 30))
     )
-    assert finer.march.path[:, 3].min() < 1
+    assert finer.evolution.path[:, 3].min() < 1
     errors = differences(solution.compared, finer.compared, problem.face)
     for name in ("pressure", "rms_slope", "profile"):
         stated = solution.errors[name]

@@ -108,12 +108,12 @@ def test_a_memory_that_is_no_positive_number_is_refused(memory):
         run("flat_punch", memory=memory)
 
 
-def test_a_march_with_too_many_ends_of_steps_is_refused_before_it_begins():
-    """A step ends at each time, so that 300 000 times need as many steps."""
+def test_a_march_with_too_many_times_is_refused_before_it_begins():
+    """A contact problem is solved at each of 300 000 times."""
     scene = with_times(SPHERE, 300_000, 1.0).changed(output__quantities=["history"])
     with pytest.raises(SceneError, match="3e\\+05 steps are needed") as error:
         run(scene)
-    assert "a step ends at each of wear.times" in str(error.value)
+    assert "a contact problem is solved at each of wear.times" in str(error.value)
 
 
 def million_rows(kind):

@@ -16,7 +16,7 @@ MOST_LINES = 6
         ("meshes.compliance", "Compliance"),
         ("fem.half_space", "HalfSpace"),
         ("studies.crosscheck.wear.full_contact", "RunningIn"),
-        ("studies.crosscheck.wear.march", "ContactMarch"),
+        ("studies.crosscheck.wear.wearing_punch", "WearingPunch"),
     ],
 )
 def test_a_class_has_a_short_example_that_runs(module, name):

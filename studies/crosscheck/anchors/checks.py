@@ -210,7 +210,7 @@ def expected_anchors(problem: Problem, solution: Solution) -> tuple[str, ...]:
         return names
     if problem.steady and "steady_pressure" in solution.compared:
         names += STEADY_ANCHORS
-    marched = solution.wear is not None or solution.march is not None
+    marched = solution.wear is not None or solution.evolution is not None
     if not (marched and problem.earliest and problem.march == "modal"):
         return names
     if problem.keeps_contact:

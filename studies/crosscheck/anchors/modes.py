@@ -44,5 +44,4 @@ def _running_in(report: Reported) -> RunningIn | None:
     solution = report.solution
     if report.full_contact:
         return solution.wear if report.has_slid.any() else None
-    march = solution.march
-    return march.face.running_in if march is not None and march.full_since is not None else None
+    return solution.evolution.running_in if solution.evolution else None

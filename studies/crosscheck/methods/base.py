@@ -19,13 +19,13 @@ from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn
 from ..wear.flat_contact import FittedPress
 from ..wear.full_contact import RunningIn
-from ..wear.marched import Marched
 from .error_factors import error_factor
 
 if TYPE_CHECKING:
     import xarray
 
     from ....fem.half_space import HalfSpace
+    from ..wear.evolution import Evolution
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Solution:
     smallest : smallest element size at a ring edge that the method can use
     slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the pressure over the
         whole face; thinner layers have more (`sizes.ring_edges.amplified_roundoff`)
-    march : the march of a contact that opens, closes and spreads, if the contact does that
+    evolution : the wear in time of a contact that opens, closes and spreads, if it does that
     presses : the initial contact, on pressure spaces fitted to its edges: a fine solution and a
         coarser one; empty if there is none
     steady_part : the steady state of a shaped punch, which is solved separately, if it has one
@@ -68,7 +68,7 @@ class Solution:
     half_space: "HalfSpace | None" = None
     smallest: float = 0.0
     slope_roundoff: float = 0.0
-    march: Marched | None = None
+    evolution: "Evolution | None" = None
     presses: tuple[FittedPress, ...] = ()
     steady_part: "Solution | None" = None
     remedy: str = ""

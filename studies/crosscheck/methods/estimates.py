@@ -52,6 +52,11 @@ def estimate_errors(
         if "displacement" in errors:
             errors[name] = np.maximum(errors[name], part_of_field * errors["displacement"])
     differences_of_answers = differences(coarse.answers, fine.answers, problem.face)
+    for name, part in problem.remaining_parts.items():
+        if name in differences_of_answers:
+            of_coarse, of_fine = (each.times_near(part) for each in (coarse, fine))
+            near = np.nanmax(np.abs(of_coarse / of_fine - 1), initial=0.0)
+            differences_of_answers[name] = np.maximum(differences_of_answers[name], near)
     for name, difference in differences_of_answers.items():
         errors[name] = fine.estimate_answer(name, difference, errors)
     if fine.sampler.maxima_from_fields:

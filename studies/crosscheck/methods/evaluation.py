@@ -135,6 +135,13 @@ class Evaluation(ABC):
         errors : error estimates of the quantities at the requested times
         """
 
+    def times_near(self, remaining_part: float) -> Array:
+        """Return the times at which about a part of the running-in remains, whose errors are alike.
+
+        There are none if such times cannot agree by chance.
+        """
+        return np.empty(0)
+
     @cached_property
     def results(self) -> Results:
         """The quantities at the requested times and radii."""

@@ -7,17 +7,18 @@ import numpy as np
 
 from ....meshes.compliance import Compliance
 from ....meshes.radial import Array, Indices
+from ..problem.loading import Loading
 from ..problem.norms import DEPTH, Results
 from ..problem.problem import Problem
 from ..problem.quantities import ANSWER, DESCRIBED, ENERGIES
 from ..wear.contact_edges import pressures_beside_edges, widths_at_edges
+from ..wear.evolution import Evolution, evolve, evolve_in_equal_steps
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
-from ..wear.march import ContactMarch
-from ..wear.marched import Marched
 from ..wear.moments import moments, unresolved_height
+from ..wear.wearing_punch import WearingPunch
 from .error_factors import error_factor
-from .evaluation import ENDS, Evaluation, greatest_in_ranges, near_in_time
+from .evaluation import ENDS, Evaluation, greatest_in_ranges
 from .sampling.answers import MarchedRun, answers_of
 from .spaces import load_of
 
@@ -39,6 +40,27 @@ DECAYING = frozenset({"normal_force", "ring_force"})
 SLOPE_TOLERANCE = 0.3
 
 
+# Places between a time and either end of the range of similar times, over its distance from that
+# end, at which errors are estimated, too.
+PLACES_NEAR = (0.4, 1.0)
+
+# parts of the running-in that remain at such times, over a given part
+PARTS_NEAR = (0.7, 1.4)
+
+
+def range_near(times: Array, loading: Loading) -> tuple[Array, Array]:
+    """Return the range (T,), (T,) of times near each time in which errors are like its own.
+
+    Under a constant load, it is from t / c to c t, with a factor c. If the load varies, times count
+    from its last knot instead; and because a knot hardly changes what has worn by then, backwards
+    from the knot before that.
+    """
+    factor, knots = error_factor("nearby times"), loading.times
+    last = np.maximum(np.searchsorted(knots, times) - 1, 0)
+    since, since_earlier = (times - knots[row] for row in (last, np.maximum(last - 1, 0)))
+    return times - (1 - 1 / factor) * since_earlier, times + (factor - 1) * since
+
+
 class MovingContact(Evaluation):
     """A punch whose contact opens, closes and spreads, marched through the requested times.
 
@@ -52,7 +74,7 @@ class MovingContact(Evaluation):
 
     Attributes
     ----------
-    marched : the march, in the requested steps or in adaptive ones
+    evolution : the wear in time, in the requested steps or in adaptive ones
     """
 
     # The edges of the contact move, and seldom to the same place in a cell of both meshes.
@@ -71,39 +93,44 @@ class MovingContact(Evaluation):
         # Error that each step may add to the worn depth: a part of the tolerance. Above 1e-3 the
         # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
         # but be too few to estimate their error.
-        rtol = step_tolerance_factor * min(problem.rtol, 1e-3)
+        rtol = step_tolerance_factor * min(problem.step_rtol or problem.rtol, 1e-3)
         self._tolerance = 0.05 * rtol
         self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, the worn depth is small compared with the
             # indentation
-            self._tolerance *= 0.02
-        self._march = ContactMarch(
+            self._tolerance *= 0.1
+        self._punch = WearingPunch(
             compliance,
             problem.merged.wear_coefficients,
             moments(problem.profile, compliance.space),
             load_of(problem),
             problem.loading,
         )
-        self.marched = (
-            self._marched_adaptively
+        self.evolution = (
+            self._adaptive
             if problem.step is None
-            else self._march.implicit(problem.times, problem.step)
+            else evolve_in_equal_steps(self._punch, problem.times, problem.step)
         )
 
     @cached_property
-    def _marched_adaptively(self) -> Marched:
-        return self._march.adaptive(self.problem.times, self._tolerance, self._slope_tolerance)
+    def _adaptive(self) -> Evolution:
+        last = float(self.problem.times[-1])
+        return evolve(self._punch, last, self._tolerance, self._slope_tolerance)
 
-    @cached_property
+    @property
     def exact_in_time(self) -> History:
         """The history at the requested times, in adaptive steps that suit the tolerance."""
-        return self._with_fitted_start(self._marched_adaptively.history)
+        return self._with_fitted_start(self._adaptive.at(self.problem.times))
 
     @cached_property
     def history(self) -> History:
         """The history at the requested times, in the requested steps or in adaptive ones."""
-        return self._with_fitted_start(self.marched.history)
+        return self._recorded[np.flatnonzero(np.isin(self.estimate_times, self.problem.times))]
+
+    @cached_property
+    def _recorded(self) -> History:
+        return self._with_fitted_start(self.evolution.at(self.estimate_times))
 
     def _with_fitted_start(self, history: History) -> History:
         # a punch that does not press yet has the indentation of the first touch
@@ -120,28 +147,38 @@ class MovingContact(Evaluation):
         )
         return replace(history, depth=depth, pressed=pressed)
 
-    @property
+    @cached_property
     def estimate_times(self) -> Array:
-        """The times that the march records: the requested ones, and some between them."""
-        return self.marched.estimate_times
+        """The requested times, and ends of steps near each of those that are compared."""
+        problem, known = self.problem, self.evolution.times
+        times = problem.times[problem.compared_rows]
+        earliest, latest = range_near(times, problem.loading)
+        wanted = np.concatenate(
+            [times - part * (times - earliest) for part in PLACES_NEAR]
+            + [times + part * (latest - times) for part in PLACES_NEAR]
+        )
+        known = known[(known > 0) & (known < problem.times[-1])]
+        nearest = known[np.abs(known - wanted[:, None]).argmin(axis=1)] if len(known) else known
+        return np.union1d(problem.times, nearest)
 
     def results_for_estimate(self, times: Array) -> Results:
-        """Return the quantities on the face of the punch at some of the recorded times."""
-        rows = np.flatnonzero(np.isin(self.marched.estimate_times, times))
-        return self.sampler.history(
-            self._with_fitted_start(self.marched.estimate_history[rows]), on_face=True
-        )
+        """Return the quantities on the face of the punch at some times."""
+        history = self._with_fitted_start(self.evolution.at(times))
+        return self.sampler.history(history, on_face=True)
 
     @cached_property
     def answers(self) -> Results:
         """The numbers of the answer, by the requested march and step."""
-        return answers_of(MarchedRun(self.problem, self.marched, self.start, self.history[ENDS]))
+        return self._answers(self.evolution)
 
     @property
     def answers_exact_in_time(self) -> Results:
         """The numbers of the answer, in adaptive steps that suit the tolerance."""
-        ends = self.exact_in_time[ENDS]
-        return answers_of(MarchedRun(self.problem, self._marched_adaptively, self.start, ends))
+        return self._answers(self._adaptive)
+
+    def _answers(self, evolution: Evolution) -> Results:
+        ends = self._with_fitted_start(evolution.at(self.problem.times[ENDS]))
+        return answers_of(MarchedRun(self.problem, evolution, self.start, ends))
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
         """Return the error estimate of a number of the answer.
@@ -165,6 +202,13 @@ class MovingContact(Evaluation):
         )
         return np.maximum(time_factor * self.safety_factor(name) * difference, floor)
 
+    def times_near(self, remaining_part: float) -> Array:
+        """Return the times at which about a part of the running-in remains, whose errors are alike.
+
+        The difference of such a time to a coarser evaluation may cross zero.
+        """
+        return np.array([self.evolution.time_until(f * remaining_part) for f in PARTS_NEAR])
+
     def estimate(self, name: str, difference: Array) -> Array:
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
@@ -187,17 +231,10 @@ class MovingContact(Evaluation):
 
     @cached_property
     def _nearby(self) -> tuple[Indices, Indices]:
-        """Range (T,), (T,) of the times of the march near each time, whose errors are like its own.
-
-        If edges of the contact move, these are seven successive times. If layers of wear limit the
-        accuracy, they are times of similar layers: those within a factor, and the adjacent ones.
-        """
+        """Ranges (T,), (T,) of the estimate's times near each of them, with similar errors."""
         times = self.estimate_times
-        row, count = np.arange(len(times)), len(times)
-        if not self.in_layers:
-            return np.maximum(row - 3, 0), np.minimum(row + 4, count)
-        first, last = near_in_time(times, times)
-        return np.clip(row - 1, 0, first), np.clip(row + 2, last, count)
+        earliest, latest = range_near(times, self.problem.loading)
+        return np.searchsorted(times, earliest), np.searchsorted(times, latest, side="right")
 
     @property
     def _starts_on_cells(self) -> bool:
@@ -257,7 +294,7 @@ class MovingContact(Evaluation):
         if name == "contact_radius":
             # the difference does not show the error if both meshes have the edge in the same cell
             widths = widths_at_edges(self.compliance.space, self.history.contact)
-            at_edges = later & ~self.marched.settled(self.problem.times)
+            at_edges = later & ~self.evolution.settled(self.problem.times)
             return np.maximum(floors, np.where(at_edges, widths, 0.0))
         if self._decays(name):
             return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
@@ -294,7 +331,7 @@ class MovingContact(Evaluation):
         settings = {
             "cells": len(space.degrees),
             "pressures": space.size,
-            "steps": self.history.steps.taken,
+            "steps": self.evolution.statistics.taken,
         }
         if self.start is not None:
             settings["start_pressures"] = len(self.start.pressure)

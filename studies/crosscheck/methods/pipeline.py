@@ -95,7 +95,10 @@ class ComplianceMethod(Method):
             remedy = "give a larger wear.step, or march = 'modal'"
         elif not problem.full_contact:
             steps = problem.least_steps
-            remedy = "a step ends at each of wear.times and of the times of the load: give fewer"
+            remedy = (
+                "a contact problem is solved at each of wear.times, and a step ends at each time "
+                "of the load: give fewer"
+            )
         if reason := why_too_many_steps(steps, remedy, MOST_STEPS[problem.full_contact]):
             return reason
         if not len(problem.times) and problem.indentation is not None:
@@ -271,9 +274,9 @@ def solve_in_moving_contact(
         fine = MovingContact(problem, discretisation.compliance, start, in_layers=in_layers)
     with stages("estimating"):
         # fields are compared at the same radii, which otherwise depend on the first time
-        recorded = replace(problem, times=fine.estimate_times, compared_on=problem.face)
+        on_face = replace(problem, compared_on=problem.face)
         coarse = MovingContact(
-            recorded,
+            on_face,
             discretisation.coarser(),
             coarse_start,
             error_factor("steps of the coarser march"),
@@ -284,10 +287,10 @@ def solve_in_moving_contact(
         _without_infinite_peak(solution, problem.rtol),
         settings=fine.settings,
         notes=(*discretisation.notes, *notes, *fine.notes()),
-        march=fine.marched,
+        evolution=fine.evolution,
         presses=presses,
     )
-    if steady and np.isnan(fine.marched.time_of_full_contact):
+    if steady and np.isnan(fine.evolution.time_of_full_contact):
         note = "the steady state is that of full contact, which the history does not reach"
         solution = replace(solution, notes=(*solution.notes, note))
     return _join_steady_part(solution, steady) if steady else solution

@@ -68,6 +68,7 @@ class Problem:
     times : (T,) increasing; empty if no history is wanted
     steady : whether the steady state is wanted
     rtol : requested relative accuracy
+    step_rtol : tolerance from which time steps are chosen, if it is not `rtol`
     march, step : march in time, and its step, which is None for the modal march
     gradient_average : "line" or "area", the average in the RMS slope (Eq. 18)
     output_radii : radii of the output; None for a grid that shows every ring
@@ -109,6 +110,7 @@ class Problem:
     shared_amplitude: EdgeAmplitude | None = None
     ground: Ground = HALF_SPACE
     keeps_contact: bool = False
+    step_rtol: float | None = None
 
     @classmethod
     def from_tables(

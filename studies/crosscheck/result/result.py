@@ -191,7 +191,7 @@ class Result:
         wanted = any(map(problem.wants, FIELDS)) or bool(self.scene.output.field_times)
         if not wanted or fem is None or fem.half_space is None:
             return False
-        return problem.full_contact or fem.march is not None
+        return problem.full_contact or fem.evolution is not None
 
     def inside(self) -> Interior:
         """Compute displacements and stresses inside the half-space, once.
@@ -245,17 +245,17 @@ class Result:
         problem = self.scene.problem
         later = problem.times[problem.distances > 0]
         for name, solution in self.solutions.items():
-            wear, march = solution.wear, solution.march
+            wear, evolution = solution.wear, solution.evolution
             if problem.march != "modal" or not len(later):
                 continue
             if wear is not None:
                 # times that are dense enough on a linear and on a logarithmic axis
                 times = np.linspace(later[0] ** 0.25, later[-1] ** 0.25, 200) ** 4
                 history, compliance = wear.modal(np.append(0.0, times)), wear.compliance
-            elif march is not None:
-                history, compliance = march.between, march.face.compliance
+            elif evolution is not None:
                 # leave out times before the first one of the scene, except the start
-                history = history[(history.times == 0) | (history.times >= later[0])]
+                times, compliance = evolution.times, evolution.punch.compliance
+                history = evolution.at(times[(times == 0) | (times >= later[0])])
             else:
                 continue
             values = Sampler(problem, compliance.space, compliance).history(history)

@@ -132,9 +132,9 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
 
 def _with_steps(scene: Scene, solution: Solution) -> "xarray.Dataset":
     """Return the data of a solution, with the steps of its march if the scene asks for them."""
-    if not scene.output.every_step or solution.march is None:
+    if not scene.output.every_step or solution.evolution is None:
         return solution.data
-    path = StepsOfMarch(solution.march.path, scene.problem.profile.standoff)
+    path = StepsOfMarch(solution.evolution.path, scene.problem.profile.standoff)
     steps = {name: ("step", np.asarray(step.value(path))) for name, step in STEPS.items()}
     return solution.data.assign(steps).assign_coords(step=np.arange(len(path.path)))
 

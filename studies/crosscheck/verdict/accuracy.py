@@ -6,6 +6,7 @@ A problem is solved again with finer sizes if the method's error estimates excee
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
+from math import sqrt
 
 from ....meshes.errors import RingwearError
 from ..methods.base import Method, Solution
@@ -53,7 +54,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     # if edges of the contact move, a method may use half of the uncertainty of two methods
     allowed = allowed_error(problem)
     # the pressures on the cells, which are the same for every method
-    pressures = pressure_spaces(problem)[0].size if solution.march else 0
+    pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
     smallest_rtol, largest_rtol = tolerance_range(problem, pressures)
     rtol = min(problem.rtol, largest_rtol)
     if method.sizes_given(problem):
@@ -84,11 +85,12 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
 
 @lru_cache(maxsize=16)
 def with_rtol(problem: Problem, rtol: float) -> Problem:
-    """Return a problem with another tolerance; the same object for every method.
+    """Return a problem with a finer tolerance; the same object for every method.
 
-    Problems are compared by identity, and what they share is stored for each object.
+    Problems are compared by identity, and what they share is stored for each object. Errors of time
+    steps are far below those of cells, so that steps get shorter less than cells.
     """
-    return replace(problem, rtol=rtol)
+    return replace(problem, rtol=rtol, step_rtol=sqrt(problem.rtol * rtol))
 
 
 def error_of_sizes(problem: Problem, solution: Solution) -> float:

@@ -180,7 +180,7 @@ def agreements(
     `units` are those of the scene; times are written in them.
     """
     compared, expected = compare(problem, solutions), due(problem)
-    if any(solution.wear is None and solution.march is None for solution in solutions):
+    if any(solution.wear is None and solution.evolution is None for solution in solutions):
         # one of the methods computes no history
         expected &= solutions[0].compared.keys() & solutions[1].compared.keys()
     missing = [

@@ -111,8 +111,8 @@ def unresolved(
 
 def _limit_of_cells(problem: Problem, solutions: Mapping[str, Solution]) -> str:
     """Return why cells of the face limit the accuracy of fields, with a remedy."""
-    marches = [solution.march for solution in solutions.values() if solution.march]
-    if marches and all(march.always_full for march in marches):
+    evolutions = [each.evolution for each in solutions.values() if each.evolution]
+    if evolutions and all(evolution.always_full for evolution in evolutions):
         return (
             "the layers that wear has made by then are thin at ring edges and at the rim, and "
             "cells resolve them to the stated errors only; choose later times or a smaller rtol"

@@ -305,9 +305,7 @@ class RunningIn:
         amplitudes = amplitudes - np.outer(force_rise, self.modes.amplitudes)
         zero, forces = np.zeros(self.compliance.space.size), state.force - force_rise
         even_wear = self.steady.wear_rate * state.work
-        history = self._steady_plus_modes(
-            times, state.distance, amplitudes, forces, even_wear, zero
-        )
+        history = self.steady_plus_modes(times, state.distance, amplitudes, forces, even_wear, zero)
         history.shape[state.distance == 0] = 0.0
         return history.press(self.flat, force_rise)
 
@@ -315,40 +313,7 @@ class RunningIn:
     def _knot_amplitudes(self) -> Array:
         return self.modes.at_knots(self.loading)
 
-    def from_full_contact(
-        self,
-        times: Array,
-        distances: Array,
-        start: float,
-        work_at_start: float,
-        unworn: Array,
-        worn: Array,
-        force: float,
-    ) -> History:
-        """Return the exact history of a shaped face in full contact.
-
-        Parameters
-        ----------
-        times, distances : (T,) arrays
-            Times, and sliding distances until then, not below `start`.
-        start : float
-            Sliding distance from which contact is full.
-        work_at_start : float
-            Integral of the force over the sliding distance until `start`.
-        unworn, worn : (size,) arrays
-            Moments of the unworn face, and of the depth worn off until `start`.
-        force : float
-            Force on the punch; 1 at a fixed indentation.
-        """
-        modes, slid = self.modes, distances - start
-        moments = force * self._moments + self._reduce(unworn + worn)
-        amplitudes = -(modes.shapes.T @ moments) / modes.relaxation
-        decayed = np.exp(-slid[:, None] / modes.relaxation) * amplitudes
-        forces = np.full(len(slid), force)
-        even_wear = self.steady.wear_rate * (work_at_start + force * slid)
-        return self._steady_plus_modes(times, distances, decayed, forces, even_wear, unworn)
-
-    def _steady_plus_modes(
+    def steady_plus_modes(
         self,
         times: Array,
         distances: Array,
@@ -392,6 +357,14 @@ class RunningIn:
         return History.in_full_contact(
             times, distances, pressure, shape, depth, forces, even_wear, uniform
         )
+
+    def amplitudes_of_face(self, moments: Array) -> Array:
+        """Return the amplitude of each mode (m,) in full contact that the shape of a face makes.
+
+        `moments` (size,) are those of the face; the amplitudes do not depend on its height.
+        """
+        modes = self.modes
+        return np.asarray(-(modes.shapes.T @ self._reduce(moments)) / modes.relaxation)
 
     def pressures_of_modes(self, amplitudes: Array) -> Array:
         """Return the pressures (..., size) that are sums of modes with amplitudes (..., m)."""

@@ -1,5 +1,6 @@
 """The history of a wearing punch, as coefficients on a pressure space. Non-dimensional."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -77,23 +78,6 @@ class Instant(NamedTuple):
     work: float = 0.0
 
 
-@dataclass(frozen=True)
-class Steps:
-    """Statistics of a march in time.
-
-    Parameters
-    ----------
-    taken, rejected : int
-        Numbers of accepted and of rejected steps.
-    iterations : tuple of int
-        Number of active sets tried in each stage.
-    """
-
-    taken: int = 0
-    rejected: int = 0
-    iterations: tuple[int, ...] = ()
-
-
 @dataclass(frozen=True, eq=False)
 class History:
     """A wearing punch at T times.
@@ -117,13 +101,15 @@ class History:
     pressed : Pressed, optional
         The part of the pressure that was applied since the punch last slid, if there is any. No
         wear has changed it yet.
+    integral : (T, size) array
+        Integral of the pressure over the sliding distance, less that of the steady pressure that
+        wears by `even_wear`. Zero if the worn depth is in the space of the pressures, as that of a
+        flat punch is.
     even_wear : (T,) array
         Once the whole face is in contact: the steady wear rate times the work of the force so far,
         which is the mean worn depth, with the steady pressure as its weight. 0 before.
     uniform : (size,) array
         Coefficients of the constant 1.
-    steps : Steps
-        Statistics of the march; empty if the history is exact in time.
     """
 
     times: Array
@@ -134,10 +120,10 @@ class History:
     force: Array
     gap: Array
     contact: Mask
+    integral: Array
     even_wear: Array
     uniform: Array
     pressed: Pressed | None = None
-    steps: Steps = Steps()
 
     @classmethod
     def in_full_contact(
@@ -151,10 +137,11 @@ class History:
         even_wear: Array,
         uniform: Array,
     ) -> "History":
-        """Return the history of a punch in full contact."""
+        """Return the history of a punch in full contact, without the integral of its pressure."""
         zero = np.broadcast_to(0.0, pressure.shape)
         full = np.broadcast_to(True, pressure.shape)
-        return cls(times, distances, pressure, shape, depth, force, zero, full, even_wear, uniform)
+        fields = times, distances, pressure, shape, depth, force
+        return cls(*fields, zero, full, zero, even_wear, uniform)
 
     @property
     def indentation(self) -> Array:
@@ -186,16 +173,16 @@ class History:
         arrays = {name: getattr(self, name)[index] for name in TIME_ARRAYS}
         return replace(self, **arrays, pressed=pressed)
 
-    def then(self, later: "History") -> "History":
-        """Return this history continued by a later one.
-
-        The result keeps the `pressed` part and the statistics of this history.
-        """
+    @classmethod
+    def joined(cls, parts: "Sequence[History]") -> "History":
+        """Return successive histories as one, with the `pressed` part of the first one."""
+        first, *others = parts
+        if not others:
+            return first
         arrays: dict[str, Any] = {
-            name: np.concatenate([getattr(self, name), getattr(later, name)])
-            for name in TIME_ARRAYS
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in TIME_ARRAYS
         }
-        return replace(self, **arrays)
+        return replace(first, **arrays)
 
 
 # fields of `History` whose first axis is time
@@ -208,5 +195,6 @@ TIME_ARRAYS = (
     "force",
     "gap",
     "contact",
+    "integral",
     "even_wear",
 )

@@ -17,38 +17,26 @@ at its start and its stages. The method with one stage is implicit Euler.
 """
 
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags
 
 from ....meshes.radial import Array
-from .full_face import FullFace
 from .history import Instant
 from .modes import BandedCholesky
+from .step_control import StepError
 from .unilateral import Contact, Load, Mask, Press
+from .wearing_punch import WearingPunch
 
 # diagonal coefficient of Alexander's method: implicit part of each stage, over the step
 GAMMA = 1 - np.sqrt(0.5)
 # number of contact problems stored with their factors; successive steps of equal length share one
 STORED_CONTACTS = 6
+# greatest gap of a face that conforms with the half-space without a force, over its weight:
+# roundoff
+CONFORMING = 1e-15
 # greatest extrapolation of the contact, in log(distance) and over the previous step
 MOST_EXTRAPOLATION = 1.5
-
-
-class StepError(NamedTuple):
-    """The error that a step adds to the worn depth, as root mean squares.
-
-    Parameters
-    ----------
-    depth : error of the worn depth, over the face
-    slope : error of the slope of the worn depth, along the radius
-    slope_after : slope of the face after the step, along the radius
-    """
-
-    depth: float
-    slope: float = 0.0
-    slope_after: float = 0.0
 
 
 class ContactStages:
@@ -56,18 +44,18 @@ class ContactStages:
 
     Parameters
     ----------
-    face : FullFace
-        Face of the punch with its compliance, wear coefficients, profile and load.
+    punch : WearingPunch
+        Punch with its compliance, wear coefficients, unworn face and load.
     """
 
-    def __init__(self, face: FullFace) -> None:
-        self.face = face
-        space = face.compliance.space
+    def __init__(self, punch: WearingPunch) -> None:
+        self.punch = punch
+        space = punch.space
         self.weights = space.weights
-        self.wear = space.mass(face.wear_coefficients)
+        self.wear = space.mass(punch.wear_coefficients)
         # matrix of the norm of worn depths k H: their mean square over the face
-        self._norm = space.mass(face.wear_coefficients**2) / np.pi
-        dense, matrix = self.wear.toarray(), face.compliance.matrix
+        self._norm = space.mass(punch.wear_coefficients**2) / np.pi
+        dense, matrix = self.wear.toarray(), punch.compliance.matrix
         self._contact = lru_cache(maxsize=STORED_CONTACTS)(
             lambda dt: Contact(matrix + dt * dense, space.weights)
         )
@@ -75,35 +63,39 @@ class ContactStages:
     @cached_property
     def _slopes(self) -> csr_matrix:
         """(E, size) slopes of a function in each cell, times the root of its part of the width."""
-        space = self.face.compliance.space
+        space = self.punch.space
         parts = space.widths / (1 - space.inner_radius)
         return (diags(np.sqrt(parts)) @ space.on_elements(np.zeros(1), derivative=True)).tocsr()
 
     @cached_property
     def _slopes_of_wear(self) -> csr_matrix:
         """(E, size) the same slopes of the worn depth k H, from the integral H."""
-        depths = diags(self.face.compliance.space.at_vertices(self.face.wear_coefficients))
+        depths = diags(self.punch.space.at_vertices(self.punch.wear_coefficients))
         return (self._slopes @ depths).tocsr()
 
     @cached_property
     def _unworn_slopes(self) -> Array:
         """(E,) the same slopes of the unworn face."""
-        mass = BandedCholesky(self.face.compliance.space.mass())
-        return np.asarray(self._slopes @ mass.solve(self.face.moments))
+        mass = BandedCholesky(self.punch.space.mass())
+        return np.asarray(self._slopes @ mass.solve(self.punch.moments))
 
     def at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then.
 
         A given indentation is constant.
         """
-        face = self.face
-        state, force = face.loading.at(np.array([time])), face.load.force
-        load = face.load if force is None else Load(float(state.force[0] * force))
+        punch = self.punch
+        state, force = punch.loading.at(np.array([time])), punch.load.force
+        load = punch.load if force is None else Load(float(state.force[0] * force))
         return load, (force or 1.0) * float(state.work[0])
+
+    def distance(self, time: float) -> float:
+        """Return the sliding distance until a time."""
+        return float(self.punch.loading.at(np.array([time])).distance[0])
 
     def press_unworn(self) -> Instant:
         """Return the state of the unworn punch at the time 0."""
-        press = self._contact(0.0).press(self.face.moments, self.at(0.0)[0])
+        press = self._contact(0.0).press(self.punch.moments, self.at(0.0)[0])
         return Instant(0.0, 0.0, press, np.zeros(len(self.weights)))
 
     def press_worn(self, integral: Array, load: Load) -> Press:
@@ -111,16 +103,30 @@ class ContactStages:
 
         `integral` (size,) is the integral H of the pressure over the sliding distance.
         """
-        return self._contact(0.0).press(self.face.moments + self.wear @ integral, load)
+        return self._contact(0.0).press(self.punch.moments + self.wear @ integral, load)
+
+    def distance_to_wear(self, press: Press) -> float:
+        """Return the sliding distance in which a punch wears by its indentation, on average."""
+        worn = float((self.wear @ press.pressure).sum()) / np.pi
+        return press.indentation / worn if worn > 0 else np.inf
+
+    def rest(self, current: Instant, time: float) -> Instant:
+        """Return the state at a later time until which nothing wears."""
+        load, work = self.at(time)
+        press = current.press
+        if load.force is not None and press.force != load.force:
+            press = self.press_worn(current.integral, load)
+        return Instant(time, self.distance(time), press, current.integral, work)
+
+    def is_full(self, current: Instant) -> bool:
+        """Return whether all of the face is in contact, or would be under any small force."""
+        press = current.press
+        if press.force or self.punch.load.force is None:
+            return bool(press.contact.all())
+        return bool((press.gap <= CONFORMING * self.weights).all())
 
     def solve_stage(
-        self,
-        dt: float,
-        distance: float,
-        integral: Array,
-        load: Load,
-        previous: Instant,
-        current: Instant,
+        self, dt: float, distance: float, integral: Array, load: Load, guess: Mask
     ) -> Instant:
         """Solve one implicit stage and return the state at its distance.
 
@@ -134,25 +140,23 @@ class ContactStages:
             Integral of the pressure without the contribution of this stage.
         load : Load
             Load at the stage.
-        previous, current : Instant
-            Two earlier states, from which the contact is predicted.
+        guess : (size,) array of bool
+            First guess of the contact.
         """
-        press = self._contact(dt).press(
-            self.face.moments + self.wear @ integral,
-            load,
-            _predict_contact(previous, current, distance),
-        )
+        moments = self.punch.moments + self.wear @ integral
+        press = self._contact(dt).press(moments, load, guess)
         return Instant(np.nan, distance, press, integral + dt * press.pressure)
 
+    def solve_implicit_step(self, dt: float, previous: Instant, current: Instant) -> Instant:
+        """Return the state after a step of implicit Euler under a constant load."""
+        distance = current.distance + dt
+        guess = predict_contact(previous, current, distance)
+        return self.solve_stage(dt, distance, current.integral, self.punch.load, guess)
+
     def solve_two_stages(
-        self,
-        dt: float,
-        time: float,
-        previous: Instant,
-        current: Instant,
-        with_slopes: bool = False,
-    ) -> tuple[Instant, Instant, StepError]:
-        """Return the first stage of a step, the state after it, and the error of the step.
+        self, dt: float, time: float, previous: Instant, current: Instant
+    ) -> tuple[Instant, Instant]:
+        """Return the first stage of a step, and the state after it.
 
         Parameters
         ----------
@@ -161,53 +165,76 @@ class ContactStages:
         time : float
             Time at its end.
         previous, current : Instant
-            An earlier state, and the state at the beginning of the step.
-        with_slopes : bool
-            Whether the error includes that of the slope; if not, slopes are zero.
+            An earlier state, from which the contact is predicted, and the state at the beginning.
         """
         load, work = self.at(time)
+        distance = current.distance + dt
         first_load, stage_distance = load, GAMMA * dt
         if load.force is not None and load.force != current.press.force:
             # choose the force of the first stage such that both wear by the integral of the force
             stage_work = work - current.work - stage_distance * load.force
             first_load = Load(max(stage_work / (dt - stage_distance), 0.0))
+        middle_distance = current.distance + stage_distance
         middle = self.solve_stage(
             stage_distance,
-            current.distance + stage_distance,
+            middle_distance,
             current.integral,
             first_load,
-            previous,
-            current,
+            predict_contact(previous, current, middle_distance),
         )
         integral = current.integral + (dt - stage_distance) * middle.press.pressure
-        following = self.solve_stage(
-            stage_distance, current.distance + dt, integral, load, current, middle
-        )
-        following = following._replace(time=time, work=work)
+        guess = predict_contact(current, middle, distance)
+        following = self.solve_stage(stage_distance, distance, integral, load, guess)
+        return middle, following._replace(time=time, work=work)
+
+    def error_of_step(
+        self,
+        dt: float,
+        current: Instant,
+        middle: Instant,
+        following: Instant,
+        with_slopes: bool = False,
+    ) -> StepError:
+        """Return the error of a step of length `dt` from its start, its first stage and its end.
+
+        Without slopes, those of the error are zero.
+        """
         pressures = np.array([instant.press.pressure for instant in (current, middle, following)])
         # weights of the integral of the parabola, minus those of the method
         second = 1 / (6 * GAMMA * (1 - GAMMA))
         third = 0.5 - GAMMA * second
         weights = np.array([1 - second - third, second - (1 - GAMMA), third - GAMMA])
-        defect = dt * weights @ pressures
+        defect = self._damped(dt * weights @ pressures, GAMMA * dt, following.press)
         depth = float(np.sqrt(max(defect @ (self._norm @ defect), 0.0)))
         if not with_slopes:
-            return middle, following, StepError(depth)
+            return StepError(depth)
         slopes_after = self._unworn_slopes + self._slopes_of_wear @ following.integral
-        # a node that comes into contact or leaves it during the step has a kink in time, which no
-        # shorter step resolves: the worn depth judges the cells there
-        in_contact = [instant.press.contact for instant in (current, middle, following)]
-        slopes = self._cells_within(np.all(in_contact, axis=0)) * (self._slopes_of_wear @ defect)
-        slope, slope_after = (float(np.linalg.norm(each)) for each in (slopes, slopes_after))
-        return middle, following, StepError(depth, slope, slope_after)
+        # a node that comes into contact during the step has a kink in time, which no shorter step
+        # resolves, and the wear that follows corrects: the worn depth judges the cells there
+        came = following.press.contact & ~(current.press.contact & middle.press.contact)
+        slopes = self._cells_within(~came) * (self._slopes_of_wear @ defect)
+        return StepError(depth, float(np.linalg.norm(slopes)), float(np.linalg.norm(slopes_after)))
+
+    def _damped(self, defect: Array, dt: float, press: Press) -> Array:
+        """Return an error of H less the part that the next stage of length `dt` removes.
+
+        It is ``(1 + dt A^-1 K)^-1`` times the error, on the contact: where the pressure follows the
+        wear within a step, such as beside an edge of the contact, an error does not remain.
+        """
+        if not (press.contact.any() and press.force):
+            return defect
+        change = self._contact(dt).respond(
+            dt * (self.wear @ defect), self.punch.load, press.contact
+        )
+        return defect - change
 
     def _cells_within(self, nodes: Mask) -> Mask:
         """Return the cells (E,) all of whose nodes are among some nodes (size,)."""
         # the last entry stands for the functions that a cell does not have
-        return np.asarray(np.append(nodes, True)[self.face.compliance.space.dofs].all(axis=1))
+        return np.asarray(np.append(nodes, True)[self.punch.space.dofs].all(axis=1))
 
 
-def _predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:
+def predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:
     """Return the nodes (size,) in contact, by extrapolation of pressures and gaps."""
     factor = 0.0
     if current.distance > previous.distance > 0:

@@ -5,12 +5,14 @@ powers of sqrt(2), so that successive steps often share a matrix and its factor.
 every requested time.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..problem.norms import LEAST_SLOPE
-from .stages import StepError
 
-# length of the first step over the total sliding distance
+# length of the first step over the distance in which a punch wears by its indentation, or over the
+# total sliding distance if that is shorter
 FIRST_STEP = 1e-6
 # length of the next step over that which would just meet the tolerance
 SAFETY = 0.8
@@ -18,6 +20,21 @@ SAFETY = 0.8
 MOST_GROWTH = 4.0
 # lower bound on the error over the tolerance, from which the next length is computed
 LEAST_RELATIVE_ERROR = 1e-12
+
+
+class StepError(NamedTuple):
+    """The error that a step adds to the worn depth, as root mean squares.
+
+    Parameters
+    ----------
+    depth : error of the worn depth, over the face
+    slope : error of the slope of the worn depth, along the radius
+    slope_after : slope of the face after the step, along the radius
+    """
+
+    depth: float
+    slope: float = 0.0
+    slope_after: float = 0.0
 
 
 class StepControl:
@@ -28,7 +45,7 @@ class StepControl:
     tolerance : float
         Error of the worn depth that a step may add, over the greatest indentation so far.
     distance : float
-        Total sliding distance.
+        Sliding distance of which the first step is a small part.
     slope_tolerance : float
         Error of the slope of the worn face that a step may add, over that slope.
     """

@@ -289,6 +289,17 @@ class Contact:
                 contact = self._not_empty(contact, gap)
         raise SolverError("no contact satisfies the inequalities: ask for fewer cells")
 
+    def respond(self, moments: Array, load: Load, contact: Mask) -> Array:
+        """Return the change of pressure (n,) on a contact that causes a change of moments (n,).
+
+        The force does not change, unless the load is an indentation.
+        """
+        change = self._system_for(contact).solve(moments)
+        if load.force is None:
+            return change
+        uniform = self._weights_solution
+        return change - (self.weights @ change) / (self.weights @ uniform) * uniform
+
     def _not_empty(self, contact: Mask, gap: Array) -> Mask:
         """Return the contact, or the node nearest to the half-space if the contact is empty.
 

@@ -34,7 +34,7 @@ def wear_on(
             {},
             size,
             half_space=half_space,
-            march=moving.marched,
+            evolution=moving.evolution,
         )
     full = FullContact(problem, compliance)
     return Solution(

@@ -186,22 +186,25 @@ def pressures_in_full_contact(problem: Problem, half_space: "HalfSpace") -> Arra
 def pressures_of_marches(problem: Problem, fem: Solution) -> list[Array]:
     """Return the pressures (states, size) of a shaped punch by two marches, both on one space.
 
-    Both have the compliance of a solution. The second one has every second cell, and a larger
-    tolerance of its time steps.
+    The first march is that of a solution, unless it ends too early. The second one has every second
+    cell of its compliance, and a larger tolerance of its time steps.
     """
-    assert fem.march is not None
-    compliance, pressures = fem.march.face.compliance, list[Array]()
-    space = compliance.space
-    for marched_space, tolerance_factor in (
-        (space, 1.0),
-        (space.coarser(), error_factor("steps of the coarser march")),
-    ):
-        restricted = compliance.restricted(marched_space)
-        march = MovingContact(problem, restricted, step_tolerance_factor=tolerance_factor)
-        wear = march.marched.face.running_in
-        states = _with_steady_state(problem, wear, march.history.pressure)
-        pressures.append(states @ space.embedding(marched_space).T)
-    return pressures
+    assert fem.evolution is not None
+    evolution, compliance = fem.evolution, fem.evolution.punch.compliance
+    if problem.times[-1] > evolution.times[-1]:
+        evolution = MovingContact(problem, compliance).evolution
+    space, coarser = compliance.space, compliance.space.coarser()
+    tolerance = error_factor("steps of the coarser march")
+    restricted = compliance.restricted(coarser)
+    marches = (
+        evolution,
+        MovingContact(problem, restricted, step_tolerance_factor=tolerance).evolution,
+    )
+    return [
+        _with_steady_state(problem, each.punch.running_in, each.at(problem.times).pressure)
+        @ space.embedding(each.punch.space).T
+        for each in marches
+    ]
 
 
 def _with_steady_state(problem: Problem, wear: RunningIn, pressures: Array) -> Array:

@@ -10,6 +10,8 @@ still to come, with the steady wear rate w. It is a sum of decaying exponentials
 coefficients.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from .....meshes.radial import Array, ring_of
@@ -19,12 +21,10 @@ from ...problem.quantities import ANSWER, STATES
 from ...wear.flat_contact import FittedPress
 from ...wear.full_contact import RunningIn
 from ...wear.history import History
-from ...wear.marched import Marched
 from .functions import Functions
 
-# Times of running-in are located on the logarithm of (part that is left / part wanted); this is the
-# smallest value of that ratio.
-SMALLEST_RATIO = 1e-3
+if TYPE_CHECKING:
+    from ...wear.evolution import Evolution
 
 
 class SteadyRun:
@@ -120,24 +120,24 @@ class MarchedRun(SteadyRun):
     Parameters
     ----------
     problem : the problem
-    march : the march through the times
+    evolution : the wear through the times
     start : the initial contact, if it is fitted to the edges of the contact
     ends : the history at the first and at the last of the times
     """
 
     def __init__(
-        self, problem: Problem, march: Marched, start: FittedPress | None, ends: History
+        self, problem: Problem, evolution: "Evolution", start: FittedPress | None, ends: History
     ) -> None:
         super().__init__(problem, {})
-        self.march, self.ends = march, ends
-        functions = Functions(problem, march.space)
+        self.evolution = evolution
+        functions = Functions(problem, evolution.punch.space)
         self.ring_forces = functions.ring_forces(ends)
         if not problem.reason_not_steady:
-            self.slowest_time = march.face.slowest_time
+            self.slowest_time = evolution.punch.slowest_time
         self.worn_volumes = functions.worn_volumes(ends)[-1]
         self.forces = _forces(problem, self.ring_forces)
         if not problem.loading.varies:
-            self.time_to_full_contact = march.time_of_full_contact
+            self.time_to_full_contact = evolution.time_of_full_contact
             if problem.times[0] == 0:
                 self.indentation_at_start = ends.indentation[0] + problem.profile.standoff
         if start is not None:
@@ -145,7 +145,7 @@ class MarchedRun(SteadyRun):
 
     def time_until(self, remaining_part: float) -> float:
         """Return the time after which a given part of the running-in remains."""
-        return _time_of_march(self.march, remaining_part)
+        return self.evolution.time_until(remaining_part)
 
     @property
     def force_shares(self) -> Array:
@@ -190,32 +190,6 @@ def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
             least[index] = at_ends[:, ring == index].min()
             greatest[index] = at_ends[:, ring == index].max()
     return least, greatest
-
-
-def _time_of_march(march: Marched, wanted_part: float) -> float:
-    """Return the time after which at most a given part of the running-in is left.
-
-    It is NaN if that time is after the march.
-    """
-    from scipy.interpolate import PchipInterpolator  # few runs need it
-
-    times, remaining = march.remainder()
-    if np.isfinite(march.time_of_full_contact):
-        # after full contact, the part that is left decays at least as fast as the slowest mode
-        later = times[-1] + march.face.slowest_time * np.geomspace(1e-3, 20, 400)
-        remaining = np.append(remaining, march.remainder_in_full_contact(later))
-        times = np.append(times, later)
-    elif march.face.load.force is not None:
-        # before full contact, it may cross zero more than once
-        return float("nan")
-    remaining = np.abs(remaining) / np.abs(remaining).max()
-    last = np.flatnonzero(remaining > wanted_part)[-1]
-    if last + 1 == len(times):
-        return float("nan")
-    # the logarithm is nearly linear in time between steps
-    window = slice(max(last - 2, 0), last + 4)
-    logarithm = np.log(np.maximum(remaining[window], wanted_part * SMALLEST_RATIO) / wanted_part)
-    return float(PchipInterpolator(times[window], logarithm).roots(extrapolate=False)[-1])
 
 
 def _peak(press: FittedPress) -> float:

@@ -184,11 +184,9 @@ class Functions:
 
     def _worn_volumes_on_cells(self, history: History) -> Array:
         """Return the volume worn off each ring (T, N), from the time integral of the pressure."""
-        # the worn profile is k times the time integral of the pressure; only the latter is in the
-        # space
+        # the worn profile is k times the integral of the pressure; only the latter is in the space
         rings, space = self.problem.merged, self.space
-        integral = history.shape / space.at_vertices(rings.wear_coefficients)
-        volumes = integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
+        volumes = history.integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
         first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
         return np.asarray(np.add.reduceat(volumes, first, axis=1)) + self._even_volumes(history)
 

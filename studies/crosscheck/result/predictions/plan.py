@@ -193,7 +193,7 @@ def _with_refinement(
 ) -> Cost:
     """Return the predicted cost of a method that has solved a problem once in `first` seconds."""
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
-    pressures = pressure_spaces(problem)[0].size if solution.march else 0
+    pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
     finest, coarsest = tolerance_range(problem, pressures)
     rtol = min(problem.rtol, coarsest)
     if error <= allowed or rtol <= finest or method.sizes_given(problem):
