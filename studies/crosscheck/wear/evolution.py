@@ -32,7 +32,7 @@ NEGLIGIBLE_FORCE = 1e-12
 # a remaining distance below this fraction of the total distance is roundoff
 ROUNDOFF = 1e-14
 # halvings of the step in which contact becomes full
-HALVINGS = 20
+HALVINGS = 10
 # time in full contact, over the slowest relaxation time, after which what edges of the contact have
 # left in the shape of the face has decayed to less than 1e-10
 SETTLED = 24.0
