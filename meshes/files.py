@@ -12,12 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from skfem import Mesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from skfem import Mesh, MeshQuad, MeshTri
 from skfem.io.meshio import from_meshio
 
+from .decks import CornerMesh, read_deck, read_universal
 from .errors import MeshError
 from .half_space import as_half_space
-from .radial import Array
+from .radial import Array, Indices
 
 if TYPE_CHECKING:
     import meshio
@@ -25,6 +28,14 @@ if TYPE_CHECKING:
 # Largest relative error of a coordinate that is corrected: the surface and the arc relative to the
 # outer radius, the ring edges relative to the punch radius. It allows for files with nine digits.
 COORDINATE_TOLERANCE = 1e-8
+# numbers of corners of cells in a plane, by the names of meshio without the number of nodes
+PLANE_CELLS = {"triangle": 3, "quad": 4}
+# factors between units of length that a message tries
+UNIT_FACTORS = [10.0**power for power in range(-9, 10) if power] + [25.4, 1 / 25.4]
+# greatest number of bodies of which the largest is the half-space; more are torn apart
+MOST_BODIES = 8
+# number of radii of vertices that a message lists
+MOST_LISTED = 8
 
 
 def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> Mesh:
@@ -32,8 +43,10 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> Mesh:
 
     Parameters
     ----------
-    path : file that meshio can read; the first coordinate is the radius, the second the depth, and
-        the surface has depth 0
+    path : input deck of Abaqus or CalculiX (.inp), universal file (.unv), or a file that meshio can
+        read. The first coordinate is the radius, on either side of the axis; the other one is the
+        depth or the height, and the surface is at 0. Cells of second order are read by their
+        corners
     ring_edges : (N+1,) ring edges in punch radii, from 0 or the radius of a hole to 1; each must be
         a vertex
     radius : radius of the punch in the units of the file
@@ -50,16 +63,87 @@ def read(path: str | Path, ring_edges: Array, radius: float = 1.0) -> Mesh:
 
 
 def _mesh(path: Path) -> Mesh:
-    content = read_with_meshio(path)
-    kinds = {block.type for block in content.cells if len(block.data)} - {"vertex", "line"}
-    if kinds not in ({"triangle"}, {"quad"}):
+    """Return the mesh of corners in the plane of radius and depth, both positive.
+
+    Raises
+    ------
+    MeshError
+        if the file has no mesh in a plane, or cells of two kinds
+    """
+    corners = _corners(path)
+    if len(corners.triangles) and len(corners.quads):
         raise MeshError(
-            f"it holds cells of type {', '.join(sorted(kinds)) or 'line'}, but the cells must be "
-            "straight triangles or straight quadrilaterals, and all of one kind: in gmsh set "
-            "Mesh.ElementOrder = 1, recombine all elements or none, and make a physical group of "
-            "the surface"
+            f"it holds {len(corners.triangles)} triangles and {len(corners.quads)} quadrilaterals, "
+            "but the cells must be all of one kind: in gmsh recombine all elements or none"
         )
-    return from_meshio(content, ignore_orientation=True)
+    cells = _largest_body(corners.triangles if len(corners.triangles) else corners.quads, corners)
+    used, cells = np.unique(cells, return_inverse=True)
+    points = corners.points[used]
+    spans = np.ptp(points, axis=0)
+    plane = [0, *np.flatnonzero(spans[1:] > COORDINATE_TOLERANCE * spans.max()) + 1]
+    if len(plane) != 2 or not spans[0]:
+        raise MeshError(
+            "its cells do not lie in the plane of the first coordinate, the radius, and another "
+            "one, the depth: give a mesh of the quarter disc in that plane"
+        )
+    points = points[:, plane].T
+    # the axis may be on the right, and the height may point upwards
+    for row in points:
+        if row.max() <= COORDINATE_TOLERANCE * spans.max():
+            row *= -1
+    shape = 3 if len(corners.triangles) else 4
+    kind = MeshTri if shape == 3 else MeshQuad
+    mesh = kind(np.ascontiguousarray(points), np.ascontiguousarray(cells.reshape(-1, shape).T))
+    parts = corners.subdomains
+    if parts and sum(map(len, parts.values())) <= mesh.nelements == corners.size:
+        mesh = replace(mesh, _subdomains=parts)
+    return mesh
+
+
+def _largest_body(cells: Indices, corners: CornerMesh) -> Indices:
+    """Return the cells of the largest of a few bodies, such as a half-space and a punch."""
+    count = len(corners.points)
+    pairs = np.stack([cells.ravel(), np.roll(cells, 1, axis=1).ravel()])
+    graph = coo_matrix((np.ones(pairs.shape[1], dtype=bool), pairs), shape=(count, count))
+    _, bodies = connected_components(graph, directed=False)
+    of_cells = bodies[cells[:, 0]]
+    numbers = np.unique(of_cells)
+    if not 1 < len(numbers) <= MOST_BODIES:
+        return cells
+    spans = [np.ptp(corners.points[np.unique(cells[of_cells == each])]) for each in numbers]
+    return cells[of_cells == numbers[int(np.argmax(spans))]]
+
+
+def _corners(path: Path) -> CornerMesh:
+    """Return the corners of the plane cells of a file."""
+    if path.is_file() and path.suffix.lower() == ".inp":
+        return read_deck(path)
+    if path.is_file() and path.suffix.lower() in (".unv", ".uff"):
+        return read_universal(path)
+    content = read_with_meshio(path)
+    blocks = {3: list[Indices](), 4: list[Indices]()}
+    others = set[str]()
+    for block in content.cells:
+        name = block.type.rstrip("0123456789")
+        if name in PLANE_CELLS:
+            blocks[PLANE_CELLS[name]].append(block.data[:, : PLANE_CELLS[name]])
+        elif len(block.data) and name not in ("vertex", "line"):
+            others.add(block.type)
+    triangles, quads = (
+        np.concatenate(blocks[count] or [np.empty((0, count), dtype=np.int64)]) for count in (3, 4)
+    )
+    if not (len(triangles) or len(quads)):
+        raise MeshError(
+            f"it holds cells of type {', '.join(sorted(others)) or 'line'}, but they must be "
+            "triangles or quadrilaterals in a plane: in gmsh make a physical group of the surface"
+        )
+    points = np.zeros((len(content.points), 3))
+    points[:, : content.points.shape[1]] = content.points
+    subdomains = dict[str, Indices]()
+    first_order = {block.type for block in content.cells} & {"triangle", "quad"}
+    if first_order and (content.cell_sets or content.cell_data):
+        subdomains = from_meshio(content, ignore_orientation=True).subdomains or {}
+    return CornerMesh(points, triangles, quads, subdomains)
 
 
 def read_with_meshio(path: Path) -> "meshio.Mesh":
@@ -104,8 +188,8 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     if len(outside_vertices):
         r, z = mesh.p[:, outside_vertices[0]]
         raise MeshError(
-            f"the vertex at ({r:.6g}, {z:.6g}) lies outside the half-space: radii and depths "
-            "must be positive; multiply a coordinate by -1, or mesh one side only"
+            f"the vertex at ({r:.6g}, {z:.6g}) lies outside the half-space: radii must have one "
+            "sign, and so must depths, with the surface at 0; mesh one side only"
         )
     surface = used[points[1, used] < COORDINATE_TOLERANCE * outer]
     distance = np.abs(points[0, surface, None] - ring_edges)
@@ -113,7 +197,8 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     if len(missing):
         raise MeshError(
             f"no vertex of the mesh lies on the ring edge at r = {missing[0]:.9g} a at depth 0: "
-            f"put a point of the geometry there; a is {radius:.6g} in the units of the file"
+            f"put a point of the geometry there; a is {radius:.6g} in the units of the file. "
+            f"{_other_places(np.sort(points[0, surface]), ring_edges, radius)}"
         )
     # the tolerance is reduced if elements are small, so that none of them collapses
     shortest = float(np.linalg.norm(np.diff(points[:, mesh.facets], axis=1)[:, 0], axis=0).min())
@@ -123,3 +208,29 @@ def _snapped(mesh: Mesh, ring_edges: Array, radius: float) -> Mesh:
     arc = np.abs(rho / outer - 1) < COORDINATE_TOLERANCE
     points[:, arc] *= outer / rho[arc]
     return replace(mesh, doflocs=points)
+
+
+def _other_places(radii: Array, ring_edges: Array, radius: float) -> str:
+    """Say at which radii the vertices on the surface lie, and which factor would fit.
+
+    Parameters
+    ----------
+    radii : (k,) increasing radii of these vertices, in punch radii
+    ring_edges : (N+1,) ring edges in punch radii
+    radius : radius of the punch in the units of the file
+    """
+    if not len(radii):
+        return "No vertex has the depth 0"
+    shown = np.unique(np.linspace(0, len(radii) - 1, min(len(radii), MOST_LISTED)).astype(int))
+    listed = ", ".join(f"{radius * radii[each]:.6g}" for each in shown)
+    text = f"There the vertices lie at r = {listed}"
+    for factor in UNIT_FACTORS:
+        apart = np.abs(radii[:, None] - factor * ring_edges).min(axis=0)
+        if (apart < COORDINATE_TOLERANCE * factor).all():
+            number = f"{factor:g}" if factor >= 1 else f"1/{1 / factor:g}"
+            inverse = f"1/{factor:g}" if factor >= 1 else f"{1 / factor:g}"
+            return (
+                f"{text}, and {number} times the ring edges are among them: multiply the lengths "
+                f"of the file by {inverse}, or give their unit by --units"
+            )
+    return text

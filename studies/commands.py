@@ -35,7 +35,7 @@ from .report.log import show_progress
 from .report.streams import print_error
 from .report.terminal import print_lines, print_markdown
 from .status import Status
-from .tables import INTERRUPTED
+from .tables.writing import INTERRUPTED
 
 if TYPE_CHECKING:
     from .figures.style import Picture
@@ -230,7 +230,7 @@ def _compare(options: argparse.Namespace) -> Status:
 def _study(options: argparse.Namespace) -> Status:
     from .named_studies import study
     from .study.interrupted import as_before, rows_before
-    from .tables import keep_tables, keeping_rows
+    from .tables.writing import keep_tables, keeping_rows
 
     name, scene = options.study, Scene.load(options.scene)
     out = _out(options, name)
@@ -422,7 +422,7 @@ COMMANDS = {
         _check,
         (
             *("scene", "theirs", "--out", "methods", "within", "columns", "units", "sizes"),
-            *("--refinement", "--template", "memory"),
+            *("times", "--refinement", "--template", "memory"),
         ),
         ("scene", "theirs", "sizes"),
     ),

@@ -23,7 +23,7 @@ from .crosscheck import (
     shown,
 )
 from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
-from .tables import write_csv
+from .tables.writing import write_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -26,6 +26,7 @@ from .study.own import (
     Methods,
     Quantities,
     degree_of,
+    length_of,
     name_of,
     read_elements,
     read_meshes,
@@ -100,6 +101,7 @@ def convergence(
     methods: Methods = None,
     meshes: "Sequence[str | Mesh]" = (),
     degree: int | None = None,
+    units: str = "",
     elements: "Sequence[str | Element]" = (),
     steps: Sequence[float] = (),
     quantities: Quantities = None,
@@ -115,6 +117,8 @@ def convergence(
     methods : names of methods to refine, and methods of your own, which are refined by tolerances
     meshes : your own mesh files or meshes of scikit-fem, from coarse to fine
     degree : polynomial degree of the finite elements on them
+    units : unit of lengths in mesh files, such as "mm", or a factor on them, such as 0.1, if they
+        are not those of the scene
     elements : your own elements, or those of scikit-fem, in place of the study's selection
     steps : time steps of implicit Euler in the unit of the scene, from coarse to fine
     quantities : names as in results.nc, and functions of a result that return a number; the named
@@ -143,7 +147,9 @@ def convergence(
     if moving and (meshes or elements):
         raise SceneError(NOT_IN_MOVING_CONTACT)
     case = Case.of(scene)
-    own_meshes_by_name = read_meshes(case.problem, meshes) if meshes else {}
+    own_meshes_by_name = (
+        read_meshes(case.problem, meshes, length_of(scene, units)) if meshes else {}
+    )
     own_elements = read_elements(elements) if elements else ()
     refuse_degree_without_mesh(degree, bool(meshes))
     lengths = steps_of(scene, steps)

@@ -133,9 +133,10 @@ def study(
         your own
     **options : further options of the study:
 
-        meshes, degree
-            your mesh files or scikit-fem meshes, from coarse to fine, and the degree of the
-            finite elements on them (`convergence`, `refinement`)
+        meshes, degree, units
+            your mesh files or scikit-fem meshes, from coarse to fine, the degree of the finite
+            elements on them, and the unit of lengths in the files, if it is not that of the scene
+            (`convergence`, `refinement`)
         elements
             elements of scikit-fem, by name, or your own (`convergence`, `elements`)
         steps

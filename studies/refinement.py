@@ -20,7 +20,7 @@ from .study.mesh_figures import (
     draw_pressure_errors,
     worst_place,
 )
-from .study.own import Methods, Quantities, read_meshes, read_methods, read_quantities
+from .study.own import Methods, Quantities, length_of, read_meshes, read_methods, read_quantities
 from .study.record import Record
 from .study.reference import Reference, reference
 from .study.study import Study, choose_parts, remarks, rows_of
@@ -66,6 +66,7 @@ def refinement(
     *,
     meshes: "Sequence[str | Mesh]" = (),
     degree: int | None = None,
+    units: str = "",
     methods: Methods = None,
     quantities: Quantities = None,
     quick: bool = False,
@@ -78,6 +79,8 @@ def refinement(
     scene : a scene, a file, the name of a bundled scene, or nested dictionaries
     meshes : your own mesh files or meshes of scikit-fem, from coarse to fine
     degree : polynomial degree of the finite elements on them
+    units : unit of lengths in mesh files, such as "mm", or a factor on them, such as 0.1, if they
+        are not those of the scene
     methods : methods of your own, whose tolerances are levels
     quantities : names as in results.nc, `energy`, and functions of a result
     quick : whether to use fewer and smaller levels
@@ -96,7 +99,7 @@ def refinement(
     named, own_methods = read_methods(methods, ("fem",), "refinement")
     refuse_degree_without_mesh(degree, bool(meshes))
     record, case = record or Record(), Case.of(scene)
-    own_by_name = read_meshes(case.problem, meshes) if meshes else {}
+    own_by_name = read_meshes(case.problem, meshes, length_of(scene, units)) if meshes else {}
     refuse_degrees(case, own_by_name, degree)
     rtols = TOLERANCES_QUICK if quick else TOLERANCES
     ways = [

@@ -44,11 +44,11 @@ from ..crosscheck import (
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import Diagnosis, diagnose, unexplained
-from ..tables import write_csv
+from ..tables.writing import write_csv
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, refinements
-from .tables import OthersResults, read
+from .tables import NoTimesError, OthersResults, are_steps, read, without_number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,6 +72,7 @@ def check(
     columns: Mapping[str, str] | None = None,
     units: str = "",
     sizes: Sequence[float] = (),
+    times: Sequence[float] = (),
     memory: float | None = None,
 ) -> "Check":
     """Compare results of other programs with ours, at their times and radii.
@@ -87,6 +88,8 @@ def check(
     units : of their results, such as ``"mm, N, MPa, s"``, if they differ from the scene's
     sizes : decreasing sizes of elements or steps, one for each result, if the results are those of
         one program from coarse to fine; only the last one is judged then
+    times : time of results that have no column of times; if there are several, each file has the
+        results of one program at one of them
     memory : largest memory to use, in GiB; by default that of the machine
 
     Returns
@@ -124,9 +127,8 @@ def check(
             f"sizes {', '.join(f'{size:g}' for size in sizes)} of {len(programs)} results: give "
             "two or more results, and a size for each, above 0 and decreasing"
         )
-    tables = {
-        name: read(source, name, scene, columns or {}, units) for name, source in programs.items()
-    }
+    of_steps = tuple(numbers("times", times))
+    tables = _read_all(programs, scene, columns or {}, units, of_steps)
     scene = _scene_of_tables(scene, tables.values())
     ours = methods_of(listed(methods)) if methods else chosen_methods(scene)
     refuse(scene, ours)
@@ -147,7 +149,7 @@ def check(
     refuse_beyond_memory(scene, ours.values(), memory, memory_of_tables, **how)
     others = {name: OtherProgram.from_table(name, table, scene) for name, table in tables.items()}
     methods_of([*others.values()])  # refuses names that are more than one line
-    reaches = {name: reach_of_deck(source, scene) for name, source in programs.items()}
+    reaches = {name: reach_of_deck(programs.get(name), scene) for name in tables}
     return Check(
         computed(scene, ours),
         others,
@@ -437,6 +439,52 @@ def check_files() -> set[str]:
     return {*RUN_FILES, "check.csv", *FILES}
 
 
+def _read_all(
+    programs: "Mapping[str, OthersResults]",
+    scene: Scene,
+    columns: Mapping[str, str],
+    units: str,
+    times: Sequence[float],
+) -> "dict[str, pd.DataFrame]":
+    """Return the tables of programs by their names; files of the steps of one program are joined.
+
+    Parameters
+    ----------
+    programs : results by the names of programs, or of files
+    scene, columns, units : see `check`
+    times : none; the time of all; or one for each file of one program
+
+    Raises
+    ------
+    SceneError
+        if a table cannot be read, or if there are not as many times as files
+    """
+    if len(times) > 1 and len(times) != len(programs):
+        raise SceneError(
+            f"{len(times)} times and {len(programs)} results: give one time for each file of one "
+            "program, or one time for all"
+        )
+    if len(times) < 2:
+        only = times[0] if times else None
+        try:
+            return {
+                name: read(source, name, scene, columns, units, time=only)
+                for name, source in programs.items()
+            }
+        except NoTimesError:
+            times = scene.wear.times
+            if only is not None or len(times) != len(programs) or not are_steps(programs):
+                raise
+            LOG.info("%d files without times are at those of the scene", len(times))
+    import pandas as pd
+
+    tables = [
+        read(source, name, scene, columns, units, time=time)
+        for (name, source), time in zip(programs.items(), times, strict=True)
+    ]
+    return {without_number(next(iter(programs))): pd.concat(tables, ignore_index=True)}
+
+
 def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":
     """Return results of other programs by the names of the programs."""
     kinds = (str, Path)
@@ -458,6 +506,8 @@ def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[s
                 ) from None
     if isinstance(given, kinds):
         return {Path(given).name: given}
+    if isinstance(given, list | tuple) and given and all(isinstance(each, kinds) for each in given):
+        return {str(each): each for each in given}
     if hasattr(given, "columns") or hasattr(given, "data_vars"):
         return {"theirs": given}
     raise SceneError(

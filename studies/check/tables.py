@@ -6,7 +6,8 @@ radius, or be in rows whose radius is empty. If a table is wrong, the error mess
 the line, the column and the remedy.
 """
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -27,12 +28,12 @@ from ..crosscheck import (
     nearest,
     one_line,
     read_folder,
-    refuse_device,
     refuse_large,
     shown,
 )
-from ..decks.reports import NO_RESULTS, READERS, differing_keys
-from .csv_files import name_and_unit, read_csv_text, read_numbers, split_heading
+from ..decks.reports import NO_RESULTS, READERS, differing_keys, is_xy_report
+from ..tables.text import read_numbers, read_texts, split_heading, text_of_file
+from .columns import kind_of, our_name, recognised, with_radius_of_grid
 
 if TYPE_CHECKING:
     import xarray
@@ -46,7 +47,21 @@ COMPARED = ("pressure", "displacement", "profile", "indentation", "normal_force"
 CLOCKS: Mapping[str, str] = {"distance": "distance", "cycles": "number"}
 """Columns that may take the place of times, each with the kind of its unit."""
 LARGE = 200_000
-"""Number of characters above which a CSV file is read by `read_numbers`, if that is possible."""
+"""Number of bytes above which a CSV file is read by `read_numbers`, if that is possible."""
+
+
+class NoTimesError(SceneError):
+    """A table has no column of times."""
+
+
+def without_number(name: str) -> str:
+    """Return the name of a file without the number at its end: out_0003.csv is out.csv."""
+    return re.sub(r"[-_.]?\d+(?=\.\w+$|$)", "", name)
+
+
+def are_steps(names: Collection[str]) -> bool:
+    """Return whether names of files differ in a number at their end only."""
+    return len(names) > 1 and len({without_number(name) for name in names}) == 1
 
 
 def read(
@@ -58,6 +73,7 @@ def read(
     more: Mapping[str, str] | None = None,
     wanted: Sequence[str] = COMPARED,
     cycle: float | None = None,
+    time: float | None = None,
 ) -> pd.DataFrame:
     """Return the validated results of another program, in the units of a scene.
 
@@ -74,6 +90,7 @@ def read(
     more : further columns that depend on time alone, each with the kind of its unit
     wanted : columns of which the table needs at least one, for messages
     cycle : sliding distance of one cycle, in the units of the scene
+    time : of all rows, in the units of the table, if it has no column of times
 
     Raises
     ------
@@ -101,7 +118,7 @@ def read(
     if isinstance(source, str | Path):
         name, place = str(source), "line"
         if Path(source).suffix == ".vtu":
-            source, columns = _read_surface(Path(source), columns), {}
+            source, columns = _read_surface(Path(source), columns, time), {}
         else:
             source = _open(Path(source), scene)
     if hasattr(source, "to_dataframe"):
@@ -121,6 +138,16 @@ def read(
     renamed, heading_units = _rename_headings(source, columns, named, kinds)
     missing = [theirs for theirs, headings in named.items() if not headings]
     headings = ", ".join(map(str, source))
+    renamed, remarks = with_radius_of_grid(renamed)
+    try:
+        renamed, more_units, names_found = recognised(renamed, kinds)
+    except SceneError as error:
+        raise SceneError(f"{name}: {error}") from None
+    heading_units |= more_units
+    for remark in (*remarks, *names_found):
+        LOG.info("%s: %s", name, remark)
+    if time is not None and not any(key in renamed for key in ("time", *CLOCKS)):
+        renamed = renamed.assign(time=time)
     clock = next((key for key in ("time", *CLOCKS) if key in renamed), "time")
     if clock != "time":
         renamed = renamed.rename(columns={clock: "time"})
@@ -245,7 +272,7 @@ def _rename_headings(
     }
     taken_names = {names.get(heading, str(heading)) for heading in frame}
     for heading in frame:
-        name, unit = name_and_unit(str(heading))
+        name, unit = our_name(str(heading)), split_heading(str(heading))[1]
         if name not in kinds or heading in names:
             continue
         if str(heading) == name or name not in taken_names:
@@ -266,7 +293,7 @@ def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset":
     if ending in NO_RESULTS:
         raise SceneError(f"{path} {NO_RESULTS[ending]}")
     try:
-        if ending in READERS and path.is_file():
+        if ending in READERS and path.is_file() and not is_xy_report(path):
             results = READERS[ending](path)
             if keys := differing_keys(path, scene):
                 LOG.warning(
@@ -286,28 +313,30 @@ def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset":
                 if CHECKSUMS in data.attrs:
                     LOG.warning("%s could not be checked: %s is not beside it", path, SUMMARY)
                 return data.load()
-        refuse_device(path)
-        text = path.read_text("utf-8-sig")
     except (OSError, ValueError) as error:
         reason = one_line(error)
-        if isinstance(error, UnicodeDecodeError):
-            reason = "it is not text in UTF-8"
-        elif path.suffix == ".nc" and "engine" in str(error):
+        if path.suffix == ".nc" and "engine" in str(error):
             # xarray lists the packages that it has tried
             reason = "it is not netCDF"
         raise SceneError(
             f"{path} cannot be read: {reason}; give CSV in UTF-8, or netCDF in a file that ends "
             "in .nc"
         ) from None
-    table = read_numbers(path, text) if len(text) > LARGE else None
-    return read_csv_text(path, text) if table is None else table
+    if path.is_file() and path.stat().st_size > LARGE:
+        table = read_numbers(path)
+        if table is not None:
+            return table
+    return read_texts(path, text_of_file(path))
 
 
-def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
+def _read_surface(
+    path: Path, columns: Mapping[str, str], only_time: float | None = None
+) -> pd.DataFrame:
     """Return the results at the surface of a mesh in the plane of radius and height.
 
     Names of point arrays consist of quantity and time: ``displacement t=0.5``, and ``pressure
-    t=0.5`` or ``stress_zz t=0.5``. Vectors are read by their second component.
+    t=0.5`` or ``stress_zz t=0.5``; or they are names of a quantity alone, at the only time. Vectors
+    are read by their second component.
     """
     from ...meshes import read_with_meshio
 
@@ -322,19 +351,27 @@ def _read_surface(path: Path, columns: Mapping[str, str]) -> pd.DataFrame:
     tables = []
     for array_name, values in mesh.point_data.items():
         quantity, _, label = columns.get(array_name, array_name).partition(" t=")
-        time = pd.to_numeric(label, errors="coerce")
-        if values.ndim == 2:
+        time = pd.to_numeric(label, errors="coerce") if label else only_time or np.nan
+        if not label and only_time == 0:
+            time = 0.0
+        if values.ndim == 2 and values.shape[1] in (2, 3):
             values = inward * values[:, 1]
-        if quantity == "stress_zz":
-            quantity, values = "pressure", -values
+        quantity = our_name(quantity)
+        kind = kind_of(quantity)
+        if quantity not in FIELDS and kind is not None:
+            # stresses are negative where they press
+            values = -values if kind.name == "pressure" and kind.signed else values
+            quantity = kind.name
+        if quantity in ("displacements", "disp", "displ"):
+            quantity = "displacement"
         if np.isfinite(time) and quantity in FIELDS:
             rows = {"time": time, "radius": radius[surface], "value": values[surface]}
             tables.append(pd.DataFrame(rows | {"quantity": quantity}))
     if not tables:
         raise SceneError(
             f"{path} has no point array with a quantity and a time in its name; its arrays are "
-            f"{', '.join(mesh.point_data) or 'none'}: give --columns such as "
-            "'U=displacement t=0.5,S22=stress_zz t=0.5'"
+            f"{', '.join(mesh.point_data) or 'none'}: give --time T if all are of one time, or "
+            "--columns such as 'U=displacement t=0.5,S22=stress_zz t=0.5'"
         )
     values = pd.concat(tables).groupby(["time", "radius", "quantity"])["value"].first()
     return values.unstack().reset_index()
@@ -372,10 +409,12 @@ def _select_columns(
         fault = f"no column {missing[0]!r}" if missing else "a column twice"
         pairs = [(theirs, nearest(theirs, ["time", "radius", *wanted])) for theirs in unknown]
         renamed = ",".join(f"{theirs}={ours}" for theirs, ours in pairs if ours)
-        raise SceneError(
+        only_times = missing == ["time"]
+        raise (NoTimesError if only_times else SceneError)(
             f"{name} has {fault}; its columns are {headings}: give time, radius if there are "
             f"fields, and some of {', '.join(wanted)}, each once, by --columns "
             f"{renamed or 'theirs=ours'} if necessary"
+            + ("; or --time T if all rows are of one time" if "time" in missing else "")
         )
     if unknown:
         LOG.warning("%s: columns that are not read: %s", name, ", ".join(unknown))

@@ -47,8 +47,6 @@ from .problem.fields import (
     Parabola as Parabola,
     TomlTable as TomlTable,
     over_time as over_time,
-    read_table as read_table,
-    refuse_device as refuse_device,
 )
 from .problem.loading import (
     Loading as Loading,
@@ -62,6 +60,9 @@ from .problem.problem import (
 )
 from .problem.profile import (
     InitialProfile as InitialProfile,
+)
+from .problem.profile_file import (
+    profile_of_file as profile_of_file,
 )
 from .problem.quantities import (
     ANSWER as ANSWER,

@@ -348,6 +348,13 @@ def _modelled_values(table: Mapping[str, object], prefix: str = "") -> dict[str,
     return values
 
 
+def is_xy_report(path: Path) -> bool:
+    """Return whether an .rpt file of Abaqus has columns of an XY plot, and no fields on nodes."""
+    return (
+        path.suffix.lower() == ".rpt" and "node" not in path.read_text("utf-8", "replace").lower()
+    )
+
+
 READERS = {".dat": read_dat, ".rpt": read_rpt}
 """Readers of result files, by the ending of the file."""
 NO_RESULTS = {

@@ -69,6 +69,15 @@ def columns(*names: str) -> Change:
     return of_reading(lambda reading, value: reading.multiplied(value, *names))
 
 
+# parts of the whole force that programs report
+PARTS_OF_CIRCLE = {
+    1 / 180: "on a wedge of 2 degrees, 1/180 of the whole, as in CalculiX",
+    1 / 360: "on a wedge of 1 degree, 1/360 of the whole",
+    1 / (2 * math.pi): "per radian, 1/(2 pi) of the whole",
+}
+PRIOR_OF_PARTS = 0.2
+
+
 # ---- changes of a scene ---------------------------------------------------------------------
 
 
@@ -511,6 +520,21 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                 prior=of_units,
             )
         )
+        if members == {"normal_force"}:
+            rows.append(
+                Mistake(
+                    "force on a part",
+                    lambda value: (
+                        f"the force {PARTS_OF_CIRCLE[value]}: the column normal_force is "
+                        f"{value:.4g} times ours"
+                    ),
+                    "multiply the forces of the table to those on the whole circumference",
+                    (choice(columns("normal_force"), *PARTS_OF_CIRCLE),),
+                    "factor of normal force",
+                    "constant factor",
+                    prior=PRIOR_OF_PARTS,
+                )
+            )
         rows.append(
             Mistake(
                 "constant factor",

@@ -11,7 +11,7 @@ import pandas as pd
 from ...meshes import RingwearError
 from ..crosscheck import AnswersGuesses, make, output_folder
 from ..report.study_page import write_study
-from ..tables import write_csv
+from ..tables.writing import write_csv
 from .design import design_table
 from .outcome import Outcome
 from .words import conclude

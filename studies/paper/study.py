@@ -13,7 +13,7 @@ from ..study.record import Record
 from ..study.study import QUICK, Study
 from ..sweep.axes import Sweep
 from ..sweep.sweep import sweep
-from ..tables import keeping_rows
+from ..tables.writing import keeping_rows
 from . import claims, figures
 from .running_in import FiveRings
 from .theory import FIG7_WEAR_RATIO, homogeneous, many_rings

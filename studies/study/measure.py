@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 from ...meshes import RingwearError
 from ..crosscheck import LOG, Results, Solution, allowed_error
-from ..tables import keeping_rows
+from ..tables.writing import keeping_rows
 from .errors import (
     ITSELF,
     error,

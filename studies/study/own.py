@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...meshes import MeshError, SceneError
-from ..crosscheck import METHODS, Method, Problem, check_one_line, did_you_mean, shown
+from ..crosscheck import METHODS, Method, Problem, Scene, check_one_line, did_you_mean, shown
 
 if TYPE_CHECKING:
     from skfem import Element, Mesh
@@ -188,14 +188,45 @@ def name_of(element: "Element") -> str:
     return type(element).__name__.removeprefix("Element")
 
 
+def length_of(scene: Scene, units: str | float) -> float:
+    """Return the size of the lengths of a file in the lengths of a scene.
+
+    Parameters
+    ----------
+    scene : the scene
+    units : unit of the lengths of the file, alone or as the first of several; a factor on them; or
+        empty if they are those of the scene
+
+    Raises
+    ------
+    SceneError
+        if it is no unit of length, or if the numbers of the scene have none
+    """
+    text = str(units).strip()
+    if not text:
+        return 1.0
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if factor > 0:
+        return factor
+    if scene.unit_names.base is None:
+        raise SceneError(
+            f"--units {text}: the numbers of the scene have no units: give a factor on the lengths "
+            "of the file, such as 0.1"
+        )
+    return scene.unit_names.size_of(text.partition(",")[0].strip(), "length", "--units")
+
+
 def read_meshes(
-    problem: Problem, given: "Sequence[str | Path | Mesh] | str | Path | Mesh"
+    problem: Problem, given: "Sequence[str | Path | Mesh] | str | Path | Mesh", size: float = 1.0
 ) -> "dict[str, Mesh]":
     """Return meshes of the user in punch radii, with their boundaries named, by the names of files.
 
-    A file is in the units of the scene, a mesh of scikit-fem in punch radii. Meshes that are not
-    from files are `mesh 1`, `mesh 2`, ... If several files have the same name, it is the path,
-    followed by the number in parentheses.
+    A file is in the units of the scene, times `size`, a mesh of scikit-fem in punch radii. Meshes
+    that are not from files are `mesh 1`, `mesh 2`, ... If several files have the same name, it is
+    the path, followed by the number in parentheses.
 
     Raises
     ------
@@ -217,7 +248,7 @@ def read_meshes(
             )
         try:
             if is_file:
-                meshes.append(files.read(source, edges, problem.units.length))
+                meshes.append(files.read(source, edges, problem.units.length / size))
             else:
                 meshes.append(as_half_space(source, edges))
         except MeshError as error:

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from ..tables import without_formulas
+from ..tables.writing import without_formulas
 
 COLUMNS = (
     *("case", "way", "method", "level", "size", "unknowns", "seconds", "quantity", "when"),

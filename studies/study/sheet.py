@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes import SceneError
-from ..tables import write_csv
+from ..tables.writing import write_csv
 from .formats import to_latex, to_markdown
 from .orders import RADIUS, orders
 

@@ -13,7 +13,7 @@ import pandas as pd
 from ...meshes import RingwearError, SceneError
 from ..crosscheck import AnswersGuesses, Scene, make, output_folder, shown
 from ..figures.style import html_of, in_style
-from ..tables import write_csv
+from ..tables.writing import write_csv
 from .formats import to_latex, to_markdown
 from .record import SOLVED, Record
 from .theory import paper_table

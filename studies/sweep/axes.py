@@ -41,14 +41,14 @@ from ..crosscheck import (
     did_you_mean,
     method,
     nearest,
-    read_table,
-    refuse_device,
+    profile_of_file,
     shown,
     tables_of,
     unsuitable_methods,
     with_key,
     without_alternatives,
 )
+from ..tables.text import refuse_device
 from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep
@@ -351,13 +351,23 @@ def _explain_unreadable(source: str, error: OSError | ValueError) -> str:
     return f"{source} cannot be read as a sweep: {reason}; {hint.removeprefix(': ')}"
 
 
-def _profile_file(table: TomlTable) -> str:
-    """Return the file from which the profile of a scene is read; empty if there is none."""
+def _profile(table: TomlTable) -> TomlTable:
+    """Return the table of the profile of a scene; empty if it has none."""
     punch = table.get("punch")
     profile = punch.get("profile") if isinstance(punch, dict) else None
-    if not isinstance(profile, dict) or {"radii", "heights"} & profile.keys():
-        return ""
-    return str(profile.get("file", ""))
+    return profile if isinstance(profile, dict) else {}
+
+
+def _profile_file(table: TomlTable) -> str:
+    """Return the file from which the profile of a scene is read; empty if there is none."""
+    profile = _profile(table)
+    return "" if {"radii", "heights"} & profile.keys() else str(profile.get("file", ""))
+
+
+def _over_distances(table: TomlTable) -> bool:
+    """Return whether the times of a scene are sliding distances."""
+    load = table.get("load")
+    return isinstance(load, dict) and "sliding_speed" not in load
 
 
 def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) -> TomlTable:
@@ -372,11 +382,10 @@ def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) ->
     profiles: TomlTable = {}
     for file in dict.fromkeys(filter(None, map(_profile_file, tables))):
         in_folder = folder / file
-        try:
-            radii, heights = read_table(in_folder if in_folder.is_file() else Path(file))
-        except ValueError as error:
-            raise SceneError(f"punch.profile: {error}") from error
-        profiles[file] = {"radii": radii, "heights": heights}
+        path = in_folder if in_folder.is_file() else Path(file)
+        flags = next(each for each in map(_profile, tables) if each.get("file") == file)
+        read = profile_of_file(flags, path, str(base.get("units", "")), _over_distances(base))
+        profiles[file] = {key: read[key] for key in ("radii", "heights")}
     return profiles
 
 

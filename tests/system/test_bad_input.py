@@ -43,7 +43,11 @@ SCENES = [
     ("radius = 1.0", 'radius = 1.0\nprofile = { kind = "sphere" }', "'ball' (ball_radius)"),
     ("radius = 1.0", 'radius = 1.0\nprofile = { kind = "Cone" }', "did you mean 'cone'?"),
     ("radius = 1.0", "radius = 1.0\nprofile = { slope = 0.1 }", "profile.kind: is missing"),
-    ("radius = 1.0", 'radius = 1\nprofile = { kind = "table", file = "no" }', "give a text file"),
+    (
+        "radius = 1.0",
+        'radius = 1\nprofile = { kind = "table", file = "no" }',
+        "a file of text",
+    ),
     ("rings = 2", "ring = 2", "unknown key punch.ring: did you mean rings?"),
     ("rings = 2", "rings = 0", "give the number of rings, 1 or more"),
     ("rings = 2", "rings = 2.5", "give the number of rings, 1 or more"),

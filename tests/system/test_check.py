@@ -276,7 +276,7 @@ MALFORMED = [
     ("time,radius,pressure\n0,500,1\n", "beyond punch.radius = 1"),
     ("time,radius,pressure\n0,0.5,\n", "no number"),
     (b"\xff\xfe\x80\x00", "cannot be read"),
-    (None, "No such file"),
+    (None, "no such file"),
 ]
 
 

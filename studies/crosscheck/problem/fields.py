@@ -1,10 +1,8 @@
 """Define the types of numbers and of profiles in the tables of a scene."""
 
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -290,23 +288,13 @@ class HeightTable(ProfileSection):
     kind: Literal["table"]
     radii: Annotated[Increasing, Unit("length")] = Field(
         min_length=2,
-        description="increasing radii from 0 to punch.radius, with heights; or a file of both; "
-        "for a step of the face, use a ring edge with a recess",
+        description="increasing radii from 0 to punch.radius, with heights; or a file of both, or "
+        "of x, y and heights: then center = true finds the axis, and level = true removes the "
+        "tilt; for a step of the face, use a ring edge with a recess",
     )
     heights: Annotated[list[NotNegative], Unit("length")] = Field(
         description="a height, 0 or more, for each of the radii"
     )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_file(cls, table: TomlTable) -> TomlTable:
-        """Replace the file by its numbers, so that the scene is complete without the file."""
-        if "file" not in table:
-            return table
-        if "radii" in table or "heights" in table:
-            raise ValueError("give either file, or radii and heights, but not both")
-        radii, heights = read_table(Path(str(table["file"])))
-        return {"kind": "table", "radii": radii, "heights": heights}
 
     @model_validator(mode="after")
     def _check_points(self) -> Self:
@@ -371,29 +359,3 @@ KINDS: dict[str, type[Section]] = {
     "rounded_rim": RoundedRim,
     "table": HeightTable,
 }
-
-
-def refuse_device(path: Path) -> None:
-    """Refuse a device such as /dev/zero, which may have no end; pipes and /dev/null are allowed.
-
-    Raises
-    ------
-    ValueError
-        with the path
-    """
-    if path.is_char_device() and not path.samefile(os.devnull):
-        raise ValueError(f"'{path}' is a device, which may have no end: give a file")
-
-
-def read_table(path: Path) -> list[list[float]]:
-    """Return the two columns of a text file; a first line without numbers is a heading."""
-    refuse_device(path)
-    try:
-        rows = np.genfromtxt(path, delimiter=",", encoding="utf-8", ndmin=2)
-        radii, heights = rows[int(np.isnan(rows[0]).all()) :].T.tolist()
-    except (OSError, ValueError) as error:
-        raise ValueError(
-            f"file = '{path}' cannot be read: give a text file of two columns, radius and height, "
-            "separated by a comma"
-        ) from error
-    return [radii, heights]

@@ -19,6 +19,7 @@ from pydantic import AfterValidator, Field, ValidationError, model_validator
 from ....meshes.errors import SceneError
 from ..problem.fields import Height, Section, TomlTable
 from ..problem.problem import Problem
+from ..problem.profile_file import with_profile_of_file
 from ..problem.punch import PunchSection
 from ..problem.quantities import GROUPS, expand
 from ..problem.sections import (
@@ -132,7 +133,7 @@ class Scene(Section, metaclass=SceneType):
                 f"Scene takes tables by their names, Scene(punch={{...}}, ...): write "
                 f"Scene.{reader}({shown(misplaced[0])}) to read a complete scene"
             )
-        table = without_quantities(table, type(self))
+        table = with_profile_of_file(without_quantities(table, type(self)))
         try:
             super().__init__(**table)
         except ValidationError as error:

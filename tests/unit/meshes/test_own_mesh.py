@@ -109,16 +109,16 @@ def pull_out(content):
     ("change", "message"),
     [
         (tear, "hole or a gap, .* Coherence Mesh"),
-        (mix, "quad, triangle, but .* of one kind"),
+        (mix, "1 quadrilaterals, but .* of one kind"),
         (move(lambda p: 1.5 * p), "ring edge at r = 0.5 a"),
         (move(lambda p: (p[0], 4 - p[1], p[2])), "ring edge at"),
         (
             move(lambda p: (p[0] - 0.5, p[1], p[2])),
-            r"\(-0.5, 0\) .*radii and depths must be positive",
+            r"\(-0.5, 0\) .*radii must have one sign",
         ),
-        (move(lambda p: (-p[0], p[1], p[2])), "multiply a coordinate by -1"),
-        (move(lambda p: (p[0], -p[1], p[2])), "multiply a coordinate by -1"),
-        (pull_out, r"\(\d.*, -0.25\) .*depths must be positive"),
+        (pull_out, r"\(\d.*, -0.25\) .*so must depths"),
+        (move(lambda p: 10 * p), r"r = 0, .* 10 times the ring edges .* by 1/10, or .* --units"),
+        (move(lambda p: p / 1000), "1/1000 times the ring edges .* by 1000"),
     ],
 )
 def test_a_broken_mesh_is_refused_with_what_and_where(tmp_path, ours, change, message):
@@ -129,13 +129,38 @@ def test_a_broken_mesh_is_refused_with_what_and_where(tmp_path, ours, change, me
         read(tmp_path / "bad.vtu", EDGES)
 
 
-@pytest.mark.gmsh
 @pytest.mark.parametrize(
-    ("settings", "message"), [({"order": 2}, "ElementOrder = 1"), ({"surface": False}, "surface")]
+    "change",
+    [
+        move(lambda p: (-p[0], p[1], p[2])),
+        move(lambda p: (p[0], -p[1], p[2])),
+        move(lambda p: (p[0], 0 * p[1], -p[1])),
+    ],
+    ids=["axis on the right", "height upwards", "height along z"],
 )
-def test_the_message_says_how_to_export(tmp_path, settings, message):
-    with pytest.raises(MeshError, match=message):
-        read(gmsh_file(tmp_path / "disc.msh", **settings), EDGES)
+def test_the_axis_may_be_on_either_side_and_the_height_point_upwards(tmp_path, ours, change):
+    content = as_meshio(ours)
+    change(content)
+    content.write(tmp_path / "disc.vtu")
+    mesh = read(tmp_path / "disc.vtu", EDGES)
+    np.testing.assert_allclose(mesh.p, ours.p, atol=1e-14)
+
+
+@pytest.mark.gmsh
+def test_the_message_says_how_to_export(tmp_path):
+    with pytest.raises(MeshError, match="physical group of the surface"):
+        read(gmsh_file(tmp_path / "disc.msh", surface=False), EDGES)
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("recombine", [False, True])
+def test_cells_of_second_order_are_read_by_their_corners(tmp_path, recombine):
+    first, second = (
+        read(gmsh_file(tmp_path / f"{order}.msh", recombine=recombine, order=order), EDGES)
+        for order in (1, 2)
+    )
+    np.testing.assert_allclose(np.sort(second.p, axis=1), np.sort(first.p, axis=1), atol=1e-14)
+    assert second.t.shape == first.t.shape
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .....meshes.errors import RingwearError
-from ....tables import write_csv
+from ....tables.writing import write_csv
 from ...problem.unit_names import NO_UNIT
 from ...progress import LOG
 from .checksums import CHECKSUMS, FILE, Json, checksums, digest_of_file

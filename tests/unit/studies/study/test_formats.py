@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from ringwear.studies.study.formats import escape_latex, to_latex, to_markdown
-from ringwear.studies.tables import write_csv
+from ringwear.studies.tables.writing import write_csv
 
 TABLE = pd.DataFrame(
     {

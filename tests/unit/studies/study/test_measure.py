@@ -13,7 +13,7 @@ from ringwear.studies.study.record import COLUMNS, Record
 from ringwear.studies.study.reference import Reference
 from ringwear.studies.study.study import remarks
 from ringwear.studies.study.way import Case, Theory, Way
-from ringwear.studies.tables import INTERRUPTED
+from ringwear.studies.tables.writing import INTERRUPTED
 
 CASE = Case.of(Scene.load("flat_punch").changed(wear__times=[0.0, 0.1]))
 EXACT = {"time": np.array([0.0, 0.1]), "indentation": np.array([0.5, 0.6])}

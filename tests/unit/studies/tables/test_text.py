@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear.studies.check.csv_files import name_and_unit, read_csv_text, read_numbers
+from ringwear.studies.check.columns import our_name
+from ringwear.studies.tables.text import read_numbers, read_texts, split_heading
 
 
 @pytest.mark.parametrize(
@@ -21,7 +22,7 @@ from ringwear.studies.check.csv_files import name_and_unit, read_csv_text, read_
     ],
 )
 def test_headings_are_known_in_any_case_by_symbols_and_with_units(heading, expected):
-    assert name_and_unit(heading) == expected
+    assert (our_name(heading), split_heading(heading)[1]) == expected
 
 
 def test_large_files_are_read_fast_and_like_small_ones(tmp_path):
@@ -32,14 +33,17 @@ def test_large_files_are_read_fast_and_like_small_ones(tmp_path):
     head, _, rows = plain.partition("\n")
     texts = [
         plain,
-        "# a remark\n\n" + plain.replace("\n", "\n\n", 3) + "# another\n",
+        "# a remark\n\n" + plain,
+        "% a remark\n% time,radius,pressure\n" + rows,
         f"{head}\ns,m,Pa\n{rows}",
         plain.replace(",", " "),
         plain.replace(",", ";").replace(".", ","),
     ]
     for text in texts:
-        at_once = read_numbers(path, text)
-        by_lines = read_csv_text(path, text).astype(float)
+        path.write_text(text, "utf-8")
+        at_once = read_numbers(path)
+        by_lines = read_texts(path, text).astype(float)
         pd.testing.assert_frame_equal(at_once, by_lines)
-    assert read_numbers(path, plain + "0,0.5\n") is None
-    assert read_numbers(path, plain + "0,0.5,much\n") is None
+    for line in ("0,0.5\n", "0,0.5,much\n", "# a remark\n", "\n"):
+        path.write_text(plain + line, "utf-8")
+        assert read_numbers(path) is None

@@ -1,0 +1,210 @@
+"""Read the profile of a punch from a scan: heights along a line, or on a map.
+
+A scan has two columns, positions and heights, or three, x, y and heights. A line may run along a
+radius or over a whole diameter. Values that are no numbers are left out and counted. What is done
+to a scan, and what is only guessed, is in its notes.
+"""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ...meshes import Array, SceneError
+from .circles import ROUNDOFF, on_circles
+from .text import read_texts, split_heading, text_of_file
+
+POSITION = re.compile(r"x|r|radius|radii|rho|lateral\w*|position\w*|distance\w*|length|path|s")
+"""Names of columns of positions along a line."""
+HEIGHT = re.compile(r"z|h|heights?|profile|elevation|topography|depths?|wear_?depth|f|y")
+"""Names of columns of heights; those before others are preferred."""
+SLOPE_KEPT = 0.05
+"""A slope at the axis is mentioned if it makes this part of all height differences."""
+POWERS = (0, 1, 2, 4, 6)
+"""Powers of the radius of which the slope at the axis is one, in a fit of a scan along a radius."""
+
+
+class Scan(NamedTuple):
+    """The profile of a punch: heights over the radius.
+
+    Parameters
+    ----------
+    radii, heights : (R,) increasing radii, and heights from the lowest point if some were negative
+    units : of the radii and of the heights, as the file has them; empty if it has none
+    notes : what was done to the scan
+    """
+
+    radii: Array
+    heights: Array
+    units: tuple[str, str]
+    notes: tuple[str, ...]
+
+
+def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
+    """Read a scan of a punch.
+
+    Parameters
+    ----------
+    path : text file of two columns (positions and heights) or three (x, y and heights)
+    center : whether the axis is found in the scan: at its lowest or highest point or, if it is
+        levelled as well, in its middle; otherwise it is at the position 0
+    level : whether offset and tilt are removed
+
+    Raises
+    ------
+    SceneError
+        if the file has other columns, or too few numbers
+    """
+    texts = read_texts(path, text_of_file(path), headed=False)
+    columns = _columns(path, texts)
+    units = [split_heading(str(texts.columns[each]))[1] for each in columns]
+    numbers = texts.iloc[:, columns].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    known, notes = np.isfinite(numbers).all(axis=1), list[str]()
+    if not known.all():
+        notes.append(f"{np.count_nonzero(~known)} of {len(known)} values left out: no numbers")
+    numbers = numbers[known]
+    if len(numbers) < 2:
+        raise SceneError(
+            f"{path} has {len(numbers)} rows of numbers: give at least two, position and height"
+        )
+    heights = numbers[:, -1]
+    if numbers.shape[1] == 3:
+        radii, heights = _of_map(numbers[:, :2], heights, center, level, notes)
+    else:
+        radii, heights = _of_line(numbers[:, 0], heights, center, level, notes)
+    if heights.min() < 0:
+        heights = heights - heights.min()
+    return Scan(radii, heights, (units[0], units[-1]), tuple(notes))
+
+
+def _columns(path: Path, texts: pd.DataFrame) -> list[int]:
+    """Return the numbers of the columns of positions, one or two, and of heights."""
+    names = [split_heading(str(heading))[0] for heading in texts]
+    count = len(names)
+    if count == 2:
+        swapped = HEIGHT.fullmatch(names[0]) and POSITION.fullmatch(names[1])
+        return [1, 0] if swapped and not POSITION.fullmatch(names[0]) else [0, 1]
+    if count == 3 and (not isinstance(texts.columns[0], str) or names[:2] == ["x", "y"]):
+        return [0, 1, 2]
+    positions = [number for number, name in enumerate(names) if POSITION.fullmatch(name)]
+    heights = [
+        number
+        for number, name in enumerate(names)
+        if HEIGHT.fullmatch(name) and not (name == "y" and "z" in names)
+    ]
+    if {"x", "y"} <= set(names) and heights and names[heights[0]] != "y":
+        return [names.index("x"), names.index("y"), heights[0]]
+    if len(positions) == 1 and len(heights) == 1:
+        return [positions[0], heights[0]]
+    listed = ", ".join(map(str, texts.columns)) if count > 1 else "one"
+    raise SceneError(
+        f"{path} has the columns {listed}: give two, radius and height, or three, x, y and height"
+    )
+
+
+def _of_line(
+    positions: Array, heights: Array, center: bool, level: bool, notes: list[str]
+) -> tuple[Array, Array]:
+    """Return radii and heights of a scan along a line."""
+    order = np.argsort(positions, kind="stable")
+    positions, heights = positions[order], heights[order]
+    if center:
+        middle = _vertex(positions, heights, level)
+        positions = positions - middle
+        notes.append(f"the axis is at the position {middle:.6g} of the scan")
+    # a position at the axis that is not 0 by roundoff
+    positions = np.where(np.abs(positions) < ROUNDOFF * np.ptp(positions), 0.0, positions)
+    if positions[0] >= 0:
+        return positions, _leveled_radius(positions, heights, level, notes)
+    if positions[-1] <= 0:
+        return -positions[::-1], _leveled_radius(-positions[::-1], heights[::-1], level, notes)
+    # over a diameter, the tilt is the part that differs between the halves
+    grid = np.unique(np.round(np.abs(positions), 12))
+    reach = min(positions[-1], -positions[0]) * (1 + 1e-9)
+    halves: list[Array] = [
+        np.interp(grid, side[0], side[1], right=np.nan)
+        for side in (
+            (positions[positions >= 0], heights[positions >= 0]),
+            (-positions[positions <= 0][::-1], heights[positions <= 0][::-1]),
+        )
+    ]
+    halves = [np.where(np.isnan(half), other, half) for half, other in (halves, halves[::-1])]
+    both, difference = grid <= reach, (halves[0] - halves[1]) / 2
+    if level:
+        tilt = float(grid[both] @ difference[both] / (grid[both] @ grid[both]))
+        notes.append(f"a tilt of {tilt:.3g} was removed")
+        halves = [halves[0] - tilt * grid, halves[1] + tilt * grid]
+    mean = (halves[0] + halves[1]) / 2
+    apart = float(np.abs(halves[0] - halves[1])[both].max())
+    notes.append(f"a scan over the diameter: its halves differ by up to {apart:.3g}")
+    return _with_axis(grid, mean - mean.min() if level else mean)
+
+
+def _of_map(
+    places: Array, heights: Array, center: bool, level: bool, notes: list[str]
+) -> tuple[Array, Array]:
+    """Return radii and mean heights on circles of a map."""
+    x, y = places.T
+    square = x**2 + y**2
+    fit = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x, y, square]), heights, rcond=None)[0]
+    middle = np.zeros(2)
+    if center:
+        spans = (places.max(axis=0) + places.min(axis=0)) / 2
+        middle = spans if level or not fit[3] else -fit[1:3] / (2 * fit[3])
+        notes.append(f"the axis is at x = {middle[0]:.6g}, y = {middle[1]:.6g} of the map")
+    if level:
+        shifted = places - middle
+        design = [np.ones(len(x)), *shifted.T, (shifted**2).sum(axis=1)]
+        _, *tilt, _ = np.linalg.lstsq(np.column_stack(design), heights, rcond=None)[0]
+        heights = heights - shifted @ np.array(tilt)
+        notes.append(f"tilts of {tilt[0]:.3g} and {tilt[1]:.3g} were removed")
+    shifted_x, shifted_y = (places - middle).T
+    radii, means, spread = on_circles(shifted_x, shifted_y, heights)
+    notes.append(
+        f"a map: means over {len(radii)} circles around the axis, on which heights differ by up to "
+        f"{spread:.3g}"
+    )
+    return _with_axis(radii, means - means.min() if level else means)
+
+
+def _vertex(positions: Array, heights: Array, level: bool) -> float:
+    """Return the position of the axis in a scan: its lowest or highest point, or its middle."""
+    if level:
+        return float(positions[0] + positions[-1]) / 2
+    square, slope, _ = np.polyfit(positions, heights, 2)
+    return float(-slope / (2 * square)) if square else 0.0
+
+
+def _leveled_radius(radii: Array, heights: Array, level: bool, notes: list[str]) -> Array:
+    """Return heights along a radius, without offset and slope at the axis if they are removed.
+
+    The slope at the axis of a smooth face is zero. It is that of a fit with a straight line and
+    even powers of the radius.
+    """
+    powers = [power for power in POWERS if power < len(radii)]
+    reach = float(radii[-1]) or 1.0
+    design = (radii[:, None] / reach) ** np.array(powers)
+    fitted = np.linalg.lstsq(design, heights, rcond=None)[0]
+    slope = float(fitted[1] / reach) if len(powers) > 2 else 0.0
+    if level:
+        notes.append(f"an offset of {fitted[0]:.3g} and a slope of {slope:.3g} were removed")
+        straight = heights - fitted[0] - slope * radii
+        return np.asarray(straight - straight.min())
+    misfit = np.abs(design @ fitted - heights).max()
+    noticeable = SLOPE_KEPT * np.ptp(heights)
+    if heights.min() < 0 and abs(slope) * reach > noticeable > misfit:
+        notes.append(
+            f"the slope of {slope:.3g} at the axis was kept, because it may be real; level = true "
+            "removes it"
+        )
+    return heights
+
+
+def _with_axis(radii: Array, heights: Array) -> tuple[Array, Array]:
+    """Return radii and heights that begin at the axis, if they begin near it."""
+    if len(radii) < 3 or not 0 < radii[0] <= 2 * (radii[1] - radii[0]):
+        return radii, heights
+    rise = (heights[1] - heights[0]) / (radii[1] ** 2 - radii[0] ** 2)
+    return np.append(0.0, radii), np.append(heights[0] - rise * radii[0] ** 2, heights)
