@@ -139,7 +139,7 @@ def _of_line(
     mean = (halves[0] + halves[1]) / 2
     apart = float(np.abs(halves[0] - halves[1])[both].max())
     notes.append(f"a scan over the diameter: its halves differ by up to {apart:.3g}")
-    return _with_axis(grid, mean - mean.min() if level else mean)
+    return _with_axis(grid, np.asarray(mean - mean.min() if level else mean))
 
 
 def _of_map(
