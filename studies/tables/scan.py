@@ -121,7 +121,7 @@ def _of_line(
     if positions[-1] <= 0:
         return -positions[::-1], _leveled_radius(-positions[::-1], heights[::-1], level, notes)
     # over a diameter, the tilt is the part that differs between the halves
-    grid = np.unique(np.round(np.abs(positions), 12))
+    grid: Array = np.unique(np.round(np.abs(positions), 12))
     reach = min(positions[-1], -positions[0]) * (1 + 1e-9)
     halves: list[Array] = [
         np.interp(grid, side[0], side[1], right=np.nan)

@@ -31,6 +31,8 @@ from .wearing_punch import WearingPunch
 NEGLIGIBLE_FORCE = 1e-12
 # a remaining distance below this fraction of the total distance is roundoff
 ROUNDOFF = 1e-14
+# time, over that of tension, after which a contact that is still full may be continued by modes
+RETRY_AFTER = 2.0
 # halvings of the step in which contact becomes full
 HALVINGS = 10
 # time in full contact, over the slowest relaxation time, after which what edges of the contact have
@@ -344,8 +346,9 @@ def evolve(
     distance = min(stages.distance(last), stages.distance_to_wear(first.press))
     control = StepControl(tolerance, distance, slope_tolerance)
     pieces, steps, iterations = list[Piece](), list[Step](), list[int]()
-    # whether full contact may be continued by modes: not again after tension, until contact is lost
-    try_modes = True
+    # whether full contact may be continued by modes. After tension, it may again once contact has
+    # been lost, or if it is still full at a later time
+    try_modes, tension_at = True, np.inf
 
     def end_steps() -> None:
         if steps:
@@ -360,7 +363,7 @@ def evolve(
         if try_modes and stages.is_full(current):
             relaxing = Relaxing(punch, current, last)
             slid = stages.distance(relaxing.until) - current.distance
-            try_modes = False
+            try_modes, tension_at = False, relaxing.until
             if relaxing.lasts or slid > control.step:
                 end_steps()
                 pieces.append(relaxing)
@@ -383,7 +386,8 @@ def evolve(
         if control.accepts(dt, error, following.press.indentation):
             steps.append(Step(current, following))
             previous, current = middle, following
-            try_modes = try_modes or not current.press.contact.all()
+            passed = current.time > RETRY_AFTER * tension_at
+            try_modes = try_modes or passed or not current.press.contact.all()
         if control.taken + control.rejected > MOST_STEPS[False]:
             raise SceneError(
                 f"the march took more than {MOST_STEPS[False]} steps to a sliding distance of "
