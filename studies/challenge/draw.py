@@ -65,7 +65,8 @@ def results_of(path: Path, scene: Scene) -> tuple[pd.DataFrame, float]:
 
     The seconds are those of a first line such as ``# 0.25 s``; NaN if there is none.
     """
-    table = read(path, path.name, scene, {}, "")
+    times = scene.wear.times
+    table = read(path, path.name, scene, {}, "", time=times[0] if len(times) == 1 else None)
     if "radius" in table:
         inside = table["radius"].isna() | (table["radius"] < INSIDE * scene.punch.radius)
         table = table[inside].drop(columns="normal_force", errors="ignore")

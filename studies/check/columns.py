@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from ...meshes import SceneError
+from ...meshes import Array, SceneError
 from ..crosscheck import SYMBOLS
 from ..tables.circles import on_circles
 from ..tables.text import split_heading
@@ -37,13 +37,14 @@ class Kind(NamedTuple):
 KINDS = (
     Kind("time", re.compile(r"(total_|step_)?time(_value)?")),
     Kind("radius", re.compile(r"(radius|radii|rho|r_?coord\w*|points?_0|coord\w*_[0x1]|coor1)")),
-    Kind("radius", re.compile(r"(x|x_?coord\w*|position|lateral)")),
+    Kind("radius", re.compile(r"(x|x_?(coord|loc|pos)\w*|position|lateral)")),
     Kind("radius", re.compile(r"(arc_?length|(true_)?distance\w*|path(_distance)?)")),
     Kind(
         "pressure",
         re.compile(
             r"(cpress\w*|cont_?pres\w*|\w*contact_?press\w*|(\w+_)?tn|\w*normal_?contact_?(pressure"
-            r"|stress)|\w*contact_?normal_?(pressure|stress|traction)|penalty_?pressure\w*)"
+            r"|stress)|\w*contact_?normal_?(pressure|stress|traction)|penalty_?pressure\w*"
+            r"|pressure_\w+)"
         ),
     ),
     Kind(
@@ -54,7 +55,15 @@ KINDS = (
     Kind(
         "displacement",
         re.compile(
-            r"((\w*_)?u_?[23yz]|(\w*_)?disp(l|lacements?)?_?[12yz]|(\w+_)?w|v|d_?[yz])(_\w+)?"
+            r"((\w*_)?u_?[23yz]|(\w*_)?disp(l|lacements?)?_?[12yz]|(\w+_)?w|v|d_?[yz]"
+            r"|[yz]_disp(l|lacement)?|directional_deformation)(_\w+)?"
+        ),
+        signed=True,
+    ),
+    Kind(
+        "normal_force",
+        re.compile(
+            r"((\w*_)?rf_?[23yz]|(\w*_)?cfn_?[m23]?|(\w*_)?reaction(_force)?_?[yz]?)(_\w+)?"
         ),
         signed=True,
     ),
@@ -92,11 +101,17 @@ def recognised(
     """
     candidates = dict[str, list[tuple[int, object, Kind]]]()
     for heading in frame:
-        kind = kind_of(str(heading))
+        kind = None if str(heading) in wanted else kind_of(str(heading))
         if kind and kind.name in wanted and kind.name not in frame:
             candidates.setdefault(kind.name, []).append((KINDS.index(kind), heading, kind))
     names, units, remarks = dict[object, str](), dict[str, str](), list[str]()
     signs = dict[str, float]()
+    present = {*map(str, frame), *candidates}
+    # along a path of forces there is time, and the displacement without a radius is the punch's
+    over_time = "normal_force" in present and not present & {"pressure", "profile", "time"}
+    meant = {"radius": "time"} if over_time else {}
+    if over_time or "radius" not in present:
+        meant["displacement"] = "indentation"
     for name, found in candidates.items():
         best = min(order for order, _, _ in found)
         headings = [(heading, kind) for order, heading, kind in found if order == best]
@@ -109,6 +124,7 @@ def recognised(
                 f"{both} may both be {name}: choose one by --columns '{headings[0][0]}={name}'"
             )
         ((heading, kind),) = headings
+        name = meant.get(name, name)
         names[heading], units[name] = name, split_heading(str(heading))[1]
         remark = f"{heading} is read as {name}"
         if kind.signed and np.nansum(_numbers(frame, heading)) < 0:
@@ -121,34 +137,47 @@ def recognised(
     return frame, {name: unit for name, unit in units.items() if unit}, remarks
 
 
-def with_radius_of_grid(frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
-    """Return a table of values at x and y as means over circles, with remarks on their spread.
+def over_radii(frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Return a table of values on a grid, or on both sides of the axis, as means over circles.
 
-    A table without such columns, or in which y is the same everywhere, is returned as it is.
+    The remarks say how much values on one circle differ. Other tables are returned as they are.
+
+    Parameters
+    ----------
+    frame : with the columns x and y, or with radii of either sign
     """
     names = {split_heading(str(heading))[0]: heading for heading in frame}
-    if "radius" in frame or not {"x", "y"} <= names.keys():
+    if "radius" in frame:
+        radii = _numbers(frame, "radius")
+        if not np.nanmin(radii, initial=0.0) < 0 < np.nanmax(radii, initial=0.0):
+            return frame, []
+        return _on_circles(frame.drop(columns="radius"), radii, np.zeros(len(radii)))
+    if not {"x", "y"} <= names.keys():
         return frame, []
     x, y = (_numbers(frame, names[each]) for each in ("x", "y"))
     if not np.ptp(y):
         return frame, []
+    return _on_circles(frame.drop(columns=[names["x"], names["y"]]), x, y)
+
+
+def _on_circles(frame: pd.DataFrame, x: Array, y: Array) -> tuple[pd.DataFrame, list[str]]:
+    """Return a table of the means over circles of the columns of a table of values at points."""
     times = _numbers(frame, "time") if "time" in frame else np.zeros(len(frame))
-    others = frame.columns.difference([names["x"], names["y"], "time"], sort=False)
     tables, spreads = list[pd.DataFrame](), dict[str, float]()
     for time in np.unique(times):
-        rows, table = times == time, dict[str, np.ndarray | float]()
-        for name in others:
+        rows, table = times == time, dict[str, Array | float]()
+        for name in frame.columns.difference(["time"], sort=False):
             values = _numbers(frame, name)[rows]
             radii, means, spread = on_circles(x[rows], y[rows], values)
             table |= {"radius": radii, str(name): means}
             spreads[str(name)] = max(spreads.get(str(name), 0.0), spread)
         tables.append(pd.DataFrame({"time": time, **table} if "time" in frame else table))
     remarks = [
-        f"{name}: means over circles around x = y = 0, on which values differ by up to {spread:.3g}"
+        f"{name}: means over circles around the axis, on which values differ by up to {spread:.3g}"
         for name, spread in spreads.items()
     ]
     return pd.concat(tables, ignore_index=True), remarks
 
 
-def _numbers(frame: pd.DataFrame, heading: object) -> np.ndarray:
+def _numbers(frame: pd.DataFrame, heading: object) -> Array:
     return pd.to_numeric(frame[heading], errors="coerce").to_numpy(dtype=float)

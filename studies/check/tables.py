@@ -33,7 +33,7 @@ from ..crosscheck import (
 )
 from ..decks.reports import NO_RESULTS, READERS, differing_keys, is_xy_report
 from ..tables.text import read_numbers, read_texts, split_heading, text_of_file
-from .columns import kind_of, our_name, recognised, with_radius_of_grid
+from .columns import kind_of, our_name, over_radii, recognised
 
 if TYPE_CHECKING:
     import xarray
@@ -138,13 +138,14 @@ def read(
     renamed, heading_units = _rename_headings(source, columns, named, kinds)
     missing = [theirs for theirs, headings in named.items() if not headings]
     headings = ", ".join(map(str, source))
-    renamed, remarks = with_radius_of_grid(renamed)
+    renamed, on_grid = over_radii(renamed)
     try:
-        renamed, more_units, names_found = recognised(renamed, kinds)
+        renamed, more_units, read_as = recognised(renamed, kinds)
     except SceneError as error:
         raise SceneError(f"{name}: {error}") from None
+    renamed, on_sides = over_radii(renamed)
     heading_units |= more_units
-    for remark in (*remarks, *names_found):
+    for remark in (*on_grid, *read_as, *on_sides):
         LOG.info("%s: %s", name, remark)
     if time is not None and not any(key in renamed for key in ("time", *CLOCKS)):
         renamed = renamed.assign(time=time)

@@ -62,6 +62,9 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
     units = [split_heading(str(texts.columns[each]))[1] for each in columns]
     numbers = texts.iloc[:, columns].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
     known, notes = np.isfinite(numbers).all(axis=1), list[str]()
+    heading = str(texts.columns[columns[-1]])
+    if "depth" in heading.lower():
+        notes.append(f"{heading} is read as the depth of missing material, not as a height below 0")
     if not known.all():
         notes.append(f"{np.count_nonzero(~known)} of {len(known)} values left out: no numbers")
     numbers = numbers[known]

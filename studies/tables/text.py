@@ -28,9 +28,16 @@ UNIT = re.compile(r"^(?P<name>[^\[(/]+?)\s*(?:\[(?P<a>.*)\]|\((?P<b>.*)\)|/\s*(?
 """A heading with a unit in brackets, in parentheses or after a slash."""
 COMMA_NUMBER = re.compile(r"^([-+]?\d*),(\d+([eE][-+]?\d+)?)$")
 """A number with a decimal comma."""
+SPACED_NUMBER = re.compile(r"[-+]?(\d+\.|\d*[.,]?\d+)([eE][-+]?\d+)?|nan|inf", re.IGNORECASE)
+"""A number between spaces, with a decimal point or comma."""
+USUAL_UNITS = {
+    *("", "-", "m", "mm", "cm", "um", "µm", "μm", "nm", "in", "s", "ms", "min", "h", "N", "kN"),
+    *("mN", "Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/mm2", "N/m^2", "1", "%"),
+}
+"""Units that a row of their own may have, if it is not the first after the headings."""
 BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
 """First bytes of text in UTF-16."""
-CONTROL = re.compile(r"[\0-\x08\x0e-\x1f\x7f-\x9f\u0e00-\u1fff\u2c00-\uffef]")
+CONTROL = re.compile(r"[\0-\x08\x0e-\x1a\x1c-\x1f\x7f-\x9f\u0e00-\u1fff\u2c00-\uffef]")
 """Characters that no table has."""
 MOST_COMMENTS = 200
 """Number of lines at the beginning of a large file among which its first numbers are."""
@@ -108,8 +115,8 @@ def read_texts(path: Path, text: str, headed: bool = True) -> pd.DataFrame:
     content = dict(_content(lines))
     if not content:
         raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
+    content, separator = _without_preamble(content)
     first, *others = content
-    separator = _separator([*content.values()][:3])
     rows = {number: _cells(line, separator) for number, line in content.items()}
     headings = rows[first]
     if all(map(_is_number, headings)):
@@ -189,6 +196,34 @@ def _content(lines: Iterable[str]) -> Iterable[tuple[int, str]]:
             yield number, text
 
 
+def _without_preamble(content: dict[int, str]) -> tuple[dict[int, str], str]:
+    """Return the lines of a table without those that describe it before, and its separator.
+
+    Such lines have another number of cells than the last line. The table begins with headings, or
+    with numbers that follow at least two such lines.
+    """
+    lines = [*content.items()]
+    separator, of_rows = (
+        _separator([line for _, line in part]) for part in (lines[:3], lines[-2:])
+    )
+    count = len(_cells(lines[-1][1], of_rows))
+    cells = [_cells(line, of_rows) for _, line in lines]
+    start = next(number for number, row in enumerate(cells) if len(row) == count)
+    if count < 2 or len(_cells(lines[0][1], separator)) == count:
+        # a description may have as many cells as the table: headings are above the first numbers
+        numbers = (number for number, row in enumerate(cells) if all(map(_is_number, row)))
+        start = next(numbers, 0) - 1
+        if start > 0 and all(cell.strip("[]()") in USUAL_UNITS for cell in cells[start]):
+            start -= 1
+        if start < 1 or any(map(_is_number, cells[start])):
+            return content, separator
+    named = not any(map(_is_number, cells[start]))
+    # a table is longer than its description
+    if not start or 2 * start > len(lines) or not (named or start > 1):
+        return content, separator
+    return dict(lines[start:]), of_rows
+
+
 def _with_units_of_all(headings: list[str], comments: list[str]) -> list[str]:
     """Return headings in a comment with units in all of them, or in none.
 
@@ -225,7 +260,7 @@ def _separator(lines: list[str]) -> str:
     if "\t" in headings:
         return "\t"
     # with decimal commas, spaces separate numbers
-    if len(parts := last.split()) > 1 and all(map(_is_number, parts)):
+    if len(parts := last.split()) > 1 and all(map(SPACED_NUMBER.fullmatch, parts)):
         return ""
     if "," in headings:
         return ","

@@ -94,12 +94,12 @@ class MovingContact(Evaluation):
         # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
         # but be too few to estimate their error.
         rtol = step_tolerance_factor * min(problem.step_rtol or problem.rtol, 1e-3)
-        self._tolerance = 0.05 * rtol
+        self._tolerance = 0.025 * rtol
         self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
         if np.ptp(problem.loading.forces):
             # measured: while a force rises from zero, the worn depth is small compared with the
             # indentation
-            self._tolerance *= 0.1
+            self._tolerance *= 0.2
         self._punch = WearingPunch(
             compliance,
             problem.merged.wear_coefficients,

@@ -36,6 +36,9 @@ PRESSURE = 1 / (np.pi * np.sqrt(1 - R**2))
             ("U2", "U-U2", "uy", "disp_y", "disp:1", "Displacement Y"), "displacement"
         ).items(),
         *dict.fromkeys(("x", "Points:0", "arc_length", "COORD_X", "r-coord"), "radius").items(),
+        *dict.fromkeys(("X Location (m)", "lateral"), "radius").items(),
+        *dict.fromkeys(("Directional Deformation (mm)", "Y displacement"), "displacement").items(),
+        *dict.fromkeys(("RF2", "RF-RF2", "CFN2"), "normal_force").items(),
         ("Total Time", "time"),
         ("vtkValidPointMask", None),
         ("temperature", None),
@@ -76,6 +79,15 @@ def test_two_columns_that_may_be_one_quantity_are_asked_about():
     assert (chosen["displacement"] == 0.5).all()
 
 
+def test_a_history_of_the_punch_has_a_force_and_an_approach():
+    times = np.array([0.0, 1.0])
+    table = pd.DataFrame({"X": times, "RF2-history": -2.0, "U2-history": [-1.0, -1.5]})
+    found = read(table, "theirs", SCENE, {}, "")
+    assert found["time"].tolist() == times.tolist()
+    assert found["normal_force"].tolist() == [2.0, 2.0]
+    assert found["indentation"].tolist() == [1.0, 1.5]
+
+
 def test_a_grid_is_a_mean_over_circles(caplog):
     x, y = (each.ravel() for each in np.meshgrid(*2 * [np.linspace(-0.6, 0.6, 13)]))
     pressure = 1 / (np.pi * np.sqrt(1 - x**2 - y**2))
@@ -84,7 +96,13 @@ def test_a_grid_is_a_mean_over_circles(caplog):
         table = read(grid, "theirs", SCENE, {}, "", time=0.0)
     np.testing.assert_allclose(table["pressure"], 1 / (np.pi * np.sqrt(1 - table["radius"] ** 2)))
     assert table["radius"].is_monotonic_increasing
-    assert "means over circles around x = y = 0, on which values differ by up to" in caplog.text
+    assert "means over circles around the axis, on which values differ by up to" in caplog.text
+
+
+def test_a_line_through_the_axis_is_a_mean_over_both_sides():
+    both = np.concatenate([-R[:0:-1], R])
+    table = pd.DataFrame({"x": both, "CPRESS": 1 / (np.pi * np.sqrt(1 - both**2)), "uy": -1.0})
+    same(read(table, "theirs", SCENE, {}, "", time=0.0))
 
 
 def test_headings_in_comments_and_reports_of_columns(tmp_path):
@@ -93,10 +111,11 @@ def test_headings_in_comments_and_reports_of_columns(tmp_path):
         "% Model:  punch.mph\n% r                       solid.Tn (N/m^2)\n",
         "% Length unit: mm\n% x    Contact pressure (MPa)\n",
         "# r p\n",
+        "Project;punch\nOperator;A\nr;p\n",
         "\n\n            X            CPRESS-path   \n\n",
     ]
     for number, head in enumerate(heads):
         path = tmp_path / ("path.rpt" if "CPRESS" in head else f"{number}.txt")
-        path.write_text(head + rows)
+        path.write_text(head + (rows.replace("  ", ";") if ";" in head else rows))
         table = read(path, path.name, SCENE, {}, "", time=0.0)
         np.testing.assert_allclose(table["pressure"], PRESSURE, rtol=1e-6)

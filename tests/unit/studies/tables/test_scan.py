@@ -31,7 +31,9 @@ def test_separators_headings_and_decimals(tmp_path):
         lambda: decimal_commas(written(path, (R, PARABOLA), " ")),
         lambda: written(path, (PARABOLA, R), head="height,radius"),
         lambda: written(path, (R, PARABOLA), " ", "# r z"),
-        lambda: written(path, (R, 0 * R, R, PARABOLA), head="id,quality,lateral,depth"),
+        lambda: written(path, (R, 0 * R, R, PARABOLA), head="id,quality,lateral,topography"),
+        lambda: written(path, (R, PARABOLA), ";", "Instrument;X;1\nDate;today;2\nr;z"),
+        lambda: written(path, (R, PARABOLA), "  ", "profile of a punch\nmeasured twice"),
     ]
     for write in files:
         scan = read_scan(write())
