@@ -352,9 +352,9 @@ def _read_surface(
     tables = []
     for array_name, values in mesh.point_data.items():
         quantity, _, label = columns.get(array_name, array_name).partition(" t=")
-        time = pd.to_numeric(label, errors="coerce") if label else only_time or np.nan
-        if not label and only_time == 0:
-            time = 0.0
+        time = np.nan if only_time is None else only_time
+        if label:
+            time = pd.to_numeric(label, errors="coerce")
         if values.ndim == 2 and values.shape[1] in (2, 3):
             values = inward * values[:, 1]
         quantity = our_name(quantity)

@@ -364,12 +364,6 @@ def _profile_file(table: TomlTable) -> str:
     return "" if {"radii", "heights"} & profile.keys() else str(profile.get("file", ""))
 
 
-def _over_distances(table: TomlTable) -> bool:
-    """Return whether the times of a scene are sliding distances."""
-    load = table.get("load")
-    return isinstance(load, dict) and "sliding_speed" not in load
-
-
 def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) -> TomlTable:
     """Read the files of all profiles of a sweep; return their radii and heights by file.
 
@@ -384,7 +378,7 @@ def _read_profiles(base: TomlTable, columns: dict[str, Column], folder: Path) ->
         in_folder = folder / file
         path = in_folder if in_folder.is_file() else Path(file)
         flags = next(each for each in map(_profile, tables) if each.get("file") == file)
-        read = profile_of_file(flags, path, str(base.get("units", "")), _over_distances(base))
+        read = profile_of_file(flags, path, base)
         profiles[file] = {key: read[key] for key in ("radii", "heights")}
     return profiles
 

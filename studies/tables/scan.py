@@ -77,7 +77,7 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
         radii, heights = _of_map(numbers[:, :2], heights, center, level, notes)
     else:
         radii, heights = _of_line(numbers[:, 0], heights, center, level, notes)
-    if heights.min() < 0:
+    if level or heights.min() < 0:
         heights = heights - heights.min()
     return Scan(radii, heights, (units[0], units[-1]), tuple(notes))
 
@@ -142,26 +142,23 @@ def _of_line(
     mean = (halves[0] + halves[1]) / 2
     apart = float(np.abs(halves[0] - halves[1])[both].max())
     notes.append(f"a scan over the diameter: its halves differ by up to {apart:.3g}")
-    return _with_axis(grid, np.asarray(mean - mean.min() if level else mean))
+    return _with_axis(grid, mean)
 
 
 def _of_map(
     places: Array, heights: Array, center: bool, level: bool, notes: list[str]
 ) -> tuple[Array, Array]:
     """Return radii and mean heights on circles of a map."""
-    x, y = places.T
-    square = x**2 + y**2
-    fit = np.linalg.lstsq(np.column_stack([np.ones(len(x)), x, y, square]), heights, rcond=None)[0]
     middle = np.zeros(2)
     if center:
-        spans = (places.max(axis=0) + places.min(axis=0)) / 2
-        middle = spans if level or not fit[3] else -fit[1:3] / (2 * fit[3])
+        middle = (places.max(axis=0) + places.min(axis=0)) / 2
+        tilt, square = _paraboloid(places, heights)
+        if square and not level:
+            middle = -tilt / (2 * square)
         notes.append(f"the axis is at x = {middle[0]:.6g}, y = {middle[1]:.6g} of the map")
     if level:
-        shifted = places - middle
-        design = [np.ones(len(x)), *shifted.T, (shifted**2).sum(axis=1)]
-        _, *tilt, _ = np.linalg.lstsq(np.column_stack(design), heights, rcond=None)[0]
-        heights = heights - shifted @ np.array(tilt)
+        tilt, _ = _paraboloid(places - middle, heights)
+        heights = heights - (places - middle) @ tilt
         notes.append(f"tilts of {tilt[0]:.3g} and {tilt[1]:.3g} were removed")
     shifted_x, shifted_y = (places - middle).T
     radii, means, spread = on_circles(shifted_x, shifted_y, heights)
@@ -169,7 +166,14 @@ def _of_map(
         f"a map: means over {len(radii)} circles around the axis, on which heights differ by up to "
         f"{spread:.3g}"
     )
-    return _with_axis(radii, means - means.min() if level else means)
+    return _with_axis(radii, means)
+
+
+def _paraboloid(places: Array, heights: Array) -> tuple[Array, float]:
+    """Return the slopes (2,) at the origin of the nearest paraboloid, and the factor of r^2."""
+    design = np.column_stack([np.ones(len(places)), places, (places**2).sum(axis=1)])
+    _, *slopes, square = np.linalg.lstsq(design, heights, rcond=None)[0]
+    return np.array(slopes), float(square)
 
 
 def _vertex(positions: Array, heights: Array, level: bool) -> float:
@@ -193,8 +197,7 @@ def _leveled_radius(radii: Array, heights: Array, level: bool, notes: list[str])
     slope = float(fitted[1] / reach) if len(powers) > 2 else 0.0
     if level:
         notes.append(f"an offset of {fitted[0]:.3g} and a slope of {slope:.3g} were removed")
-        straight = heights - fitted[0] - slope * radii
-        return np.asarray(straight - straight.min())
+        return np.asarray(heights - fitted[0] - slope * radii)
     misfit = np.abs(design @ fitted - heights).max()
     noticeable = SLOPE_KEPT * np.ptp(heights)
     if heights.min() < 0 and abs(slope) * reach > noticeable > misfit:

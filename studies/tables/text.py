@@ -115,9 +115,8 @@ def read_texts(path: Path, text: str, headed: bool = True) -> pd.DataFrame:
     content = dict(_content(lines))
     if not content:
         raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
-    content, separator = _without_preamble(content)
-    first, *others = content
-    rows = {number: _cells(line, separator) for number, line in content.items()}
+    rows, separator = _without_preamble(content)
+    first, *others = rows
     headings = rows[first]
     if all(map(_is_number, headings)):
         comments = [found[1].strip() for line in lines[:first] if (found := COMMENT.match(line))]
@@ -196,32 +195,32 @@ def _content(lines: Iterable[str]) -> Iterable[tuple[int, str]]:
             yield number, text
 
 
-def _without_preamble(content: dict[int, str]) -> tuple[dict[int, str], str]:
-    """Return the lines of a table without those that describe it before, and its separator.
+def _without_preamble(content: dict[int, str]) -> tuple[dict[int, list[str]], str]:
+    """Return the rows of a table without lines that describe it before, and its separator.
 
     Such lines have another number of cells than the last line. The table begins with headings, or
     with numbers that follow at least two such lines.
     """
-    lines = [*content.items()]
-    separator, of_rows = (
-        _separator([line for _, line in part]) for part in (lines[:3], lines[-2:])
-    )
-    count = len(_cells(lines[-1][1], of_rows))
-    cells = [_cells(line, of_rows) for _, line in lines]
+    lines = [*content.values()]
+    separator, of_rows = _separator(lines[:3]), _separator(lines[-2:])
+    cells = [_cells(line, of_rows) for line in lines]
+    as_it_is = cells if separator == of_rows else [_cells(line, separator) for line in lines]
+    whole = dict(zip(content, as_it_is, strict=True)), separator
+    count = len(cells[-1])
     start = next(number for number, row in enumerate(cells) if len(row) == count)
-    if count < 2 or len(_cells(lines[0][1], separator)) == count:
+    if count < 2 or len(as_it_is[0]) == count:
         # a description may have as many cells as the table: headings are above the first numbers
         numbers = (number for number, row in enumerate(cells) if all(map(_is_number, row)))
         start = next(numbers, 0) - 1
         if start > 0 and all(cell.strip("[]()") in USUAL_UNITS for cell in cells[start]):
             start -= 1
         if start < 1 or any(map(_is_number, cells[start])):
-            return content, separator
+            return whole
     named = not any(map(_is_number, cells[start]))
     # a table is longer than its description
     if not start or 2 * start > len(lines) or not (named or start > 1):
-        return content, separator
-    return dict(lines[start:]), of_rows
+        return whole
+    return dict([*zip(content, cells, strict=True)][start:]), of_rows
 
 
 def _with_units_of_all(headings: list[str], comments: list[str]) -> list[str]:

@@ -1,7 +1,7 @@
 """Evaluation of a compliance on cells, for a punch whose contact opens, closes and spreads."""
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -43,8 +43,7 @@ SLOPE_TOLERANCE = 0.6
 # Places between a time and either end of the range of similar times, over its distance from that
 # end, at which errors are estimated, too.
 PLACES_NEAR = (0.4, 1.0)
-
-# parts of the running-in that remain at such times, over a given part
+# Parts of the running-in, over a given part, that remain at times whose errors are alike.
 PARTS_NEAR = (0.7, 1.4)
 
 
@@ -113,6 +112,11 @@ class MovingContact(Evaluation):
             else evolve_in_equal_steps(self._punch, problem.times, problem.step)
         )
 
+        # the estimate and the results ask for the same times, each of which is a contact problem
+        self._history_at = lru_cache(maxsize=1)(
+            lambda times: self._with_fitted_start(self.evolution.at(np.frombuffer(times)))
+        )
+
     @cached_property
     def _adaptive(self) -> Evolution:
         last = float(self.problem.times[-1])
@@ -126,11 +130,9 @@ class MovingContact(Evaluation):
     @cached_property
     def history(self) -> History:
         """The history at the requested times, in the requested steps or in adaptive ones."""
-        return self._recorded[np.flatnonzero(np.isin(self.estimate_times, self.problem.times))]
-
-    @cached_property
-    def _recorded(self) -> History:
-        return self._with_fitted_start(self.evolution.at(self.estimate_times))
+        times = self.estimate_times
+        recorded = self._history_at(times.tobytes())
+        return recorded[np.flatnonzero(np.isin(times, self.problem.times))]
 
     def _with_fitted_start(self, history: History) -> History:
         # a punch that does not press yet has the indentation of the first touch
@@ -163,8 +165,7 @@ class MovingContact(Evaluation):
 
     def results_for_estimate(self, times: Array) -> Results:
         """Return the quantities on the face of the punch at some times."""
-        history = self._with_fitted_start(self.evolution.at(times))
-        return self.sampler.history(history, on_face=True)
+        return self.sampler.history(self._history_at(times.tobytes()), on_face=True)
 
     @cached_property
     def answers(self) -> Results:

@@ -152,8 +152,8 @@ class Loading:
         force_at_stop = np.where(state.distance > 0, self.forces[stop_knot], 0.0)
         return np.where(distances[stop_knot] == state.distance, state.force - force_at_stop, 0.0)
 
-    def step_ends(self, times: Array) -> Array:
-        """Return the times (E,) at which a step of a march always ends.
+    def contact_times(self, times: Array) -> Array:
+        """Return the times (E,) at which a march always solves a contact problem.
 
         They are the requested times (T,) and the knots of the load until the last of these.
         """

@@ -257,14 +257,14 @@ class Problem:
 
     @property
     def least_steps(self) -> int:
-        """The number of steps that a march of a contact that moves needs at least.
+        """The number of contact problems that a march of a contact that moves solves at least.
 
-        Once all of the face is in contact, relaxation modes take the place of steps if the load is
-        constant.
+        One belongs to each requested time and each knot of the load. Once all of the face is in
+        contact, relaxation modes take the place of steps if the load is constant.
         """
         if not len(self.times):
             return 0
-        ends = self.loading.step_ends(self.times)
+        ends = self.loading.contact_times(self.times)
         if self.loading.varies or self.indentation is not None:
             return len(ends)
         return int(np.count_nonzero(ends < self.time_to_wear_flat))

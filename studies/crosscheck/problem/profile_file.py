@@ -6,21 +6,20 @@ from ....meshes.errors import SceneError
 from ...tables.scan import read_scan
 from ..progress import LOG
 from .fields import TomlTable
-from .unit_names import UnitNames
+from .unit_names import units_of_table
 
 # keys of a profile that say how its file is read
 FLAGS = ("center", "level")
 
 
-def profile_of_file(profile: TomlTable, path: Path, units: str, distances: bool) -> TomlTable:
+def profile_of_file(profile: TomlTable, path: Path, table: TomlTable) -> TomlTable:
     """Return a profile with the radii and heights of its file, in the units of a scene.
 
     Parameters
     ----------
     profile : table of the profile, with `file` and, for a scan, `center` and `level`
     path : of the file
-    units : of the scene; empty if its numbers have none
-    distances : whether times of the scene are sliding distances
+    table : of the scene, whose numbers have no units if it states none
 
     Raises
     ------
@@ -34,18 +33,18 @@ def profile_of_file(profile: TomlTable, path: Path, units: str, distances: bool)
     for key, value in flags.items():
         if not isinstance(value, bool):
             raise SceneError(f"punch.profile.{key} = {value!r}: give true or false")
-    scan = read_scan(path, **flags)
+    scan, stated = read_scan(path, **flags), table.get("units", "")
     sizes = []
     for what, unit in zip(("radii", "heights"), scan.units, strict=True):
         sizes.append(1.0)
-        if unit and not units:
+        if unit and not (stated and isinstance(stated, str)):
             LOG.warning(
                 "%s: the unit of the %s is ignored, because the numbers of the scene have no units",
                 path,
                 what,
             )
         elif unit:
-            names = UnitNames.of(units, distances)
+            names = units_of_table(table, stated)
             sizes[-1] = names.size_of(unit, "length", f"{path}, the heading of the {what}")
     for note in scan.notes:
         LOG.info("%s: %s", path, note)
@@ -61,8 +60,5 @@ def with_profile_of_file(table: TomlTable) -> TomlTable:
     profile = punch.get("profile")
     if not isinstance(profile, dict) or "file" not in profile or profile.get("kind") != "table":
         return table
-    load, units = table.get("load"), table.get("units", "")
-    distances = isinstance(load, dict) and "sliding_speed" not in load
-    path = Path(str(profile["file"]))
-    numbers = profile_of_file(profile, path, units if isinstance(units, str) else "", distances)
+    numbers = profile_of_file(profile, Path(str(profile["file"])), table)
     return {**table, "punch": {**punch, "profile": numbers}}

@@ -347,6 +347,12 @@ class UnitNames:
         return number, SINGULAR.get(name, name) if number == 1 else name
 
 
+def units_of_table(table: Mapping[str, object], units: str) -> UnitNames:
+    """Return the units of a scene's table, in which times are distances without a sliding speed."""
+    load = table.get("load")
+    return UnitNames.of(units, isinstance(load, Mapping) and "sliding_speed" not in load)
+
+
 def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> TomlTable:
     """Return a scene's table in which each text such as "20 mm" is a number in the scene's units.
 
@@ -364,9 +370,7 @@ def without_quantities(table: Mapping[str, object], scene: type[BaseModel]) -> T
         its key needs, or if lists or tables are nested too deeply
     """
     stated, converted_keys = table.get("units", "SI"), list[str]()
-    load = table.get("load")
-    distances = isinstance(load, Mapping) and "sliding_speed" not in load
-    names = UnitNames.of(stated, distances) if isinstance(stated, str) else UnitNames()
+    names = units_of_table(table, stated) if isinstance(stated, str) else UnitNames()
 
     def convert_all(values: Mapping[str, object], path: str, declared: Key) -> TomlTable:
         keys = keys_in(declared)

@@ -51,10 +51,6 @@ class Piece(Protocol):
     """A part of a history between two times."""
 
     @property
-    def start(self) -> Instant:
-        """The state at its beginning."""
-
-    @property
     def end(self) -> Instant:
         """The state at its end."""
 
@@ -100,11 +96,6 @@ class Stepping:
     implicit: bool = False
 
     @property
-    def start(self) -> Instant:
-        """The state before the first step."""
-        return self.steps[0].start
-
-    @property
     def end(self) -> Instant:
         """The state after the last step."""
         return self.steps[-1].end
@@ -145,9 +136,9 @@ class Statistics(NamedTuple):
         Number of active sets tried in each stage.
     """
 
-    taken: int = 0
-    rejected: int = 0
-    iterations: tuple[int, ...] = ()
+    taken: int
+    rejected: int
+    iterations: tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -349,6 +340,8 @@ def evolve(
     # whether full contact may be continued by modes. After tension, it may again once contact has
     # been lost, or if it is still full at a later time
     try_modes, tension_at = True, np.inf
+    # the next end of a segment of the load
+    event = -np.inf
 
     def end_steps() -> None:
         if steps:
@@ -356,9 +349,10 @@ def evolve(
             steps.clear()
 
     while current.time < last:
-        knot = int(np.searchsorted(loading.times, current.time, side="right")) - 1
-        event = min(float(np.append(loading.times, np.inf)[knot + 1]), last)
-        event_load, event_distance = stages.at(event)[0], stages.distance(event)
+        if current.time >= event:
+            knot = int(np.searchsorted(loading.times, current.time, side="right")) - 1
+            event = min(float(np.append(loading.times, np.inf)[knot + 1]), last)
+            event_load, event_distance = stages.at(event)[0], stages.distance(event)
         remaining = event_distance - current.distance
         if try_modes and stages.is_full(current):
             relaxing = Relaxing(punch, current, last)

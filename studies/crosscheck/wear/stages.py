@@ -150,7 +150,7 @@ class ContactStages:
     def solve_implicit_step(self, dt: float, previous: Instant, current: Instant) -> Instant:
         """Return the state after a step of implicit Euler under a constant load."""
         distance = current.distance + dt
-        guess = predict_contact(previous, current, distance)
+        guess = _predict_contact(previous, current, distance)
         return self.solve_stage(dt, distance, current.integral, self.punch.load, guess)
 
     def solve_two_stages(
@@ -180,10 +180,10 @@ class ContactStages:
             middle_distance,
             current.integral,
             first_load,
-            predict_contact(previous, current, middle_distance),
+            _predict_contact(previous, current, middle_distance),
         )
         integral = current.integral + (dt - stage_distance) * middle.press.pressure
-        guess = predict_contact(current, middle, distance)
+        guess = _predict_contact(current, middle, distance)
         following = self.solve_stage(stage_distance, distance, integral, load, guess)
         return middle, following._replace(time=time, work=work)
 
@@ -234,7 +234,7 @@ class ContactStages:
         return np.asarray(np.append(nodes, True)[self.punch.space.dofs].all(axis=1))
 
 
-def predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:
+def _predict_contact(previous: Instant, current: Instant, distance: float) -> Mask:
     """Return the nodes (size,) in contact, by extrapolation of pressures and gaps."""
     factor = 0.0
     if current.distance > previous.distance > 0:

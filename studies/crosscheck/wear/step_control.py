@@ -2,7 +2,7 @@
 
 The error of a step of second order is proportional to the third power of its length. Lengths are
 powers of sqrt(2), so that successive steps often share a matrix and its factor. A step ends at
-every requested time.
+every knot of the load.
 """
 
 from typing import NamedTuple
@@ -77,7 +77,7 @@ class StepControl:
             self.rejected, self.step = self.rejected + 1, next_step
             return False
         self.taken += 1
-        # if an output time cut this step short, keep the longer length planned before
+        # if a knot of the load cut this step short, keep the longer length planned before
         self.step = max(self.step, next_step) if dt < self.step else next_step
         return True
 

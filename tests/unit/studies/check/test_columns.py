@@ -3,23 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
+from flat_export import PRESSURE, SCENE, R
 
-from ringwear import Scene, SceneError
+from ringwear import SceneError
 from ringwear.studies.check.columns import kind_of
 from ringwear.studies.check.tables import read
-
-SCENE = Scene.from_table(
-    {
-        "units": "mm, N, MPa, s",
-        "methods": ["mdr"],
-        "punch": {"radius": 1.0, "wear_coefficient": 1.0},
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 2.0, "sliding_speed": 1.0},
-        "wear": {"times": [0.0]},
-    }
-)
-R = np.linspace(0, 0.95, 20)
-PRESSURE = 1 / (np.pi * np.sqrt(1 - R**2))
 
 
 @pytest.mark.parametrize(
