@@ -14,7 +14,7 @@ from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.half_space import halved
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices
-from ..meshes.sizes import SizeField
+from ..meshes.sizes import FAR_TRUNCATION, NEAR_TRUNCATION, SizeField
 from .elasticity import AxisymmetricElasticity
 from .far_field import enough_poles
 from .half_space import HalfSpace, contact_breakpoints, pressure_space
@@ -23,10 +23,6 @@ from .half_space import HalfSpace, contact_breakpoints, pressure_space
 TRIANGLE_GROWTH = 0.6
 # the same on the coarser half-space of the error estimate
 COARSER_GROWTH = 0.9
-# truncation radius, over the radius of the contact or of the punch, of elements of high degree and
-# of layers, and that of triangles on a homogeneous half-space
-NEAR_TRUNCATION = 2.5
-FAR_TRUNCATION = 5.0
 # share of the energy that the truncation may lose
 NEGLIGIBLE_ENERGY = 1e-10
 

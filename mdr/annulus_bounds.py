@@ -18,7 +18,7 @@ from numpy.polynomial.legendre import legvander
 from scipy.linalg import solve_triangular
 
 from ..meshes.pressure_space import PressureSpace
-from ..meshes.radial import Array, exact_graded_breakpoints, gauss, unit_gauss
+from ..meshes.radial import Array, gauss, unit_gauss
 from .energy import compliance
 
 # Number of functions of the upper bound. With them the bound equals the stiffness to roundoff up to
@@ -58,11 +58,9 @@ def _lower_bound(inner_radius: float) -> float:
 
     A is the compliance of the space, and b the forces of its basis functions.
     """
-    edges, size = np.array([inner_radius, 1.0]), EDGE_SIZE * (1 - inner_radius)
+    size = EDGE_SIZE * (1 - inner_radius)
     at_hole = min(size, EDGE_SIZE * inner_radius)
-    breakpoints, low_parts = exact_graded_breakpoints(edges, [at_hole], size, RATIO)
-    degrees = np.full(len(breakpoints) - 1, DEGREE)
-    space = PressureSpace(breakpoints, degrees, edges, low_parts)
+    space = PressureSpace.graded([inner_radius, 1.0], [at_hole, size], RATIO, DEGREE)
     # the triangular factor is used because the compliance itself would lose the digits of small
     # elements
     factor = np.linalg.qr(compliance(space).factor, mode="r")

@@ -168,9 +168,7 @@ def slopes_everywhere(
     """
     widths, factor = np.diff(from_axis(ring_edges)), 0.15
     sizes = np.minimum(widths, np.append(widths[1:], np.inf)) * factor**0.5
-    breakpoints = graded_breakpoints(
-        ring_edges, sizes[:-1], float(sizes[-1]), factor, axis_size=1.0
-    )
+    breakpoints, _ = graded_breakpoints(ring_edges, sizes, factor, axis_size=1.0)
     breakpoints = cut_evenly(breakpoints, 2 * ground.first_thickness)
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
     from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..meshes.pressure_space import PressureSpace, shapes
-from ..meshes.radial import Array, Indices, exact_graded_breakpoints, exact_sum, gauss, unit_gauss
+from ..meshes.radial import Array, Indices, exact_sum, gauss, unit_gauss
 
 HOLE_GRADING = 1 / 3
 """Size ratio of neighbouring panels in a hole, towards its edge.
@@ -204,15 +204,13 @@ def panels_from_axis(space: PressureSpace) -> PressureSpace:
     inner_radius, low_parts = space.inner_radius, space.sort_keys.imag
     if not inner_radius:
         return space
-    hole, low_parts_in_hole = exact_graded_breakpoints(
-        [0.0, inner_radius], 0.0, min(float(space.widths[0]), inner_radius), HOLE_GRADING
-    )
-    degrees_in_hole = np.full(len(hole) - 1, space.top)
+    smallest = min(float(space.widths[0]), inner_radius)
+    hole = PressureSpace.graded([0.0, inner_radius], smallest, HOLE_GRADING, space.top)
     return PressureSpace(
-        np.append(hole[:-1], space.breakpoints),
-        np.append(degrees_in_hole, space.degrees),
+        np.append(hole.breakpoints[:-1], space.breakpoints),
+        np.append(hole.degrees, space.degrees),
         np.append(0.0, space.ring_edges),
-        np.append(low_parts_in_hole[:-1], low_parts),
+        np.append(hole.sort_keys.imag[:-1], low_parts),
     )
 
 

@@ -46,5 +46,6 @@ from .radial import (
     values_on_rings as values_on_rings,
 )
 from .sizes import (
+    FAR_TRUNCATION as FAR_TRUNCATION,
     SizeField as SizeField,
 )

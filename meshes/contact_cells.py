@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .pressure_space import PressureSpace
-from .radial import Array, from_axis, graded_breakpoints, layer_degrees
+from .radial import Array, from_axis, layer_degrees
 
 # number of points of the grid on which 1 / size is integrated, for each end of a ring and each side
 # of a free edge
@@ -161,6 +161,7 @@ def fitted_space(
     # At an edge the pressure is infinite as 1/sqrt(distance) or falls to zero as sqrt(distance); at
     # the axis that of a cone is infinite as a logarithm.
     sizes = smallest * np.where(infinite, 1e-3, 1.0)[1:]
-    breakpoints = graded_breakpoints(edges, sizes[:-1], float(sizes[-1]), 0.2, axis_size=1e-5)
-    degrees = layer_degrees(breakpoints, edges, degree, rise=1.0, lowest=2)
-    return PressureSpace(breakpoints, degrees, np.array(edges))
+    space = PressureSpace.graded(edges, sizes, 0.2, degree, axis_size=1e-5)
+    degrees = layer_degrees(space.breakpoints, edges, degree, rise=1.0, lowest=2)
+    # moments of the face are integrated between rounded radii, and so must the pressures be
+    return replace(space, degrees=degrees, low_parts=None)

@@ -22,7 +22,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 
-from .radial import Array, Indices, from_axis, gauss, ring_of, values_on_rings
+from .radial import (
+    Array,
+    Indices,
+    from_axis,
+    gauss,
+    graded_breakpoints,
+    ring_of,
+    values_on_rings,
+)
 
 # values of functions (float) or numbers of rings (int)
 Values = TypeVar("Values", Array, Indices)
@@ -55,6 +63,23 @@ class PressureSpace:
     degrees: Indices
     ring_edges: Array
     low_parts: Array | None = None
+
+    @classmethod
+    def graded(
+        cls,
+        ring_edges: ArrayLike,
+        sizes: ArrayLike,
+        factor: float,
+        degree: int,
+        axis_size: float | None = None,
+    ) -> "PressureSpace":
+        """Return the space of one degree on elements that shrink by a factor towards every edge.
+
+        The other arguments are those of `radial.graded_breakpoints`.
+        """
+        breakpoints, low_parts = graded_breakpoints(ring_edges, sizes, factor, axis_size)
+        degrees = np.full(len(breakpoints) - 1, degree)
+        return cls(breakpoints, degrees, np.asarray(ring_edges, dtype=float), low_parts)
 
     @cached_property
     def _low(self) -> Array:

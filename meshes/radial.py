@@ -61,47 +61,32 @@ def values_on_rings(
 
 
 def graded_breakpoints(
-    ring_edges: ArrayLike,
-    edge_size: ArrayLike,
-    rim_size: float,
-    factor: float,
-    axis_size: float | None = None,
-) -> Array:
-    """Return element boundaries whose distances shrink by `factor` towards ring edges and rim.
+    ring_edges: ArrayLike, sizes: ArrayLike, factor: float, axis_size: float | None = None
+) -> tuple[Array, Array]:
+    """Return element boundaries whose distances shrink by `factor` towards every edge.
 
     Parameters
     ----------
     ring_edges : (N+1,) ring edges, from 0 or the radius of a hole to the rim
-    edge_size : approximate size of the smallest elements at ring edges, one size for all, or one
-        for each edge between the centre and the rim
-    rim_size : approximate size of the smallest elements at the rim
+    sizes : approximate size of the smallest elements at edges, one size for all, or (M,) one for
+        each edge except the axis; that of the rim is the last
     factor : ratio of the sizes of neighbouring elements, below 1
     axis_size : approximate size of the smallest elements at the axis; by default a ring that begins
         at the axis is refined towards its outer edge only, because fields that are smooth in
         ``r^2`` need no refinement at the axis
-    """
-    return exact_graded_breakpoints(ring_edges, edge_size, rim_size, factor, axis_size)[0]
 
-
-def exact_graded_breakpoints(
-    ring_edges: ArrayLike,
-    edge_size: ArrayLike,
-    rim_size: float,
-    factor: float,
-    axis_size: float | None = None,
-) -> tuple[Array, Array]:
-    """Return the boundaries of `graded_breakpoints` and the low part of each.
-
-    The low part is the rounding error of the boundary. With it, elements beside an edge can be far
-    narrower than the roundoff of its radius.
+    Returns
+    -------
+    boundaries, low parts : (n+1,) each
+        The low part is the rounding error of the boundary. With it, elements beside an edge can be
+        far narrower than the roundoff of its radius.
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
-    edges = ring_edges[ring_edges > 0]
-    sizes = np.append(np.broadcast_to(edge_size, len(edges) - 1), rim_size)
+    at_edges = np.broadcast_to(sizes, (np.count_nonzero(ring_edges),))
     rounded, low_parts, at_inner = [], [], axis_size
     if ring_edges[0] > 0:
-        at_inner, sizes = sizes[0], sizes[1:]
-    for (inner, outer), at_outer in zip(itertools.pairwise(ring_edges), sizes, strict=True):
+        at_inner, at_edges = at_edges[0], at_edges[1:]
+    for (inner, outer), at_outer in zip(itertools.pairwise(ring_edges), at_edges, strict=True):
         # the layers of both edges end in the middle of the ring
         span = (outer - inner) / (1 if at_inner is None else 2)
         from_inner = np.zeros(1)

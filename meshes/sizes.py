@@ -29,6 +29,10 @@ NARROWEST_RING = 1e-12
 # Lowest polynomial degree of the displacement next to a ring edge or the rim. The linear pressure
 # that is combined with it is stable.
 LOWEST_DISPLACEMENT_DEGREE = 3
+# Truncation radius of quadrilaterals with Boussinesq's far field and of layers; and that of
+# triangles and of meshes with a clamped outer boundary, in punch radii (`ringwear study
+# truncation`).
+NEAR_TRUNCATION, FAR_TRUNCATION = 2.5, 5.0
 # default of the largest triangle size at the centre, in punch radii
 CENTRE_SIZE = 0.25
 # default of the largest triangle size, relative to the truncation radius: four triangles along each
@@ -192,18 +196,16 @@ def degree_reductions(
 
     Notes
     -----
-    The reduction is ``ln(A_greatest / A) / ln rho``, where A is the amplitude on the layer and
-    ``ln rho = convergence(grading)``. Tested by
-    unit/meshes/test_half_space_mesh.py::test_degrees_fall_inwards.
+    Tested by unit/meshes/test_half_space_mesh.py::test_degrees_fall_inwards.
     """
     largest_half_widths = half_widths.max(axis=1)
     amplitudes = [
         amplitude(width * grading ** np.arange(count + 1.0), width, np.full(count + 1, number))
         for number, (width, count) in enumerate(zip(largest_half_widths, layer_counts, strict=True))
     ]
-    greatest = np.max(np.concatenate(amplitudes))
+    greatest = float(np.max(np.concatenate(amplitudes)))
     return [
-        np.maximum(degree_reduction(greatest / patch_amplitudes, grading) - lacking_degrees, 0)
+        degree_reduction(patch_amplitudes, greatest, grading, lacking_degrees)
         for patch_amplitudes in amplitudes
     ]
 
@@ -340,21 +342,46 @@ def pole_amplitude(rise: Array, tolerance: float) -> Array:
 def convergence(grading: float) -> float:
     """Return ``ln rho``, the logarithm of the factor by which one more degree reduces the error.
 
-    The error of a polynomial of degree p on an element that is one element away from a singularity
-    is proportional to ``rho^-p``, where ``rho = (1 + sqrt(grading)) / (1 - sqrt(grading))`` and
-    `grading` is the ratio of the sizes of neighbouring elements (Bernstein ellipse; Trefethen,
-    Approximation theory and approximation practice, ch. 8). Tested by
+    Parameters
+    ----------
+    grading : ratio q of the sizes of neighbouring elements
+
+    Notes
+    -----
+    In layers that shrink by q, an element reaches from q to 1 times the distance of its far end
+    from the singular point. That point is ``x = (1 + q) / (1 - q)`` half-widths from its middle, so
+    that the pressure is analytic in the Bernstein ellipse with ``rho = x + sqrt(x^2 - 1) = (1 +
+    sqrt(q)) / (1 - sqrt(q))``, and the error of a polynomial of degree p is proportional to
+    ``rho^-p`` (Trefethen, Approximation theory and approximation practice, ch. 8). Tested by
     unit/studies/study/test_ways.py::test_indentation_on_quadrilaterals_by_the_degree.
     """
     return float(np.log((1 + grading**0.5) / (1 - grading**0.5)))
 
 
-def degree_reduction(amplitude_ratio: Array, grading: float) -> Indices:
-    """Return by how much the degree may be lowered if the amplitude is smaller by a given ratio.
+def required_degree(amplitude_over_error: Array | float, grading: float) -> Array:
+    """Return the degree p, not rounded, with which an element has a wanted error: ``A rho^-p``.
 
     Parameters
     ----------
-    amplitude_ratio : largest amplitude over the amplitude on each element, at least 1
-    grading : ratio of the sizes of neighbouring elements
+    amplitude_over_error : amplitude A of high degrees on the element (`EdgeAmplitude`) over the
+        wanted error
+    grading : ratio of the sizes of neighbouring elements, from which `convergence` is ``ln rho``
     """
-    return np.asarray(np.log(amplitude_ratio) / convergence(grading), dtype=np.int64)
+    return np.asarray(np.log(amplitude_over_error) / convergence(grading))
+
+
+def degree_reduction(
+    amplitude: Array, greatest: float, grading: float, lacking_degrees: int = 0
+) -> Indices:
+    """Return by how much the degree may be lowered where the amplitude of high degrees is smaller.
+
+    Parameters
+    ----------
+    amplitude : amplitude on each element
+    greatest : largest amplitude on all elements
+    grading : ratio of the sizes of neighbouring elements
+    lacking_degrees : difference between the degree that the largest amplitude requires and the
+        highest one available: elements that require no more than the latter keep their degree
+    """
+    reduction = required_degree(greatest / amplitude, grading).astype(np.int64)
+    return np.maximum(reduction - lacking_degrees, 0)

@@ -191,10 +191,10 @@ def _mesh(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
     with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes import quality
-        from .crosscheck import half_space_mesh
+        from .crosscheck import fem_sizes
         from .figures.mesh import write_mesh
 
-        half_space = half_space_mesh(scene.problem)
+        half_space = fem_sizes(scene.problem)
         write_mesh(scene, half_space.mesh, half_space.mesher, folder.hidden)
     mesh, qualities = half_space.mesh, quality(half_space.mesh)
     kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"

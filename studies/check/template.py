@@ -9,7 +9,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from ...meshes import Array, SceneError
-from ..crosscheck import Scene, UnitNames, half_space_mesh, over_time
+from ..crosscheck import Scene, UnitNames, fem_sizes, over_time
 
 
 def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
@@ -68,7 +68,7 @@ def write_template(scene: Scene, units: str, folder: Path) -> list[str]:
         unworn.to_csv(folder / "unworn.csv", index=False)
     reach = 100.0
     sizes = {"mesher": "gmsh", "truncation": reach}
-    half_space = half_space_mesh(scene.changed(accuracy__fem=sizes).problem)
+    half_space = fem_sizes(scene.changed(accuracy__fem=sizes).problem)
     points = half_space.mesh.p.T * scaled(scene.punch.radius, "length")
     triangles = meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), {"triangle": half_space.mesh.t.T})
     triangles.write(folder / "mesh.msh", file_format="gmsh")

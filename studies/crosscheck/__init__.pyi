@@ -35,7 +35,6 @@ from .methods.sampling.sampler import (
 from .methods.spaces import (
     choose_spaces as choose_spaces,
     pressure_spaces as pressure_spaces,
-    radial_space as radial_space,
     scaled_cells as scaled_cells,
 )
 from .problem.face import (
@@ -215,19 +214,25 @@ from .scene.sources import (
     tables_of as tables_of,
     text_of as text_of,
 )
-from .sizes.defaults import (
-    GROWTH as GROWTH,
-    QUAD_GRADING as QUAD_GRADING,
-    WIDER_TRUNCATION as WIDER_TRUNCATION,
+from .sizes.finite_elements import (
+    fem_sizes as fem_sizes,
     pole_orders as pole_orders,
-    triangle_degree as triangle_degree,
 )
-from .sizes.half_space_mesh import (
-    half_space_mesh as half_space_mesh,
+from .sizes.quads import (
+    GROWTH as GROWTH,
+)
+from .sizes.radial import (
+    radial_sizes as radial_sizes,
+)
+from .sizes.ring_edges import (
+    QUAD_GRADING as QUAD_GRADING,
 )
 from .sizes.shared import (
     covering as covering,
     groups as groups,
+)
+from .sizes.triangles import (
+    triangle_degree as triangle_degree,
 )
 from .verdict.accuracy import (
     solved_to_accuracy as solved_to_accuracy,

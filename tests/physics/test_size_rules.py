@@ -12,7 +12,14 @@ from wear_reference import exact_results
 
 from ringwear import Scene, Stages, differences, method
 from ringwear.meshes import sizes
-from ringwear.studies.crosscheck.sizes import defaults, degrees, ring_edges
+from ringwear.studies.crosscheck.sizes import (
+    degrees,
+    finite_elements,
+    quads,
+    radial,
+    ring_edges,
+    triangles,
+)
 
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 1e-4, 1e-2, 0.5], accuracy__rtol=1e-4)
 STEADY = FIVE.changed(wear__times=[])
@@ -45,11 +52,11 @@ def error_over_rtol(scene, name, quantity):
         (ring_edges, "SLOPE_SHARE_AT_RIM", 100, "early", "mdr", "rms_slope"),
         (degrees, "MOST_RELAXED", 4, "early", "fem", "rms_slope"),
         (sizes, "SLOPE_AMPLITUDE", 0.01, "early", "fem", "rms_slope"),
-        (defaults, "RADIAL_GRADING", 0.2, "early", "mdr", "pressure"),
-        (defaults, "EXTRA_DISPLACEMENT_DEGREES", -0.5, "early", "fem", "pressure"),
-        (defaults, "GROWTH", 4, "early", "fem", "relaxation_time"),
-        (defaults, "MAX_TRUNCATION_LOSS", 1e7, "early", "fem", "rms_slope"),
-        (defaults, "TRIANGLE_GROWTH", 4, "triangles", "fem", "relaxation_time"),
+        (radial, "RADIAL_GRADING", 0.2, "early", "mdr", "pressure"),
+        (quads, "EXTRA_DISPLACEMENT_DEGREES", -0.5, "early", "fem", "pressure"),
+        (quads, "GROWTH", 4, "early", "fem", "relaxation_time"),
+        (finite_elements, "MAX_TRUNCATION_LOSS", 1e7, "early", "fem", "rms_slope"),
+        (triangles, "TRIANGLE_GROWTH", 4, "triangles", "fem", "relaxation_time"),
     ],
     ids=lambda part: part if isinstance(part, str) else "",
 )
@@ -60,5 +67,5 @@ def test_a_quantity_errs_more_with_a_worse_constant(
     assert error <= 1
     monkeypatch.setattr(module, constant, factor * getattr(module, constant))
     # otherwise this limit would hide the effect of TRIANGLE_GROWTH
-    monkeypatch.setattr(defaults, "MAX_TRIANGLE_GROWTH", np.inf)
+    monkeypatch.setattr(triangles, "MAX_TRIANGLE_GROWTH", np.inf)
     assert error_over_rtol(scene, name, quantity) > 3 * error

@@ -18,8 +18,7 @@ from ....meshes.radial import Array, Indices
 from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES, LAYER_QUANTITIES
-from ..sizes.defaults import missing_layers
-from ..sizes.ring_edges import amplified_roundoff, root_of_unresolved_wear
+from ..sizes.ring_edges import amplified_roundoff, missing_layers, root_of_unresolved_wear
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
 from .error_factors import error_factor

@@ -13,10 +13,9 @@ from ..problem.quantities import DESCRIBED, ENERGIES, LAYER_QUANTITIES
 from ..problem.refusal import Refusal
 from ..problem.sections import DEGREES
 from ..progress import Stages
-from ..sizes import defaults
-from ..sizes.half_space_mesh import ChosenMesh, half_space_mesh
+from ..sizes.finite_elements import FemSizes, coarser_pole_orders, fem_sizes, pole_orders
 from ..sizes.layers import layers_beyond_meshes, why_layers_are_not_meshed
-from ..sizes.ring_edges import compressibility
+from ..sizes.ring_edges import compressibility, fem_smallest
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
 from .pipeline import ComplianceMethod
@@ -45,18 +44,18 @@ DEFAULT_GROWTH = 0.5
 UNKNOWNS_PER_PRESSURE, NUMBERS_PER_UNKNOWN = 90, 50
 
 
-def half_space_on(problem: Problem, chosen: ChosenMesh) -> "HalfSpace":
-    """Return the half-space on a mesh, with scikit-fem's elements of a suitable degree."""
+def half_space_on(problem: Problem, sizes: FemSizes) -> "HalfSpace":
+    """Return the half-space of a problem, in scikit-fem's elements of the given sizes."""
     from ....fem.elasticity import AxisymmetricElasticity
     from ....fem.half_space import HalfSpace, pressure_space
     from ....meshes.half_space import truncation
 
-    quads = chosen.mesher == "quads"
-    degree = (defaults.quad_degree if quads else defaults.triangle_degree)(problem)
     # the field below the contact is smoother: lowering its degree by a fifth has no effect on the
     # contact
-    solid = AxisymmetricElasticity(chosen.mesh, degree, problem.ground, lowered_degrees=degree // 5)
-    poles = defaults.pole_orders(problem, truncation(chosen.mesh))
+    solid = AxisymmetricElasticity(
+        sizes.mesh, sizes.degree, problem.ground, lowered_degrees=sizes.degree // 5
+    )
+    poles = pole_orders(problem, truncation(sizes.mesh))
     space = pressure_space(solid, problem.merged.ring_edges)
     return HalfSpace(solid, space, poles).without_dependent_poles()
 
@@ -147,7 +146,7 @@ class Fem(ComplianceMethod):
 
 
 def _flat_half_space(problem: Problem) -> "HalfSpace":
-    return half_space_on(problem, half_space_mesh(problem))
+    return half_space_on(problem, fem_sizes(problem))
 
 
 def _half_space_on_cells(problem: Problem) -> "HalfSpace":
@@ -180,36 +179,37 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
 
     fixed = problem.fem.far_field == "fixed"
     with stages("meshing"):
-        chosen = half_space_mesh(problem)
+        sizes = fem_sizes(problem)
     with stages("assembling"):
-        half_space = half_space_on(problem, chosen)
+        half_space = half_space_on(problem, sizes)
         half_space.assemble()
     with stages("condensing"):
         # the first of the compliances by poles is that of the clamped outer boundary
         fine = half_space.compliances_by_poles()[0] if fixed else half_space.compliance()
     extrapolated = problem.ground.layered and half_space.more_compressible is not None
     settings = {
-        "mesher": chosen.mesher,
-        "elements": chosen.mesh.nelements,
-        "degree": half_space.solid.degree,
+        "mesher": sizes.mesher,
+        "elements": sizes.mesh.nelements,
+        "smallest": float(half_space.space.widths.min()),
+        "degree": sizes.degree,
         "poles": 0 if fixed else len(half_space.poles),
-        "truncation": truncation(chosen.mesh),
+        "truncation": truncation(sizes.mesh),
         "solver": solver(),
     }
     return Discretised(
         fine,
-        lambda: _coarser_half_space(problem, chosen, half_space).compliance(),
+        lambda: _coarser_half_space(problem, sizes.coarser(), half_space).compliance(),
         half_space.unknowns,
         settings,
         # so that displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
-        (*chosen.notes, *filter(None, [unloadable()])),
-        safety=error_factor(_factor_name(chosen)),
-        smallest=_smallest_size(problem, chosen),
+        (*sizes.notes, *filter(None, [unloadable()])),
+        safety=error_factor(sizes.error_factor),
+        smallest=_smallest_size(problem, sizes),
         slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
         least_error=error_factor("incompressible layers") if extrapolated else 0.0,
-        limited_by_degree=_limited_by_degree(half_space.solid.degree, chosen.mesher),
-        same_elements=chosen.same_elements,
+        limited_by_degree=_limited_by_degree(sizes.degree, sizes.mesher),
+        same_elements=sizes.same_elements,
     )
 
 
@@ -226,18 +226,7 @@ def _limited_by_degree(degree: int, mesher: str) -> frozenset[str]:
     return frozenset(DESCRIBED) - ENERGIES - LAYER_QUANTITIES
 
 
-def _factor_name(chosen: ChosenMesh) -> str:
-    """Return the name of the factor on the difference to the coarser half-space."""
-    if chosen.halved:
-        return "flat punch on halved elements"
-    if chosen.mesher == "quads":
-        return "flat punch"
-    if chosen.same_elements:
-        return "flat punch on triangles"
-    return "flat punch on larger triangles"
-
-
-def _smallest_size(problem: Problem, chosen: ChosenMesh) -> float:
+def _smallest_size(problem: Problem, sizes: FemSizes) -> float:
     """Return the smallest element size at a ring edge that a mesher can use.
 
     For triangles and for halved elements, which have a low degree, it is the size that the mesh
@@ -245,9 +234,9 @@ def _smallest_size(problem: Problem, chosen: ChosenMesh) -> float:
     """
     from ....meshes.half_space import contact_radii
 
-    if chosen.mesher == "quads" and not chosen.halved:
-        return defaults.fem_smallest(problem)
-    return float(np.diff(contact_radii(chosen.mesh)).min())
+    if sizes.mesher == "quads" and not sizes.halved:
+        return fem_smallest(problem)
+    return float(np.diff(contact_radii(sizes.mesh)).min())
 
 
 def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
@@ -288,31 +277,18 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
     )
 
 
-def _coarser_half_space(problem: Problem, chosen: ChosenMesh, fine: "HalfSpace") -> "HalfSpace":
+def _coarser_half_space(problem: Problem, coarser: FemSizes, fine: "HalfSpace") -> "HalfSpace":
     """Return the coarser half-space that is compared with a half-space to estimate its error.
 
-    It has a degree and a pole less, and on quadrilaterals also a layer less. Triangles stay the
-    same if their sizes and their degree are the defaults: larger ones would miss modes of thin
-    layers, and the difference would often be 100 times the error. Triangles that the scene sets may
-    be too large themselves, and are compared with still larger ones. Two cases that cannot be
-    coarser are compared with a better solution instead:
-
-    - a clamped boundary with a far field of poles, because its error is far greater than theirs
-    - degree 2 with degree 3 on the same mesh: no multipliers are stable on degree 1, and larger
-      triangles of degree 2 may miss the same relaxation modes
+    It has the coarser sizes, and a pole less. A clamped boundary is compared with a far field of
+    poles, which is a better solution, because the error of the boundary is far greater than theirs.
     """
     from ....fem.half_space import HalfSpace, pressure_space
     from ....meshes.half_space import truncation
 
-    if chosen.halved:
-        # a mesh that is halved once less is coarse enough
-        solid = replace(fine.solid, mesh=chosen.coarser())
-    elif fine.solid.degree > 2:
-        solid = replace(fine.solid, degree=fine.solid.degree - 1, mesh=chosen.coarser())
-    else:
-        solid = replace(fine.solid, degree=3)
-    poles = defaults.coarser_pole_orders(fine.poles)
-    wanted_poles = defaults.pole_orders(problem, truncation(fine.solid.mesh))
+    solid = replace(fine.solid, degree=coarser.degree, mesh=coarser.mesh)
+    poles = coarser_pole_orders(fine.poles)
+    wanted_poles = pole_orders(problem, truncation(fine.solid.mesh))
     if problem.fem.far_field == "fixed" or len(fine.poles) < min(2, len(wanted_poles)):
         poles = fine.poles
     elif problem.ground.rigid and len(fine.poles) < 2:

@@ -17,13 +17,15 @@ from ..problem.problem import Problem
 from ..problem.quantities import GROUPS, differences
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
-from ..sizes.defaults import grid_step
 from ..sizes.marching import steps_between, why_too_many_steps
 from ..wear.history import History
 from .base import Method, Solution, SystemSize, flat_punches_only
 from .error_factors import error_factor
 from .pipeline import COPIES_OF_STEPS, DENSE_MATRICES, NUMBERS_OF_STEPS
 from .sampling.sampler import Sampler
+
+# Time step of the march over the largest stable one (`ringwear study march`).
+STABLE_STEP_FRACTION = 0.5
 
 
 class MdrGrid(Method):
@@ -82,7 +84,7 @@ class MdrGrid(Method):
 
     def step(self, problem: Problem) -> float:
         """Return the step of the explicit march, from the stability limit for many springs."""
-        return grid_step(problem, 4 / np.pi / problem.mdr.grid)
+        return _step_within(problem, 4 / np.pi / problem.mdr.grid)
 
     def system_size(self, problem: Problem) -> SystemSize:
         """Return the number of unknowns: one per spring, and the approach."""
@@ -135,7 +137,16 @@ class MdrGrid(Method):
         )
 
     def _step(self, problem: Problem) -> float:
-        return grid_step(problem, _grid(problem, problem.mdr.grid).stability_limit())
+        return _step_within(problem, _grid(problem, problem.mdr.grid).stability_limit())
+
+
+def _step_within(problem: Problem, stability_limit: float) -> float:
+    """Return the step of the scene, or else STABLE_STEP_FRACTION of the largest stable step."""
+    if problem.mdr.step:
+        return problem.mdr.step / problem.units.time
+    if problem.step and problem.march == "explicit":
+        return problem.step
+    return STABLE_STEP_FRACTION * stability_limit
 
 
 def _grid(problem: Problem, count: int) -> UniformGrid:

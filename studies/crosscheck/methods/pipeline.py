@@ -28,9 +28,9 @@ from ..problem.profile import FLAT
 from ..problem.quantities import ANSWER, COMPARED_MODES, GROUPS
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
-from ..sizes.defaults import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.marching import MOST_STEPS, steps_between, why_too_many_steps
+from ..sizes.ring_edges import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.shared import covering
 from ..wear.contact_edges import covers_face
 from ..wear.fitted_press import fit_presses
@@ -205,7 +205,7 @@ class AnySpaceMethod(ComplianceMethod):
         return Discretised(
             compliance,
             coarser,
-            settings=spaces.smallest_sizes,
+            settings=spaces.sizes,
             smallest=smallest_size(problem, RADIAL_ROUNDOFF),
             fitted=(partial(fitted, degree=8), partial(fitted, degree=6)),
         )

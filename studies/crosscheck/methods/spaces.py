@@ -10,20 +10,15 @@ from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
 
-import numpy as np
-
 from ....mdr import energy
 from ....meshes.compliance import Compliance
 from ....meshes.contact_cells import ContactCells
 from ....meshes.errors import SceneError
 from ....meshes.pressure_space import PressureSpace
-from ....meshes.radial import Array, Indices, exact_graded_breakpoints
-from ....meshes.sizes import degree_reduction
 from ..problem.problem import Problem
 from ..problem.profile import InitialProfile
 from ..sizes.cells import cells_of, graded_to_worn_layers
-from ..sizes.defaults import mdr_sizes, pressure_degree, with_affordable_field_tolerance
-from ..sizes.layers import narrowed_for_layers
+from ..sizes.radial import radial_sizes
 from ..wear.contact_edges import (
     covers_face,
     find_first_contact,
@@ -32,8 +27,6 @@ from ..wear.contact_edges import (
 )
 from ..wear.unilateral import Interval, Load
 
-# Strength of a kink of the wear coefficient (`Rings.kinks`) below which an edge needs no layer.
-WEAK_KINK = 0.1
 # Change of the start by smaller cells that is tolerated, over rtol; and the largest rtol that
 # counts, because cells do not get coarser beyond it.
 START_TOLERANCE, COARSEST_RTOL = 0.2, 1e-3
@@ -50,14 +43,13 @@ class PressureSpaces(NamedTuple):
     fine, coarse : the spaces
     nested : whether the coarse space is a subspace of the fine one; its compliance is then a
         restriction and need not be computed anew
-    smallest_sizes : the sizes from which the fine space was made, the smallest where each ring edge
-        has its own; empty for cells
+    sizes : the sizes from which the fine space was made, for the summary; empty for cells
     """
 
     fine: PressureSpace
     coarse: PressureSpace
     nested: bool
-    smallest_sizes: Mapping[str, float]
+    sizes: Mapping[str, float]
 
 
 def choose_spaces(problem: Problem) -> PressureSpaces:
@@ -72,10 +64,9 @@ def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
 
 
 def _graded_spaces(problem: Problem) -> PressureSpaces:
-    sizes = mdr_sizes(problem)
-    space = radial_space(problem, **sizes)
-    smallest = {name: np.min(size).item() for name, size in sizes.items() if np.size(size)}
-    return PressureSpaces(space, space.coarser(), True, smallest)
+    sizes = radial_sizes(problem)
+    space = sizes.space(problem)
+    return PressureSpaces(space, space.coarser(), True, sizes.summary)
 
 
 def _spaces_of_cells(problem: Problem) -> PressureSpaces:
@@ -146,68 +137,3 @@ def _initial_press(
 def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
     """Return cells of the face, small where contact begins, and half as many cells."""
     return first_contact(problem)[1], scaled_cells(problem, 0.5)
-
-
-def radial_space(
-    problem: Problem,
-    degree: int,
-    rim_size: float,
-    ring_size: float | Array,
-    grading: float,
-    degree_of_modes: int = 1,
-) -> PressureSpace:
-    """Return a graded space whose degrees rise away from the singular points.
-
-    In the largest elements the degrees are at least those that smooth modes need. At each of its
-    edges, a ring has a layer that is no wider than a tenth of the ring, even if the wanted sizes
-    are larger. An edge where the wear coefficient has only a weak kink may have none.
-    """
-    rings = problem.merged
-    max_part_of_ring = np.where(rings.kinks[:-1] < WEAK_KINK, 1.0, 0.1)
-    at_edges = np.minimum(ring_size, max_part_of_ring * rings.narrower)
-    at_rim = min(rim_size, 0.1 * float(rings.widths[-1]))
-    breakpoints, low_parts = exact_graded_breakpoints(rings.ring_edges, at_edges, at_rim, grading)
-    linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
-    space = PressureSpace(breakpoints, linear, rings.ring_edges, low_parts)
-    space = narrowed_for_layers(space, problem.ground)
-    return replace(space, degrees=degrees(problem, space, degree, grading, degree_of_modes))
-
-
-def degrees(
-    problem: Problem, space: PressureSpace, highest: int, grading: float, of_modes: int
-) -> Indices:
-    """Return the degree of each element of a space.
-
-    The degree is `highest` where the amplitude of high degrees is largest. Elsewhere it is lower,
-    as far as the amplitude allows, but at least 2 and at least the degree that smooth modes need.
-    That degree halves from layer to layer towards the edges, because the elements there are several
-    times smaller.
-
-    Parameters
-    ----------
-    problem, space : the problem, and a space with the same elements
-    highest : highest degree of the pressure
-    grading : size ratio of neighbouring elements
-    of_modes : degree that smooth modes need on the largest elements
-    """
-    edges, ring = problem.merged.ring_edges, space.ring
-    at_edges, element = np.searchsorted(space.sort_keys, edges + 0j), np.arange(len(ring))
-    # distances of the far end of each element from both edges of its ring
-    from_inner = np.where(edges[ring] > 0, space.distance(at_edges[ring], element + 1), np.inf)
-    from_outer = space.distance(element, at_edges[ring + 1])
-    # amplitudes are those at edges except the centre
-    nearest = np.where(from_outer <= from_inner, ring + 1, ring) - int(edges[0] == 0)
-    distance, half_width = np.minimum(from_inner, from_outer), np.diff(edges)[ring] / 2
-    fields = with_affordable_field_tolerance(problem, grading)
-    amplitude = fields.edge_amplitude(distance, half_width, nearest)
-    layer = np.log(np.minimum(distance / half_width, 1.0)) / np.log(grading)
-    lowest = np.maximum(np.ceil(of_modes * 0.5**layer), 2).astype(np.int64)
-    # If `highest` is below the wanted degree, elements whose own wanted degree is possible keep it.
-    lacking = max(int(np.ceil(pressure_degree(fields, grading))) - highest, 0)
-    # `pressure_degree` counts a hole like a ring at the axis
-    hole = edges[:1][edges[:1] > 0]
-    in_hole = fields.edge_amplitude(hole, hole / 2, np.zeros(len(hole), dtype=np.int64))
-    greatest = max(amplitude.max(), in_hole.max(initial=0.0))
-    reduction = degree_reduction(greatest / amplitude, grading)
-    lowered = highest - np.maximum(reduction - lacking, 0)
-    return np.maximum(lowered, np.minimum(lowest, max(highest, of_modes)))

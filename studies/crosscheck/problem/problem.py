@@ -430,7 +430,8 @@ class Problem:
         if self.inner_radius:
             # pressures at the hole are infinite, and the first radius must not be rounded to it
             nearest[0] = max(nearest[0], 1e-12)
-        breakpoints = graded_breakpoints(rings.ring_edges, nearest, rim, factor=0.4)
+        sizes = np.append(nearest, rim)
+        breakpoints, _ = graded_breakpoints(rings.ring_edges, sizes, factor=0.4)
         # integrals over each ring of the scene need its edges, even between rings of equal wear
         breakpoints = np.union1d(breakpoints, self.ring_edges)
         # on layers, fields vary over the thickness of the first one

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....meshes.ground.ground import relative_compliance
 from ....meshes.radial import Array
-from ....meshes.sizes import convergence
+from ....meshes.sizes import required_degree
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES
 from .ring_edges import QUAD_GRADING, edge_sizes
@@ -55,13 +55,9 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
 
     Notes
     -----
-    On an element one element away from a singular point, a polynomial of degree p has the error ``A
-    rho^-p`` with the amplitude A (`EdgeAmplitude`) and ``ln rho = convergence(ratio)``. Hence
-
-        p = ln(A / rtol) / ln rho
-
-    with the largest amplitude on the elements in the middle of the rings. `relaxed_degree` lowers
-    this a little; the result is at least LOWEST_DEGREE. Shown by
+    It is that of `meshes.sizes.required_degree` with the largest amplitude on the elements in the
+    middle of the rings. `relaxed_degree` lowers this a little; the result is at least
+    LOWEST_DEGREE. Shown by
     unit/studies/study/test_ways.py::test_rings_on_quadrilaterals_by_the_degree.
     """
     half_width, amplitude = np.diff(problem.merged.from_axis) / 2, problem.edge_amplitude
@@ -70,7 +66,7 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
         float(amplitude(half_width, half_width, edges).max()),
         float(amplitude(half_width[1:], half_width[1:], edges[:-1]).max(initial=0.0)),
     )
-    degree = relaxed_degree(np.log(greatest / problem.rtol) / convergence(ratio))
+    degree = relaxed_degree(required_degree(greatest / problem.rtol, ratio))
     return float(max(degree, LOWEST_DEGREE))
 
 
@@ -96,7 +92,7 @@ def degree_of_modes(problem: Problem) -> float:
 
     Here m is the greatest number of a mode among the slowest ones (`relaxation_times_by_ring`). On
     thin layers the slowest modes may all be on one ring, and they may be shorter than
-    `COMPARED_MODES` half-waves on it: then m is `COMPARED_MODES`, and `defaults.largest_under_face`
+    `COMPARED_MODES` half-waves on it: then m is `COMPARED_MODES`, and `quads.largest_under_face`
     makes elements narrower.
 
     Measured errors of three relaxation times: 1e-2, 2e-4, 7e-7, 1e-9 in degrees 4, 6, 8, 10 if all
@@ -168,9 +164,8 @@ def pressure_count(problem: Problem, ratio: float) -> float:
 
     Notes
     -----
-    It is the sum of the degrees over all elements. An element at the distance x from an edge has
-    the degree ``ln(A(x) / rtol) / ln rho`` of `pressure_degree`; elements are as small as
-    `edge_sizes`.
+    It is the sum over all elements of the degrees that the amplitudes on them require; elements are
+    as small as `edge_sizes`.
     """
     half_width, sizes, amplitude = (
         np.diff(problem.merged.from_axis) / 2,
@@ -185,8 +180,8 @@ def pressure_count(problem: Problem, ratio: float) -> float:
     ):
         distance = reach[:, None] * ratio ** np.arange(np.ceil(np.log(sizes.min()) / np.log(ratio)))
         edges = np.broadcast_to(edges[:, None], distance.shape)
-        digits = np.log(amplitude(distance, reach[:, None], edges) / problem.rtol)
-        degrees = np.clip(relaxed_degree(digits / convergence(ratio)), LOWEST_DEGREE, highest)
+        wanted = required_degree(amplitude(distance, reach[:, None], edges) / problem.rtol, ratio)
+        degrees = np.clip(relaxed_degree(wanted), LOWEST_DEGREE, highest)
         total += float(np.sum(degrees, where=distance > size[:, None]))
     return total
 

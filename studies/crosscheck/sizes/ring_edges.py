@@ -5,6 +5,7 @@ punch radii a. The comment on a constant names the test under `tests/` or the st
 it, if there is one.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -205,6 +206,29 @@ def root_of_unresolved_wear(problem: Problem, size: float, at_hole: bool = False
     worn_length = (at_edges[0, 0] if at_hole else at_edges[-1, -1]) * problem.distances
     share = worn_length / (1 - problem.inner_radius)
     return np.sqrt(np.where(worn_length < size, share, 0.0))
+
+
+def missing_layers(problem: Problem, smallest: float) -> Array:
+    """Return how many layers of elements (T,) the mesh lacks at each time for the error estimate.
+
+    Parameters
+    ----------
+    problem : its `estimate_times` are those times
+    smallest : smallest element size that the method can use; 0 if there is no limit
+
+    Notes
+    -----
+    ``ln(wanted / smallest) / ln(QUAD_GRADING)``, but at least 0, with the smallest size `wanted` of
+    `edge_sizes` if the history begins at that time.
+    """
+    layers = np.zeros(len(problem.estimate_times))
+    for index, time in enumerate(problem.estimate_times):
+        problem_at_time = replace(problem, times=np.array([time]))
+        wanted = float(edge_sizes(problem_at_time).min()) if problem_at_time.earliest else np.inf
+        layers[index] = (
+            max(np.log(wanted / smallest) / np.log(QUAD_GRADING), 0.0) if smallest else 0.0
+        )
+    return layers
 
 
 # cached, because the reasons of all compared times need it

@@ -14,7 +14,7 @@ import numpy as np
 
 from ....mdr import energy
 from ....meshes.pressure_space import PressureSpace
-from ....meshes.radial import Array, exact_graded_breakpoints
+from ....meshes.radial import Array
 from ..problem.face import Rings
 from ..problem.loading import Loading
 from ..problem.problem import Problem
@@ -107,8 +107,4 @@ def _space(rings: Rings, length: float) -> PressureSpace:
     """Return a graded space whose smallest elements are the length times wear coefficients."""
     slower, _ = rings.wear_at_edges
     sizes = np.minimum(np.maximum(slower * length, 1e-13), 0.1 * rings.widths_at_edges)
-    breakpoints, low_parts = exact_graded_breakpoints(
-        rings.ring_edges, sizes[:-1], float(sizes[-1]), GRADING
-    )
-    degrees = np.full(len(breakpoints) - 1, DEGREE)
-    return PressureSpace(breakpoints, degrees, rings.ring_edges, low_parts)
+    return PressureSpace.graded(rings.ring_edges, sizes, GRADING, DEGREE)

@@ -14,7 +14,7 @@ from ....mdr.energy import compliance
 from ....meshes.compliance import Compliance
 from ....meshes.ground.ground import HALF_SPACE, Ground
 from ....meshes.pressure_space import PressureSpace
-from ....meshes.radial import Array, graded_breakpoints
+from ....meshes.radial import Array
 from ..problem.problem import Problem, Rings
 from ..problem.sections import RUNNING_IN
 from .modes import BandedCholesky, slowest_times
@@ -130,10 +130,8 @@ def _slowest_times(
 ) -> Array:
     degree, rim_size, grading = sizes
     rings = Rings(np.array(ring_edges), np.array(wear_coefficients))
-    breakpoints = graded_breakpoints(
-        rings.ring_edges, 0.2 * rings.narrower, min(rim_size, 0.1 * rings.widths[-1]), grading
-    )
-    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, degree), rings.ring_edges)
+    smallest = np.append(0.2 * rings.narrower, min(rim_size, 0.1 * rings.widths[-1]))
+    space = PressureSpace.graded(rings.ring_edges, smallest, grading, degree)
     widest = rings.widths[space.ring] / ELEMENTS_PER_RING
     space = space.no_wider(np.minimum(widest, ground.first_thickness))
     to_pressure = space.joined(rings.wear_coefficients)

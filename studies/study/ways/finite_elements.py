@@ -20,16 +20,15 @@ from ....fem import (
     pressure_space,
     squared_indicators,
 )
-from ....meshes import Array, SizeField, bisection, truncation
+from ....meshes import FAR_TRUNCATION, Array, SizeField, bisection, truncation
 from ....meshes.by_gmsh import graded
 from ...crosscheck import (
     GROWTH,
     QUAD_GRADING,
-    WIDER_TRUNCATION,
     FemAccuracy,
     Problem,
     Solution,
-    half_space_mesh,
+    fem_sizes,
     half_space_on,
     pole_orders,
     triangle_degree,
@@ -265,7 +264,7 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
         if "degree" in chosen:
             chosen["degree"] = chosen["degree"] or triangle_degree(problem)
         at_level = replace(problem, rtol=level, fem=FemAccuracy.model_validate(chosen))
-        return solved(problem, half_space_on(at_level, half_space_mesh(at_level)))
+        return solved(problem, half_space_on(at_level, fem_sizes(at_level)))
 
     return Way(name, "fem", tolerances, solve, COUNTED)
 
@@ -276,7 +275,7 @@ def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
     def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
         settings = FemAccuracy.model_validate({"mesher": "quads"})
         at_rtol = replace(problem, rtol=rtol, fem=settings)
-        mesh = half_space_mesh(at_rtol).mesh
+        mesh = fem_sizes(at_rtol).mesh
         return on_mesh(problem, mesh, level, pole_orders(at_rtol, truncation(mesh)))
 
     return Way("rising degree", "fem", degrees, solve, COUNTED)
@@ -289,7 +288,7 @@ def coarsest(problem: Problem) -> MeshTri:
     between the nodal values there and the poles that they interpolate.
     """
     edges, size = problem.merged.ring_edges, COARSEST_SIZE
-    field = SizeField(tuple(edges.tolist()), size, size, 0.0, WIDER_TRUNCATION, size)
+    field = SizeField(tuple(edges.tolist()), size, size, 0.0, FAR_TRUNCATION, size)
     mesh = bisection.mesh(field)
     return bisection.refined(mesh, mesh.f2t[0, mesh.boundaries["far"]], edges)
 

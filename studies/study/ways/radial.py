@@ -83,8 +83,9 @@ def graded_radii(method: str, degree: int, gradings: Sequence[float]) -> Way:
 
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
         edges = problem.merged.ring_edges
-        cells = graded_breakpoints(edges, RING_SIZE, RIM_SIZE, level)
-        return on_radii(problem, method, cells, degree)
+        sizes = np.append(np.full(np.count_nonzero(edges) - 1, RING_SIZE), RIM_SIZE)
+        radii, _low_parts = graded_breakpoints(edges, sizes, level)
+        return on_radii(problem, method, radii, degree)
 
     def size(level: float) -> float:
         return float((1 - level**0.5) / (1 + level**0.5))

@@ -17,7 +17,7 @@ from ...crosscheck import (
     Solution,
     Stages,
     method,
-    radial_space,
+    radial_sizes,
     solved_to_accuracy,
 )
 from ..way import Way
@@ -34,7 +34,9 @@ LONGEST_STEP_FRACTION = 0.25
 """Longest step, over the earliest time, for which the error there is proportional to the step."""
 STABLE_PART = 0.8
 """Time step of the naive finite elements, relative to the greatest stable one on their mesh."""
-COARSE_SPACE = {"degree": 2, "rim_size": 0.02, "ring_size": 0.02, "grading": 0.5}
+COARSE_SPACE = MdrAccuracy.model_validate(
+    {"degree": 2, "rim_size": 0.02, "ring_size": 0.02, "grading": 0.5}
+)
 """Pressure space of explicit marches: so coarse that a few thousand stable steps are enough."""
 
 
@@ -135,7 +137,7 @@ def coarse_stability_limit(problem: Problem) -> float:
 
 def on_coarse_space(problem: Problem) -> Solution:
     """Return the solution by the march of the problem on the coarse space of explicit marches."""
-    space = radial_space(problem, **COARSE_SPACE)  # type: ignore[arg-type]
+    space = radial_sizes(replace(problem, mdr=COARSE_SPACE)).space(problem)
     full = FullContact(problem, energy.compliance(space, problem.ground))
     size = full.compliance.space.size
     results, compared = full.results | full.answers, full.compared | full.answers
@@ -151,8 +153,9 @@ def explicit_steps(parts: Sequence[float]) -> Way:
     """
 
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        coarse = replace(problem, mdr=MdrAccuracy.model_validate(COARSE_SPACE))
-        marched = replace(coarse, march="explicit", step=level * stable_step(problem))
+        marched = replace(
+            problem, mdr=COARSE_SPACE, march="explicit", step=level * stable_step(problem)
+        )
         return method("mdr").solve(marched, Stages("mdr"))
 
     return Way("MDR, explicit Euler", "mdr", parts, solve, STABLE_STEP, float)

@@ -7,7 +7,6 @@ from ringwear import Ground, PressureSpace, RunningIn, energy, press_flat
 from ringwear.mdr.annulus import flat_annulus
 from ringwear.mdr.annulus_bounds import stiffness_bounds
 from ringwear.mdr.flat_punch import flat_punch_of
-from ringwear.meshes.radial import exact_graded_breakpoints
 
 # F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
 STIFFNESSES = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
@@ -50,10 +49,8 @@ def test_the_flat_annulus_on_layers(ground, inner_radius):
     annulus = flat_annulus(inner_radius, ground=ground)
     finer = flat_annulus(inner_radius, 2 * len(annulus.coefficients), ground)
     assert annulus.indentation == pytest.approx(finer.indentation, rel=1e-13)
-    edges = np.array([inner_radius, 1.0])
-    breakpoints, low_parts = exact_graded_breakpoints(edges, np.array([1e-12]), 1e-12, 0.15)
-    degrees = np.full(len(breakpoints) - 1, 8)
-    space = PressureSpace(breakpoints, degrees, edges, low_parts).no_wider(ground.first_thickness)
+    space = PressureSpace.graded([inner_radius, 1.0], 1e-12, 0.15, 8)
+    space = space.no_wider(ground.first_thickness)
     compliance = energy.compliance(space, ground)
     radii = inner_radius + (1 - inner_radius) * np.linspace(0.1, 0.9, 9)
     # polynomials that know nothing of the annulus, and its own functions

@@ -12,7 +12,8 @@ from ringwear.meshes.radial import graded_breakpoints, layer_degrees
 
 
 def graded(edges):
-    breakpoints = graded_breakpoints(edges, 1e-4, 1e-7, 0.2)
+    sizes = np.append(np.full(len(edges) - 2, 1e-4), 1e-7)
+    breakpoints, _ = graded_breakpoints(edges, sizes, 0.2)
     return PressureSpace(breakpoints, layer_degrees(breakpoints, edges, 8, 1, 2), edges)
 
 

@@ -81,7 +81,7 @@ def test_rms_slopes_against_quadrature_and_limits(average):
 
 def test_energies_of_rings_by_the_mdr():
     """``int u p dA = 2 int q^2 dx``, which is 16/3 for the disc."""
-    breakpoints = graded_breakpoints(EDGES, 1e-4, 1e-4, 0.2)
+    breakpoints, _ = graded_breakpoints(EDGES, 1e-4, 0.2)
     space = PressureSpace(breakpoints, layer_degrees(breakpoints, EDGES, 6, rise=1), EDGES)
     rings = space.ring_indicator()
     energies = rings.T @ energy.compliance(space).matrix @ rings

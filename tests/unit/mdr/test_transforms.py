@@ -22,7 +22,7 @@ EDGES = np.array([0.0, 0.3, 0.45, 0.9, 1.0])
 @pytest.fixture(params=[(6, EDGES), (9, EDGES), (6, EDGES[1:])], ids=["6", "9", "6, hollow"])
 def space(request):
     degree, edges = request.param
-    radii = graded_breakpoints(edges, 1e-4, 1e-4, 0.2)
+    radii, _ = graded_breakpoints(edges, 1e-4, 0.2)
     return PressureSpace(radii, layer_degrees(radii, edges, degree, rise=1), edges)
 
 

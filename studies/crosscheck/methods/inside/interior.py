@@ -28,7 +28,7 @@ from .....mdr.flat_punch import P0, flat_punch_of
 from .....meshes.radial import Array, Indices
 from ...problem.problem import Problem
 from ...scene.scene import Scene
-from ...sizes import defaults
+from ...sizes.finite_elements import coarser_pole_orders
 from ...wear.full_contact import RunningIn
 from ..base import Solution
 from ..error_factors import error_factor
@@ -126,7 +126,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
         poles = half_space.poles
     # A clamped boundary is compared with one that is not clamped: the difference is the error
     # itself, far greater than any other.
-    orders = (poles, defaults.coarser_pole_orders(poles)) if half_space.poles else ((), poles)
+    orders = (poles, coarser_pole_orders(poles)) if half_space.poles else ((), poles)
     # with a lower degree there may be no stable pressures
     degree = max(half_space.solid.degree, 3) + (not full_contact)
     # sizes that the scene sets are not changed, and a higher degree does not reduce errors of

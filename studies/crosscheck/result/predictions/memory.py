@@ -7,13 +7,12 @@ import numpy as np
 
 from .....meshes.errors import SceneError
 from ...methods.base import Method
-from ...methods.spaces import radial_space
 from ...problem.problem import Problem
 from ...problem.quantities import FIELDS, GROUPS, HISTORIES, QUANTITIES
 from ...problem.written import shown
 from ...scene.scene import Scene
 from ...sizes.cells import cells_of, graded_to_worn_layers
-from ...sizes.defaults import mdr_sizes
+from ...sizes.radial import radial_sizes
 from ..scope import chosen_methods
 from .machine import GIB, machine_memory
 
@@ -80,7 +79,7 @@ def memory_need(
         # where contact begins is not known before the run; without free edges, cells are the most
         space = graded_to_worn_layers(problem, cells_of(problem)).space()
     else:
-        space = radial_space(problem, **mdr_sizes(problem))
+        space = radial_sizes(problem).space(problem)
     marching = [entry for entry in entries if "history" not in entry.lacks]
     copies = len(marching) * (COPIES if len(marching) > 1 else COPIES_ALONE)
     in_fields, in_others = (copies * numbers for numbers in _results_at_each_time(problem))

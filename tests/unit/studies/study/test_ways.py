@@ -19,7 +19,6 @@ from ringwear import (
 )
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.half_space import contact_radii, quality
-from ringwear.meshes.radial import graded_breakpoints
 from ringwear.studies.convergence import GRADINGS_OF_ONE_RING, explain_start, ways_of_one_ring
 from ringwear.studies.study.errors import STRESS, error
 from ringwear.studies.study.measure import measure
@@ -355,8 +354,7 @@ def flat_punch_on_axis(poisson_ratio):
 
 @pytest.mark.parametrize("ratio", [0.0, 0.3, 0.5])
 def test_stresses_on_the_axis_are_those_of_the_flat_punch(ratio):
-    breakpoints = graded_breakpoints(np.array([0.0, 1.0]), 1e-13, 1e-13, 0.3)
-    space = PressureSpace(breakpoints, np.full(len(breakpoints) - 1, 5), np.array([0.0, 1.0]))
+    space = PressureSpace.graded([0.0, 1.0], 1e-13, 0.3, 5)
     pressed = press_flat(energy.compliance(space))
     stresses = boussinesq_stresses(space, pressed.pressure[None], ratio)[0]
     np.testing.assert_allclose(stresses, flat_punch_on_axis(ratio), atol=1e-6)

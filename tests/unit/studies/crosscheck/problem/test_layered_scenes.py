@@ -9,7 +9,7 @@ from ringwear.meshes.half_space import areas
 from ringwear.studies.check.template import write_template
 from ringwear.studies.crosscheck.anchors.reading import Reading
 from ringwear.studies.crosscheck.problem.unit_names import kind_of
-from ringwear.studies.crosscheck.sizes.half_space_mesh import half_space_mesh
+from ringwear.studies.crosscheck.sizes.finite_elements import fem_sizes
 from ringwear.studies.crosscheck.sizes.shared import discretisation_key
 from ringwear.studies.named_studies import STUDIES
 from ringwear.studies.sweep.axes import Sweep
@@ -111,7 +111,7 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
     ):
         assert words in fem.refusal(pad(**changes).problem), changes
     with pytest.raises(SceneError, match="quadrilaterals"):
-        half_space_mesh(pad(accuracy__fem={"mesher": "gmsh"}).problem)
+        fem_sizes(pad(accuracy__fem={"mesher": "gmsh"}).problem)
 
 
 @pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "elements", "march"])
@@ -133,7 +133,7 @@ def test_no_interface_nearly_touches_the_outer_boundary():
 
 @pytest.mark.gmsh
 def test_interfaces_are_lines_of_the_mesh():
-    mesh = half_space_mesh(pad().problem).mesh
+    mesh = fem_sizes(pad().problem).mesh
     depths = mesh.p[1, mesh.t]
     for interface in (0.2, 0.6):
         assert not ((depths < interface - 1e-9).any(0) & (depths > interface + 1e-9).any(0)).any()

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from ringwear import Scene
-from ringwear.studies.crosscheck.methods.spaces import radial_space
-from ringwear.studies.crosscheck.sizes import defaults
+from ringwear.studies.crosscheck.sizes.degrees import pressure_degree
+from ringwear.studies.crosscheck.sizes.radial import radial_sizes
 
 THREE = Scene.load("five_rings").changed(punch__rings=3, load__normal_force=1.0)
 
@@ -14,9 +14,10 @@ THREE = Scene.load("five_rings").changed(punch__rings=3, load__normal_force=1.0)
 def test_a_cap_on_the_degree_changes_only_higher_degrees():
     """Elements whose wanted degree is below the cap keep it; all others have the cap."""
     problem = replace(THREE.problem, rtol=1e-9)
-    sizes = defaults.mdr_sizes(problem)
-    wanted = int(np.ceil(defaults.pressure_degree(problem, sizes["grading"])))
-    whole = radial_space(problem, **sizes | {"degree": wanted}).degrees
-    capped = radial_space(problem, **sizes | {"degree": 18}).degrees
+    sizes = radial_sizes(problem)
+    wanted = int(np.ceil(pressure_degree(problem, sizes.grading)))
+    whole, capped = (
+        replace(sizes, degree=highest).space(problem).degrees for highest in (wanted, 18)
+    )
     assert whole.max() == wanted > 18
     assert (capped == np.minimum(whole, 18)).all()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ringwear import RunningIn, Scene, SolverError, Stages, energy, method
-from ringwear.studies.crosscheck.sizes.defaults import quad_degree
+from ringwear.studies.crosscheck.sizes.quads import quad_degree
 from ringwear.studies.crosscheck.verdict.operators import check_multipliers, difference
 
 FIVE = Scene.load("five_rings")
