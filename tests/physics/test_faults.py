@@ -264,7 +264,7 @@ def right():
         ("indentation", 1.001, "flat start, d = F / (2 a E*)"),
         # an anchor does not hold for NaN
         ("indentation", np.nan, "flat start, d = F / (2 a E*)"),
-        ("indentation", 1.001, "reciprocity with the flat punch"),
+        ("indentation", 1.001, "u + f = d in contact"),
         ("ring_force", 1.001, "ring forces add up to F"),
         ("relaxation_time", 1.001, "relaxation times, by an independent small problem"),
         ("steady_wear_rate", 1.001, "steady_wear_rate in closed form"),

@@ -137,6 +137,6 @@ def test_the_face_resolves_layers_beside_rings_that_hardly_wear():
     """The RMS slope was right, but an anchor computed it on a face that missed the layers."""
     (*_, table) = draw("load", 9, 10)
     result = run(Scene.from_table(table | {"methods": ["mdr"]}))
-    (anchor,) = [each for each in result.anchors if each.name == "RMS slope of the face"]
+    (anchor,) = [each for each in result.anchors if each.name == "RMS slope of the profile"]
     assert anchor.difference < table["accuracy"]["rtol"]
     assert all(each.holds for each in result.anchors)

@@ -64,9 +64,7 @@ def check_decay(report: Reported) -> Rows:
     force = report.take("normal_force")
     if report.full_contact and report.includes_start:
         tolerance = report.tolerance("normal_force")[0]
-        name = "flat start, F = 2 a E* d"
-        if report.inner_radius or report.reading.ground.layered:
-            name = f"flat start, F {report.kind_of_punch}"
+        name = report.name_of_start("F", "2 a E* d")
         yield Row(name, force[0], 1.0, tolerance)
     if report.graded:
         return

@@ -7,8 +7,6 @@ methods share. Each method is checked on its own. In full contact, with the grea
     F = int p dA, on each ring too           force
     int F v0 dt = int f / k dA               Archard's law, integrated over face and time
     V_j(t2) - V_j(t1) = k_j int F_j ds       the same on each ring
-    d = F d0 + int f p0 dA                   reciprocity with the flat punch, u0 = d0
-    d = int us p dA + int f ps dA            reciprocity with the steady pressures ps
     d'(2 t) = int k p^2 dA                   power, at F = 1
 
 At a fixed indentation F is the decaying force, and ``-d0 F'`` replaces d' in the last equation.
@@ -28,7 +26,7 @@ from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
 from ..scene.scene import Scene
-from . import answers, balances, fields, inputs, modes, moving, start, steady, wear
+from . import answers, balances, fields, identities, inputs, modes, moving, start, steady, wear
 from .anchor import Anchor, Rows, judge
 from .reading import Reading
 from .reported import Reported
@@ -65,19 +63,19 @@ def _fixed_indentation(report: Reported) -> bool:
     return report.fixed_indentation
 
 
-def _fixed_indentation_and_sliding(report: Reported) -> bool:
-    return report.fixed_indentation and report.full_contact and bool(report.has_slid.any())
-
-
 def _given_force_and_sliding(report: Reported) -> bool:
     return not report.fixed_indentation and _full_contact_and_sliding(report)
+
+
+def _has_times(report: Reported) -> bool:
+    return report.times.size > 0
 
 
 def _moving(report: Reported) -> bool:
     return not report.full_contact and report.times.size > 0
 
 
-MOVING_FIELDS = "pressure profile displacement indentation normal_force"
+FIELDS_OF_CONTACT = "pressure profile displacement indentation normal_force"
 CHECKS = (
     Check(inputs.check_inputs),
     Check(inputs.check_times),
@@ -93,35 +91,29 @@ CHECKS = (
     ),
     Check(start.check_start, "indentation", _full_contact),
     Check(start.check_start_pressures, "pressure ring_force", _full_contact),
-    Check(fields.check_modes, "relaxation_time", _full_contact),
+    Check(modes.check_relaxation_times, "relaxation_time", _full_contact),
     Check(modes.check_modes_of_history),
-    Check(
-        fields.check_fields,
-        "indentation profile displacement displacement_centre displacement_max",
-        _full_contact,
-    ),
-    Check(fields.check_slopes, "profile rms_slope", _full_contact),
     Check(fields.check_output, "indentation pressure profile displacement", _sliding),
     Check(wear.check_wear, "indentation pressure profile", _given_force_and_sliding),
-    Check(
-        wear.check_wear, "indentation pressure profile normal_force", _fixed_indentation_and_sliding
-    ),
     Check(wear.check_power, "pressure", _full_contact_and_sliding),
     Check(wear.check_ring_volumes, "indentation profile ring_force", _full_contact_and_sliding),
     Check(fields.check_contact_radius, "contact_radius", _full_contact),
     Check(answers.check_times_of_running_in, "indentation", _full_contact),
     Check(answers.check_repeated_numbers),
     Check(answers.check_worn_volumes_of_profile, "indentation profile"),
-    Check(moving.check_kinematics, MOVING_FIELDS, _moving),
-    Check(moving.check_reciprocity, MOVING_FIELDS, _moving),
+    Check(identities.check_kinematics, FIELDS_OF_CONTACT, _has_times),
+    Check(identities.check_force, FIELDS_OF_CONTACT, _has_times),
+    Check(identities.check_reciprocity, FIELDS_OF_CONTACT, _has_times),
     Check(
-        moving.check_numbers_of_fields,
-        f"{MOVING_FIELDS} contact_radius displacement_centre displacement_max rms_slope",
-        _moving,
+        identities.check_extremes,
+        f"{FIELDS_OF_CONTACT} displacement_centre displacement_max",
+        _has_times,
     ),
-    Check(moving.check_pressures_inside, MOVING_FIELDS, _moving),
-    Check(moving.check_disc, MOVING_FIELDS, _moving),
-    Check(moving.check_peak, MOVING_FIELDS, _moving),
+    Check(identities.check_slope, f"{FIELDS_OF_CONTACT} rms_slope", _has_times),
+    Check(moving.check_contact_radius, f"{FIELDS_OF_CONTACT} contact_radius", _moving),
+    Check(moving.check_pressures_inside, FIELDS_OF_CONTACT, _moving),
+    Check(moving.check_disc, FIELDS_OF_CONTACT, _moving),
+    Check(moving.check_peak, FIELDS_OF_CONTACT, _moving),
 )
 
 # names of the anchors that every report of a kind must have; the verdict is undecided without them
@@ -141,7 +133,8 @@ CONTACT_ANCHORS = {
         "flat start of the answer",
         "force shares of the answer at the start",
         "running-in time of the answer",
-        "displacement, u = d - f",
+        "u + f = d in contact",
+        "F = int p dA",
         "greatest displacement",
         "reciprocity with the flat punch",
         "modes add up to the flat start",

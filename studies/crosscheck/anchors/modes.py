@@ -1,16 +1,57 @@
-"""Check the relaxation modes that a history is a sum of."""
+"""Check the relaxation modes that a history is a sum of, and their times."""
 
 import numpy as np
 
+from ....mdr import energy, ring_kernel
 from ..wear.full_contact import RunningIn
+from ..wear.time_scale import COARSE, FINE, slowest_relaxation_times
 from .anchor import Row, Rows
-from .reported import ROUNDOFF_TOLERANCE, Reported
+from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
+# number of relaxation times that are compared: the independent small problem resolves that many
+COMPARED_TIMES = 8
+# the small problem is solved on two meshes; a relaxation time is not compared if the relative
+# difference of the two is larger than this
+LARGEST_MESH_DIFFERENCE = 0.01
 # number of random combinations of the modes that are tried, and the seed of their coefficients
 COMBINATIONS, SEED = 3, 0
 # Part of the slowest relaxation time down to which the compliance is tried: the energy of a faster
 # mode is a difference that may lose more digits than the tolerance allows.
 FASTEST_TRIED = 1e-5
+
+
+def check_relaxation_times(report: Reported) -> Rows:
+    """Compare relaxation times with those of a small problem that is solved independently."""
+    if (running_in := report.solution.wear) is None:
+        return
+    times = report.take("relaxation_time")
+    # use another theory than the method does
+    half_space = ring_kernel.compliance if report.name == "mdr" else energy.compliance
+    rings, ground = report.problem.merged, report.reading.ground
+    coarse, fine = (
+        slowest_relaxation_times(rings, report.fixed_indentation, sizes, half_space, ground)
+        for sizes in (COARSE, FINE)
+    )
+    stated_errors = report.errors("relaxation_time")[0]
+    reported = int(np.isfinite(times).sum())
+    count = min(len(coarse), len(fine), len(stated_errors), reported, COMPARED_TIMES)
+    if count:
+        mesh_difference = np.abs(coarse[:count] / fine[:count] - 1)
+        allowed = (
+            np.fmax(stated_errors[:count], report.rtol) + REFERENCE_ERROR_FACTOR * mesh_difference
+        )
+        # the slowest time is always compared, the others only if the small problem resolves them
+        tolerance = np.where(mesh_difference <= LARGEST_MESH_DIFFERENCE, allowed, np.inf)
+        tolerance[0] = allowed[0]
+        name = "relaxation times, by an independent small problem"
+        yield Row(name, times[:count], fine[:count], tolerance)
+    if report.has("running_in_time"):
+        value = report.take("running_in_time")
+        yield Row("running-in time of the answer", value, times[0], ROUNDOFF_TOLERANCE)
+    if report.has_slid.any():
+        yield Row(
+            "modes add up to the flat start", running_in.resolved_fraction, 1.0, ROUNDOFF_TOLERANCE
+        )
 
 
 def check_modes_of_history(report: Reported) -> Rows:

@@ -11,14 +11,25 @@ from ....mdr.flat_punch import FlatPunch, flat_punch_of
 from ....meshes.radial import Array
 from ..methods.base import Solution
 from ..problem.face import POINTS, radial_weight
+from ..problem.norms import greatest_depth
 from ..problem.quantities import DESCRIBED, STEADY
 from ..scene.scene import Scene
+from ..sizes.cells import tolerance_range
+from ..wear.unilateral import Mask
 from .reading import Reading
 
 # relative tolerance of sums and closed forms that hold to roundoff, independent of `rtol`
 ROUNDOFF_TOLERANCE = 1e-9
 # roundoff of a height over that height, a few units of the last digit
 HEIGHT_ROUNDOFF = 1e-15
+# error of an integral of the pressure over the face, over the largest contribution of one radius:
+# contact ends between two radii
+EDGE_QUADRATURE_FACTOR = 4.0
+# largest error estimate that enters the balances of whole fields of a moving contact, over rtol or
+# over the smallest tolerance that cell sizes respond to
+LARGEST_STATED_FACTOR = 4.0
+# least number of radii of the face in contact for an integral over it
+FEWEST_CONTACT_RADII = 20
 # forces below this part of the greatest force count as zero
 ROUNDOFF = 1e-12
 # bound on the error of a reference that is computed here (a quadrature or an interpolation on the
@@ -121,8 +132,9 @@ class Reported:
 
     @cached_property
     def depth_scale(self) -> Array:
-        """(T,) the same without the roundoff of the reported indentation, as a scale of errors."""
-        return self.solution.compared["depth"][self.in_contact]
+        """(T,) scale of errors of heights: the greatest depth so far, as in the norms."""
+        depth = greatest_depth(self.solution.compared, self.face)[self.in_contact]
+        return np.maximum(depth, np.finfo(float).tiny)
 
     @cached_property
     def depth_roundoff(self) -> Array:
@@ -132,10 +144,45 @@ class Reported:
         """
         return HEIGHT_ROUNDOFF * (1 + self.even_wear / self.depth_scale)
 
-    @property
-    def kind_of_punch(self) -> str:
-        """The kind of flat punch in words, if its start is not Eq. 10, for names of anchors."""
-        return "of an annulus" if self.inner_radius else "of a flat punch on layers"
+    def name_of_start(self, symbol: str, closed_form: str) -> str:
+        """Return the name of an anchor of the flat start; Eqs. 10 and 11 are those of a disc."""
+        if self.inner_radius:
+            return f"flat start, {symbol} of an annulus"
+        if self.reading.ground.layered:
+            return f"flat start, {symbol} of a flat punch on layers"
+        return f"flat start, {symbol} = {closed_form}"
+
+    @cached_property
+    def contact(self) -> Mask:
+        """(T, R) whether the radii of the face are in contact."""
+        if self.full_contact:
+            return np.ones(self.shape.shape, dtype=bool)
+        return np.asarray(self.take("pressure") > 0)
+
+    @cached_property
+    def force(self) -> Array:
+        """(T,) the force that is given; or the reported one, at a fixed indentation."""
+        if self.full_contact and not self.fixed_indentation:
+            return self.forces
+        return self.take("normal_force")
+
+    @cached_property
+    def scale(self) -> Array:
+        """(T,) the force as a scale of errors."""
+        return np.maximum(self.force, np.finfo(float).tiny)
+
+    @cached_property
+    def too_few_radii(self) -> Array:
+        """(T,) infinity at times with too few radii in contact for an integral, else 0."""
+        return np.where(self.contact.sum(axis=1) < FEWEST_CONTACT_RADII, np.inf, 0.0)
+
+    @cached_property
+    def edge_error(self) -> Array:
+        """(T,) error of an integral of the pressure because contact ends between two radii."""
+        if self.full_contact:
+            return np.zeros(len(self.times))
+        largest = (self.take("pressure") * self.face.areas).max(axis=1)
+        return np.asarray(EDGE_QUADRATURE_FACTOR * largest + self.too_few_radii)
 
     @cached_property
     def area(self) -> float:
@@ -229,6 +276,22 @@ class Reported:
     def tolerance(self, *names: str) -> Array:
         """Return `rtol`, or the method's largest error estimate if that is larger."""
         return np.fmax(self.errors(*names).max(axis=0), self.rtol)
+
+    def allowed(self, *names: str) -> Array:
+        """Return `rtol` plus the sum of the method's error estimates (...) of some quantities."""
+        return np.asarray(self.rtol + self.errors(*names).sum(axis=0))
+
+    def allowed_in_balances(self, *names: str) -> Array:
+        """Return what is allowed in balances of whole fields of a moving contact, or `allowed`.
+
+        While edges of the contact move, an error estimate far above `rtol` belongs to the radii
+        near an edge only.
+        """
+        allowed = self.allowed(*names)
+        if self.full_contact:
+            return allowed
+        finest = max(self.rtol, tolerance_range(self.problem, 0)[0])
+        return np.minimum(allowed, self.rtol + LARGEST_STATED_FACTOR * finest)
 
     def mean_square_slopes(self, profiles: Array) -> tuple[Array, Array]:
         """Return mean square slopes (T,) of profiles (T, R), and bounds (T,) on their errors.

@@ -14,9 +14,7 @@ def check_start(report: Reported) -> Rows:
     """Compare the indentation at the start, ``d = F / (2 a E*)`` for a solid punch."""
     tolerance, reference = report.tolerance("indentation"), report.flat.indentation
     if report.includes_start:
-        name = "flat start, d = F / (2 a E*)"
-        if report.inner_radius or report.reading.ground.layered:
-            name = f"flat start, d {report.kind_of_punch}"
+        name = report.name_of_start("d", "F / (2 a E*)")
         depth = report.take("indentation")[0]
         yield Row(name, depth, reference * report.forces[0], tolerance[0])
     if report.solution.wear is not None:
@@ -43,9 +41,7 @@ def check_start_pressures(report: Reported) -> Rows:
     if report.includes_start:
         pressure, force = (report.tolerance(name)[0] for name in ("pressure", "ring_force"))
         value = report.take("pressure", on_face=False)[0, inside] / report.forces[0]
-        name = "flat start, p = p0 / sqrt(1 - r^2/a^2)"
-        if report.inner_radius or report.reading.ground.layered:
-            name = f"flat start, p {report.kind_of_punch}"
+        name = report.name_of_start("p", "p0 / sqrt(1 - r^2/a^2)")
         yield Row(name, value, flat.pressure_at(report.radii[inside]), pressure)
         value = report.take("ring_force")[0] / report.forces[0]
         yield Row("flat start, forces of the rings", value, flat.ring_forces(edges), force, 1.0)

@@ -1,0 +1,135 @@
+"""Check identities of contact: kinematics, reciprocity, force, and numbers that follow from fields.
+
+They hold for every punch, in full contact and while edges of the contact move. Let a pressure p0
+on the face have the displacement u0. Any pressure fulfils
+
+    u + f = d where p > 0,     u + f >= d elsewhere      contact
+    F = int p dA                                         force
+    int u p0 dA = int u0 p dA                            reciprocity (Betti)
+
+with the pressure of the flat punch (u0 = d0, so that the right-hand side is F d0), a uniform
+pressure, and the pressure of the steady state.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ....meshes.radial import Array
+from ..problem.norms import LEAST_SLOPE
+from ..wear.unilateral import Mask
+from .anchor import Row, Rows
+from .reported import REFERENCE_ERROR_FACTOR, Reported
+
+# largest error of mean square slopes on the face, relative, with which they are a reference
+LARGEST_SLOPE_ERROR = 0.1
+# scale of an integral that is zero; it only prevents a division by zero
+SMALLEST_SCALE = 1e-100
+
+
+def check_kinematics(report: Reported) -> Rows:
+    """Compare displacement plus profile with the indentation, inside and outside the contact."""
+    gap = report.take("displacement") + report.shape - report.depth[:, None]
+    allowed = report.allowed("indentation", "displacement", "profile") + report.depth_roundoff
+    # leave out the last radius in contact, which lies in the cell in which contact ends: a part of
+    # this cell has worn for a part of the time only, but the cell has one height
+    inside = holds_around(report.contact, 1)
+    contact_gap = np.where(inside, np.abs(gap), 0.0).max(axis=1)
+    yield Row("u + f = d in contact", contact_gap, 0.0, allowed, report.depth_scale)
+    penetration = np.maximum(-gap.min(axis=1), 0.0)
+    # the factor 2 is for the cell that contains an edge of the contact
+    yield Row("no negative gap", penetration, 0.0, 2 * allowed, report.depth_scale)
+
+
+def check_extremes(report: Reported) -> Rows:
+    """Compare the displacement at the centre and the greatest one with the field."""
+    displacement, scale = report.take("displacement"), report.depth_scale
+    centre, interpolation_error = (
+        values[:, 0] for values in report.face.interpolate(displacement, report.reading.edges[:1])
+    )
+    tolerance = report.allowed("displacement", "displacement_centre") + report.too_few_radii
+    tolerance += REFERENCE_ERROR_FACTOR * interpolation_error / scale
+    value = report.take("displacement_centre")
+    yield Row("displacement at the centre", value, centre, tolerance, scale)
+    # the maximum may lie between the radius of the greatest value and one of its neighbours
+    neighbours = np.clip(
+        displacement.argmax(axis=1)[:, None] + [-1, 0, 1], 0, displacement.shape[1] - 1
+    )
+    spread = np.ptp(np.take_along_axis(displacement, neighbours, axis=1), axis=1)
+    tolerance = report.allowed("displacement", "displacement_max") + report.too_few_radii
+    tolerance += spread / scale
+    value = report.take("displacement_max")
+    yield Row("greatest displacement", value, displacement.max(axis=1), tolerance, scale)
+
+
+def check_slope(report: Reported) -> Rows:
+    """Compare the RMS slope with the slopes of the profile, unless it has steps."""
+    if report.problem.profile.recess.any():
+        return
+    slope = report.take("rms_slope")
+    squares, errors = report.mean_square_slopes(report.shape)
+    # the error of a very small slope is relative to the depth over the radius instead
+    scale = np.maximum(slope, LEAST_SLOPE * report.depth_scale)
+    error = errors / (2 * scale**2)
+    tolerance = report.allowed("rms_slope") + np.where(error > LARGEST_SLOPE_ERROR, np.inf, error)
+    yield Row("RMS slope of the profile", slope, np.sqrt(squares), tolerance, scale)
+
+
+class KnownPressure(NamedTuple):
+    """A pressure on the face whose displacement is known.
+
+    Parameters
+    ----------
+    name : its name in that of the anchor
+    pressure : (R,) pressure
+    displacement : (R,) displacement, or the one number of a flat punch
+    """
+
+    name: str
+    pressure: Array
+    displacement: Array | float
+
+
+def check_force(report: Reported) -> Rows:
+    """Compare the force with the integral of the pressure, and with that of the scene."""
+    integral, error = report.integrate(report.take("pressure"))
+    tolerance = report.allowed_in_balances("pressure") + (error + report.edge_error) / report.scale
+    yield Row("F = int p dA", report.force, integral, tolerance, report.scale)
+    if not report.fixed_indentation:
+        value = report.take("normal_force")
+        yield Row("F as in the scene", value, report.forces, 0.1 * report.rtol)
+
+
+def check_reciprocity(report: Reported) -> Rows:
+    """Compare displacement and pressure with known pressures and their displacements."""
+    face, flat = report.face, report.flat
+    known = [
+        KnownPressure("the flat punch", flat.pressure_at(face.radii), flat.indentation),
+        KnownPressure("a uniform pressure", np.ones(len(face.radii)), report.uniform_displacement),
+    ]
+    if not report.graded:
+        steady = report.steady_wear_rate / report.wear
+        displacement = report.steady_displacement(face.radii)
+        known.append(KnownPressure("the steady state", steady, displacement))
+    allowed = report.allowed_in_balances("displacement", "pressure")
+    for name, pressure, displacement in known:
+        left, error = report.integrate(report.take("displacement"), pressure)
+        if np.ndim(displacement):
+            right, error_right = report.integrate(report.take("pressure"), displacement)
+            error = error + error_right + report.edge_error
+        else:
+            right = displacement * report.force
+            error = error + report.too_few_radii
+        weight = (pressure * face.areas).sum()
+        tolerance = allowed * (weight * report.depth_scale + right) + error
+        # the integral may be zero if contact is narrower than the distance of two radii
+        scale = np.maximum(right, SMALLEST_SCALE)
+        yield Row(f"reciprocity with {name}", left, right, tolerance / scale, scale)
+
+
+def holds_around(mask: Mask, reach: int) -> Mask:
+    """Return where a mask (T, n) is true, also at `reach` neighbours on each side."""
+    padded = np.pad(mask, ((0, 0), (reach, reach)), mode="edge")
+    around = np.asarray(sliding_window_view(padded, 2 * reach + 1, axis=1))
+    return np.asarray(around.all(axis=2))
