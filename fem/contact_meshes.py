@@ -6,7 +6,7 @@ import numpy as np
 from skfem import Mesh
 
 from ..meshes import bisection
-from ..meshes.by_gmsh import cell_triangles
+from ..meshes.by_gmsh import triangles
 from ..meshes.by_gmsh.outline import Outline, truncation_with_interfaces
 from ..meshes.by_gmsh.quads import graded
 from ..meshes.contact_cells import ContactCells
@@ -108,7 +108,7 @@ def even_half_space(
         interfaces = tuple(ground.depths.tolist())
         outer = truncation_with_interfaces(interfaces, NEAR_TRUNCATION)
         outline = Outline.of_layers(outer, interfaces, ground.rigid)
-        mesh = cell_triangles.mesh(cells, growth, outline)
+        mesh = triangles.mesh_below_cells(cells, growth, outline)
     breakpoints, low_parts = contact_breakpoints(mesh, np.array(edges))
     linear = np.ones(len(breakpoints) - 1, dtype=np.int64)
     space = PressureSpace(breakpoints, linear, np.array(edges), low_parts)
@@ -129,7 +129,7 @@ def _triangles_by_bisection(cells: ContactCells, growth: float) -> Mesh:
             growth=growth,
             truncation=FAR_TRUNCATION,
             centre_size=cells.largest,
-            far_size=cell_triangles.FAR_SIZE,
+            far_size=triangles.FAR_SIZE_BELOW_CELLS,
             cells=cells,
         )
     )

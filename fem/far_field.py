@@ -79,12 +79,38 @@ def poles(
     stress : (k, n, 4) rr, zz, rz, hoop
     """
     r, z = points.T
-    nu, order = poisson_ratio, np.array(orders, dtype=np.int64)
+    order = np.array(orders, dtype=np.int64)
     first, second = (order + 1.0)[:, None], ((order + 1.0) * (order + 2))[:, None]
     (l0, l1, l2), (m0_r, m1_r, m2_r) = (
         (moments[order], first * moments[order + 1], second * moments[order + 2])
         for moments in _moments(points, int(order.max(initial=0)) + 2)
     )
+    displacement, stress = fields_of_waves(r, z, (l0, l1, l2), (m0_r, m1_r, m2_r), poisson_ratio)
+    return displacement / (2 * shear_modulus), stress
+
+
+def fields_of_waves(
+    r: Array,
+    z: Array,
+    cosines: tuple[Array, Array, Array],
+    sines: tuple[Array, Array, Array],
+    poisson_ratio: float,
+) -> tuple[Array, Array]:
+    """Return displacements times twice the shear modulus, and stresses, of loads on the surface.
+
+    Parameters
+    ----------
+    r, z : radii and depths, which broadcast with the integrals
+    cosines : integrals of ``s^n exp(-s z) J_0(s r)`` times the transform of the load, n = 0, 1, 2
+    sines : integrals of ``s^n exp(-s z) J_1(s r) / r`` times it
+    poisson_ratio : of the half-space
+
+    Returns
+    -------
+    displacement : (..., 2) radial, and axial (positive into the half-space)
+    stress : (..., 4) rr, zz, rz, hoop
+    """
+    nu, (l0, l1, l2), (m0_r, m1_r, m2_r) = poisson_ratio, cosines, sines
     hoop = z * m1_r - (1 - 2 * nu) * m0_r
     radial, axial = r * hoop, 2 * (1 - nu) * l0 + z * l1
     strain_rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
@@ -95,7 +121,7 @@ def poles(
         [dilatation_part + strain_rr, dilatation_part + strain_zz, shear, dilatation_part + hoop],
         axis=-1,
     )
-    return np.stack([radial, axial], axis=-1) / (2 * shear_modulus), stress
+    return np.stack([radial, axial], axis=-1), stress
 
 
 def fields_beyond(

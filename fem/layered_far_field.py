@@ -17,6 +17,7 @@ from scipy.special import j0, j1
 from ..meshes.ground.ground import Ground, interfaces, loaded_waves, travel, wave_numbers, waves
 from ..meshes.ground.line_energy import even_legendre
 from ..meshes.radial import Array, unit_gauss
+from .far_field import fields_of_waves
 
 # decay exponent (depth times wave number) at which a wave is zero in double precision
 ZERO_EXPONENT = 700.0
@@ -165,20 +166,11 @@ def _homogeneous(
     imaginary_depths : (x,) imaginary depths of the loads
     poisson_ratio, shear_modulus : elastic constants of the half-space
     """
-    nu, (r, z) = poisson_ratio, points.T[..., None]
+    r, z = points.T[..., None]
     deep = z + 1j * imaginary_depths
     rho = np.sqrt(r * r + deep * deep)
     cosine = deep / rho
-    l0, l1, l2 = (
-        function.real for function in (1 / rho, cosine / rho**2, (3 * cosine**2 - 1) / rho**3)
-    )
-    m0_r, m1_r, m2_r = (
-        function.real for function in (1 / (rho * (rho + deep)), 1 / rho**3, 3 * cosine / rho**4)
-    )
-    hoop = z * m1_r - (1 - 2 * nu) * m0_r
-    displacement = np.stack([r * hoop, 2 * (1 - nu) * l0 + z * l1], axis=-1)
-    dilatation_part = -2 * nu * l1
-    rr = z * (l2 - m1_r) - (1 - 2 * nu) * (l1 - m0_r)
-    zz = -(1 - 2 * nu) * l1 - z * l2
-    stress = [dilatation_part + rr, dilatation_part + zz, -z * r * m2_r, dilatation_part + hoop]
-    return displacement / (2 * shear_modulus), np.stack(stress, axis=-1)
+    cosines = (1 / rho).real, (cosine / rho**2).real, ((3 * cosine**2 - 1) / rho**3).real
+    sines = (1 / (rho * (rho + deep))).real, (1 / rho**3).real, (3 * cosine / rho**4).real
+    displacement, stress = fields_of_waves(r, z, cosines, sines, poisson_ratio)
+    return displacement / (2 * shear_modulus), stress

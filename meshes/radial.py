@@ -82,7 +82,8 @@ def graded_breakpoints(
         far narrower than the roundoff of its radius.
     """
     ring_edges = np.asarray(ring_edges, dtype=float)
-    at_edges = np.broadcast_to(sizes, (np.count_nonzero(ring_edges),))
+    count = int(np.count_nonzero(ring_edges))
+    at_edges = np.broadcast_to(np.asarray(sizes, dtype=float), count)
     rounded, low_parts, at_inner = [], [], axis_size
     if ring_edges[0] > 0:
         at_inner, at_edges = at_edges[0], at_edges[1:]

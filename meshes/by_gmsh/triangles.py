@@ -1,20 +1,30 @@
-"""The quarter disc in graded triangles, meshed by gmsh."""
+"""The quarter disc in graded triangles, meshed by gmsh: of given sizes, or on cells of the contact.
+
+Bisection (`meshes/bisection.py`) makes both without any library, but has no lines at interfaces of
+layers.
+"""
 
 import itertools
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 from skfem import MeshTri
 
+from ..contact_cells import ContactCells
 from ..errors import MeshError
 from ..half_space import as_half_space
-from ..radial import from_axis
-from ..sizes import SizeField
-from .session import TRIANGLE, elements, session, set_sizes
+from ..radial import Array, from_axis
+from ..sizes import SizeField, rounded_to_octaves
+from .outline import Outline, add_corners, add_surfaces
+from .session import TRIANGLE, Band, elements, session, set_sizes
 
 # gmsh produces a degenerate triangle now and then; factors on the growth, tried in this order
 GROWTH_FACTORS = (1.0, 0.95, 0.9)
+# greatest size of triangles below cells, over the truncation radius
+FAR_SIZE_BELOW_CELLS = 0.125
+# greatest size of triangles in a layer over its thickness: longer ones across a thin layer are flat
+SIZE_OF_LAYER = 3.0
 
 
 def mesh(field: SizeField) -> MeshTri:
@@ -27,28 +37,86 @@ def mesh(field: SizeField) -> MeshTri:
     MeshError
         if gmsh cannot be loaded or fails with every growth
     """
+
+    def generate(factor: float) -> MeshTri:
+        outline, radii = Outline(field.truncation), from_axis(field.ring_edges)
+        return _generate(outline, radii, field.sizes, factor * field.growth, field.largest)
+
+    return as_half_space(_first_that_succeeds(generate), np.array(field.ring_edges))
+
+
+def mesh_below_cells(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
+    """Mesh a quarter disc of layers whose facets on the contact are the given cells.
+
+    If gmsh fails, the mesh is tried again with a slightly smaller growth.
+
+    Parameters
+    ----------
+    cells : of the contact
+    growth : growth of the size of triangles with the distance from the contact
+    outline : of the quarter disc, with the interfaces of its layers
+
+    Raises
+    ------
+    MeshError
+        if gmsh cannot be loaded or fails with every growth
+    """
+    radii = cells.from_axis().breakpoints()
+    widths = np.diff(radii)
+    narrower = np.minimum(np.append(widths, np.inf), np.append(np.inf, widths))
+    sizes, largest = rounded_to_octaves(narrower), FAR_SIZE_BELOW_CELLS * outline.outer
+    bands = [
+        Band(top, bottom, min(largest, SIZE_OF_LAYER * (bottom - top)))
+        for top, bottom in itertools.pairwise((0.0, *outline.interfaces))
+    ]
+
+    def generate(factor: float) -> MeshTri:
+        return _generate(outline, radii, sizes, factor * growth, largest, bands, undivided=True)
+
+    return as_half_space(_first_that_succeeds(generate), np.array(cells.ring_edges), outline.base)
+
+
+def _first_that_succeeds(generate: Callable[[float], MeshTri]) -> MeshTri:
+    """Return the mesh of the first factor on the growth with which gmsh does not fail."""
     for factor in GROWTH_FACTORS[:-1]:
         with suppress(MeshError):
-            return _generate(replace(field, growth=factor * field.growth))
-    return _generate(replace(field, growth=GROWTH_FACTORS[-1] * field.growth))
+            return generate(factor)
+    return generate(GROWTH_FACTORS[-1])
 
 
-def _generate(field: SizeField) -> MeshTri:
-    """Mesh the quarter disc once."""
+def _generate(
+    outline: Outline,
+    radii: Array,
+    sizes: Array,
+    growth: float,
+    largest: float,
+    bands: Sequence[Band] = (),
+    undivided: bool = False,
+) -> MeshTri:
+    """Mesh the quarter disc once.
+
+    Parameters
+    ----------
+    outline : of the quarter disc
+    radii : (n,) radii of vertices on the contact, from 0 to 1
+    sizes : (n,) sizes there
+    growth : increase of the size per distance from them
+    largest : largest size anywhere
+    bands : ranges of depth in which the largest size is smaller
+    undivided : whether each interval between two radii is one facet
+    """
     with session() as gmsh:
-        geometry, outer = gmsh.model.geo, field.truncation
-        on_contact = [geometry.addPoint(edge, 0, 0) for edge in from_axis(field.ring_edges)]
-        surface_end, axis_end = geometry.addPoint(outer, 0, 0), geometry.addPoint(0, outer, 0)
-        curves = [geometry.addLine(a, b) for a, b in itertools.pairwise([*on_contact, surface_end])]
-        curves += [
-            geometry.addCircleArc(surface_end, on_contact[0], axis_end),
-            geometry.addLine(axis_end, on_contact[0]),
-        ]
-        geometry.addPlaneSurface([geometry.addCurveLoop(curves)])
+        geometry = gmsh.model.geo
+        corners = add_corners(geometry, outline)
+        points = [corners.origin, *(geometry.addPoint(radius, 0, 0) for radius in radii[1:])]
+        ends = itertools.pairwise([*points, corners.surface_end])
+        curves = [geometry.addLine(*pair) for pair in ends]
+        if undivided:
+            for curve in curves[:-1]:
+                geometry.mesh.setTransfiniteCurve(curve, 2)
+        add_surfaces(geometry, outline, corners, curves)
         geometry.synchronize()
-        refined = field.sizes < field.largest
-        points, sizes = np.array(on_contact)[refined], field.sizes[refined]
-        set_sizes(gmsh, points, sizes, field.growth, field.largest)
+        refined = sizes < largest
+        set_sizes(gmsh, np.array(points)[refined], sizes[refined], growth, largest, bands)
         gmsh.model.mesh.generate(2)
-        mesh = MeshTri(*elements(gmsh, TRIANGLE))
-    return as_half_space(mesh, np.array(field.ring_edges))
+        return MeshTri(*elements(gmsh, TRIANGLE))

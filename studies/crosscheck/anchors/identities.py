@@ -14,13 +14,11 @@ pressure, and the pressure of the steady state.
 from typing import NamedTuple
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from ....meshes.radial import Array
 from ..problem.norms import LEAST_SLOPE
-from ..wear.unilateral import Mask
 from .anchor import Row, Rows
-from .reported import REFERENCE_ERROR_FACTOR, Reported
+from .reported import REFERENCE_ERROR_FACTOR, Reported, holds_around
 
 # largest error of mean square slopes on the face, relative, with which they are a reference
 LARGEST_SLOPE_ERROR = 0.1
@@ -119,17 +117,10 @@ def check_reciprocity(report: Reported) -> Rows:
             right, error_right = report.integrate(report.take("pressure"), displacement)
             error = error + error_right + report.edge_error
         else:
-            right = displacement * report.force
+            right = np.asarray(displacement * report.force)
             error = error + report.too_few_radii
         weight = (pressure * face.areas).sum()
         tolerance = allowed * (weight * report.depth_scale + right) + error
         # the integral may be zero if contact is narrower than the distance of two radii
         scale = np.maximum(right, SMALLEST_SCALE)
         yield Row(f"reciprocity with {name}", left, right, tolerance / scale, scale)
-
-
-def holds_around(mask: Mask, reach: int) -> Mask:
-    """Return where a mask (T, n) is true, also at `reach` neighbours on each side."""
-    padded = np.pad(mask, ((0, 0), (reach, reach)), mode="edge")
-    around = np.asarray(sliding_window_view(padded, 2 * reach + 1, axis=1))
-    return np.asarray(around.all(axis=2))

@@ -11,8 +11,7 @@ import numpy as np
 
 from ....meshes.radial import Array
 from .anchor import Row, Rows
-from .identities import holds_around
-from .reported import REFERENCE_ERROR_FACTOR, Reported
+from .reported import REFERENCE_ERROR_FACTOR, Reported, holds_around
 
 # uncertainty of the contact radius, in cells of the face
 CONTACT_EDGE_CELLS = 3.0

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from ....mdr import direct
@@ -313,3 +314,10 @@ class Reported:
         """Return integrals (T,) of values (T, R) over the face, and bounds (T,) on their errors."""
         parts = values * weights * self.face.areas
         return parts.sum(axis=1), REFERENCE_ERROR_FACTOR * self.face.integral_error(parts)
+
+
+def holds_around(mask: Mask, reach: int) -> Mask:
+    """Return where a mask (T, n) is true, also at `reach` neighbours on each side."""
+    padded = np.pad(mask, ((0, 0), (reach, reach)), mode="edge")
+    around = np.asarray(sliding_window_view(padded, 2 * reach + 1, axis=1))
+    return np.asarray(around.all(axis=2))
