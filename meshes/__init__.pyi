@@ -32,6 +32,7 @@ from .half_space import (
     without_low_parts as without_low_parts,
 )
 from .pressure_space import (
+    BandedCholesky as BandedCholesky,
     PressureSpace as PressureSpace,
 )
 from .radial import (

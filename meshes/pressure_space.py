@@ -20,8 +20,11 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_matrix
+from scipy.linalg import LinAlgError, cholesky_banded
+from scipy.linalg.lapack import dtbtrs
+from scipy.sparse import csr_matrix, tril
 
+from .errors import SolverError
 from .radial import (
     Array,
     Indices,
@@ -34,6 +37,59 @@ from .radial import (
 
 # values of functions (float) or numbers of rings (int)
 Values = TypeVar("Values", Array, Indices)
+
+
+class BandedCholesky:
+    """Cholesky factor `L` of a symmetric positive definite band matrix ``L L^T``.
+
+    Matrices that couple only neighbours along the radius have such a band.
+
+    Parameters
+    ----------
+    matrix : symmetric matrix with a narrow band
+
+    Raises
+    ------
+    SolverError
+        if the matrix is not positive definite to roundoff
+    """
+
+    def __init__(self, matrix: csr_matrix) -> None:
+        entries = tril(matrix, format="coo")
+        below = entries.row - entries.col
+        band = np.zeros((int(below.max(initial=0)) + 1, matrix.shape[0]))
+        band[below, entries.col] = entries.data
+        try:
+            self._band = cholesky_banded(band, lower=True)
+        except LinAlgError as error:
+            raise SolverError(
+                f"the radial mesh is too extreme for double precision: {error}"
+            ) from error
+
+    def forward(self, right: Array, trans: str = "N") -> Array:
+        """Return ``L^-1`` (or ``L^-T`` if `trans` is "T") times a vector or a matrix."""
+        if not right.size:
+            # for empty arrays, LAPACK's wrapper writes outside the array
+            return right
+        columns = right.reshape(len(right), -1)
+        solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
+        return np.asarray(solution).reshape(right.shape)
+
+    def multiply(self, right: Array) -> Array:
+        """Return ``L`` times a vector or a matrix."""
+        columns = right.reshape(len(right), -1)
+        product = self._band[0, :, None] * columns
+        for below in range(1, len(self._band)):
+            product[below:] += self._band[below, :-below, None] * columns[:-below]
+        return np.asarray(product.reshape(right.shape))
+
+    def backward(self, right: Array) -> Array:
+        """Return ``L^-T`` times a vector or a matrix."""
+        return self.forward(right, "T")
+
+    def solve(self, right: Array) -> Array:
+        """Return the inverse of the matrix times a vector or a matrix."""
+        return self.backward(self.forward(right))
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,6 +295,23 @@ class PressureSpace:
         blocks = np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True)
         rows, columns = self.dofs[:, :, None], self.dofs[:, None, :]
         return self._assembled(blocks, rows, columns, self.size + 1)[:-1]
+
+    @cached_property
+    def _mass_factor(self) -> BandedCholesky:
+        return BandedCholesky(self.mass())
+
+    def projected(self, moments: Array) -> Array:
+        """Return the coefficients (size, ...) of the functions with given moments.
+
+        The moments (size, ...) are the integrals ``int f phi_i dA`` of a function f; the result is
+        its projection on the space, which has the same moments.
+
+        Raises
+        ------
+        SolverError
+            if the mass matrix is singular to roundoff
+        """
+        return self._mass_factor.solve(moments)
 
     def at_vertices(self, ring_values: ArrayLike) -> Array:
         """Return the values (size,) of a function given on rings, at the vertex of each hat.

@@ -272,7 +272,6 @@ from .wear.history import (
     History as History,
 )
 from .wear.modes import (
-    BandedCholesky as BandedCholesky,
     Modes as Modes,
     every_mode as every_mode,
 )

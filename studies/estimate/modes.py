@@ -22,9 +22,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from ...mdr import energy
-from ...meshes import Array, Compliance, Indices, PressureSpace, ring_of
+from ...meshes import Array, BandedCholesky, Compliance, Indices, PressureSpace, ring_of
 from ..crosscheck import (
-    BandedCholesky,
     Modes,
     Problem,
     Rings,

@@ -111,13 +111,13 @@ def check_reciprocity(report: Reported) -> Rows:
         displacement = report.steady_displacement(face.radii)
         known.append(KnownPressure("the steady state", steady, displacement))
     allowed = report.allowed_in_balances("displacement", "pressure")
-    for name, pressure, displacement in known:
+    for name, pressure, known_displacement in known:
         left, error = report.integrate(report.take("displacement"), pressure)
-        if np.ndim(displacement):
-            right, error_right = report.integrate(report.take("pressure"), displacement)
+        if np.ndim(known_displacement):
+            right, error_right = report.integrate(report.take("pressure"), known_displacement)
             error = error + error_right + report.edge_error
         else:
-            right = np.asarray(displacement * report.force)
+            right = np.asarray(known_displacement * report.force)
             error = error + report.too_few_radii
         weight = (pressure * face.areas).sum()
         tolerance = allowed * (weight * report.depth_scale + right) + error

@@ -50,19 +50,12 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     the verdict reports them. Each refinement multiplies the tolerance that sizes follow by
     `FINER`. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
     """
-    error = error_of_sizes(problem, solution)
-    # if edges of the contact move, a method may use half of the uncertainty of two methods
-    allowed = allowed_error(problem)
-    # the pressures on the cells, which are the same for every method
-    pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
-    smallest_rtol, largest_rtol = tolerance_range(problem, pressures)
-    rtol = min(problem.rtol, largest_rtol)
-    if method.sizes_given(problem):
-        return solution
+    error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
+    last_rtol = problem.rtol
     for _ in range(4):
-        if rtol <= smallest_rtol or error <= allowed:
+        rtol = next_rtol(method, problem, solution, last_rtol)
+        if rtol is None:
             break
-        rtol = max(smallest_rtol, FINER * rtol)
         numbers = method.name, error, allowed
         LOG.info("%8s  its error estimate %.1e is above %.1e: refining ...", *numbers)
         try:
@@ -71,7 +64,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
             # keep the coarser solution, whose error estimate is still valid
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
-        last_error, new_error = error, error_of_sizes(problem, finer)
+        last_rtol, last_error, new_error = rtol, error, error_of_sizes(problem, finer)
         if new_error < last_error:
             note = (
                 f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, because its "
@@ -81,6 +74,28 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
         if new_error > LITTLE_GAIN * last_error:
             break
     return solution
+
+
+def next_rtol(
+    method: Method, problem: Problem, solution: Solution, last_rtol: float
+) -> float | None:
+    """Return the tolerance that the sizes of the next refinement follow; None if there is none.
+
+    Parameters
+    ----------
+    method, problem : the method, and the problem with the requested tolerance
+    solution : the most accurate solution so far
+    last_rtol : tolerance that the sizes of the last refinement followed
+    """
+    # the pressures on the cells, which are the same for every method
+    pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
+    smallest, largest = tolerance_range(problem, pressures)
+    last_rtol = min(last_rtol, largest)
+    # if edges of the contact move, a method may use half of the uncertainty of two methods
+    is_accurate = error_of_sizes(problem, solution) <= allowed_error(problem)
+    if is_accurate or last_rtol <= smallest or method.sizes_given(problem):
+        return None
+    return max(smallest, FINER * last_rtol)
 
 
 @lru_cache(maxsize=16)

@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
 from ....meshes.compliance import Compliance
 from ....meshes.contact_cells import ContactCells, FreeEdge
@@ -144,7 +143,7 @@ def find_first_contact(
         # parts between two corners of the face need no refinement: cells are small at ring edges
         free_intervals = [part for part in intervals if part.inner_free or part.outer_free]
         penetrating = _penetrating_parts(
-            space, splu(space.mass().tocsc()).solve(matrix @ press.pressure), press, profile
+            space, space.projected(matrix @ press.pressure), press, profile
         )
         narrow_parts = [(part.inner, part.outer) for part in free_intervals] + penetrating
         while not (

@@ -24,7 +24,6 @@ from ....meshes.ground.ground import Ground
 from ....meshes.ground.line_energy import flat_series
 from ....meshes.pressure_space import PressureSpace, shapes
 from ....meshes.radial import Array, unit_gauss
-from .modes import BandedCholesky
 from .unilateral import Interval
 
 # Greatest number of functions in the expansion of the flat start. In exact arithmetic the first one
@@ -112,7 +111,7 @@ def flat_start(
     space = compliance.space
     count = max(1, min(MOST_FUNCTIONS, space.size // 3))
     series, forces = _start_series(space.inner_radius, count, compliance.ground)
-    projected = BandedCholesky(space.mass()).solve(_moments(space, len(series)) @ series)
+    projected = space.projected(_moments(space, len(series)) @ series)
     displacements = compliance.factor @ projected
     factor = np.asarray(np.linalg.qr(displacements, mode="r"))
     coefficients, depth = _press(factor, forces, indentation)

@@ -21,13 +21,13 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from ....meshes.compliance import Compliance
 from ....meshes.errors import SceneError
+from ....meshes.pressure_space import BandedCholesky
 from ....meshes.radial import Array
 from ..problem.loading import Loading
 from ..sizes.marching import steps_between
 from .flat_contact import FittedPress, FlatStart, SteadyState, flat_start
 from .history import History
 from .modes import (
-    BandedCholesky,
     Modes,
     TooEarlyError,
     every_mode,

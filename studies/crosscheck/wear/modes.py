@@ -11,10 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky_banded, eigh, eigh_tridiagonal, svd
+from scipy.linalg import eigh, eigh_tridiagonal, svd
 from scipy.linalg.blas import dsymv
-from scipy.linalg.lapack import dtbtrs
-from scipy.sparse import csr_matrix, tril
 from scipy.sparse.linalg import eigsh
 from scipy.special import dawsn, erfcx
 
@@ -29,58 +27,6 @@ KRYLOV_TOLERANCE = 1e-13
 LEAST_EXPONENT, POINTS_OF_LITTLE_DECAY = 0.1, 8
 # greatest number of relaxation times in results
 SHOWN_RELAXATION_TIMES = 20
-
-
-class BandedCholesky:
-    """Cholesky factor `L` of a symmetric positive definite band matrix ``L L^T``.
-
-    Parameters
-    ----------
-    matrix : csr_matrix
-        Symmetric matrix with a narrow band.
-
-    Raises
-    ------
-    SolverError
-        if the matrix is not positive definite to roundoff
-    """
-
-    def __init__(self, matrix: csr_matrix) -> None:
-        entries = tril(matrix, format="coo")
-        below = entries.row - entries.col
-        band = np.zeros((int(below.max(initial=0)) + 1, matrix.shape[0]))
-        band[below, entries.col] = entries.data
-        try:
-            self._band = cholesky_banded(band, lower=True)
-        except LinAlgError as error:
-            raise SolverError(
-                f"the radial mesh is too extreme for double precision: {error}"
-            ) from error
-
-    def forward(self, right: Array, trans: str = "N") -> Array:
-        """Return ``L^-1`` (or ``L^-T`` if `trans` is "T") times a vector or a matrix."""
-        if not right.size:
-            # for empty arrays, LAPACK's wrapper writes outside the array
-            return right
-        columns = right.reshape(len(right), -1)
-        solution, _ = dtbtrs(self._band, columns, uplo="L", trans=trans)
-        return np.asarray(solution).reshape(right.shape)
-
-    def multiply(self, right: Array) -> Array:
-        """Return ``L`` times a vector or a matrix."""
-        columns = right.reshape(len(right), -1)
-        product = self._band[0, :, None] * columns
-        for below in range(1, len(self._band)):
-            product[below:] += self._band[below, :-below, None] * columns[:-below]
-        return np.asarray(product.reshape(right.shape))
-
-    def backward(self, right: Array) -> Array:
-        """Return ``L^-T`` times a vector or a matrix."""
-        return self.forward(right, "T")
-
-    def solve(self, right: Array) -> Array:
-        """Return the inverse of the matrix times a vector or a matrix."""
-        return self.backward(self.forward(right))
 
 
 class TooEarlyError(SolverError):

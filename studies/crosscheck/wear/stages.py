@@ -23,7 +23,6 @@ from scipy.sparse import csr_matrix, diags
 
 from ....meshes.radial import Array
 from .history import Instant
-from .modes import BandedCholesky
 from .step_control import StepError
 from .unilateral import Contact, Load, Mask, Press
 from .wearing_punch import WearingPunch
@@ -76,8 +75,7 @@ class ContactStages:
     @cached_property
     def _unworn_slopes(self) -> Array:
         """(E,) the same slopes of the unworn face."""
-        mass = BandedCholesky(self.punch.space.mass())
-        return np.asarray(self._slopes @ mass.solve(self.punch.moments))
+        return np.asarray(self._slopes @ self.punch.space.projected(self.punch.moments))
 
     def at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then.

@@ -13,11 +13,11 @@ import numpy as np
 from ....mdr.energy import compliance
 from ....meshes.compliance import Compliance
 from ....meshes.ground.ground import HALF_SPACE, Ground
-from ....meshes.pressure_space import PressureSpace
+from ....meshes.pressure_space import BandedCholesky, PressureSpace
 from ....meshes.radial import Array
 from ..problem.problem import Problem, Rings
 from ..problem.sections import RUNNING_IN
-from .modes import BandedCholesky, slowest_times
+from .modes import slowest_times
 
 # a function that returns the compliance of the half-space on a pressure space
 HalfSpaceOn = Callable[[PressureSpace, Ground], Compliance]

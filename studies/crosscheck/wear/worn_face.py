@@ -8,13 +8,11 @@ the face follows the half-space, ``f = d - u``, and u is smooth. Near a free edg
 curvature than the worn depth, so the worn depth is more accurate there.
 """
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from scipy.sparse import csr_matrix
-from scipy.sparse.linalg import splu
 
 from ....meshes.compliance import Compliance
 from ....meshes.radial import Array
@@ -53,16 +51,12 @@ class WornFace:
         They are computed from the pressure. Before any wear they are computed from ``u = d - f +
         gap`` instead, which is exact for any face and avoids pressures that may be infinite.
         """
-        history, project = self.history, self._project
+        history, project = self.history, self.space.projected
         by_pressure = project(self.compliance.matrix @ history.pressure.T).T
         of_face = project((history.gap - moments(self.profile, self.space)).T).T
         uniform = self.space.uniform
         unworn = history.depth[:, None] * uniform - history.shape + of_face
         return np.where(self._has_worn[:, None], by_pressure, unworn)
-
-    @cached_property
-    def _project(self) -> Callable[[Array], Array]:
-        return splu(self.space.mass().tocsc()).solve
 
     @property
     def _has_worn(self) -> Mask:

@@ -20,14 +20,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...methods.base import Method, Solution, SystemSize
-from ...methods.spaces import pressure_spaces
 from ...problem.problem import Problem
 from ...progress import Stages
 from ...scene.calls import naming_arguments
 from ...scene.scene import Scene, Source
-from ...sizes.cells import tolerance_range
 from ...sizes.marching import steps_between
-from ...verdict.accuracy import FINER, error_of_sizes
+from ...verdict.accuracy import error_of_sizes, next_rtol
 from ...verdict.promise import allowed_error
 from ..scope import chosen_methods, refusals
 from .memory import predict_memory, why_beyond_memory
@@ -192,13 +190,10 @@ def _with_refinement(
     method: Method, problem: Problem, solution: Solution, size: SystemSize, first: float
 ) -> Cost:
     """Return the predicted cost of a method that has solved a problem once in `first` seconds."""
-    error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
-    pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
-    finest, coarsest = tolerance_range(problem, pressures)
-    rtol = min(problem.rtol, coarsest)
-    if error <= allowed or rtol <= finest or method.sizes_given(problem):
+    rtol = next_rtol(method, problem, solution, problem.rtol)
+    if rtol is None:
         return Cost(size, first, notes=solution.notes)
-    finer = replace(problem, rtol=max(finest, FINER * rtol))
+    finer = replace(problem, rtol=rtol)
     sizes = method.system_size(finer), size
     if problem.full_contact:
         works = [

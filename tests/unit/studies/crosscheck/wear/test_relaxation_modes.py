@@ -6,8 +6,8 @@ from scipy.integrate import quad
 from scipy.sparse import csr_matrix, diags
 
 from ringwear import RunningIn, SceneError, SolverError
+from ringwear.meshes import BandedCholesky
 from ringwear.studies.crosscheck.wear.modes import (
-    BandedCholesky,
     Modes,
     every_mode,
     excited_modes,
