@@ -273,6 +273,26 @@ class HalfSpace:
         displacement[self._order] = solution[:free]
         return self.solid.with_insides(displacement)
 
+    def contact_stiffness(self) -> Array:
+        """Return the stiffness (k, k) of the k nodes of the contact, ordered by radius.
+
+        The forces on the nodes are this matrix times their axial displacements; all other
+        displacements and the poles are eliminated. The elements are Lagrange elements of
+        scikit-fem, whose functions belong to nodes.
+
+        Raises
+        ------
+        SolverError
+            if the stiffness of the half-space is singular
+        """
+        lower, count = self.lower_triangle, len(self.solid.boundary("contact"))
+        factor = trailing_factor(lower, lower.shape[0] - count - len(self.poles))
+        matrix = factor @ factor.T
+        nodes, to_poles = matrix[:count, :count], matrix[:count, count:]
+        if not self.poles:
+            return np.asarray(nodes)
+        return np.asarray(nodes - to_poles @ np.linalg.solve(matrix[count:, count:], to_poles.T))
+
     def stability(self, basis: csr_matrix | None = None) -> float:
         """Return the least stability ratio of a pressure with the displacements (`stability`).
 

@@ -1,4 +1,4 @@
-from . import bisection as bisection, files as files
+from . import bisection as bisection, files as files, structured as structured
 from .compliance import (
     Compliance as Compliance,
 )

@@ -159,15 +159,18 @@ def _plan(options: argparse.Namespace) -> Status:
         chosen_methods,
         left_out,
         modelled,
-        plan,
         refuse,
         refuse_beyond_memory,
         run,
         time_scale,
     )
     from .report.printed import print_scope
+    from .wear_step.plan import plan
 
-    scene = Scene.load(options.scene)
+    scene, given = Scene.load(options.scene), _given(options, "plan")
+    if any(given.get(name) is not None for name in ("size", "element", "mesh")):
+        print_lines(["", scene.title or "Untitled scene", "", *plan(scene, **given)])
+        return Status.DONE
     methods = chosen_methods(scene)
     refuse(scene, methods)
     refuse_beyond_memory(scene, methods.values(), options.memory)
@@ -437,7 +440,9 @@ COMMANDS = {
         ("scene", "data", "parameters"),
     ),
     "plan": Command(
-        "crosscheck.result.predictions.plan:plan", _plan, ("scene", "memory", "--check")
+        "wear_step.plan:plan",
+        _plan,
+        ("scene", "memory", "size", "mesh", "element", "--check"),
     ),
     "mesh": Command("commands:_mesh", _mesh, ("scene", "--out")),
     "compare": Command("comparison:compare", _compare, ("a", "b", "--out")),

@@ -28,7 +28,8 @@ The methods are finite elements, boundary elements, dimensionality reduction and
 `orders`
     fit orders of convergence to any table of levels: ``orders(table, by="h")``
 `plan`
-    predict sizes and cost of a run by a coarse probe of it; returns lines of text
+    predict sizes and cost of a run by a coarse probe of it; or, with ``size`` or ``mesh``, the
+    longest stable update of wear on the mesh of another program; returns lines of text
 `study`
     study convergence, refinement, limits or cost: ``results = study("march", "five_rings")``, then
     ``results.table``, ``results.orders``, ``results.conclusions``, ``results.figures``
@@ -152,7 +153,6 @@ if TYPE_CHECKING:
         load,
         method,
         moments,
-        plan,
         press_flat,
         pressure_spaces,
         run,
@@ -163,6 +163,7 @@ if TYPE_CHECKING:
     from ringwear.studies.study.orders import orders
     from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.sweep import sweep
+    from ringwear.studies.wear_step.plan import plan
 
     __version__: str
 
@@ -275,7 +276,6 @@ _LATER = {
         "load",
         "method",
         "moments",
-        "plan",
         "press_flat",
         "pressure_spaces",
         "run",
@@ -286,6 +286,7 @@ _LATER = {
     "studies.study.orders": ["orders"],
     "studies.study.study": ["Study"],
     "studies.sweep.sweep": ["sweep"],
+    "studies.wear_step.plan": ["plan"],
 }
 _MODULES = {name: module for module, names in _LATER.items() for name in names}
 

@@ -13,7 +13,7 @@ A scene, and its result
 -----------------------
 `Scene`, `Source`
     a scene, and what is accepted as one: a Scene, a name, a file, a table
-`run`, `plan`
+`run`, `plan_run`
     compute a scene by its methods; predict sizes and cost of that
 `Result`, `load`
     the result of a run, and reading it from the folder that it was saved to

@@ -160,7 +160,7 @@ from .result.predictions.memory import (
     why_beyond_memory as why_beyond_memory,
 )
 from .result.predictions.plan import (
-    plan as plan,
+    plan_run as plan_run,
 )
 from .result.result import (
     Result as Result,

@@ -1,7 +1,5 @@
 """Mesh the half-space of a deck by quadrilaterals, with nodes at ring edges and graded there.
 
-Below the punch, a square of side 2 a is the product of radii and depths. Around it, the
-quadrilaterals grow geometrically with the distance from the centre, up to the arc of radius R.
 Non-dimensional: the punch has radius 1, and depth is positive into the half-space.
 """
 
@@ -21,12 +19,8 @@ from ...meshes import (
     facet_ends,
     from_axis,
 )
+from ...meshes.structured import SQUARE, growing_distances, quarter_disc, shells_around
 
-SQUARE = 2.0
-"""Side of the square below the punch, in punch radii."""
-ROUND_FROM = 6.0
-"""Distance from the centre, in punch radii, at which the shells around the square, which begin as
-squares, have become arcs."""
 RIM_SIZE = 1.44
 """Size of the elements at the rim over the square of the size inside. Near a root singularity the
 error of an element is proportional to the root of its size, elsewhere to the square of its size."""
@@ -140,7 +134,7 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
         )
     edges = from_axis(ring_edges)
     radii, depths = _radii(edges, size), _depths(edges, size)
-    shells = np.geomspace(SQUARE, reach, 2 + int(np.log(reach / SQUARE) / np.log1p(GROWTH * size)))
+    shells = shells_around(reach, GROWTH * size)
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
     if count > MAX_ELEMENTS:
@@ -148,7 +142,7 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
             f"the deck would have {count} elements, more than {MAX_ELEMENTS}: "
             "give a larger size, or fewer rings"
         )
-    mesh = _quadrilaterals(radii, depths, shells)
+    mesh = quarter_disc(radii, depths, shells)
     return DeckMesh(as_half_space(mesh, ring_edges), quadratic)
 
 
@@ -161,15 +155,15 @@ def _radii(edges: Array, size: float) -> Array:
     for number, (start, end) in enumerate(itertools.pairwise(edges)):
         largest, half = size * scales[number], widths[number] / 2
         if start == 0:
-            from_edge = graded(widths[number], edge_sizes[1], largest, GROWTH * size)
+            from_edge = growing_distances(widths[number], edge_sizes[1], largest, GROWTH * size)
             lines.append((end - from_edge[::-1])[1:])
             continue
         inner, outer = (
-            graded(half, edge_size, largest, GROWTH * size)
+            growing_distances(half, edge_size, largest, GROWTH * size)
             for edge_size in edge_sizes[number : number + 2]
         )
         lines += [start + inner[1:], (end - outer[::-1])[1:]]
-    beyond_rim = graded(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
+    beyond_rim = growing_distances(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
     radii = np.concatenate([*lines, 1 + beyond_rim[1:]])
     # remove the roundoff of ring edges and of the end
     for exact in (*edges, SQUARE):
@@ -180,54 +174,4 @@ def _radii(edges: Array, size: float) -> Array:
 def _depths(edges: Array, size: float) -> Array:
     """Return the depths of the vertices of the square, from the surface to its side."""
     scale = min(float(np.diff(edges).min()) / WIDE, 1.0)
-    return graded(SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size)
-
-
-def graded(length: float, first: float, largest: float, growth: float) -> Array:
-    """Return distances from 0 to a length, in steps that grow with the distance.
-
-    The steps are about ``min(first + growth * distance, largest)``: the distances are equally
-    spaced in the integral of the inverse of this size.
-    """
-    first = min(first, largest)
-    # distance, and number of steps, after which the steps no longer grow
-    growth_end = (largest - first) / growth
-    growth_steps = np.log(largest / first) / growth
-    if length <= growth_end:
-        steps = np.log1p(growth * length / first) / growth
-    else:
-        steps = growth_steps + (length - growth_end) / largest
-    positions = np.linspace(0, steps, int(np.ceil(steps - 1e-9)) + 1)
-    growing = first * np.expm1(growth * np.minimum(positions, growth_steps)) / growth
-    distances = growing + largest * np.maximum(positions - growth_steps, 0.0)
-    distances[-1] = length
-    return np.asarray(distances)
-
-
-def _quadrilaterals(radii: Array, depths: Array, shells: Array) -> MeshQuad:
-    """Return the mesh of the square and of the shells around it.
-
-    Parameters
-    ----------
-    radii, depths : of the vertices of the square
-    shells : distances of the shells from the centre, the first one the side of the square
-    """
-    rows, columns = len(depths), len(radii)
-    square = np.arange(rows * columns).reshape(rows, columns)
-    r, z = (grid.ravel() for grid in np.meshgrid(radii, depths))
-    # boundary of the square, from the surface down its outer side and along its bottom to the axis
-    side = np.append(square[:, -1], square[-1, -2::-1])
-    start = np.stack([r[side], z[side]])
-    direction = start / np.hypot(*start)
-    # 0 for the shape of the square, 1 for an arc
-    roundness = np.minimum(np.log(shells[1:] / SQUARE) / np.log(ROUND_FROM / SQUARE), 1.0)
-    roundness, distance = roundness[:, None, None], shells[1:, None, None]
-    points = distance * ((1 - roundness) * start / SQUARE + roundness * direction)
-    outside = r.size + np.arange(points.shape[0] * side.size).reshape(-1, side.size)
-    shell_nodes = np.vstack([side, outside])
-    cells = [
-        np.stack([grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]]).reshape(4, -1)
-        for grid in (square, shell_nodes)
-    ]
-    vertices = np.hstack([[r, z], points.transpose(1, 0, 2).reshape(2, -1)])
-    return MeshQuad(vertices, np.hstack(cells))
+    return growing_distances(SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size)

@@ -48,6 +48,7 @@ ROOMS: tuple[dict[str, str], ...] = (
         "studies.study.ways": "ways to compute a case: meshes, cells, tolerances, steps",
     },
     {"studies.estimate": "parameters of a scene or a reading that explain numbers, and mistakes"},
+    {"studies.wear_step": "the longest stable updates of wear on the meshes of other programs"},
     {
         "studies": "commands, studies, and comparisons of results",
         "studies.challenge": "problems for other programs, and their results",

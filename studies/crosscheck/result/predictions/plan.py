@@ -208,7 +208,7 @@ def _with_refinement(
 
 
 @naming_arguments
-def plan(source: Source, memory: float | None = None) -> list[str]:
+def plan_run(source: Source, memory: float | None = None) -> list[str]:
     """Predict the unknowns, the seconds and the memory of a run, by each method.
 
     Methods that take a few seconds are solved once, others at a coarse tolerance.

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from ringwear import Scene, SceneError, deck
+from ringwear.meshes.structured import growing_distances
 from ringwear.studies.check.tables import read
 from ringwear.studies.decks.deck import refusal
-from ringwear.studies.decks.mesh import deck_mesh, graded
+from ringwear.studies.decks.mesh import deck_mesh
 from ringwear.studies.decks.pressures import pressures_of
 from ringwear.studies.decks.reports import fortran_number, read_dat, read_rpt
 
@@ -90,7 +91,7 @@ def test_meshes_are_what_programs_ask_for(quadratic):
 
 
 def test_sizes_grow_with_the_distance():
-    steps = np.diff(graded(2.0, 0.01, 0.1, 0.5))
+    steps = np.diff(growing_distances(2.0, 0.01, 0.1, 0.5))
     assert steps.sum() == pytest.approx(2)
     assert steps[0] == pytest.approx(0.01, rel=0.3)
     assert steps.max() <= 0.1 * (1 + 1e-9)

@@ -1,0 +1,145 @@
+"""The contact nodes of a mesh below a punch: their stiffness, and pressures from nodal forces.
+
+Programs with elements compute the pressure of a node from the force on it in one of two ways:
+
+- per node: the force over the weight of the node, which is the area between the midpoints of
+  neighbouring nodes for linear elements, and the row sum of the mass matrix (1/6, 4/6 and 1/6 of
+  the area of a side) for quadratic ones
+- consistent: by the mass matrix of the contact line
+
+Non-dimensional: punch radius 1, plane strain modulus of the ground 1.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from skfem import (
+    Element,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadS2,
+    ElementTriP1,
+    ElementTriP2,
+    Mesh,
+    MeshTri,
+)
+
+from ...fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
+from ...meshes import Array, Ground, SceneError, contact_radii, gauss, truncation
+
+ELEMENTS: dict[str, type[Element]] = {
+    "P1": ElementTriP1,
+    "P2": ElementTriP2,
+    "Q1": ElementQuad1,
+    "Q2": ElementQuad2,
+    "Q2S": ElementQuadS2,
+}
+"""Elements of other programs by their names: on triangles (P) and quadrilaterals (Q), of degree 1
+or 2; Q2S has eight nodes."""
+PER_NODE, CONSISTENT = "per node", "consistent"
+TREATMENTS = (PER_NODE, CONSISTENT)
+"""Ways to compute the pressure of a node from the forces on the nodes."""
+FAR_FIELD_ERROR = 1e-9
+"""Relative error of the energy that poles may leave of the truncation; it sets their number."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactNodes:
+    """The nodes of a mesh below a punch.
+
+    Parameters
+    ----------
+    element : name of the element (`ELEMENTS`)
+    radii : (n,) radii of the nodes, from inside to outside
+    stiffness : (n, n) forces on the nodes for axial displacements of them, with everything else
+        eliminated
+    """
+
+    element: str
+    radii: Array
+    stiffness: Array
+
+    @property
+    def degree(self) -> int:
+        """Degree of the element: there are so many nodes for each side on the contact."""
+        return int(self.element[1])
+
+    @property
+    def cells(self) -> Array:
+        """(m + 1,) ends of the m sides of elements on the contact."""
+        return self.radii[:: self.degree]
+
+    @cached_property
+    def mass(self) -> Array:
+        """(n, n) consistent mass matrix ``int phi_i phi_j 2 pi r dr`` of the contact line."""
+        degree, points, weights = self.degree, *gauss(4)
+        functions = np.stack([(1 - points) / 2, (1 + points) / 2])
+        if degree == 2:
+            functions = np.stack(
+                [points * (points - 1) / 2, 1 - points**2, points * (points + 1) / 2]
+            )
+        matrix = np.zeros((len(self.radii), len(self.radii)))
+        for first in range(0, len(self.radii) - degree, degree):
+            nodes = slice(first, first + degree + 1)
+            half = (self.radii[first + degree] - self.radii[first]) / 2
+            middle = (self.radii[first + degree] + self.radii[first]) / 2
+            areas = 2 * np.pi * (middle + half * points) * half * weights
+            matrix[nodes, nodes] += functions * areas @ functions.T
+        return matrix
+
+    @cached_property
+    def weights(self) -> Array:
+        """(n,) areas by which the forces on nodes are divided; 0 on the axis if quadratic."""
+        if self.degree == 2:
+            return np.asarray(self.mass.sum(axis=1))
+        middles = (self.radii[1:] + self.radii[:-1]) / 2
+        ends = np.concatenate([self.radii[:1], middles, self.radii[-1:]])
+        return np.pi * np.diff(ends**2)
+
+    def pressures(self, treatment: str) -> Array:
+        """Return the matrix (n, n) from the forces on the nodes to the pressures of the nodes."""
+        if treatment == CONSISTENT:
+            return np.linalg.inv(self.mass)
+        weights = self.weights
+        matrix = np.diag(1 / np.maximum(weights, np.finfo(float).tiny))
+        if self.degree == 2 and self.radii[0] == 0:
+            # the node on the axis has no weight: the pressure is even in the radius
+            matrix[0] = (4 * matrix[1] - matrix[2]) / 3
+        return matrix
+
+
+def contact_nodes(mesh: Mesh, element: str, ground: Ground) -> ContactNodes:
+    """Condense the half-space on a mesh to its contact nodes.
+
+    Parameters
+    ----------
+    mesh : quarter disc with named boundaries
+    element : name of the element
+    ground : its Poisson's ratio and its layers
+
+    Raises
+    ------
+    SceneError
+        if the mesh does not have cells of that kind
+    """
+    on_triangles = isinstance(mesh, MeshTri)
+    if on_triangles != element.startswith("P"):
+        kind, names = (
+            ("triangles", "P1 or P2")
+            if on_triangles
+            else (
+                "quadrilaterals",
+                "Q1, Q2 or Q2S",
+            )
+        )
+        raise SceneError(f"element = {element}: the mesh has {kind}: give {names}")
+    vertices = contact_radii(mesh)
+    solid = AxisymmetricElasticity(mesh, int(element[1]), ground, ELEMENTS[element]())
+    poles = enough_poles(truncation(mesh), FAR_FIELD_ERROR)
+    space = pressure_space(solid, vertices[[0, -1]])
+    half_space = HalfSpace(solid, space, poles).without_dependent_poles()
+    radii = vertices
+    if element[1] == "2":
+        radii = np.sort(np.append(vertices, (vertices[1:] + vertices[:-1]) / 2))
+    return ContactNodes(element, radii, half_space.contact_stiffness())
