@@ -425,7 +425,7 @@ COMMANDS = {
         _check,
         (
             *("scene", "theirs", "--out", "methods", "within", "columns", "units", "sizes"),
-            *("times", "--refinement", "--template", "memory"),
+            *("times", "--refinement", "--template", "element", "memory"),
         ),
         ("scene", "theirs", "sizes"),
     ),

@@ -8,6 +8,7 @@ import numpy as np
 from ..crosscheck import DISAGREE, Account, Rows
 from ..figures.scale import Scale
 from .errors import QuantityError, quantity_errors
+from .sawtooth import ASK_FOR_ROWS, has_few_rows
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
@@ -93,10 +94,13 @@ class CheckAccount(Account):
         edges = self.scene.problem.ring_edges[1:] * self.scene.problem.units.length
         near = np.abs(edges - worst.largest.radius).min() < NEAR_EDGE * edges[-1]
         at_edge = worst.largest.quantity == "pressure" and near
+        program_of = self.check.others[program]
+        few_rows = worst.largest.quantity == "pressure" and has_few_rows(self.scene, program_of)
         return (
             f"{line}{f', at {place}' if place else ''}"
             f"{', as with a coarse mesh at an edge' if at_edge else ''}; give two results on finer "
             "meshes with --refinement: errors of a mesh decrease, and wrong inputs do not"
+            f"{f'; {ASK_FOR_ROWS}' if few_rows else ''}"
         )
 
     def judgement_on(self, program: str) -> str:

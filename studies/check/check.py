@@ -43,11 +43,13 @@ from ..crosscheck import (
 )
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
-from ..estimate.diagnose import Diagnosis, diagnose, unexplained
+from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
 from ..tables.writing import write_csv
+from ..wear_step.contact_nodes import element_named
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, refinements
+from .sawtooth import diagnosis_of, sawtooth_of
 from .tables import NoTimesError, OthersResults, are_steps, read, without_number
 
 if TYPE_CHECKING:
@@ -73,6 +75,7 @@ def check(
     units: str = "",
     sizes: Sequence[float] = (),
     times: Sequence[float] = (),
+    element: str | None = None,
     memory: float | None = None,
 ) -> "Check":
     """Compare results of other programs with ours, at their times and radii.
@@ -90,6 +93,8 @@ def check(
         one program from coarse to fine; only the last one is judged then
     times : time of results that have no column of times; if there are several, each file has the
         results of one program at one of them
+    element : elements of the other programs, P1, P2, Q1, Q2 or Q2S, if they are known: with them
+        the longest wear step that a mesh allows is told more accurately
     memory : largest memory to use, in GiB; by default that of the machine
 
     Returns
@@ -115,6 +120,7 @@ def check(
     """
     if not (isinstance(within, float | int) and within > 0):
         raise SceneError(f"within = {shown(within)}: give a positive number, such as 0.01")
+    element = None if element is None else element_named(element)
     programs, sizes = _by_program(theirs), tuple(numbers("sizes", sizes))
     scene = Scene.of(scene)
     if taken_names := [name for name in programs if name in METHODS]:
@@ -156,6 +162,7 @@ def check(
         within,
         sizes,
         {name: reach for name, reach in reaches.items() if reach is not None},
+        element,
     )
 
 
@@ -172,6 +179,7 @@ class Check(AnswersGuesses):
         only the last one is judged; otherwise empty
     decks : radius of the half-space, in punch radii, of results of decks of this scene by
         `ringwear deck`, by the name of the results
+    element : elements of the other programs; None if they are not known
     """
 
     noun = "check"
@@ -188,6 +196,7 @@ class Check(AnswersGuesses):
     within: float
     sizes: tuple[float, ...] = ()
     decks: Mapping[str, float] = field(default_factory=dict)
+    element: str | None = None
 
     @property
     def scene(self) -> Scene:
@@ -232,13 +241,26 @@ class Check(AnswersGuesses):
         names = self.judged if program is None else (program,)
         for name in names:
             if name not in self._mistakes:
-                LOG.info("   check  trying mistakes that may explain the errors of %s ...", name)
-                found = diagnose(self._compared(name), self.decks.get(name))
-                if not found and self.rows_of(name) and not self.is_within(name):
-                    found = [unexplained(self.texts.next_step(name))]
-                self._mistakes[name] = [replace(each, program=name) for each in found]
+                self._mistakes[name] = self._mistakes_of(name)
         mistakes = [mistake for name in names for mistake in self._mistakes[name]]
         return sorted(mistakes, key=lambda mistake: -mistake.share)
+
+    def _mistakes_of(self, program: str) -> list[Diagnosis]:
+        """Try mistakes that may explain the errors of a program.
+
+        A sawtooth of pressures hides all other mistakes that do not change indentation or force.
+        """
+        LOG.info("   check  trying mistakes that may explain the errors of %s ...", program)
+        rows, first = self.rows_of(program), []
+        if found := sawtooth_of(self.scene, self.others[program], self.element):
+            arguments = self.scene, self.others[program], found, rows, self.within
+            first = [diagnosis_of(*arguments)]
+            if first[0].judgement == EXPLAINS:
+                return first
+        others = diagnose(self._compared(program), self.decks.get(program))
+        if not (first or others) and rows and not self.is_within(program):
+            others = [unexplained(self.texts.next_step(program))]
+        return [replace(each, program=program) for each in (*first, *others)]
 
     @cached_property
     def _mistakes(self) -> dict[str, list[Diagnosis]]:

@@ -27,6 +27,7 @@ from skfem import (
 
 from ...fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
 from ...meshes import Array, Ground, SceneError, contact_radii, gauss, truncation
+from ..crosscheck import did_you_mean, shown
 
 ELEMENTS: dict[str, type[Element]] = {
     "P1": ElementTriP1,
@@ -42,6 +43,20 @@ TREATMENTS = (PER_NODE, CONSISTENT)
 """Ways to compute the pressure of a node from the forces on the nodes."""
 FAR_FIELD_ERROR = 1e-9
 """Relative error of the energy that poles may leave of the truncation; it sets their number."""
+
+
+def element_named(name: str) -> str:
+    """Return the name of an element in upper case.
+
+    Raises
+    ------
+    SceneError
+        if there is no such element
+    """
+    if str(name).upper() not in ELEMENTS:
+        hint = did_you_mean(str(name), ELEMENTS, f"give one of {', '.join(ELEMENTS)}")
+        raise SceneError(f"element = {shown(name)}{hint}")
+    return str(name).upper()
 
 
 @dataclass(frozen=True, eq=False)

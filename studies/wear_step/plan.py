@@ -7,14 +7,12 @@ from ...meshes import SceneError
 from ..crosscheck import (
     Scene,
     Source,
-    did_you_mean,
     naming_arguments,
     numbers,
     plan_run,
-    shown,
 )
 from ..study.own import read_meshes
-from .contact_nodes import CONSISTENT, ELEMENTS, PER_NODE
+from .contact_nodes import CONSISTENT, PER_NODE, element_named
 from .limits import STEP_ERROR, StepLimits, limits_of_size, limits_on_mesh, sides_of
 
 if TYPE_CHECKING:
@@ -82,7 +80,7 @@ def plan(
     if mesh is not None:
         (found,) = read_meshes(problem, [mesh]).values()
         usual = "P1" if found.t.shape[0] == 3 else "Q1"
-        return describe([limits_on_mesh(scene, found, _element(element or usual))])
+        return describe([limits_on_mesh(scene, found, element_named(element or usual))])
     if problem.ground.layered:
         raise SceneError(
             "size: meshes of a size are made for a homogeneous half-space only: with "
@@ -96,21 +94,7 @@ def plan(
             f"size = {given:g}: give the size of the elements on the contact in the units of the "
             f"scene, {least} to {most}"
         )
-    return describe(limits_of_size(scene, part, _element(element or "Q1")))
-
-
-def _element(name: str) -> str:
-    """Return the name of an element in upper case.
-
-    Raises
-    ------
-    SceneError
-        if there is no such element
-    """
-    if str(name).upper() not in ELEMENTS:
-        hint = did_you_mean(str(name), ELEMENTS, f"give one of {', '.join(ELEMENTS)}")
-        raise SceneError(f"element = {shown(name)}{hint}")
-    return str(name).upper()
+    return describe(limits_of_size(scene, part, element_named(element or "Q1")))
 
 
 def describe(found: list[StepLimits]) -> list[str]:
