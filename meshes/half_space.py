@@ -171,12 +171,16 @@ def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
 
     New boundary points are moved onto the arc.
     """
+    base = np.inf
+    if "base" in mesh.boundaries:
+        base = float(mesh.p[1, mesh.facets[0, mesh.boundaries["base"][0]]])
     mesh, outer = without_low_parts(mesh).refined(count), truncation(mesh)
     points = np.where(np.abs(mesh.p) < 1e-14, 0.0, mesh.p)
     boundary = mesh.boundary_nodes()
-    on_arc = boundary[(points[:, boundary] > 0).all(axis=0)]
+    r, z = points[:, boundary]
+    on_arc = boundary[(r > 0) & (z > 0) & (z < base)]
     points[:, on_arc] *= outer / np.hypot(*points[:, on_arc])
-    return as_half_space(type(mesh)(points, mesh.t), ring_edges)
+    return as_half_space(type(mesh)(points, mesh.t), ring_edges, base)
 
 
 def oriented(mesh: MeshQuad) -> MeshQuad:

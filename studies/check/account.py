@@ -8,7 +8,7 @@ import numpy as np
 from ..crosscheck import DISAGREE, Account, Rows
 from ..figures.scale import Scale
 from .errors import QuantityError, quantity_errors
-from .sawtooth import ASK_FOR_ROWS, has_few_rows
+from .other_program import ASK_FOR_ROWS
 
 if TYPE_CHECKING:
     from ..figures.style import Picture
@@ -95,7 +95,12 @@ class CheckAccount(Account):
         near = np.abs(edges - worst.largest.radius).min() < NEAR_EDGE * edges[-1]
         at_edge = worst.largest.quantity == "pressure" and near
         program_of = self.check.others[program]
-        few_rows = worst.largest.quantity == "pressure" and has_few_rows(self.scene, program_of)
+        # decks solve single states, without updates of the wear
+        few_rows = (
+            worst.largest.quantity == "pressure"
+            and program not in self.check.decks
+            and program_of.has_few_rows(self.scene)
+        )
         return (
             f"{line}{f', at {place}' if place else ''}"
             f"{', as with a coarse mesh at an edge' if at_edge else ''}; give two results on finer "

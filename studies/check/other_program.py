@@ -3,9 +3,18 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 import pandas as pd
 
+from ...meshes import Array
 from ..crosscheck import FIELDS, QUANTITIES, Method, Problem, Results, Scene, Solution, Stages
+from ..wear_step.explicit import ROWS
+
+ASK_FOR_ROWS = (
+    f"or give the rows of {ROWS} consecutive updates of the wear, which show whether the step of "
+    "these is too long for the mesh"
+)
+"""What to do if a table has pressures at too few times to see a sawtooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +44,28 @@ class OtherProgram(Method):
                 series = series.unstack().reindex(columns=scene.output.radii)
             values[quantity] = series.reindex(scene.wear.times).to_numpy()
         return cls(name, values)
+
+    def pressures(self, scene: Scene) -> tuple[Array, Array, Array] | None:
+        """Return times (T,), radii (R,) and pressures (T, R), non-dimensional.
+
+        Rows and radii without values are left out; None without pressures.
+        """
+        if "pressure" not in self.values:
+            return None
+        pressures, units = np.asarray(self.values["pressure"], dtype=float), scene.problem.units
+        finite = np.isfinite(pressures)
+        rows = finite.any(axis=1)
+        columns = finite[rows].all(axis=0)
+        if not columns.any():
+            return None
+        times = np.asarray(scene.wear.times)[rows] / units.time
+        radii = np.asarray(scene.output.radii)[columns] / units.length
+        return times, radii, pressures[np.ix_(rows, columns)] / units.pressure
+
+    def has_few_rows(self, scene: Scene) -> bool:
+        """Return whether there are pressures, but at too few times to see a sawtooth."""
+        table = self.pressures(scene)
+        return table is not None and len(table[0]) < ROWS
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the results of the program, non-dimensional."""

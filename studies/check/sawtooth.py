@@ -4,11 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...meshes import Array
-from ..crosscheck import QUANTITIES, Scene
+from ..crosscheck import Scene
 from ..estimate.diagnose import CONSISTENT, EXPLAINS, Diagnosis
 from ..wear_step.contact_nodes import ELEMENTS
-from ..wear_step.sawtooth import ROWS, Sawtooth, find, limit_of_models
+from ..wear_step.sawtooth import Sawtooth, find, limit_of_models
 from .other_program import OtherProgram
 
 if TYPE_CHECKING:
@@ -16,11 +15,6 @@ if TYPE_CHECKING:
 
 TOO_LONG = "wear step too long"
 """Name of the mistake."""
-ASK_FOR_ROWS = (
-    f"or give the rows of {ROWS} consecutive updates of the wear, which show whether the step of "
-    "these is too long for the mesh"
-)
-"""What to do if a table has pressures at too few times to see a sawtooth."""
 
 
 def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Sawtooth | None:
@@ -32,7 +26,7 @@ def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Saw
     program : its results
     element : element of the program, if it is known
     """
-    table = pressures_of(scene, program)
+    table = program.pressures(scene)
     if table is None:
         return None
     problem, (times, radii, pressures) = scene.problem, table
@@ -43,31 +37,6 @@ def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Saw
         return found
     limit, model = limit_of_models(problem, times, radii, pressures, element)
     return Sawtooth(found.size, found.number, found.step, limit, model)
-
-
-def pressures_of(scene: Scene, program: OtherProgram) -> tuple[Array, Array, Array] | None:
-    """Return times (T,), radii (R,) and pressures (T, R) of a program, non-dimensional.
-
-    Rows and radii without values are left out; None without pressures.
-    """
-    if "pressure" not in program.values:
-        return None
-    pressures, units = np.asarray(program.values["pressure"], dtype=float), scene.problem.units
-    finite = np.isfinite(pressures)
-    rows = finite.any(axis=1)
-    columns = finite[rows].all(axis=0)
-    if not columns.any():
-        return None
-    times = np.asarray(scene.wear.times)[rows] / units.time
-    radii = np.asarray(scene.output.radii)[columns] / units.length
-    unit = getattr(units, QUANTITIES["pressure"].unit)
-    return times, radii, pressures[np.ix_(rows, columns)] / unit
-
-
-def has_few_rows(scene: Scene, program: OtherProgram) -> bool:
-    """Return whether a program has pressures at too few times to see a sawtooth."""
-    table = pressures_of(scene, program)
-    return table is not None and len(table[0]) < ROWS
 
 
 def diagnosis_of(
@@ -83,7 +52,7 @@ def diagnosis_of(
     within : allowed relative error
     """
     names, units = scene.unit_names, scene.problem.units
-    table = pressures_of(scene, program)
+    table = program.pressures(scene)
     assert table is not None
     radius = names.write(float(table[1][found.number]) * units.length, "length", 3)
     histories = [abs(row.error) for row in rows if not np.isfinite(row.radius)]

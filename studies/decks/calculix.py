@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...meshes import Array, Indices
+from ...meshes import Array, Indices, SceneError
 from .keywords import (
     CONTACT,
     FACE,
@@ -31,9 +31,35 @@ SPRING_STIFFNESS = 1e5
 """Stiffness of the contact springs, times the punch radius, over the plane strain modulus of the
 deck. The half-space penetrates the pad by 3e-6 of the indentation. The modulus of the pad, over the
 same modulus, has this value, too."""
+LEAST_DETERMINANT = 1e-20
+"""Determinant of Jacobi's matrix below which CalculiX takes an element for degenerate, whatever the
+units of lengths."""
+WEDGE, NEAREST_POINT = np.pi / 90, 0.2
+"""Angle of the wedge that replaces axisymmetric elements; radius of the nearest integration point
+of an element on the axis over that of its middle, about."""
 SPRING_DISTANCE = 0.1
 """Distance up to which contact springs are created, over the root of the area of a spring (`c0` in
 the manual of CalculiX)."""
+
+
+def refuse_small_elements(model: Model) -> None:
+    """Refuse elements that are so small in the units of the scene that CalculiX rejects them.
+
+    Raises
+    ------
+    SceneError
+        if there are such elements; it names the remedy
+    """
+    radii, depths = (model.mesh.points[model.mesh.cells[:, :4]] * model.radius).transpose(2, 0, 1)
+    products = radii * np.roll(depths, -1, axis=1) - np.roll(radii, -1, axis=1) * depths
+    areas = np.abs(products.sum(axis=1)) / 2
+    # a wedge of 2 degrees; the integration points are nearer to the axis than the middle
+    determinants = areas / 4 * WEDGE / 2 * radii.mean(axis=1) * NEAREST_POINT
+    if determinants.min() < LEAST_DETERMINANT:
+        raise SceneError(
+            "units: the elements of the deck are so small in the units of the scene that CalculiX "
+            "takes them for degenerate: give the scene in smaller units, such as mm, N, MPa, s"
+        )
 
 
 def prescribed(model: Model, states: Sequence[State]) -> list[str]:

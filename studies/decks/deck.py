@@ -22,9 +22,11 @@ from ..crosscheck import (
     run,
     shown,
 )
+from ..wear_step.limits import limits_on_mesh
+from ..wear_step.plan import describe
 from . import abaqus, calculix
 from .keywords import Model
-from .mesh import deck_mesh
+from .mesh import deck_mesh, layered_mesh
 from .read_me import read_me
 from .states import State
 
@@ -158,11 +160,17 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
         raise SceneError(reason)
     problem, writer = scene.problem, PROGRAMS[choice.program]
     quadratic = choice.element == "Q2S"
-    mesh = deck_mesh(problem.merged.ring_edges, choice.size, choice.reach, quadratic)
-    model = Model(scene, mesh, hybrid=problem.poisson_ratio > LOCKING)
+    edges, ground = problem.merged.ring_edges, problem.ground
+    if ground.layered:
+        mesh = layered_mesh(edges, choice.size, choice.reach, quadratic, ground)
+    else:
+        mesh = deck_mesh(edges, choice.size, choice.reach, quadratic)
+    model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
+    writer.refuse_small_elements(model)
     punch_states = states(scene, _times(scene, choice.times), model.radii)
     # contact decks have linear elements, whose nodes are the corners
     linear_model = replace(model, mesh=replace(mesh, quadratic=False))
+    steps = [limits_on_mesh(scene, mesh.mesh, choice.element)]
     files = dict[str, list[str]]()
     for number, state in enumerate(punch_states, 1):
         scale = max(1.0, state.pressing_depth / (MAX_INDENTATION * model.radius))
@@ -170,7 +178,9 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
         files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
     if problem.full_contact:
         files["prescribed.inp"] = writer.prescribed(model, punch_states)
-    lines = read_me(model, choice.program, choice.reach, punch_states, problem.full_contact)
+    lines = read_me(
+        model, choice.program, choice.reach, punch_states, problem.full_contact, describe(steps)
+    )
     for name, content in (files | {"README.md": lines}).items():
         (folder / name).write_text("\n".join(content) + "\n", "utf-8")
     (folder / "scene.toml").write_text(scene.to_toml(), "utf-8")
@@ -180,11 +190,6 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
 def refusal(scene: Scene, program: str) -> str:
     """Return the reason why a scene has no deck, with the remedy; empty if it has one."""
     problem = scene.problem
-    if problem.ground.layered:
-        return (
-            "half_space.layers: decks can model only a homogeneous half-space; leave out the "
-            "layers and half_space.rigid"
-        )
     if np.ptp(problem.profile.recess):
         return (
             "punch.recess: the face has steps, and a node at a ring edge cannot have two heights; "
@@ -195,10 +200,11 @@ def refusal(scene: Scene, program: str) -> str:
             "functions of Scene.with_heights cannot be written to a scene file; give punch.profile "
             "= { kind = 'table', ... }"
         )
-    if program == "calculix" and problem.poisson_ratio > LOCKING:
+    ratio = problem.ground.greatest_poisson_ratio
+    if program == "calculix" and ratio > LOCKING:
         return (
-            f"half_space.poisson_ratio = {problem.poisson_ratio:g}: the elements of CalculiX lock "
-            f"above {LOCKING:g}; give a smaller ratio, or --for abaqus, which has hybrid elements"
+            f"half_space.poisson_ratio = {ratio:g}: the elements of CalculiX lock above "
+            f"{LOCKING:g}; give a smaller ratio, or --for abaqus, which has hybrid elements"
         )
     return ""
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +14,29 @@ from .states import State
 
 PER_LINE = 8
 """Greatest number of numbers on a line, because Abaqus reads at most 256 characters a line."""
-CONTACT, FACE, FAR, AXIS, REFERENCE = "CONTACT", "FACE", "FAR", "AXIS", "REF"
-"""Names of node sets: the surface below the punch, the face of the punch, the clamped arc, the
-axis, and the reference node, which moves with the punch."""
+CONTACT, FACE, FAR, BASE = "CONTACT", "FACE", "FAR", "BASE"
+AXIS, REFERENCE = "AXIS", "REF"
+"""Names of node sets: the surface below the punch, the face of the punch, the clamped arc, a rigid
+base, the axis, and the reference node, which moves with the punch."""
+
+
+class Material(NamedTuple):
+    """An elastic material of the half-space.
+
+    Parameters
+    ----------
+    name : its name
+    elset : name of the set of its elements
+    youngs_modulus : in the units of the scene
+    poisson_ratio : Poisson's ratio
+    elements : (k,) indices of its elements, from 0; None if all elements are in the set
+    """
+
+    name: str
+    elset: str
+    youngs_modulus: float
+    poisson_ratio: float
+    elements: Indices | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +58,30 @@ class Model:
     def element(self) -> str:
         """The type of the elements, such as CAX8H."""
         return f"CAX{8 if self.mesh.quadratic else 4}{'H' if self.hybrid else ''}"
+
+    @property
+    def clamped(self) -> tuple[str, ...]:
+        """Names of the sets of nodes that are clamped: the arc, and a rigid base."""
+        return (FAR, BASE) if len(self.mesh.base) else (FAR,)
+
+    @property
+    def materials(self) -> list["Material"]:
+        """The materials of the half-space, from the surface down, each with its elements."""
+        ground, modulus = self.scene.problem.ground, self.scene.problem.units.modulus
+        constants = [
+            (2 * shear * (1 + ratio) * modulus, ratio)
+            for shear, ratio in zip(ground.shear_moduli, ground.poisson_ratios, strict=True)
+        ]
+        if not ground.layered:
+            return [Material("ELASTIC", "SOLID", *constants[0])]
+        depths = self.mesh.points[self.mesh.cells[:, :4], 1].mean(axis=1)
+        layers = ground.layer_at(depths)
+        names = [*(f"LAYER_{number}" for number in range(1, len(constants))), "SUBSTRATE"]
+        return [
+            Material(name, name, *pair, np.flatnonzero(layers == number))
+            for number, (name, pair) in enumerate(zip(names, constants, strict=True))
+            if (layers == number).any()
+        ]
 
     @property
     def radius(self) -> float:
@@ -99,21 +144,24 @@ def half_space(model: Model, scale: float = 1.0) -> list[str]:
     """
     mesh = model.mesh
     sets = {CONTACT: mesh.contact, AXIS: mesh.axis, FAR: mesh.far}
-    ratio = model.scene.half_space.poisson_ratio
-    youngs_modulus = scale * model.scene.problem.units.modulus * (1 - ratio**2)
+    if len(mesh.base):
+        sets[BASE] = mesh.base
     heights = mesh.points * [model.radius, -model.radius]
-    return [
+    lines = [
         *nodes(heights, 1, "ALL"),
         *elements(mesh.cells, model.element, "SOLID", 1),
         *(line for name, members in sets.items() for line in node_set(name, members)),
-        "*MATERIAL, NAME=ELASTIC",
-        "*ELASTIC",
-        f"{youngs_modulus:.12g}, {ratio:.12g}",
-        "*SOLID SECTION, ELSET=SOLID, MATERIAL=ELASTIC",
-        "*BOUNDARY",
-        f"{AXIS}, 1, 1",
-        f"{FAR}, 1, 2",
     ]
+    for material in model.materials:
+        if material.elements is not None:
+            lines += [f"*ELSET, ELSET={material.elset}", *numbers(material.elements + 1)]
+        lines += [
+            f"*MATERIAL, NAME={material.name}",
+            "*ELASTIC",
+            f"{scale * material.youngs_modulus:.12g}, {material.poisson_ratio:.12g}",
+            f"*SOLID SECTION, ELSET={material.elset}, MATERIAL={material.name}",
+        ]
+    return [*lines, "*BOUNDARY", f"{AXIS}, 1, 1", *(f"{name}, 1, 2" for name in model.clamped)]
 
 
 def nodes(points: Array, first: int, name: str) -> list[str]:

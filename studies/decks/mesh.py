@@ -12,12 +12,15 @@ from skfem import MeshQuad
 
 from ...meshes import (
     Array,
+    Ground,
     Indices,
     SceneError,
     as_half_space,
+    by_gmsh,
     contact_facets,
     facet_ends,
     from_axis,
+    halved,
 )
 from ...meshes.structured import SQUARE, growing_distances, quarter_disc, shells_around
 
@@ -32,6 +35,13 @@ MIN_REACH = 8.0
 """Least radius of the half-space, in punch radii."""
 MAX_ELEMENTS = 200_000
 """Greatest number of elements."""
+TOO_LARGE = (
+    "the deck would have {} elements, more than "
+    f"{MAX_ELEMENTS}: give a larger size, or fewer rings"
+)
+HALVINGS, MAX_SIZE_AT_EDGE = 2, 0.3
+"""How often the quadrilaterals of layers are halved, and their largest size at a ring edge before,
+over the width of the narrower ring there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +106,11 @@ class DeckMesh:
         return self._nodes_along(self.mesh.boundaries["axis"])
 
     @property
+    def base(self) -> Indices:
+        """Nodes on a rigid base at which the mesh ends; empty without one."""
+        return self._nodes_along(self.mesh.boundaries.get("base", np.empty(0, dtype=np.int64)))
+
+    @property
     def far(self) -> Indices:
         """Nodes on the clamped arc."""
         return self._nodes_along(self.mesh.boundaries["far"])
@@ -127,31 +142,78 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
     SceneError
         if the reach is out of range, or if the mesh would be too large
     """
-    if not MIN_REACH <= reach <= 1e6:
-        raise SceneError(
-            f"--reach {reach:g}: give the radius of the modelled half-space in punch radii, "
-            f"{MIN_REACH:g} to 1e6"
-        )
+    refuse_reach(reach)
     edges = from_axis(ring_edges)
     radii, depths = _radii(edges, size), _depths(edges, size)
     shells = shells_around(reach, GROWTH * size)
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
     if count > MAX_ELEMENTS:
-        raise SceneError(
-            f"the deck would have {count} elements, more than {MAX_ELEMENTS}: "
-            "give a larger size, or fewer rings"
-        )
+        raise SceneError(TOO_LARGE.format(count))
     mesh = quarter_disc(radii, depths, shells)
     return DeckMesh(as_half_space(mesh, ring_edges), quadratic)
+
+
+def layered_mesh(
+    ring_edges: Array, size: float, reach: float, quadratic: bool, ground: Ground
+) -> DeckMesh:
+    """Return the mesh of a quarter disc of layers, whose interfaces are lines of the mesh.
+
+    It is made by gmsh in larger quadrilaterals, which are halved. The other arguments are those of
+    `deck_mesh`.
+
+    Raises
+    ------
+    SceneError
+        if the reach is out of range, or if the mesh would be too large
+    """
+    refuse_reach(reach)
+    edges, interfaces = from_axis(ring_edges), tuple(ground.depths.tolist())
+    widths, scale = np.diff(edges), 2**HALVINGS
+    at_edges = scale * _edge_sizes(edges, size)[1:]
+    narrower = np.minimum(widths, np.append(widths[1:], np.inf))
+    sizes = np.minimum(at_edges, MAX_SIZE_AT_EDGE * narrower)
+    graded = by_gmsh.graded(
+        ring_edges,
+        sizes[:-1],
+        float(sizes[-1]),
+        factor=0.5,
+        growth=1.0,
+        outer=by_gmsh.truncation_with_interfaces(interfaces, reach),
+        interfaces=interfaces,
+        rigid=ground.rigid,
+        under_face=scale * size,
+    )
+    if graded.mesh.nelements * 4**HALVINGS > MAX_ELEMENTS:
+        raise SceneError(TOO_LARGE.format(graded.mesh.nelements * 4**HALVINGS))
+    return DeckMesh(halved(graded.mesh, ring_edges, HALVINGS), quadratic)
+
+
+def refuse_reach(reach: float) -> None:
+    """Refuse a radius of the modelled half-space that is out of range.
+
+    Raises
+    ------
+    SceneError
+        if it is
+    """
+    if not MIN_REACH <= reach <= 1e6:
+        raise SceneError(
+            f"--reach {reach:g}: give the radius of the modelled half-space in punch radii, "
+            f"{MIN_REACH:g} to 1e6"
+        )
+
+
+def _edge_sizes(edges: Array, size: float) -> Array:
+    """Return the sizes (M+1,) of elements at the axis, which is 0, and at the other edges."""
+    scales = np.minimum(np.diff(edges) / WIDE, 1.0)
+    return np.append(0.0, RIM_SIZE * size**2 * np.minimum(scales, np.append(scales[1:], np.inf)))
 
 
 def _radii(edges: Array, size: float) -> Array:
     """Return the radii of the vertices of the square, from 0 to its side."""
     widths, lines = np.diff(edges), [np.zeros(1)]
-    scales = np.minimum(widths / WIDE, 1.0)
-    outer_scales = np.append(scales[1:], np.inf)
-    edge_sizes = np.append(0.0, RIM_SIZE * size**2 * np.minimum(scales, outer_scales))
+    scales, edge_sizes = np.minimum(widths / WIDE, 1.0), _edge_sizes(edges, size)
     for number, (start, end) in enumerate(itertools.pairwise(edges)):
         largest, half = size * scales[number], widths[number] / 2
         if start == 0:

@@ -15,7 +15,12 @@ Poisson's ratio of 0.3 (`ringwear study truncation`)."""
 
 
 def read_me(
-    model: Model, program: str, reach: float, states: Sequence[State], prescribed: bool
+    model: Model,
+    program: str,
+    reach: float,
+    states: Sequence[State],
+    prescribed: bool,
+    wear_step: Sequence[str],
 ) -> list[str]:
     """Return the lines of the README.
 
@@ -25,11 +30,11 @@ def read_me(
     reach : radius of the modelled half-space, in punch radii
     states : the punch at each time
     prescribed : whether there is a deck with prescribed displacements
+    wear_step : lines about the longest stable update of wear on the mesh
     """
     scene, mesh = model.scene, model.mesh
     names = scene.unit_names
     units = scene.units or "none: numbers are in any consistent units"
-    ratio = scene.half_space.poisson_ratio
     results = f"prescribed{'.dat' if program == 'calculix' else '.rpt'}"
     results = results if prescribed else results.replace("prescribed", "contact_1")
     job = results.partition(".")[0]
@@ -57,11 +62,16 @@ def read_me(
         "",
         "## What is modelled",
         "",
-        f"- The half-space is a quarter disc of radius R = {reach:g} a. It is clamped on its arc, "
-        "has no radial displacement on the axis, and no traction beside the punch. a = "
-        f"{written(model.radius, 'length')}; E = "
-        f"{written(scene.problem.units.modulus * (1 - ratio**2), 'pressure')}, Poisson's ratio "
-        f"{ratio:g}. If both bodies are elastic, this is one half-space with their common modulus.",
+        f"- The half-space is a quarter disc of radius R = {reach:g} a. It is clamped on its arc"
+        f"{' and on its rigid base' if len(mesh.base) else ''}, has no radial displacement on the "
+        f"axis, and no traction beside the punch. a = {written(model.radius, 'length')}; "
+        + "; ".join(
+            f"{'' if len(model.materials) == 1 else material.name + ': '}E = "
+            f"{written(material.youngs_modulus, 'pressure')}, Poisson's ratio "
+            f"{material.poisson_ratio:g}"
+            for material in model.materials
+        )
+        + ". If both bodies are elastic, this is one half-space with their common modulus.",
         f"- The mesh has {len(mesh.cells)} axisymmetric elements {model.element} and "
         f"{len(mesh.points)} nodes. All ring edges are nodes; elements are smallest there and "
         "at the rim.",
@@ -92,16 +102,18 @@ def read_me(
         "",
         "## Errors of the model",
         "",
-        f"- Because it is clamped at R, the half-space is too stiff by about {CLAMPED:g} a/R = "
-        f"{CLAMPED / reach:.2g} (for Poisson's ratio 0.3). At a given indentation the force is too "
-        "large by this relative error; under a given force the indentation is too small. The "
-        "relative error is larger in the late pressures of rings that wear fast, because these "
-        "pressures are small. Twice the reach halves this error and needs few more elements.",
+        *_about_clamping(model, reach),
         "- Near ring edges, where pressures jump, the pressures of the nearest elements err by "
         "about 10 to 20 %, whatever the element size. With smaller elements, this error affects a "
         "smaller part of the face.",
         "- At the start the pressure is infinite at the rim. `ringwear check` compares it inside "
         "0.95 a.",
+        "",
+        "## Wear in steps",
+        "",
+        "A loop around this mesh that updates the face by `f += k v p dt` is stable up to a step:",
+        "",
+        *(f"- {line}" for line in wear_step),
         "",
         "## Run the deck and check the results",
         "",
@@ -113,6 +125,24 @@ def read_me(
         "",
     ]
     return lines + (_about_calculix() if program == "calculix" else _about_abaqus())
+
+
+def _about_clamping(model: Model, reach: float) -> list[str]:
+    """Return the line about the error of the clamped arc."""
+    if len(model.mesh.base):
+        return []
+    if model.scene.problem.ground.layered:
+        return [
+            f"- Because it is clamped at R = {reach:g} a, the half-space is too stiff. Twice the "
+            "reach halves this error and needs few more elements."
+        ]
+    return [
+        f"- Because it is clamped at R, the half-space is too stiff by about {CLAMPED:g} a/R = "
+        f"{CLAMPED / reach:.2g} (for Poisson's ratio 0.3). At a given indentation the force is too "
+        "large by this relative error; under a given force the indentation is too small. The "
+        "relative error is larger in the late pressures of rings that wear fast, because these "
+        "pressures are small. Twice the reach halves this error and needs few more elements."
+    ]
 
 
 def _about_calculix() -> list[str]:

@@ -30,8 +30,13 @@ ITERATION_TOLERANCE = 1e-4
 """Relative residual of the largest eigenvalue of more nodes; those next to it are close."""
 LEAST_PART = 1e-3
 """Eigenvalues below this part of the largest one do not limit the step."""
+ZERO_RATE = 1e-7
+"""Rate of a mode over the greatest one below which it is roundoff: even wear does not decay, nor does
+a node on the axis whose pressure follows from those of others."""
 WORN_IN = 0.01
 """Part of the running-in of the indentation that is left when it counts as complete."""
+ROWS = 10
+"""Number of successive updates in which the pressure of a node has to alternate in a sawtooth."""
 INSIDE = 0.94
 """Radius inside which pressures are compared: at the rim they are infinite at the start."""
 
@@ -141,7 +146,7 @@ class ExplicitWear:
         """Rates (n,), wear of the modes at the start (n, n), and the rates that are not zero."""
         rates, vectors = np.linalg.eig(self.wear[:, None] * self.relief)
         parts = vectors * np.linalg.solve(vectors, (self.wear * self.start).astype(complex))
-        return rates, parts, np.abs(rates) > 1e-9 * np.abs(rates).max()
+        return rates, parts, np.abs(rates) > ZERO_RATE * np.abs(rates).max()
 
     def exact(self, times: Array) -> Array:
         """Return the worn profiles (T, n) of this mesh without any error of the steps."""

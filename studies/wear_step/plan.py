@@ -106,7 +106,7 @@ def describe(found: list[StepLimits]) -> list[str]:
     """
     limits = found[0]
     scene, names = limits.scene, limits.scene.unit_names
-    ratio = scene.half_space.poisson_ratio
+    ratio = scene.problem.ground.greatest_poisson_ratio
     count, least, greatest = sides_of(limits.nodes)
     ends = [names.write(end * scene.problem.units.length, "length", 3) for end in (least, greatest)]
     sides = f"{ends[0]} each" if greatest < least * 1.001 else f"{ends[0]} to {ends[1]}"

@@ -12,11 +12,9 @@ import numpy as np
 from ...meshes import Array, Indices, MeshError
 from ..crosscheck import Problem
 from .contact_nodes import ELEMENTS, TREATMENTS, ContactNodes, contact_nodes
-from .explicit import ExplicitWear, wear_at_nodes
+from .explicit import ROWS, ExplicitWear, wear_at_nodes
 from .limits import mesh_below
 
-ROWS = 10
-"""Number of successive rows in which a pressure has to alternate."""
 SMALL, STEADY_RATIO = 0.02, 0.97
 """Least size of jumps over the mean pressure, and least ratio of successive jumps: small ones must
 not decay. Noise has the ratio 2/3."""
