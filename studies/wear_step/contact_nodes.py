@@ -110,7 +110,7 @@ class ContactNodes:
             return np.asarray(self.mass.sum(axis=1))
         middles = (self.radii[1:] + self.radii[:-1]) / 2
         ends = np.concatenate([self.radii[:1], middles, self.radii[-1:]])
-        return np.pi * np.diff(ends**2)
+        return np.asarray(np.pi * np.diff(ends**2))
 
     def pressures(self, treatment: str) -> Array:
         """Return the matrix (n, n) from the forces on the nodes to the pressures of the nodes."""

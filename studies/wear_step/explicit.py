@@ -31,8 +31,8 @@ ITERATION_TOLERANCE = 1e-4
 LEAST_PART = 1e-3
 """Eigenvalues below this part of the largest one do not limit the step."""
 ZERO_RATE = 1e-7
-"""Rate of a mode over the greatest one below which it is roundoff: even wear does not decay, nor does
-a node on the axis whose pressure follows from those of others."""
+"""Rate of a mode over the greatest one below which it is roundoff: even wear does not decay, nor
+does a node on the axis whose pressure follows from those of others."""
 WORN_IN = 0.01
 """Part of the running-in of the indentation that is left when it counts as complete."""
 ROWS = 10

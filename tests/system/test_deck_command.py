@@ -15,9 +15,9 @@ from ringwear.studies.decks.reports import read_dat
 RUN = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
 # keywords of the Abaqus Keywords Reference Guide that decks may have
 DOCUMENTED = {
-    *("HEADING", "NODE", "ELEMENT", "NSET", "MATERIAL", "ELASTIC", "SOLID SECTION", "BOUNDARY"),
-    *("STEP", "STATIC", "NODE PRINT", "OUTPUT", "NODE OUTPUT", "ELEMENT OUTPUT", "END STEP"),
-    *("SURFACE", "RIGID BODY", "SURFACE INTERACTION", "FRICTION", "SURFACE BEHAVIOR"),
+    *("HEADING", "NODE", "ELEMENT", "NSET", "ELSET", "MATERIAL", "ELASTIC", "SOLID SECTION"),
+    *("BOUNDARY", "STEP", "STATIC", "NODE PRINT", "OUTPUT", "NODE OUTPUT", "ELEMENT OUTPUT"),
+    *("END STEP", "SURFACE", "RIGID BODY", "SURFACE INTERACTION", "FRICTION", "SURFACE BEHAVIOR"),
     *("CONTACT PAIR", "CONTACT PRINT", "CONTACT OUTPUT", "CLOAD"),
 }
 
@@ -49,6 +49,95 @@ def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
     assert pressed.normal_force[0] / force == pytest.approx(1, abs=1e-3)
     assert pressed.indentation[0] / depth == pytest.approx(1 - clamped, abs=0.02)
     np.testing.assert_allclose(pressed.displacement, pressed.indentation, rtol=5e-3)
+
+
+@RUN
+@pytest.mark.gmsh
+def test_decks_of_layers_run_and_are_read_back(tmp_path):
+    """The force on a bonded layer is that of dimensionality reduction, at the start and later."""
+    scene = Scene.load("polishing_pad")
+    ringwear.deck(scene, "calculix", tmp_path, reach=50)
+    checked = ringwear.check(
+        scene, {"deck": str(written(tmp_path, "prescribed"))}, methods=["mdr"], within=0.02
+    )
+    errors = checked.errors[checked.errors.quantity == "normal_force"]
+    assert len(errors) == 2
+    assert (errors.error.abs() < 2e-3).all()
+    assert checked.passes
+
+
+def written(folder, job):
+    """Run a job of CalculiX, and return the file of its results."""
+    run_calculix(folder, job)
+    return folder / f"{job}.dat"
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("scene", ["polishing_pad", "hard_film"])
+def test_the_layers_of_a_deck_are_sets_of_elements(scene, tmp_path):
+    """Each element belongs to one set, whose material is that of the layer at its depth."""
+    scene = Scene.load(scene)
+    ringwear.deck(scene, "abaqus", tmp_path, size=0.2 * scene.punch.radius, reach=30)
+    deck = (tmp_path / "prescribed.inp").read_text()
+    count = deck.partition("*NSET")[0].partition("*ELEMENT")[2].count("\n") - 1
+    names = ["LAYER_1"] if scene.half_space.rigid else ["LAYER_1", "SUBSTRATE"]
+    members = [
+        re.findall(r"\d+", deck.partition(f"*ELSET, ELSET={name}\n")[2].partition("*")[0])
+        for name in names
+    ]
+    assert sorted(int(number) for of_set in members for number in of_set) == [*range(1, count + 1)]
+    layers = [*scene.half_space.layers]
+    moduli = [layer.youngs_modulus for layer in layers]
+    if not scene.half_space.rigid:
+        moduli.append(scene.half_space.youngs_modulus)
+    given = [float(line.split(",")[0]) for line in re.findall(r"\*ELASTIC\n(.*)", deck)]
+    assert given == pytest.approx(moduli, rel=1e-9)
+    assert ("BASE, 1, 2" in deck) == scene.half_space.rigid
+
+
+def test_elements_too_small_for_calculix_are_refused(tmp_path):
+    with pytest.raises(ringwear.SceneError, match="give the scene in smaller units, such as mm"):
+        ringwear.deck(
+            Scene.load("hard_film").changed(half_space={"layers": [], "youngs_modulus": 2e11}),
+            "calculix",
+            tmp_path / "deck",
+        )
+
+
+@RUN
+@pytest.mark.parametrize(("part", "stable"), [(0.9, True), (1.2, False)])
+def test_wear_steps_around_calculix_are_stable_up_to_the_limit(part, stable, tmp_path):
+    """Explicit updates at the contact nodes of a deck, with the step that its README gives."""
+    ringwear.deck("five_rings", "calculix", tmp_path, element="Q1", size=0.4, reach=50, times=[0])
+    text = (tmp_path / "README.md").read_text()
+    limit = float(re.search(r"stable: at most a sliding distance of (\S+)", text)[1])
+    model = (tmp_path / "prescribed.inp").read_text().partition("*STEP")[0]
+    nodes = re.findall(r"\d+", re.search(r"NSET=CONTACT\n([^*]*)", model)[1])
+    places = dict(re.findall(r"^(\d+), ([^,]+), [^,]+, 0\.$", model, re.MULTILINE))
+    radii = np.array([float(places[node]) for node in nodes])
+
+    def forces(depths):
+        rows = [f"{node}, 2, 2, {-depth:.12g}" for node, depth in zip(nodes, depths, strict=True)]
+        step = ["*STEP", "*STATIC", "*BOUNDARY", *rows, "*NODE PRINT, NSET=CONTACT", "RF"]
+        (tmp_path / "job.inp").write_text(model + "\n".join([*step, "*END STEP"]) + "\n")
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}
+        call = {"cwd": tmp_path, "check": True, "stdout": subprocess.DEVNULL, "env": environment}
+        subprocess.run(["ccx", "job"], timeout=100, **call)
+        return -180 * np.loadtxt(tmp_path / "job.dat", skiprows=3)[:, 2]
+
+    ends = np.concatenate([[0], (radii[1:] + radii[:-1]) / 2, [1]])
+    inner, outer = (
+        np.where((5 * (radii + shift)).astype(int).clip(0, 4) % 2, 10.0, 1.0)
+        for shift in (-1e-6, 1e-6)
+    )
+    wear, flat, profile = 2 / (1 / inner + 1 / outer), forces(np.ones(len(radii))), 0 * radii
+    for _ in range(40):
+        worn = forces(profile)
+        depth = (2 + worn.sum()) / flat.sum()
+        pressure = (depth * flat - worn) / np.diff(np.pi * ends**2)
+        profile = profile + part * limit * wear * pressure
+    assert (np.abs(pressure).max() < 2) == stable
+    assert stable or np.abs(pressure).max() > 1e3
 
 
 def test_decks_for_abaqus_have_documented_keywords(tmp_path):

@@ -3,9 +3,12 @@
 import re
 from pathlib import Path
 
+import meshio
+import numpy as np
 import pytest
 
-from ringwear import Scene, Stages, main, method, plan
+from ringwear import Scene, SceneError, Stages, main, method, plan
+from ringwear.meshes import structured
 
 BUNDLED = sorted(file.stem for file in (Path(__file__).parents[2] / "studies/scenes").iterdir())
 
@@ -45,3 +48,46 @@ def test_no_text_calls_an_elastic_punch_rigid(command, tmp_path, monkeypatch, ca
     printed = capsys.readouterr().out
     assert "two elastic bodies" in printed
     assert "rigid" not in printed
+
+
+def test_a_plan_for_the_mesh_of_another_program(tmp_path, capsys):
+    """The longest stable step is in a line of its own, for a size and for a file."""
+    assert main(["plan", "five_rings", "--size", "0.1", "--element", "Q2S"]) == 0
+    by_size = capsys.readouterr().out
+    (stable,) = [line for line in by_size.splitlines() if line.startswith("stable")]
+    assert "sliding distance of 0.00" in stable
+    assert "range: " in by_size
+    assert "mdr" not in by_size
+    meshio.Mesh(*quarter_disc()).write(tmp_path / "mine.vtu")
+    assert main(["plan", "five_rings", "--mesh", str(tmp_path / "mine.vtu")]) == 0
+    by_file = capsys.readouterr().out
+    assert "mesh: 10 sides of Q1" in by_file
+    assert "range: " not in by_file
+
+
+def quarter_disc():
+    """Return points and cells of a quarter disc in rows and columns, as meshio takes them."""
+    mesh = structured.below_nodes(np.linspace(0, 1, 11), 20.0)
+    return np.pad(mesh.p.T, ((0, 0), (0, 1))), {"quad": mesh.t.T}
+
+
+@pytest.mark.parametrize(
+    ("options", "remedy"),
+    [
+        ({"size": 0.1, "mesh": "mine.vtu"}, "give one of them"),
+        ({"element": "Q1"}, "give size or mesh, too"),
+        ({"size": 0.1, "element": "Q3"}, "element = 'Q3'"),
+        ({"size": 7.0}, "in the units of the scene, 0.001 to 1"),
+        ({"size": -1.0}, "in the units of the scene"),
+        ({"mesh": "missing.msh"}, "missing.msh"),
+    ],
+    ids=str,
+)
+def test_unsuitable_meshes_of_other_programs_are_refused(options, remedy):
+    with pytest.raises(SceneError, match=re.escape(remedy)):
+        plan("five_rings", **options)
+
+
+def test_layers_have_no_mesh_of_a_size():
+    with pytest.raises(SceneError, match="give mesh, a file whose elements do not cross"):
+        plan("polishing_pad", size=1e-3)
