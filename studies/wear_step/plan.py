@@ -64,10 +64,9 @@ def plan(
 
     Examples
     --------
-    >>> for line in plan("flat_punch", size=0.1)[:2]:
-    ...     print(line[:59])
-    mesh: 10 sides of Q1 on the contact, 0.1 each; limits are f
-    stable: at most a sliding distance of 0.175 per update, if
+    >>> lines = plan("flat_punch", size=0.1)
+    >>> print(lines[1][:43])
+    stable: at most a sliding distance of 0.175
     """
     scene = Scene.of(source)
     if size is None and mesh is None:
