@@ -44,6 +44,9 @@ STIFFNESSES = {
     1.5: "3.400",
     2.0: "4.336",
 }
+# the row at the surface; compression is positive there
+KENPAVE = "KENPAVE, as in `Validation/Kenpave.csv` of PyMastic"
+SURFACE = {"depth": 0.0, "layer": 1.0}
 PRINTED = (
     *(
         Printed(
@@ -55,6 +58,8 @@ PRINTED = (
         )
         for radius_over_thickness, value in STIFFNESSES.items()
     ),
+    Printed(KENPAVE, "15", SURFACE, "displacement", "0.02252"),
+    Printed(KENPAVE, "15", SURFACE, "stress_rr", "-259.181"),
 )
 
 
