@@ -146,6 +146,7 @@ OF_COMMANDS: dict[str, Settings] = {
         "help": "treat the files as results of one program from coarse to fine, each with half the "
         "size of the previous one",
     },
+    "--list": {"action": "store_true", "help": "list the problems, as without any argument"},
     "--latex": {"action": "store_true", "help": "print the table in LaTeX instead of Markdown"},
     "--dry-run": {
         "action": "store_true",
@@ -210,7 +211,8 @@ POSITIONAL: dict[str, Settings] = {
         "nargs": "*",
         "metavar": "[NAME] FILE",
         "help": "the problem (its name or number; by default the number in the file's name) and a "
-        "file for ringwear check; NAME alone prints the problem, no argument lists all problems",
+        "file for ringwear check or, on layered ground, with a table of cases; NAME alone prints "
+        "the problem, no argument lists all problems",
     },
 }
 """Arguments that have no flag: files where their functions accept other things, too."""

@@ -334,12 +334,14 @@ def _challenge(options: argparse.Namespace) -> Status:
 
     Without a file, list the problems, or print one as a scene.
     """
-    from .challenge.problems import problem_named, problem_of_file, problems
+    from .challenge.problems import name_of, problem_named, problem_of_file, problems
 
     match options.words:
+        case [_, *_] if options.list:
+            raise SceneError("challenge --list lists the problems: leave out the name and the file")
         case []:
             for path in problems():
-                print_lines([f"{path.stem:<24}{Scene.load(path).title.partition(': ')[2]}"])
+                print_lines([f"{name_of(path):<24}{Scene.load(path).title.partition(': ')[2]}"])
         case [word] if not Path(word).is_file():
             print(problem_named(word).read_text("utf-8"), end="")
         case [*names, file] if len(names) < 2:
@@ -404,10 +406,11 @@ ORDERS_EXAMPLES = """examples:
   ringwear orders errors.csv --by h --right 0 --latex   columns that hold errors, for a paper
 """
 CHALLENGE_EXAMPLES = """examples:
-  ringwear challenge                                    list the problems
+  ringwear challenge --list                             list the problems
   ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
   ringwear challenge 03_five_rings mine.csv             compare your results with it
   ringwear challenge 03_mine.csv                        the same, by the number in the file's name
+  ringwear challenge 13 mine.csv                        compare a table of cases with the answers
 """
 
 COMMANDS = {
@@ -471,7 +474,7 @@ COMMANDS = {
         examples=DECK_EXAMPLES,
     ),
     "challenge": Command(
-        "commands:_challenge", _challenge, ("words",), examples=CHALLENGE_EXAMPLES
+        "commands:_challenge", _challenge, ("words", "--list"), examples=CHALLENGE_EXAMPLES
     ),
 }
 

@@ -39,7 +39,7 @@ def start(thickness, poisson_ratio, points=600):
     kernel(s h)) cos(s t) ds``; the force is ``2 pi int phi dt``.
     """
     node, weight = _graded(thickness, points)
-    s, lengths = _panels(thickness, 2.0)
+    s, lengths = wave_numbers(thickness, 2.0)
     cosines = np.cos(np.outer(node, s))
     added = (cosines * (lengths * (1 - kernel(s * thickness, poisson_ratio)))) @ cosines.T
     root = np.sqrt(weight)
@@ -50,7 +50,7 @@ def start(thickness, poisson_ratio, points=600):
 
 def relaxation_times(thickness, poisson_ratio, count=8, functions=400):
     """Return the slowest relaxation times (count,) for the wear coefficient 1 on the whole face."""
-    s, lengths = _panels(thickness, 2.0)
+    s, lengths = wave_numbers(thickness, 2.0)
     order = np.arange(functions)
     weights = lengths * (kernel(s * thickness, poisson_ratio) - 1) / s**2
     bessel = jv(2 * order[:, None] + 1, s)
@@ -65,7 +65,7 @@ def relaxation_times(thickness, poisson_ratio, count=8, functions=400):
     return eigh((energies * root * root[:, None])[1:, 1:], eigvals_only=True)[::-1][:count]
 
 
-def _panels(thickness, reach, least_depth=None):
+def wave_numbers(thickness, reach, least_depth=None):
     """Return Gauss points and weights in the wave number.
 
     They end where a layer is unnoticeable at its surface, or where waves do not reach a depth.
@@ -108,7 +108,7 @@ def fields_under_uniform_pressure(r, z, thickness, poisson_ratio):
     r, z : (n,) radii and depths, which are positive
     """
     nu, shear = poisson_ratio, (1 - poisson_ratio) / 2
-    s, lengths = _panels(thickness, 1 + r.max(), least_depth=z.min())
+    s, lengths = wave_numbers(thickness, 1 + r.max(), least_depth=z.min())
 
     def waves(depth):
         """Return u_r, u_z, t_rz, s_zz and lambda div u (5, ..., 4) of the four potentials."""

@@ -1,1 +1,1 @@
-"""The wear challenge: twelve problems with certified numbers, which any program can try."""
+"""The wear challenge: sixteen problems with certified numbers, which any program can try."""

@@ -2,8 +2,9 @@
 
 ``python -m ringwear.studies.challenge.draw`` reads the files in `others`, whose names contain the
 problem and the program, and whose first lines contain the seconds. It writes `others/errors.csv`,
-`others/errors.png`, and the tables of both READMEs. With ``--tables`` it measures nothing, and
-writes the figure and the tables from `errors.csv`. Seconds of our methods are processor time.
+`others/errors.png`, and the tables of all READMEs. With ``--tables`` it measures nothing, and
+writes the figure and the tables from `errors.csv` and from the answers on layered ground. Seconds
+of our methods are processor time.
 """
 
 import re
@@ -20,13 +21,19 @@ import xarray
 from ..check.check import check
 from ..check.tables import read
 from ..crosscheck import Scene, run
-from .problems import FOLDER, OTHERS, number_of, problem_named
+from .answers import errors_in
+from .printed import FILE, printed_values
+from .problems import FOLDER, OTHERS, layered_problems, number_of, problem_named
 from .rows import (
     ERRORS,
     PROGRAMS,
     QUANTITIES,
+    answer_errors_table,
+    answers_table,
+    differences_table,
     errors_table,
     head_rows,
+    printed_table,
     problems_table,
     row_of,
     written_error,
@@ -75,7 +82,13 @@ def results_of(path: Path, scene: Scene) -> tuple[pd.DataFrame, float]:
 
 
 def submission(problem: Path, file: Path) -> list[str]:
-    """Compare a file with a problem, and return the head of the table and the row of the file."""
+    """Compare a file with a problem, and return the head of the table and the row of the file.
+
+    A file with a table of cases on layered ground has a row for each quantity.
+    """
+    errors = errors_in(problem, file)
+    if errors is not None:
+        return answer_errors_table(problem, file.stem, errors)
     scene = Scene.load(problem)
     table, seconds = results_of(file, scene)
     row = measure(scene, file.stem, seconds, table).iloc[0]
@@ -128,13 +141,17 @@ def error_rows(problem: int, measured: pd.DataFrame) -> Iterator[dict[str, objec
 
 
 def write_tables() -> None:
-    """Replace the tables in both READMEs by newly generated ones."""
-    for path, head, table in (
-        (FOLDER / "README.md", "| problem | difficulty", problems_table()),
-        (OTHERS / "README.md", "| problem | program", errors_table()),
+    """Write the printed values, and replace the tables in all READMEs by newly generated ones."""
+    printed_values().to_csv(FILE, index=False)
+    for path, table in (
+        (FOLDER / "README.md", problems_table()),
+        (FOLDER / "README.md", differences_table()),
+        (FOLDER / "README.md", printed_table()),
+        (OTHERS / "README.md", errors_table()),
+        *((path.with_name("README.md"), answers_table(path)) for path in layered_problems()),
     ):
         lines = path.read_text("utf-8").splitlines()
-        start = next(number for number, line in enumerate(lines) if line.startswith(head))
+        start = lines.index(table[0])
         rest = list(dropwhile(lambda line: line.startswith("|"), lines[start:]))
         path.write_text("\n".join([*lines[:start], *table, *rest]) + "\n", "utf-8")
 

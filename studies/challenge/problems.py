@@ -1,4 +1,8 @@
-"""Find the problems of the challenge by their names."""
+"""Find the problems of the challenge by their names.
+
+Problems on a half-space are scene files. Problems on layered ground are folders, which contain a
+scene, the statement of the problem and its answers.
+"""
 
 import re
 from pathlib import Path
@@ -7,16 +11,34 @@ from ...meshes import SceneError
 
 FOLDER = Path(__file__).parent
 OTHERS = FOLDER / "others"
+SCENE = "scene.toml"
+"""Name of the scene file in the folder of a problem."""
 
 
 def problems() -> list[Path]:
     """Return the scene files of all problems, in order."""
-    return sorted(FOLDER.glob("[0-9][0-9]_*.toml"))
+    files = [*FOLDER.glob("[0-9][0-9]_*.toml"), *FOLDER.glob(f"[0-9][0-9]_*/{SCENE}")]
+    return sorted(files, key=name_of)
+
+
+def layered_problems() -> list[Path]:
+    """Return the scene files of the problems on layered ground, in order."""
+    return [path for path in problems() if path.name == SCENE]
+
+
+def name_of(problem: Path) -> str:
+    """Return the name of a problem, such as ``03_five_rings``: that of its file or folder."""
+    return problem.parent.name if problem.name == SCENE else problem.stem
 
 
 def number_of(problem: Path) -> int:
     """Return the number of a problem."""
-    return int(problem.name[:2])
+    return int(name_of(problem)[:2])
+
+
+def answers_of(problem: Path) -> Path:
+    """Return the table of answers of a problem, which only problems on layered ground have."""
+    return problem.with_name("answers.csv")
 
 
 def difficulty(problem: Path) -> str:
@@ -33,9 +55,10 @@ def problem_named(name: str) -> Path:
         if there is no such problem; it lists the names of all
     """
     for path in problems():
-        if name in (path.stem, path.stem[3:]) or (name.isdigit() and int(name) == number_of(path)):
+        numbered = name.isdigit() and int(name) == number_of(path)
+        if numbered or name in (name_of(path), name_of(path)[3:]):
             return path
-    names = ", ".join(path.stem for path in problems())
+    names = ", ".join(map(name_of, problems()))
     raise SceneError(
         f"{name} is neither a file nor a problem of the challenge: give one of {names}"
     )

@@ -1,11 +1,25 @@
-"""Format the tables of the challenge: the errors of each program, and its seconds.
+"""Format the tables of the challenge: the errors of each program, its seconds, and answers.
 
-The errors in the table of the README are read from `others/errors.csv`, which `draw.py` writes.
+The errors in the table of the README are read from `others/errors.csv`, which `draw.py` writes, and
+answers from `answers.csv` of each problem.
 """
+
+from decimal import Decimal
+from pathlib import Path
 
 import pandas as pd
 
-from .problems import OTHERS, difficulty, problems
+from .answers import columns_of_case, read_answers
+from .printed import FILE
+from .problems import (
+    OTHERS,
+    SCENE,
+    difficulty,
+    layered_problems,
+    name_of,
+    number_of,
+    problems,
+)
 
 QUANTITIES = {"indentation": "error of d", "pressure": "error of p"}
 """Quantities in the table, and the columns of their errors."""
@@ -42,8 +56,77 @@ def errors_table() -> list[str]:
 
 def problems_table() -> list[str]:
     """Return the table of the problems with their difficulties."""
-    rows = [row_of([f"[`{path.stem}`]({path.name})", difficulty(path)]) for path in problems()]
+    rows = [
+        row_of([f"[`{name_of(path)}`]({_page_of(path)})", difficulty(path)]) for path in problems()
+    ]
     return [row_of(["problem", "difficulty"]), "| --- | --- |", *rows]
+
+
+def _page_of(problem: Path) -> str:
+    """Return the address of a problem in the README: its scene file, or its folder's README."""
+    return f"{name_of(problem)}/README.md" if problem.name == SCENE else problem.name
+
+
+def differences_table() -> list[str]:
+    """Return the greatest difference of each pair of methods in the answers of each problem."""
+    rows = []
+    for problem in layered_problems():
+        answers = read_answers(problem)
+        for methods, of_pair in answers.groupby("methods", sort=False):
+            cells = [len(of_pair), f"{of_pair['difference'].max():.1e}", of_pair["digits"].min()]
+            rows.append(row_of([str(number_of(problem)), str(methods), *map(str, cells)]))
+    head = ["problem", "methods", "values", "greatest difference", "fewest digits"]
+    return [row_of(head), row_of(["---"] * len(head)), *rows]
+
+
+def printed_table() -> list[str]:
+    """Return the values that were printed elsewhere, from `printed_values.csv`."""
+    table = pd.read_csv(FILE, dtype=str)
+    rows = [
+        [
+            row.source,
+            f"{row.quantity}, {row.where}",
+            row.printed,
+            f"{Decimal(row.right):f}",
+            row.error,
+        ]
+        for row in table.itertuples()
+    ]
+    head = ["source", "quantity", "printed", "right", "relative error"]
+    return [row_of(head), row_of(["---"] * len(head)), *map(row_of, rows)]
+
+
+def answers_table(problem: Path) -> list[str]:
+    """Return the answers of a problem with a row for each case.
+
+    Quantities have columns; a single quantity has a column for each number of the last column of
+    the case instead.
+    """
+    answers = read_answers(problem)
+    case = columns_of_case(answers)
+    answers["value"] = [f"{Decimal(value):f}" for value in answers["value"]]
+    single = answers["quantity"].nunique() == 1
+    rows, columns = (case[:-1], case[-1]) if single else (case, "quantity")
+    # cases without a number in a column, such as histories without a radius, keep their place
+    groups = answers.groupby(rows, sort=False, dropna=False)
+    names = [*answers[columns].unique()]
+    head = [*rows, *(f"{columns} = {name:g}" if single else str(name) for name in names)]
+    lines = [row_of(head), row_of(["---"] * len(head))]
+    for numbers, group in groups:
+        values = group.set_index(columns)["value"]
+        place = [f"{number:g}" if number == number else "" for number in numbers]
+        lines.append(row_of([*place, *(values.get(name, "") for name in names)]))
+    return lines
+
+
+def answer_errors_table(problem: Path, program: str, errors: pd.DataFrame) -> list[str]:
+    """Return the errors of a program in a table of cases, with a row for each quantity."""
+    head = ["problem", "program", "quantity", "values", "greatest relative error", "case"]
+    lines = [row_of(head), row_of(["---"] * len(head))]
+    for row in errors.itertuples():
+        cells = [str(row.quantity), str(row.values), written_error(row.error), str(row.case)]
+        lines.append(row_of([str(number_of(problem)), program, *cells]))
+    return lines
 
 
 def _settings(program: str, settings: pd.Series) -> str:

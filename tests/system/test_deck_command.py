@@ -1,4 +1,4 @@
-"""Decks from the command line, run if CalculiX is installed, and the wear challenge."""
+"""Decks from the command line, run if CalculiX is installed."""
 
 import os
 import re
@@ -184,19 +184,3 @@ def test_a_time_without_load_is_refused_before_anything_is_computed(tmp_path, ca
     (line,) = capsys.readouterr().err.splitlines()
     assert "--time 8: the load is zero then: give times at which the punch is loaded" in line
     assert not list(tmp_path.iterdir())
-
-
-def test_a_submission_to_the_challenge(tmp_path, capsys):
-    assert main(["challenge"]) == 0
-    assert capsys.readouterr().out.count("\n") == 12
-    radii = np.array([0.1, 0.5, 0.9])
-    pressure = 1.01 / (np.pi * np.sqrt(1 - radii**2))
-    rows = [f"0,{r},{p},0.98" for r, p in zip(radii, pressure, strict=True)]
-    lines = ["# 1.5 s", "time,radius,pressure,indentation", *rows]
-    (tmp_path / "01_mine.csv").write_text("\n".join(lines), "utf-8")
-    assert main(["challenge", str(tmp_path / "01_mine.csv")]) == 0
-    row = capsys.readouterr().out.splitlines()[-1]
-    assert row == "| 1 | 01_mine | 2.0e-2 | 1.0e-2 | 1.5 |"
-    assert main(["challenge", "13", str(tmp_path / "01_mine.csv")]) == 2
-    assert main(["challenge", "flat_punch"]) == 0
-    assert Scene.from_toml(capsys.readouterr().out).title.startswith("Challenge 1")

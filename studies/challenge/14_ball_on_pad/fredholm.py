@@ -1,0 +1,131 @@
+"""Press a ball on a layer bonded to a rigid base, by Fredholm's equation of the second kind.
+
+The derivation and the formulas are independent of those of ringwear's methods. The line density phi
+of the pressure, whose Hankel transform is ``int phi(t) cos(s t) dt``, satisfies on the contact
+``0 < x < c``, with the plane strain modulus 1 (Lebedev and Ufliand, J. Appl. Math. Mech. 22, 1958,
+442),
+
+    phi(x) - 1/pi int (K(x - t) + K(x + t)) phi(t) dt = (d - g(x)) / pi,
+    K(t) = int (1 - kernel(s h)) cos(s t) ds,   g(x) = x/2 log((R + x) / (R - x)),
+
+where g is the profile of the ball in the method of dimensionality reduction. The indentation d
+follows from phi(c) = 0. The force is ``2 pi int phi dt``, and the pressure at r is ``-int phi'(x) /
+sqrt(x^2 - r^2) dx`` from r to c. Nystroem's method with Gauss's quadrature solves the equation.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import factorial
+
+from ....meshes import Array, gauss
+
+NEGLIGIBLE_EXPONENT = 36.0
+"""Exponent at which ``exp(-x)`` counts as zero."""
+HALVINGS = 12
+"""How often the first panel in s is halved towards zero."""
+POINTS = 24
+"""Number of Gauss points on each panel."""
+MAX_PHASE = 10.0
+"""Largest phase of the oscillating integrand on one panel in s, in radians."""
+LONG_WAVE = 0.3
+"""Wave number times thickness below which the numerator of the kernel is expanded in a series."""
+
+
+class Ball(NamedTuple):
+    """Describe a ball on a bonded layer; the unit of length is arbitrary."""
+
+    ball_radius: float
+    thickness: float
+    poisson_ratio: float
+
+
+class Pressed(NamedTuple):
+    """Contain what a contact radius requires, and the pressure at a radius."""
+
+    normal_force: float
+    contact_radius: float
+    indentation: float
+    pressure: float
+
+
+def kernel(x: Array, poisson_ratio: float) -> Array:
+    """Return the compliance of a bonded layer to waves, relative to a half-space.
+
+    Parameters
+    ----------
+    x : wave number times thickness, positive
+    poisson_ratio : up to and including 1/2
+    """
+    kappa, e = 3 - 4 * poisson_ratio, np.exp(-2 * x)
+    # sinh(2 x) and cosh(2 x) times 2 exp(-2 x), so that they do not overflow
+    above = kappa * (1 - e**2) - 4 * x * e
+    below = kappa * (1 + e**2) + (4 * x**2 + 1 + kappa**2) * e
+    # 2 kappa sinh(2 x) - 4 x cancels for long waves
+    long = x < LONG_WAVE
+    y = 2 * x[long]
+    remainder = sum(y**n / factorial(n) for n in range(3, 24, 2))
+    above[long] = (2 * (kappa - 1) * y + 2 * kappa * remainder) * e[long]
+    return np.asarray(above / below)
+
+
+def pressed_to(ball: Ball, contact_radius: float, radius: float) -> Pressed:
+    """Return the force and the indentation at a contact radius, and the pressure at a radius."""
+    panels = max(int(np.ceil(contact_radius / ball.thickness)), 4)
+    edges = np.linspace(0.0, contact_radius, panels + 1)
+    x, lengths = _points_on(edges)
+    s, widths = _wave_numbers(ball.thickness, 2 * contact_radius)
+    spectrum = widths * (1 - kernel(s * ball.thickness, ball.poisson_ratio))
+    cosines = np.cos(np.outer(x, s))
+    added = 2 / np.pi * (cosines * spectrum) @ cosines.T * lengths
+    profile, _ = _profile(x, ball.ball_radius)
+    right = np.stack([np.ones_like(x), profile], axis=1) / np.pi
+    unit, shape = np.linalg.solve(np.eye(len(x)) - added, right).T
+    # phi = d unit - shape is zero at the edge of the contact
+    at_edge = 2 / np.pi * (np.cos(contact_radius * s) * spectrum) @ cosines.T * lengths
+    height, _ = _profile(np.array(contact_radius), ball.ball_radius)
+    indentation = (height / np.pi + at_edge @ shape) / (1 / np.pi + at_edge @ unit)
+    density = (indentation * unit - shape) * lengths
+    # x^2 = r^2 + y^2, so that dx / sqrt(x^2 - r^2) = dy / x
+    y, steps = _points_on(edges * np.sqrt(1 - (radius / contact_radius) ** 2))
+    x = np.hypot(radius, y)
+    _, slope = _profile(x, ball.ball_radius)
+    derivative = slope + 2 * (np.sin(np.outer(x, s)) * s * spectrum) @ (cosines.T @ density)
+    force, pressure = 2 * np.pi * density.sum(), (derivative / x) @ steps / np.pi
+    return Pressed(float(force), contact_radius, float(indentation), float(pressure))
+
+
+def pressed_by(ball: Ball, normal_force: float, radius: float) -> Pressed:
+    """Return the contact under a force, and the pressure at a radius."""
+    # on a half-space the contact is largest
+    highest = 1.01 * (0.75 * normal_force * ball.ball_radius) ** (1 / 3)
+    contact_radius = brentq(
+        lambda trial: pressed_to(ball, trial, radius).normal_force - normal_force,
+        1.01 * radius,
+        highest,
+        xtol=1e-14 * highest,
+    )
+    return pressed_to(ball, contact_radius, radius)
+
+
+def _profile(x: Array, ball_radius: float) -> tuple[Array, Array]:
+    """Return g(x), and its derivative."""
+    logarithm = np.log((ball_radius + x) / (ball_radius - x)) / 2
+    return x * logarithm, logarithm + x * ball_radius / (ball_radius**2 - x**2)
+
+
+def _wave_numbers(thickness: float, reach: float) -> tuple[Array, Array]:
+    """Return points and weights in s; the integrand decays as exp(-2 s h)."""
+    end = NEGLIGIBLE_EXPONENT / (2 * thickness)
+    even = np.linspace(0.0, end, int(np.ceil(end * reach / MAX_PHASE)) + 2)
+    return _points_on(
+        np.concatenate([[0.0], even[1] * 0.5 ** np.arange(HALVINGS, 0, -1), even[1:]])
+    )
+
+
+def _points_on(edges: Array) -> tuple[Array, Array]:
+    """Return Gauss points and weights on the panels between edges."""
+    local, weights = gauss(POINTS)
+    half = np.diff(edges)[:, None] / 2
+    return (edges[:-1, None] + half * (1 + local)).ravel(), (half * weights).ravel()

@@ -1,0 +1,145 @@
+"""Answers of the problems on layered ground: certify them, and compare other tables with them.
+
+The file `answers.csv` of a problem has a row for each value. Its first columns are those of the
+case, such as `poisson_ratio`; the others are `COLUMNS`.
+"""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ...meshes import Array, SceneError
+from ..tables.text import read_texts, split_heading, text_of_file
+from .problems import answers_of, name_of
+
+COLUMNS = ("quantity", "value", "unit", "digits", "difference", "bound", "methods")
+"""Columns of `answers.csv` behind those of the case."""
+MOST_DIGITS = 10
+"""Greatest number of digits to which a value is given."""
+PLACE = {"time", "radius"}
+"""Columns of a case that `ringwear check` compares at any times and radii."""
+NO_TEXT = (".nc", ".vtu")
+"""Ends of files that are not text, which `ringwear check` compares."""
+SAME_CASE = 1e-6
+"""Relative difference of numbers of a case below which they are the same."""
+
+
+def certified(values: Iterable[Mapping[str, object]]) -> pd.DataFrame:
+    """Return each value to the digits in which two methods agree.
+
+    Parameters
+    ----------
+    values : for each value a row with the columns of its case, and `quantity`, `unit`, `methods`,
+        and the values by both methods, `first` and `second`
+
+    Returns
+    -------
+    table : rows of `answers.csv`. The value is the first one, rounded to `digits` digits; the
+        difference of both values, relative to it, is at most half a unit of its last digit. The
+        bound of its error, also relative to it, is a unit of its last digit.
+    """
+    table = pd.DataFrame(list(values))
+    first, second = table.pop("first"), table.pop("second")
+    difference = np.abs(second / first - 1)
+    digits = -np.log10(2 * difference.clip(lower=10.0**-MOST_DIGITS / 2)).round(12)
+    table["digits"] = np.floor(digits).astype(int)
+    table["value"] = [
+        f"{value:.{count - 1}e}" for value, count in zip(first, table["digits"], strict=True)
+    ]
+    table["difference"] = [f"{value:.1e}" for value in difference]
+    table["bound"] = [
+        _rounded_up(_last_unit(value) / abs(float(value))) for value in table["value"]
+    ]
+    cases = [name for name in table if name not in COLUMNS]
+    return table[[*cases, *COLUMNS]]
+
+
+def write_answers(folder: Path, values: Iterable[Mapping[str, object]]) -> None:
+    """Write `answers.csv` of a problem; see `certified` for the values."""
+    certified(values).to_csv(folder / "answers.csv", index=False)
+
+
+def read_answers(problem: Path) -> pd.DataFrame:
+    """Return the rows of `answers.csv` of a problem, values as text."""
+    return pd.read_csv(answers_of(problem), dtype={"value": str})
+
+
+def columns_of_case(answers: pd.DataFrame) -> list[str]:
+    """Return the columns of the case in answers: those before `quantity`."""
+    return [*answers.columns[: answers.columns.get_loc("quantity")]]
+
+
+def errors_in(problem: Path, file: Path) -> pd.DataFrame | None:
+    """Compare a table of cases with the answers of a problem.
+
+    The table has the columns of the case, and a column for each quantity; quantities and cases may
+    be left out.
+
+    Returns
+    -------
+    errors : for each quantity, the number of its values, the greatest relative error, and the case
+        in which it is; None if answers of the problem have no cases, or if the table lacks a column
+        of the case, so that `ringwear check` compares it
+
+    Raises
+    ------
+    SceneError
+        if the table cannot be read, or if none of its values has an answer
+    """
+    if not answers_of(problem).is_file() or file.suffix in NO_TEXT:
+        return None
+    answers = read_answers(problem)
+    case = columns_of_case(answers)
+    theirs = read_texts(file, text_of_file(file))
+    theirs.columns = [split_heading(str(heading))[0] for heading in theirs]
+    if set(case) <= PLACE or (not set(case) <= set(theirs) and PLACE & set(theirs)):
+        return None
+    missing = ", ".join(name for name in case if name not in theirs)
+    if missing:
+        raise SceneError(f"{file} has no column {missing}: give it, as in answers.csv")
+    quantities = [name for name in answers["quantity"].unique() if name in theirs]
+    numbers = theirs[[*case, *quantities]].apply(pd.to_numeric, errors="coerce")
+    rows = []
+    for quantity in quantities:
+        wanted = answers[answers["quantity"] == quantity]
+        errors = _relative_errors(wanted, numbers, case, quantity)
+        if np.isfinite(errors).any():
+            worst = wanted.iloc[int(np.nanargmax(errors))]
+            place = ", ".join(f"{name} = {worst[name]:g}" for name in case)
+            count = int(np.isfinite(errors).sum())
+            row = {"quantity": quantity, "values": count, "error": np.nanmax(errors)}
+            rows.append(row | {"case": place})
+    if not rows:
+        names = ", ".join(answers["quantity"].unique())
+        raise SceneError(
+            f"{file} has no value of {name_of(problem)}: give columns {', '.join(case)} with "
+            f"numbers of its answers.csv, and {names}"
+        )
+    return pd.DataFrame(rows)
+
+
+def _relative_errors(
+    answers: pd.DataFrame, theirs: pd.DataFrame, case: list[str], quantity: str
+) -> Array:
+    """Return the error of a quantity for each answer (n,); NaN where a table has no such case."""
+    wanted, given = (table[case].to_numpy(dtype=float) for table in (answers, theirs))
+    same = np.isclose(wanted[:, None], given, rtol=SAME_CASE, atol=1e-12).all(axis=2)
+    value = answers["value"].to_numpy(dtype=float)
+    of_case = theirs[quantity].to_numpy(dtype=float)[same.argmax(axis=1)]
+    return np.where(same.any(axis=1), np.abs(of_case / value - 1), np.nan)
+
+
+def _last_unit(value: str) -> float:
+    """Return a unit of the last digit of a number such as 1.083e+00."""
+    mantissa, _, exponent = value.partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return float(f"1e{int(exponent) - decimals}")
+
+
+def _rounded_up(number: float) -> str:
+    """Return a positive number, rounded up to one digit."""
+    exponent = int(np.floor(np.log10(number)))
+    # a number that has one digit is not rounded up because of roundoff
+    return f"{np.ceil(number / 10.0**exponent - 1e-9) * 10.0**exponent:.0e}"
