@@ -14,10 +14,12 @@ from ...meshes import (
     Array,
     Ground,
     Indices,
+    MeshError,
     SceneError,
     as_half_space,
     by_gmsh,
     contact_facets,
+    contact_radii,
     facet_ends,
     from_axis,
     halved,
@@ -39,9 +41,11 @@ TOO_LARGE = (
     "the deck would have {} elements, more than "
     f"{MAX_ELEMENTS}: give a larger size, or fewer rings"
 )
+GROWTHS = (1.0, 0.9, 0.8, 0.7, 0.6)
+"""Growth of the size of quadrilaterals of layers per distance, in the order that is tried."""
 HALVINGS, MAX_SIZE_AT_EDGE = 2, 0.3
-"""How often the quadrilaterals of layers are halved, and their largest size at a ring edge before,
-over the width of the narrower ring there."""
+"""How often the quadrilaterals of layers are halved, at least, and their largest size at a ring
+edge before, over the width of the narrower ring there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,20 +177,29 @@ def layered_mesh(
     at_edges = scale * _edge_sizes(edges, size)[1:]
     narrower = np.minimum(widths, np.append(widths[1:], np.inf))
     sizes = np.minimum(at_edges, MAX_SIZE_AT_EDGE * narrower)
-    graded = by_gmsh.graded(
-        ring_edges,
-        sizes[:-1],
-        float(sizes[-1]),
-        factor=0.5,
-        growth=1.0,
-        outer=by_gmsh.truncation_with_interfaces(interfaces, reach),
-        interfaces=interfaces,
-        rigid=ground.rigid,
-        under_face=scale * size,
-    )
-    if graded.mesh.nelements * 4**HALVINGS > MAX_ELEMENTS:
-        raise SceneError(TOO_LARGE.format(graded.mesh.nelements * 4**HALVINGS))
-    return DeckMesh(halved(graded.mesh, ring_edges, HALVINGS), quadratic)
+    # gmsh fails now and then with a growth, but not with a slightly smaller one
+    for growth in GROWTHS:
+        try:
+            graded = by_gmsh.graded(
+                ring_edges,
+                sizes[:-1],
+                float(sizes[-1]),
+                factor=0.5,
+                growth=growth,
+                outer=by_gmsh.truncation_with_interfaces(interfaces, reach),
+                interfaces=interfaces,
+                rigid=ground.rigid,
+            )
+            break
+        except MeshError as error:
+            reason = error
+    else:
+        raise SceneError(f"the layers could not be meshed: {reason}; give another --reach")
+    widest = float(np.diff(contact_radii(graded.mesh)).max())
+    halvings = max(HALVINGS, int(np.ceil(np.log2(widest / size))))
+    if (count := graded.mesh.nelements * 4**halvings) > MAX_ELEMENTS:
+        raise SceneError(TOO_LARGE.format(count))
+    return DeckMesh(halved(graded.mesh, ring_edges, halvings), quadratic)
 
 
 def refuse_reach(reach: float) -> None:
