@@ -146,7 +146,7 @@ def write_tables() -> None:
     for path, table in (
         (FOLDER / "README.md", problems_table()),
         (FOLDER / "README.md", differences_table()),
-        (FOLDER / "README.md", printed_table()),
+        (FOLDER / "reference_values.md", printed_table()),
         (OTHERS / "README.md", errors_table()),
         *((path.with_name("README.md"), answers_table(path)) for path in layered_problems()),
     ):

@@ -32,17 +32,17 @@ LAYERED = layered_problems()
 
 
 @pytest.mark.parametrize(
-    ("folder", "table"),
+    ("page", "table"),
     [
-        (FOLDER, problems_table()),
-        (FOLDER, differences_table()),
-        (FOLDER, printed_table()),
-        (OTHERS, errors_table()),
-        *((path.parent, answers_table(path)) for path in LAYERED),
+        (FOLDER / "README.md", problems_table()),
+        (FOLDER / "README.md", differences_table()),
+        (FOLDER / "reference_values.md", printed_table()),
+        (OTHERS / "README.md", errors_table()),
+        *((path.with_name("README.md"), answers_table(path)) for path in LAYERED),
     ],
 )
-def test_the_readmes_have_the_generated_tables(folder, table):
-    assert "\n".join(table) in (folder / "README.md").read_text("utf-8")
+def test_pages_have_the_generated_tables(page, table):
+    assert "\n".join(table) in page.read_text("utf-8")
 
 
 def test_printed_values_are_compared_with_the_answers():
