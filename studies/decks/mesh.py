@@ -17,14 +17,14 @@ from ...meshes import (
     MeshError,
     SceneError,
     as_half_space,
-    by_gmsh,
     contact_facets,
     contact_radii,
     facet_ends,
     from_axis,
     halved,
+    structured,
 )
-from ...meshes.structured import SQUARE, growing_distances, quarter_disc, shells_around
+from ...meshes.by_gmsh import graded, truncation_with_interfaces
 
 RIM_SIZE = 1.44
 """Size of the elements at the rim over the square of the size inside. Near a root singularity the
@@ -149,12 +149,12 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
     refuse_reach(reach)
     edges = from_axis(ring_edges)
     radii, depths = _radii(edges, size), _depths(edges, size)
-    shells = shells_around(reach, GROWTH * size)
+    shells = structured.shells_around(reach, GROWTH * size)
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
     if count > MAX_ELEMENTS:
         raise SceneError(TOO_LARGE.format(count))
-    mesh = quarter_disc(radii, depths, shells)
+    mesh = structured.quarter_disc(radii, depths, shells)
     return DeckMesh(as_half_space(mesh, ring_edges), quadratic)
 
 
@@ -180,13 +180,13 @@ def layered_mesh(
     # gmsh fails now and then with a growth, but not with a slightly smaller one
     for growth in GROWTHS:
         try:
-            graded = by_gmsh.graded(
+            layered = graded(
                 ring_edges,
                 sizes[:-1],
                 float(sizes[-1]),
                 factor=0.5,
                 growth=growth,
-                outer=by_gmsh.truncation_with_interfaces(interfaces, reach),
+                outer=truncation_with_interfaces(interfaces, reach),
                 interfaces=interfaces,
                 rigid=ground.rigid,
             )
@@ -195,11 +195,11 @@ def layered_mesh(
             reason = error
     else:
         raise SceneError(f"the layers could not be meshed: {reason}; give another --reach")
-    widest = float(np.diff(contact_radii(graded.mesh)).max())
+    widest = float(np.diff(contact_radii(layered.mesh)).max())
     halvings = max(HALVINGS, int(np.ceil(np.log2(widest / size))))
-    if (count := graded.mesh.nelements * 4**halvings) > MAX_ELEMENTS:
+    if (count := layered.mesh.nelements * 4**halvings) > MAX_ELEMENTS:
         raise SceneError(TOO_LARGE.format(count))
-    return DeckMesh(halved(graded.mesh, ring_edges, halvings), quadratic)
+    return DeckMesh(halved(layered.mesh, ring_edges, halvings), quadratic)
 
 
 def refuse_reach(reach: float) -> None:
@@ -230,18 +230,22 @@ def _radii(edges: Array, size: float) -> Array:
     for number, (start, end) in enumerate(itertools.pairwise(edges)):
         largest, half = size * scales[number], widths[number] / 2
         if start == 0:
-            from_edge = growing_distances(widths[number], edge_sizes[1], largest, GROWTH * size)
+            from_edge = structured.growing_distances(
+                widths[number], edge_sizes[1], largest, GROWTH * size
+            )
             lines.append((end - from_edge[::-1])[1:])
             continue
         inner, outer = (
-            growing_distances(half, edge_size, largest, GROWTH * size)
+            structured.growing_distances(half, edge_size, largest, GROWTH * size)
             for edge_size in edge_sizes[number : number + 2]
         )
         lines += [start + inner[1:], (end - outer[::-1])[1:]]
-    beyond_rim = growing_distances(SQUARE - 1, edge_sizes[-1], size, GROWTH * size)
+    beyond_rim = structured.growing_distances(
+        structured.SQUARE - 1, edge_sizes[-1], size, GROWTH * size
+    )
     radii = np.concatenate([*lines, 1 + beyond_rim[1:]])
     # remove the roundoff of ring edges and of the end
-    for exact in (*edges, SQUARE):
+    for exact in (*edges, structured.SQUARE):
         radii[np.abs(radii - exact).argmin()] = exact
     return radii
 
@@ -249,4 +253,6 @@ def _radii(edges: Array, size: float) -> Array:
 def _depths(edges: Array, size: float) -> Array:
     """Return the depths of the vertices of the square, from the surface to its side."""
     scale = min(float(np.diff(edges).min()) / WIDE, 1.0)
-    return growing_distances(SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size)
+    return structured.growing_distances(
+        structured.SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size
+    )

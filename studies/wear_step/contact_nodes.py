@@ -115,7 +115,7 @@ class ContactNodes:
     def pressures(self, treatment: str) -> Array:
         """Return the matrix (n, n) from the forces on the nodes to the pressures of the nodes."""
         if treatment == CONSISTENT:
-            return np.linalg.inv(self.mass)
+            return np.asarray(np.linalg.inv(self.mass), dtype=float)
         weights = self.weights
         matrix = np.diag(1 / np.maximum(weights, np.finfo(float).tiny))
         if self.degree == 2 and self.radii[0] == 0:

@@ -1,5 +1,6 @@
 """One command writes the address of the repository; releases are refused without it."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,10 @@ def copied(tmp_path):
     for name in ("README.md", "CITATION.cff", "pyproject.toml", ".ci/address.py"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
+    # once the address of the repository is known, it is in these files
+    project = tmp_path / "pyproject.toml"
+    text = re.sub(r"\[project\.urls\]\n(?:[^\[\n]*\n)*", "", project.read_text("utf-8"))
+    project.write_text(text, "utf-8")
 
     def run(*arguments):
         command = [sys.executable, tmp_path / ".ci" / "address.py", *arguments]
