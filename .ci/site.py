@@ -1,34 +1,172 @@
-"""Build the site: pages of the API from docstrings, and the examples with what they print and draw.
+"""Build the site with MkDocs: the pages of the repository, a gallery that is run, and the API.
 
 python .ci/site.py DIR
+
+All links are checked: a broken one stops the build.
 """
 
 import ast
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
-from base64 import b64encode
-from html import escape
+from functools import partial
 from inspect import ismodule
 from pathlib import Path
 
 import pdoc
-from pygments import highlight
-from pygments.formatters import HtmlFormatter
-from pygments.lexers import PythonLexer
 
 import ringwear
 
-EXAMPLES = Path(__file__).parents[1] / "studies" / "examples"
-STYLE = """body { max-width: 60em; margin: 2em auto; padding: 0 1em; font-family: sans-serif }
-pre { overflow-x: auto; padding: .5em; background: #f6f6f6 } img { max-width: 100% }"""
+ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "studies" / "examples"
+FOLDERS = ("mdr", "fem", "meshes", "studies", "tests")
+PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
+LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)\s#]+)(#[^)\s]*)?\)")
+NAVIGATION = [
+    {"Start": "README.md"},
+    {"Your case": "studies/pages/cases.md"},
+    {"Questions": "studies/pages/questions.md"},
+    {"Gallery": "gallery"},
+    {"How accurate": "studies/crosscheck/verdict/README.md"},
+    {
+        "Other programs": [
+            {"Input files": "studies/decks/README.md"},
+            {"The wear challenge": "studies/challenge/README.md"},
+            {"Reference values": "studies/challenge/reference_values.md"},
+            {"Results of others": "studies/challenge/others/README.md"},
+        ]
+    },
+    {
+        "Reference": [
+            {"Commands and keys": "studies/reference.md"},
+            {"Studies": "studies/study/README.md"},
+            {"Fits": "studies/fit/README.md"},
+            {"Sweeps": "studies/sweep/README.md"},
+        ]
+    },
+    {
+        "Theory": [
+            {"The computation": "studies/README.md"},
+            {"The half-space": "mdr/README.md"},
+            {"Finite elements": "fem/README.md"},
+            {"Meshes": "meshes/README.md"},
+        ]
+    },
+    {"API": "api.md"},
+    {"Changes": "CHANGELOG.md"},
+]
+THEME = {
+    "name": "material",
+    # no fonts from elsewhere
+    "font": False,
+    "features": ["navigation.indexes", "navigation.top", "content.code.copy", "search.suggest"],
+}
+API = """# API
+
+[The public names of ringwear, with their docstrings](api/ringwear.html): `run`, `check`, `fit`,
+`study`, `sweep`, `plan`, `deck`, and what they return.
+"""
 
 
-def load_late_names() -> None:
-    """Give the package its public names that load when they are used: pdoc shows what is there."""
+def copy_pages(docs: Path) -> None:
+    """Copy all pages of the repository, and the files that they link to, to the same places."""
+    folders = [file for folder in FOLDERS for file in (ROOT / folder).rglob("*.md")]
+    for file in (*(ROOT / page for page in PAGES), *sorted(folders)):
+        place = docs / file.relative_to(ROOT)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(LINK.sub(partial(link_of, file.parent), read(file)), "utf-8")
+        for target, _ in LINK.findall(read(file)):
+            linked = (file.parent / target).resolve()
+            if linked.is_file() and linked.suffix != ".md":
+                copied = docs / linked.relative_to(ROOT)
+                copied.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(linked, copied)
+
+
+def read(file: Path) -> str:
+    """Return the text of a file."""
+    return file.read_text("utf-8")
+
+
+def link_of(folder: Path, match: re.Match[str]) -> str:
+    """Return a link of a page in a folder; one to a folder leads to the page that describes it."""
+    target, place = match.groups()
+    if (folder / target).is_dir():
+        target = f"{target.rstrip('/')}/README.md"
+    return f"]({target}{place or ''})"
+
+
+def gallery(docs: Path) -> list[dict[str, str]]:
+    """Write a page for each example, run in a folder of its own; return their navigation."""
+    folder = docs / "gallery"
+    folder.mkdir()
+    pages = {file: page_of_script(file, folder) for file in sorted(EXAMPLES.glob("[!_]*.py"))}
+    pages |= {file: page_of_notebook(file) for file in sorted(EXAMPLES.glob("*.ipynb"))}
+    navigation = []
+    for file, text in pages.items():
+        (folder / f"{file.stem}.md").write_text(text, "utf-8")
+        title = text.partition("\n")[0].removeprefix("# ")
+        navigation.append({title: f"gallery/{file.stem}.md"})
+    return navigation
+
+
+def page_of_script(file: Path, folder: Path) -> str:
+    """Return the page of an example: its question, code, output and figures."""
+    source = read(file)
+    title, _, text = (ast.get_docstring(ast.parse(source)) or file.stem).partition("\n")
+    with tempfile.TemporaryDirectory() as place:
+        call = [sys.executable, str(file)]
+        environment = os.environ | {"MPLBACKEND": "agg"}
+        done = subprocess.run(
+            call, cwd=place, env=environment, capture_output=True, text=True, check=True
+        )
+        figures = []
+        for number, image in enumerate(sorted(Path(place).glob("*.png"))):
+            name = f"{file.stem}_{number}.png"
+            shutil.copy(image, folder / name)
+            figures.append(f"![{image.stem.replace('_', ' ')}]({name})")
+    code = source.partition('"""')[2].partition('"""')[2].strip()
+    parts = [f"# {title.rstrip('.')}", text.strip(), fenced(code, "python")]
+    parts += [fenced(done.stdout)] if done.stdout.strip() else []
+    return "\n\n".join(filter(None, [*parts, *figures])) + "\n"
+
+
+def page_of_notebook(file: Path) -> str:
+    """Return the page of a notebook, with the outputs that it holds (a test runs its cells)."""
+    parts = []
+    for cell in json.loads(read(file))["cells"]:
+        source = "".join(cell["source"])
+        if cell["cell_type"] == "markdown":
+            parts.append(source)
+            continue
+        outputs = (out.get("text") or out["data"]["text/plain"] for out in cell["outputs"])
+        parts += [fenced(source, "python"), *(fenced("".join(lines)) for lines in outputs)]
+    return "\n\n".join(parts) + "\n"
+
+
+def fenced(text: str, language: str = "text") -> str:
+    """Return a block of code or of output."""
+    return f"```{language}\n{text.rstrip()}\n```"
+
+
+def write_api(docs: Path) -> None:
+    """Write the pages of the API, and refuse them if a public name is missing."""
+    # names that load when they are used, so that pdoc shows what is there
     vars(ringwear).update({name: public(name) for name in ringwear.__all__})
+    pdoc.render.configure(docformat="numpy")
+    modules = [value.__name__ for value in map(public, ringwear.__all__) if ismodule(value)]
+    pdoc.pdoc("ringwear", *modules, output_directory=docs / "api")
+    text = read(docs / "api" / "ringwear.html")
+    # modules have pages of their own
+    wanted = [name for name in ringwear.__all__ if not ismodule(public(name))]
+    wanted += ["Result.plot", "Study.save", "Comparison.table", "Scene.changed"]
+    if missing := [name for name in wanted if f'id="{name}"' not in text]:
+        raise SystemExit(f"the page of the API lacks {', '.join(missing)}")
+    (docs / "api.md").write_text(API, "utf-8")
 
 
 def public(name: str) -> object:
@@ -36,81 +174,40 @@ def public(name: str) -> object:
     return getattr(ringwear, name)
 
 
-def as_page(title: str, parts: list[str]) -> str:
-    """Return a page of HTML."""
-    style = f"{STYLE}\n{HtmlFormatter().get_style_defs()}"
-    return (
-        '<!doctype html><html lang="en"><head><meta charset="utf-8">'
-        '<meta name="viewport" content="width=device-width">'
-        f"<title>{escape(title)}</title><style>{style}</style></head><body>"
-        f"<h1>{escape(title)}</h1>{''.join(parts)}</body></html>"
-    )
-
-
-def of_code(source: str) -> str:
-    """Return highlighted code."""
-    return highlight(source, PythonLexer(), HtmlFormatter())
-
-
-def of_text(text: str) -> str:
-    """Return what was printed."""
-    return f"<pre>{escape(text)}</pre>" if text.strip() else ""
-
-
-def page_of_script(file: Path) -> str:
-    """Return the page of an example, run in a folder of its own: code, output and figures."""
-    source = file.read_text("utf-8")
-    title = (ast.get_docstring(ast.parse(source)) or file.stem).splitlines()[0]
-    with tempfile.TemporaryDirectory() as folder:
-        call = [sys.executable, str(file)]
-        environment = os.environ | {"MPLBACKEND": "agg"}
-        done = subprocess.run(
-            call, cwd=folder, env=environment, capture_output=True, text=True, check=True
-        )
-        figures = [b64encode(of.read_bytes()).decode() for of in sorted(Path(folder).glob("*.png"))]
-    images = [f'<img alt="figure" src="data:image/png;base64,{image}">' for image in figures]
-    return as_page(title, [of_code(source), of_text(done.stdout), *images])
-
-
-def page_of_notebook(file: Path) -> str:
-    """Return the page of a notebook, with the outputs that it holds (a test runs its cells)."""
-    parts = []
-    for cell in json.loads(file.read_text("utf-8"))["cells"]:
-        source = "".join(cell["source"])
-        if cell["cell_type"] == "markdown":
-            parts += [f"<p>{escape(source.lstrip('# '))}</p>"]
-            continue
-        outputs = (out.get("text") or out["data"]["text/plain"] for out in cell["outputs"])
-        parts += [of_code(source), *(of_text("".join(lines)) for lines in outputs)]
-    return as_page(file.stem.replace("_", " ").capitalize(), parts)
-
-
 def build(out: Path) -> None:
     """Write the site into a folder."""
-    load_late_names()
-    pdoc.render.configure(docformat="numpy")
-    modules = [value.__name__ for value in map(public, ringwear.__all__) if ismodule(value)]
-    pdoc.pdoc("ringwear", *modules, output_directory=out / "api")
-    pages = {file.stem: page_of_script(file) for file in sorted(EXAMPLES.glob("[!_]*.py"))}
-    pages |= {file.stem: page_of_notebook(file) for file in sorted(EXAMPLES.glob("*.ipynb"))}
-    (out / "examples").mkdir(parents=True, exist_ok=True)
-    for name, page in pages.items():
-        (out / "examples" / f"{name}.html").write_text(page, "utf-8")
-    links = [f'<li><a href="examples/{name}.html">{name}</a></li>' for name in pages]
-    api = '<p><a href="api/ringwear.html">The API</a></p>'
-    index = as_page("ringwear", [api, f"<p>Examples</p><ul>{''.join(links)}</ul>"])
-    (out / "index.html").write_text(index, "utf-8")
-    check_all_names(out / "api" / "ringwear.html")
-
-
-def check_all_names(page: Path) -> None:
-    """Refuse a site whose page of the API lacks a public name, or the methods of a class."""
-    text = page.read_text("utf-8")
-    # modules have pages of their own
-    wanted = [name for name in ringwear.__all__ if not ismodule(public(name))]
-    wanted += ["Result.plot", "Study.save", "Comparison.table", "Scene.changed"]
-    if missing := [name for name in wanted if f'id="{name}"' not in text]:
-        raise SystemExit(f"the page of the API lacks {', '.join(missing)}")
+    with tempfile.TemporaryDirectory() as place:
+        docs = Path(place) / "docs"
+        copy_pages(docs)
+        write_api(docs)
+        pages = gallery(docs)
+        navigation = [{"Gallery": pages} if "Gallery" in entry else entry for entry in NAVIGATION]
+        settings = {
+            "site_name": "ringwear",
+            "docs_dir": str(docs),
+            "site_dir": str(out.resolve()),
+            "theme": THEME,
+            "nav": navigation,
+            "markdown_extensions": ["pymdownx.highlight", "pymdownx.superfences"],
+            "validation": {
+                "nav": {"omitted_files": "ignore"},
+                "links": {"not_found": "warn", "anchors": "warn", "unrecognized_links": "warn"},
+            },
+        }
+        # JSON is YAML
+        config = Path(place) / "mkdocs.yml"
+        config.write_text(json.dumps(settings), "utf-8")
+        command = [
+            sys.executable,
+            "-m",
+            "mkdocs",
+            "build",
+            "--strict",
+            "--quiet",
+            "-f",
+            str(config),
+        ]
+        subprocess.run(command, check=True)
 
 
 if __name__ == "__main__":

@@ -52,6 +52,20 @@ def test_fem_against_mdr(show, tmp_path):
     assert (tmp_path / "fem_against_mdr.png").exists()
 
 
+def test_a_seal(show, tmp_path):
+    first, verdict = show("seal").splitlines()
+    assert re.fullmatch(r"90 % of the running-in take \d+\.\d h\.", first)
+    assert verdict == "agree"
+    assert (tmp_path / "seal.png").exists()
+
+
+def test_results_of_a_model(show):
+    """Poisson's ratio is named: it is left out of the plane strain modulus."""
+    *rows, words = show("my_results").splitlines()
+    assert float(rows[1].split()[-1]) == pytest.approx(0.91 - 1, abs=1e-3)
+    assert "Poisson's ratio" in words
+
+
 def test_own_mesh(show):
     errors = [float(value) for value in re.findall(r"E\*\) (\S+)", show("own_mesh"))]
     # first order in the size at the rim, which is halved each time
