@@ -188,6 +188,7 @@ def test_the_error_of_a_deck_is_shared_by_its_arc_and_its_mesh(reach, share):
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+@pytest.mark.xfail(strict=True, reason="with two times, no mistake at all has the better criterion")
 @pytest.mark.parametrize("size", [0.2, 0.1, 0.05])
 def test_a_right_deck_of_calculix_has_errors_of_its_mesh_only(size, tmp_path):
     ringwear.deck("five_rings", "calculix", tmp_path, size=size, reach=50, times=[0.1])
