@@ -42,6 +42,8 @@ MAX_INDENTATION = 1e-3
 positions of the nodes."""
 LOCKING = 0.49
 """Poisson's ratio above which pure displacement elements lock."""
+AT_THE_HEAD = ("mesh: ", "stable: ", "recommended: ")
+"""Lines about wear steps that each deck has at its head."""
 METHOD = "mdr"
 """The method that computes the worn faces: it is exact in time in full contact."""
 
@@ -168,9 +170,11 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
     model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
     writer.refuse_small_elements(model)
     punch_states = states(scene, _times(scene, choice.times), model.radii)
+    steps = describe([limits_on_mesh(scene, mesh.mesh, choice.element)])
+    heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))
+    model = replace(model, wear_steps=heads)
     # contact decks have linear elements, whose nodes are the corners
     linear_model = replace(model, mesh=replace(mesh, quadratic=False))
-    steps = [limits_on_mesh(scene, mesh.mesh, choice.element)]
     files = dict[str, list[str]]()
     for number, state in enumerate(punch_states, 1):
         scale = max(1.0, state.pressing_depth / (MAX_INDENTATION * model.radius))
@@ -178,9 +182,7 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
         files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
     if problem.full_contact:
         files["prescribed.inp"] = writer.prescribed(model, punch_states)
-    lines = read_me(
-        model, choice.program, choice.reach, punch_states, problem.full_contact, describe(steps)
-    )
+    lines = read_me(model, choice.program, choice.reach, punch_states, problem.full_contact, steps)
     for name, content in (files | {"README.md": lines}).items():
         (folder / name).write_text("\n".join(content) + "\n", "utf-8")
     (folder / "scene.toml").write_text(scene.to_toml(), "utf-8")

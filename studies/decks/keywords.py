@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +13,8 @@ from ..crosscheck import Scene
 from .mesh import DeckMesh
 from .states import State
 
+COMMENT_WIDTH = 100
+"""Greatest number of characters in a line of a comment."""
 PER_LINE = 8
 """Greatest number of numbers on a line, because Abaqus reads at most 256 characters a line."""
 CONTACT, FACE, FAR, BASE = "CONTACT", "FACE", "FAR", "BASE"
@@ -48,11 +51,13 @@ class Model:
     scene : its units are those of all numbers in the decks
     mesh : in punch radii
     hybrid : whether Abaqus uses hybrid elements, for nearly incompressible materials
+    wear_steps : lines about the wear steps that are stable on the mesh
     """
 
     scene: Scene
     mesh: DeckMesh
     hybrid: bool = False
+    wear_steps: tuple[str, ...] = ()
 
     @property
     def element(self) -> str:
@@ -96,13 +101,14 @@ class Model:
 
 
 def heading(model: Model, description: str) -> list[str]:
-    """Return the heading: the title of the scene, a description, and the units.
+    """Return the heading: the title of the scene, a description, units, and stable wear steps.
 
     A line that began with the title could be a keyword, because titles may begin with an asterisk.
     """
     title = model.scene.title.encode("ascii", "replace").decode() or "untitled"
     units = model.scene.units or "none: any consistent units"
-    return ["*HEADING", f"Scene {title[:70]}: {description}", f"** units: {units}"]
+    steps = [f"** {part}" for line in model.wear_steps for part in wrap(line, COMMENT_WIDTH)]
+    return ["*HEADING", f"Scene {title[:70]}: {description}", f"** units: {units}", *steps]
 
 
 def notes(model: Model, states: Sequence[State], scale: float, lowest: float) -> list[str]:

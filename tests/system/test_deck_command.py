@@ -111,6 +111,8 @@ def test_wear_steps_around_calculix_are_stable_up_to_the_limit(part, stable, tmp
     ringwear.deck("five_rings", "calculix", tmp_path, element="Q1", size=0.4, reach=50, times=[0])
     text = (tmp_path / "README.md").read_text()
     limit = float(re.search(r"stable: at most a sliding distance of (\S+)", text)[1])
+    head = (tmp_path / "prescribed.inp").read_text().partition("*NODE")[0]
+    assert f"** stable: at most a sliding distance of {limit:g} " in head
     model = (tmp_path / "prescribed.inp").read_text().partition("*STEP")[0]
     nodes = re.findall(r"\d+", re.search(r"NSET=CONTACT\n([^*]*)", model)[1])
     places = dict(re.findall(r"^(\d+), ([^,]+), [^,]+, 0\.$", model, re.MULTILINE))
