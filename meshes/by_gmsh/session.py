@@ -2,10 +2,10 @@
 
 import signal
 import threading
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from types import ModuleType
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from ..radial import Array, Indices
 
 # a radius beyond every mesh, in punch radii
 FAR_AWAY = 1e3
+
+Meshed = TypeVar("Meshed")
 
 
 def unavailable() -> str:
@@ -85,6 +87,22 @@ def _keeping_signal_handlers() -> Iterator[None]:
     finally:
         if mask:
             mask(signal.SIG_SETMASK, earlier)
+
+
+def first_that_succeeds(generate: Callable[[float], Meshed], growths: Sequence[float]) -> Meshed:
+    """Return the mesh of the first growth of the sizes, or factor on it, with which gmsh succeeds.
+
+    It produces a degenerate element now and then, but not with a slightly smaller growth.
+
+    Raises
+    ------
+    MeshError
+        if gmsh fails with every growth; that of the last one
+    """
+    for growth in growths[:-1]:
+        with suppress(MeshError):
+            return generate(growth)
+    return generate(growths[-1])
 
 
 class Band(NamedTuple):

@@ -5,21 +5,19 @@ layers.
 """
 
 import itertools
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 
 import numpy as np
 from skfem import MeshTri
 
 from ..contact_cells import ContactCells
-from ..errors import MeshError
 from ..half_space import as_half_space
 from ..radial import Array, from_axis
 from ..sizes import SizeField, rounded_to_octaves
 from .outline import Outline, add_corners, add_surfaces
-from .session import TRIANGLE, Band, elements, session, set_sizes
+from .session import TRIANGLE, Band, elements, first_that_succeeds, session, set_sizes
 
-# gmsh produces a degenerate triangle now and then; factors on the growth, tried in this order
+# factors on the growth, in the order that is tried
 GROWTH_FACTORS = (1.0, 0.95, 0.9)
 # greatest size of triangles below cells, over the truncation radius
 FAR_SIZE_BELOW_CELLS = 0.125
@@ -42,7 +40,7 @@ def mesh(field: SizeField) -> MeshTri:
         outline, radii = Outline(field.truncation), from_axis(field.ring_edges)
         return _generate(outline, radii, field.sizes, factor * field.growth, field.largest)
 
-    return as_half_space(_first_that_succeeds(generate), np.array(field.ring_edges))
+    return as_half_space(first_that_succeeds(generate, GROWTH_FACTORS), np.array(field.ring_edges))
 
 
 def mesh_below_cells(cells: ContactCells, growth: float, outline: Outline) -> MeshTri:
@@ -73,15 +71,9 @@ def mesh_below_cells(cells: ContactCells, growth: float, outline: Outline) -> Me
     def generate(factor: float) -> MeshTri:
         return _generate(outline, radii, sizes, factor * growth, largest, bands, undivided=True)
 
-    return as_half_space(_first_that_succeeds(generate), np.array(cells.ring_edges), outline.base)
-
-
-def _first_that_succeeds(generate: Callable[[float], MeshTri]) -> MeshTri:
-    """Return the mesh of the first factor on the growth with which gmsh does not fail."""
-    for factor in GROWTH_FACTORS[:-1]:
-        with suppress(MeshError):
-            return generate(factor)
-    return generate(GROWTH_FACTORS[-1])
+    return as_half_space(
+        first_that_succeeds(generate, GROWTH_FACTORS), np.array(cells.ring_edges), outline.base
+    )
 
 
 def _generate(

@@ -24,7 +24,7 @@ from ...meshes import (
     halved,
     structured,
 )
-from ...meshes.by_gmsh import graded, truncation_with_interfaces
+from ...meshes.by_gmsh import GradedQuads, first_that_succeeds, graded, truncation_with_interfaces
 
 RIM_SIZE = 1.44
 """Size of the elements at the rim over the square of the size inside. Near a root singularity the
@@ -177,24 +177,25 @@ def layered_mesh(
     at_edges = scale * _edge_sizes(edges, size)[1:]
     narrower = np.minimum(widths, np.append(widths[1:], np.inf))
     sizes = np.minimum(at_edges, MAX_SIZE_AT_EDGE * narrower)
-    # gmsh fails now and then with a growth, but not with a slightly smaller one
-    for growth in GROWTHS:
-        try:
-            layered = graded(
-                ring_edges,
-                sizes[:-1],
-                float(sizes[-1]),
-                factor=0.5,
-                growth=growth,
-                outer=truncation_with_interfaces(interfaces, reach),
-                interfaces=interfaces,
-                rigid=ground.rigid,
-            )
-            break
-        except MeshError as error:
-            reason = error
-    else:
-        raise SceneError(f"the layers could not be meshed: {reason}; give another --reach")
+
+    def generate(growth: float) -> GradedQuads:
+        return graded(
+            ring_edges,
+            sizes[:-1],
+            float(sizes[-1]),
+            factor=0.5,
+            growth=growth,
+            outer=truncation_with_interfaces(interfaces, reach),
+            interfaces=interfaces,
+            rigid=ground.rigid,
+        )
+
+    try:
+        layered = first_that_succeeds(generate, GROWTHS)
+    except MeshError as error:
+        raise SceneError(
+            f"the layers could not be meshed: {error}; give another --reach"
+        ) from error
     widest = float(np.diff(contact_radii(layered.mesh)).max())
     halvings = max(HALVINGS, int(np.ceil(np.log2(widest / size))))
     if (count := layered.mesh.nelements * 4**halvings) > MAX_ELEMENTS:
