@@ -168,7 +168,7 @@ def _plan(options: argparse.Namespace) -> Status:
     from .wear_step.plan import plan
 
     scene, given = Scene.load(options.scene), _given(options, "plan")
-    if any(given.get(name) is not None for name in ("size", "element", "mesh")):
+    if given.keys() & {"size", "element", "mesh"}:
         print_lines(["", scene.title or "Untitled scene", "", *plan(scene, **given)])
         return Status.DONE
     methods = chosen_methods(scene)

@@ -45,7 +45,7 @@ from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
 from ..tables.writing import write_csv
-from ..wear_step.contact_nodes import element_named
+from ..wear_step.elements import element_named
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, refinements

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ...meshes import Array
 from ..crosscheck import FIELDS, QUANTITIES, Method, Problem, Results, Scene, Solution, Stages
-from ..wear_step.explicit import ROWS
+from ..wear_step.sawtooth import ROWS
 
 ASK_FOR_ROWS = (
     f"or give the rows of {ROWS} consecutive updates of the wear, which show whether the step of "

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..crosscheck import Scene
 from ..estimate.diagnose import CONSISTENT, EXPLAINS, Diagnosis
-from ..wear_step.contact_nodes import ELEMENTS
-from ..wear_step.sawtooth import Sawtooth, find, limit_of_models
+from ..wear_step.elements import ELEMENTS
+from ..wear_step.sawtooth import Sawtooth, find
 from .other_program import OtherProgram
 
 if TYPE_CHECKING:
@@ -35,6 +35,9 @@ def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Saw
     found = find(times, pressures, mean)
     if found is None or problem.loading.varies or not problem.full_contact:
         return found
+    # it loads scikit-fem, which tables without a sawtooth do not need
+    from ..wear_step.models import limit_of_models
+
     limit, model = limit_of_models(problem, times, radii, pressures, element)
     return Sawtooth(found.size, found.number, found.step, limit, model)
 

@@ -23,7 +23,7 @@ from ..crosscheck import (
     shown,
 )
 from ..wear_step.limits import limits_on_mesh
-from ..wear_step.plan import describe
+from ..wear_step.words import describe
 from . import abaqus, calculix
 from .keywords import Model
 from .mesh import deck_mesh, layered_mesh

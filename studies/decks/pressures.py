@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ...meshes import Array, gauss
+from ...meshes import Array
+from ..wear_step.contact_line import contact_mass
 
 
 def pressures_of(
@@ -24,18 +25,5 @@ def pressures_of(
     wear : function from radii to wear coefficients; where it is NaN, such as at ring edges where
         the coefficients jump, pressures are NaN
     """
-    step = 2 if quadratic else 1
-    points, weights = gauss(4)
-    shape_functions = np.stack([(1 - points) / 2, (1 + points) / 2])
-    if quadratic:
-        inner, outer = points * (points - 1) / 2, points * (points + 1) / 2
-        shape_functions = np.stack([inner, 1 - points**2, outer])
-    matrix = np.zeros((len(radii), len(radii)))
-    for first in range(0, len(radii) - 1, step):
-        nodes = np.arange(first, first + step + 1)
-        point_radii = radii[nodes] @ shape_functions
-        half_length = (radii[nodes[-1]] - radii[first]) / 2
-        areas = 2 * np.pi * point_radii * weights * half_length
-        weighted = shape_functions * (areas / wear(point_radii))
-        matrix[np.ix_(nodes, nodes)] += weighted @ shape_functions.T
+    matrix = contact_mass(radii, 2 if quadratic else 1, lambda points: 1 / wear(points))
     return np.asarray(np.linalg.solve(matrix, forces) / wear(radii))

@@ -14,49 +14,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from skfem import (
-    Element,
-    ElementQuad1,
-    ElementQuad2,
-    ElementQuadS2,
-    ElementTriP1,
-    ElementTriP2,
-    Mesh,
-    MeshTri,
-)
+import skfem
+from skfem import Mesh, MeshTri
 
 from ...fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
-from ...meshes import Array, Ground, SceneError, contact_radii, gauss, truncation
-from ..crosscheck import did_you_mean, shown
+from ...meshes import Array, Ground, SceneError, contact_radii, truncation
+from .contact_line import contact_mass
+from .elements import CONSISTENT, ELEMENTS
 
-ELEMENTS: dict[str, type[Element]] = {
-    "P1": ElementTriP1,
-    "P2": ElementTriP2,
-    "Q1": ElementQuad1,
-    "Q2": ElementQuad2,
-    "Q2S": ElementQuadS2,
-}
-"""Elements of other programs by their names: on triangles (P) and quadrilaterals (Q), of degree 1
-or 2; Q2S has eight nodes."""
-PER_NODE, CONSISTENT = "per node", "consistent"
-TREATMENTS = (PER_NODE, CONSISTENT)
-"""Ways to compute the pressure of a node from the forces on the nodes."""
 FAR_FIELD_ERROR = 1e-9
 """Relative error of the energy that poles may leave of the truncation; it sets their number."""
-
-
-def element_named(name: str) -> str:
-    """Return the name of an element in upper case.
-
-    Raises
-    ------
-    SceneError
-        if there is no such element
-    """
-    if str(name).upper() not in ELEMENTS:
-        hint = did_you_mean(str(name), ELEMENTS, f"give one of {', '.join(ELEMENTS)}")
-        raise SceneError(f"element = {shown(name)}{hint}")
-    return str(name).upper()
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,20 +55,12 @@ class ContactNodes:
     @cached_property
     def mass(self) -> Array:
         """(n, n) consistent mass matrix ``int phi_i phi_j 2 pi r dr`` of the contact line."""
-        degree, points, weights = self.degree, *gauss(4)
-        functions = np.stack([(1 - points) / 2, (1 + points) / 2])
-        if degree == 2:
-            functions = np.stack(
-                [points * (points - 1) / 2, 1 - points**2, points * (points + 1) / 2]
-            )
-        matrix = np.zeros((len(self.radii), len(self.radii)))
-        for first in range(0, len(self.radii) - degree, degree):
-            nodes = slice(first, first + degree + 1)
-            half = (self.radii[first + degree] - self.radii[first]) / 2
-            middle = (self.radii[first + degree] + self.radii[first]) / 2
-            areas = 2 * np.pi * (middle + half * points) * half * weights
-            matrix[nodes, nodes] += functions * areas @ functions.T
-        return matrix
+        return contact_mass(self.radii, self.degree, np.ones_like)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """(n, n) axial displacements of the nodes for forces on them."""
+        return np.asarray(np.linalg.inv(self.stiffness), dtype=float)
 
     @cached_property
     def weights(self) -> Array:
@@ -140,17 +99,14 @@ def contact_nodes(mesh: Mesh, element: str, ground: Ground) -> ContactNodes:
     """
     on_triangles = isinstance(mesh, MeshTri)
     if on_triangles != element.startswith("P"):
-        kind, names = (
-            ("triangles", "P1 or P2")
-            if on_triangles
-            else (
-                "quadrilaterals",
-                "Q1, Q2 or Q2S",
-            )
-        )
+        kind, names = "quadrilaterals", "Q1, Q2 or Q2S"
+        if on_triangles:
+            kind, names = "triangles", "P1 or P2"
         raise SceneError(f"element = {element}: the mesh has {kind}: give {names}")
     vertices = contact_radii(mesh)
-    solid = AxisymmetricElasticity(mesh, int(element[1]), ground, ELEMENTS[element]())
+    solid = AxisymmetricElasticity(
+        mesh, int(element[1]), ground, getattr(skfem, ELEMENTS[element])()
+    )
     poles = enough_poles(truncation(mesh), FAR_FIELD_ERROR)
     space = pressure_space(solid, vertices[[0, -1]])
     half_space = HalfSpace(solid, space, poles).without_dependent_poles()

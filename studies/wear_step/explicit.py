@@ -11,7 +11,7 @@ by the factor ``|1 - l dt|`` with each update. Non-dimensional: time unit a / (E
 greatest wear coefficient k.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import eigs
 
 from ...meshes import Array, Indices
-from ..crosscheck import Rings
+from ..crosscheck import Problem, Rings
 from .contact_nodes import ContactNodes
 
 MOST_DENSE = 600
@@ -35,8 +35,6 @@ ZERO_RATE = 1e-7
 does a node on the axis whose pressure follows from those of others."""
 WORN_IN = 0.01
 """Part of the running-in of the indentation that is left when it counts as complete."""
-ROWS = 10
-"""Number of successive updates in which the pressure of a node has to alternate in a sawtooth."""
 INSIDE = 0.94
 """Radius inside which pressures are compared: at the rim they are infinite at the start."""
 
@@ -87,8 +85,8 @@ class ExplicitWear:
         """(n, n) stiffness of the nodes in contact."""
         if len(self.touching) == len(self.nodes.radii):
             return self.nodes.stiffness
-        compliance = np.linalg.inv(self.nodes.stiffness)
-        return np.linalg.inv(compliance[np.ix_(self.touching, self.touching)])
+        compliance = self.nodes.compliance[np.ix_(self.touching, self.touching)]
+        return np.asarray(np.linalg.inv(compliance), dtype=float)
 
     @cached_property
     def _stiffness_per_area(self) -> Array:
@@ -150,35 +148,30 @@ class ExplicitWear:
 
     def exact(self, times: Array) -> Array:
         """Return the worn profiles (T, n) of this mesh without any error of the steps."""
-        rates, parts, decays = self._modes
-        rest = np.where(decays, rates, 1.0)
-        grown = np.where(decays, -np.expm1(-rest * times[:, None]) / rest, times[:, None])
-        return np.asarray((grown @ parts.T).real)
+        return self._worn(lambda rates: -np.expm1(-rates * times[:, None]), times)
 
     def after(self, step: float, counts: Array) -> Array:
         """Return the worn profiles (T, n) after so many updates (T,) by a stable step."""
+        return self._worn(lambda rates: 1 - (1 - rates * step) ** counts[:, None], step * counts)
+
+    def _worn(
+        self, decayed: Callable[[NDArray[np.complex128]], NDArray[np.complex128]], elapsed: Array
+    ) -> Array:
+        """Return the worn profiles (T, n) after times (T,).
+
+        `decayed` is a function from the rates of the modes to the parts (T, n) of their wear rates
+        that have decayed.
+        """
         rates, parts, decays = self._modes
         rest = np.where(decays, rates, 1.0)
-        powers = (1 - rest * step) ** counts[:, None]
-        grown = np.where(decays, (1 - powers) / rest, step * counts[:, None])
+        grown = np.where(decays, decayed(rest) / rest, elapsed[:, None])
         return np.asarray((grown @ parts.T).real)
 
-    def march(
-        self, step: float, count: int, clipped: bool = False
-    ) -> Iterator[tuple[Array, Array]]:
-        """Yield the pressures (n,) and the profile (n,) before each of so many updates.
-
-        Parameters
-        ----------
-        step : the step
-        count : number of updates
-        clipped : whether negative pressures are set to zero, as many programs do
-        """
+    def march(self, step: float, count: int) -> Iterator[tuple[Array, Array]]:
+        """Yield pressures (n,) and the profile (n,) before each of so many updates by a step."""
         profile = np.zeros(len(self.wear))
         for _ in range(count):
             pressure = self.pressures(profile)
-            if clipped:
-                pressure = np.maximum(pressure, 0.0)
             yield pressure, profile
             profile = profile + step * self.wear * pressure
 
@@ -239,3 +232,22 @@ class ExplicitWear:
             count = len(good) if good.all() else int(np.argmin(good))
             steps[name] = float(parts[count - 1]) if count else 0.0
         return steps
+
+
+def explicit(
+    problem: Problem, nodes: ContactNodes, treatment: str, touching: Indices | None = None
+) -> ExplicitWear:
+    """Return the explicit updates of a problem at the nodes of a mesh.
+
+    Parameters
+    ----------
+    problem : the problem
+    nodes : the nodes
+    treatment : how pressures are computed from the forces on the nodes
+    touching : numbers of the nodes in contact; by default all
+    """
+    force = None if problem.indentation is not None else 1.0
+    wear = wear_at_nodes(problem.merged, nodes.radii)
+    if touching is None:
+        touching = np.arange(len(nodes.radii))
+    return ExplicitWear(nodes, treatment, wear, force, touching)

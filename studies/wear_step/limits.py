@@ -21,8 +21,9 @@ from ...meshes import (
     structured,
 )
 from ..crosscheck import Problem, Scene, first_and_last_in_contact, run
-from .contact_nodes import PER_NODE, TREATMENTS, ContactNodes, contact_nodes
-from .explicit import MOST_DENSE, ExplicitWear, wear_at_nodes
+from .contact_nodes import ContactNodes, contact_nodes
+from .elements import PER_NODE, TREATMENTS
+from .explicit import MOST_DENSE, ExplicitWear, explicit
 
 REACH = 20.0
 """Radius of the half-spaces that are meshed here, with Boussinesq's far field, in punch radii."""
@@ -144,9 +145,6 @@ def contacts_of(scene: Scene) -> dict[str, Parts]:
 
 
 def _limits(scene: Scene, nodes: ContactNodes, parts: dict[str, Parts]) -> StepLimits:
-    problem = scene.problem
-    force = None if problem.indentation is not None else 1.0
-    wear = wear_at_nodes(problem.merged, nodes.radii)
     contacts = []
     for name, touching in parts.items():
         numbers = touching(nodes.radii)
@@ -156,7 +154,7 @@ def _limits(scene: Scene, nodes: ContactNodes, parts: dict[str, Parts]) -> StepL
                 f"{FEWEST_NODES} or more there"
             )
         updates = {
-            treatment: ExplicitWear(nodes, treatment, wear, force, numbers)
+            treatment: explicit(scene.problem, nodes, treatment, numbers)
             for treatment in TREATMENTS
         }
         contacts.append(Contact(name, updates))

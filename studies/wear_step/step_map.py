@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from ...meshes import Array
 from ..crosscheck import Problem, Scene
 from ..figures.style import complete, in_style, new_panels, set_logarithmic
-from .contact_nodes import PER_NODE, contact_nodes
-from .explicit import INSIDE, ExplicitWear
+from .contact_nodes import contact_nodes
+from .elements import PER_NODE
+from .explicit import INSIDE, ExplicitWear, explicit
 from .limits import mesh_below, vertices_of_size
-from .sawtooth import explicit
 
 ELEMENT = "Q1"
 SIZES, QUICK_SIZES = (0.2, 0.1, 0.05, 0.025), (0.2, 0.1)

@@ -8,8 +8,11 @@ from explicit_loops import condensed, march, pressures_of
 from ringwear import Scene, check, plan, run
 from ringwear.meshes import SizeField, as_half_space, bisection, structured
 from ringwear.studies.wear_step import sawtooth
-from ringwear.studies.wear_step.contact_nodes import PER_NODE, TREATMENTS, contact_nodes
+from ringwear.studies.wear_step.contact_nodes import contact_nodes
+from ringwear.studies.wear_step.elements import PER_NODE, TREATMENTS
+from ringwear.studies.wear_step.explicit import explicit
 from ringwear.studies.wear_step.limits import limits_on_mesh
+from ringwear.studies.wear_step.models import limit_of_models
 
 FIVE = Scene.load("five_rings")
 EDGES = FIVE.problem.merged.ring_edges
@@ -101,7 +104,7 @@ def test_the_limit_is_proportional_to_the_size(ratio, element, least, most):
         mesh = as_half_space(mesh, np.array([0.0, 1.0]))
         nodes = contact_nodes(mesh, element, ground)
         one = Scene.load("flat_punch").problem
-        found.append(sawtooth.explicit(one, nodes, PER_NODE).limit * count)
+        found.append(explicit(one, nodes, PER_NODE).limit * count)
     assert np.ptp(found) < 0.05 * np.mean(found)
     assert least < np.mean(found) < most
 
@@ -140,7 +143,7 @@ def test_a_sawtooth_is_recognised_with_its_limit(part, near):
         count += 1
         if sawtooth.find(times, pressures, MEAN):
             found += 1
-            told, _ = sawtooth.limit_of_models(FIVE.problem, times, radii, pressures, element)
+            told, _ = limit_of_models(FIVE.problem, times, radii, pressures, element)
             within += abs(told / limit - 1) < 0.2
     assert count >= 20
     assert found == count

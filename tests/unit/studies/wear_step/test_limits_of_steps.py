@@ -5,15 +5,17 @@ import pytest
 
 from ringwear import Scene, SceneError
 from ringwear.meshes import as_half_space, ring_areas, structured
-from ringwear.studies.wear_step.contact_nodes import ELEMENTS, TREATMENTS, contact_nodes
+from ringwear.studies.wear_step.contact_nodes import contact_nodes
+from ringwear.studies.wear_step.elements import ELEMENTS, TREATMENTS
+from ringwear.studies.wear_step.explicit import explicit
 from ringwear.studies.wear_step.limits import (
     contacts_of,
     limits_of_size,
     limits_on_mesh,
     vertices_of_size,
 )
-from ringwear.studies.wear_step.plan import describe
-from ringwear.studies.wear_step.sawtooth import explicit, find
+from ringwear.studies.wear_step.sawtooth import find
+from ringwear.studies.wear_step.words import describe
 
 FLAT, FIVE = Scene.load("flat_punch").problem, Scene.load("five_rings")
 
