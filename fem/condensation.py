@@ -7,11 +7,13 @@ loaded, otherwise SuperLU (from scipy).
 """
 
 import importlib.util
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import coo_matrix, csc_matrix, tril
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from ..meshes.errors import SolverError
 from ..meshes.radial import Array, Indices
@@ -94,15 +96,58 @@ def trailing_factor(lower: coo_matrix, eliminated: int) -> Array:
     SolverError
         if the matrix is not positive definite
     """
+    with _factorising():
+        if solver() != "cholmod":
+            factor, pivots = _superlu(lower)
+            # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its columns
+            # scaled by sqrt(D). No matrix product is needed.
+            trailing = factor.L[eliminated:, eliminated:].toarray()
+            return np.asarray(trailing * np.sqrt(pivots[eliminated:]))
+        import kvxopt
+        from kvxopt import cholmod
+
+        trailing = cholmod.getfactor(_cholmod(lower))[eliminated:, eliminated:]
+        return np.array(kvxopt.matrix(trailing))
+
+
+def solve(lower: coo_matrix, right: Array) -> Array:
+    """Return the solutions (n, k) of a symmetric positive definite system.
+
+    Parameters
+    ----------
+    lower : lower triangle (n, n) of the matrix, whose duplicate entries are summed; the unknowns
+        are in the order of elimination
+    right : (n, k) right-hand sides
+
+    Raises
+    ------
+    SolverError
+        if the matrix is not positive definite
+    """
+    with _factorising():
+        if solver() != "cholmod":
+            return np.asarray(_superlu(lower)[0].solve(right))
+        import kvxopt
+        from kvxopt import cholmod
+
+        solution = kvxopt.matrix(right)
+        cholmod.solve(_cholmod(lower), solution)
+        return np.array(solution)
+
+
+@contextmanager
+def _factorising() -> Iterator[None]:
+    """Raise the errors of the solvers as a `SolverError`."""
     try:
-        return (_cholmod if solver() == "cholmod" else _superlu)(lower, eliminated)
+        yield
     except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError) as error:
         raise SolverError(
             f"the stiffness of the half-space could not be factorised: {error}"
         ) from error
 
 
-def _cholmod(lower: coo_matrix, eliminated: int) -> Array:
+def _cholmod(lower: coo_matrix) -> Any:
+    """Return CHOLMOD's factor of a matrix whose unknowns are in the order of elimination."""
     import kvxopt
     from kvxopt import cholmod
 
@@ -116,22 +161,17 @@ def _cholmod(lower: coo_matrix, eliminated: int) -> Array:
         # CHOLMOD stops without an error at a pivot that is not positive
         if not (np.array(cholmod.diag(factor)) > 0).all():
             raise ArithmeticError("it is not positive definite")
-        # the factor is many times larger than its trailing block: free the matrix to make room for
-        # one copy
-        del matrix
-        trailing = cholmod.getfactor(factor)[eliminated:, eliminated:]
     finally:
         cholmod.options.clear()
         cholmod.options.update(saved_options)
-    return np.array(kvxopt.matrix(trailing))
+    return factor
 
 
-def _superlu(lower: coo_matrix, eliminated: int) -> Array:
+def _superlu(lower: coo_matrix) -> tuple[SuperLU, Array]:
+    """Return SuperLU's factor of a matrix in the order of elimination, and its pivots."""
     factor = splu(symmetric(lower), permc_spec="NATURAL", **SYMMETRIC)
     pivoted = np.any(np.array([factor.perm_r, factor.perm_c]) != np.arange(lower.shape[0]))
     pivots = factor.U.diagonal()
     if pivoted or not (pivots > 0).all():
         raise ArithmeticError("it is not positive definite")
-    # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its columns scaled by
-    # sqrt(D). No matrix product is needed.
-    return factor.L[eliminated:, eliminated:].toarray() * np.sqrt(pivots[eliminated:])
+    return factor, pivots

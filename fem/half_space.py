@@ -17,8 +17,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, solve_triangular
-from scipy.sparse import bmat, coo_matrix, csc_matrix, csr_matrix, diags
-from scipy.sparse.linalg import splu
+from scipy.sparse import bmat, coo_matrix, csr_matrix, diags
 from skfem import Mesh, MeshQuad
 
 from ..meshes.compliance import Compliance
@@ -32,7 +31,7 @@ from ..meshes.half_space import (
 )
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, Indices, gauss, layer_degrees
-from .condensation import SYMMETRIC, fill_reducing_order, symmetric, trailing_factor
+from .condensation import fill_reducing_order, solve, trailing_factor
 from .elasticity import AxisymmetricElasticity
 from .far_field import exterior_stiffness, poles
 from .stability import least_ratio, refuse_singular
@@ -157,7 +156,7 @@ class HalfSpace:
 
     @cached_property
     def _order(self) -> Indices:
-        """Unknowns inside the half-space and on the contact, in the order of `system`.
+        """Unknowns inside the half-space and on the contact, in the order of the stiffness.
 
         The unknowns inside come first, in the order of elimination; the axial unknowns on the
         contact follow, ordered by radius.
@@ -198,9 +197,10 @@ class HalfSpace:
 
     @cached_property
     def lower_triangle(self) -> coo_matrix:
-        """Lower triangle of `system`, with duplicate entries not summed yet.
+        """Lower triangle of the stiffness, whose duplicate entries are not summed yet.
 
-        It contains everything that the condensation needs.
+        The unknowns are those inside, those on the contact, and the amplitudes of the poles. The
+        stiffness is symmetric and positive definite.
         """
         position = np.full(2 * self.solid.nodes, -1)
         position[self._order] = np.arange(len(self._order))
@@ -211,11 +211,6 @@ class HalfSpace:
         corner = self._far_fields.T @ border + self._energies_beyond
         edge, end = coo_matrix(border[self._order].T), coo_matrix(np.tril((corner + corner.T) / 2))
         return bmat([[free, None], [edge, end]], format="coo")
-
-    @cached_property
-    def system(self) -> csc_matrix:
-        """Stiffness of (inside, contact, pole amplitudes), symmetric positive definite."""
-        return symmetric(self.lower_triangle)
 
     @cached_property
     def _on_contact(self) -> tuple[csr_matrix, csr_matrix, Array]:
@@ -261,13 +256,9 @@ class HalfSpace:
         SolverError
             if the stiffness of the half-space is singular
         """
-        loads, inside_count = self.coupling @ pressures.T, self.system.shape[0] - len(self.coupling)
-        right = np.pad(loads, ((inside_count, 0), (0, 0)))
-        solution = splu(self.system, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).solve(right)
-        if not np.isfinite(solution).all():
-            raise SolverError(
-                "the stiffness of the half-space is singular: no displacement can be recovered"
-            )
+        loads, lower = self.coupling @ pressures.T, self.lower_triangle
+        right = np.pad(loads, ((lower.shape[0] - len(loads), 0), (0, 0)))
+        solution = solve(lower, right)
         free = len(self._order)
         displacement = self._far_fields @ solution[free:]
         displacement[self._order] = solution[:free]

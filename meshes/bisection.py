@@ -87,18 +87,30 @@ def refined(mesh: MeshTri, marked: Indices, ring_edges: Array) -> MeshTri:
 def _bisected(mesh: MeshTri, marked: Indices) -> MeshTri:
     """Refine the marked triangles, and move new points of the outer boundary onto the arc."""
     outer = truncation(mesh)
-    # a copy would compute the facets of the mesh anew, which takes most of the time
     plain = mesh if mesh.boundaries is None else replace(mesh, _boundaries=None)
     finer = plain.refined(marked)
-    boundary = finer.boundary_nodes()
-    # boundary points that are neither on the axis nor on the surface belong to the arc
-    arc = boundary[(finer.p[:, boundary] > 0).all(axis=0)]
+    arc = _points_of_arc(finer, outer)
     scale = outer / np.hypot(*finer.p[:, arc])
-    if np.abs(scale - 1).max() <= ROUNDOFF_OF_ARC:
+    if np.abs(scale - 1).max(initial=0.0) <= ROUNDOFF_OF_ARC:
         return finer
     points = finer.p.copy()
     points[:, arc] *= scale
     return replace(finer, doflocs=points)
+
+
+def _points_of_arc(mesh: MeshTri, outer: float) -> Indices:
+    """Return the points of the arc off its ends, among them the middles of chords.
+
+    The sides of the arc belong to one triangle each, and one of their ends lies on the arc. So only
+    the triangles at such points are searched: all facets of the mesh would take most of the time.
+    """
+    on_arc = np.abs(np.hypot(*mesh.p) / outer - 1) <= ROUNDOFF_OF_ARC
+    beside = mesh.t[:, on_arc[mesh.t].any(axis=0)]
+    sides = np.sort(np.stack([beside, np.roll(beside, 1, axis=0)]).reshape(2, -1), axis=0)
+    sides, counts = np.unique(sides[:, on_arc[sides].any(axis=0)], axis=1, return_counts=True)
+    outermost = np.unique(sides[:, counts == 1])
+    # other points of the boundary are on the axis or on the surface
+    return outermost[(mesh.p[:, outermost] > 0).all(axis=0)]
 
 
 def _dyadic_image(edges: Array) -> tuple[Array, float]:
@@ -121,11 +133,14 @@ def _spans_an_edge(mesh: MeshTri, dyadic: Array, spacing: float) -> Indices:
 
     Refinement ends when the ring edge is an end of a facet.
     """
-    facets = mesh.boundary_facets()
-    r, z = mesh.p[:, mesh.facets[:, facets]]
-    low, high = np.sort(r, axis=0)
+    r, z = mesh.p[:, mesh.t]
+    # the triangles with a side on the surface, and the ends of that side
+    triangles = np.flatnonzero((z == 0).sum(axis=0) == 2)
+    on_surface = z[:, triangles] == 0
+    low = np.where(on_surface, r[:, triangles], np.inf).min(axis=0)
+    high = np.where(on_surface, r[:, triangles], -np.inf).max(axis=0)
     first, last = (np.searchsorted(dyadic, r) for r in (low + spacing / 8, high - spacing / 8))
-    return np.asarray(mesh.f2t[0, facets[(z == 0).all(axis=0) & (low < 1) & (first < last)]])
+    return triangles[(low < 1) & (first < last)]
 
 
 def _polar_quarter_disc(outer: float) -> MeshTri:

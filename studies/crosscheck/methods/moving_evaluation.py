@@ -95,9 +95,9 @@ class MovingContact(Evaluation):
         rtol = step_tolerance_factor * min(problem.step_rtol or problem.rtol, 1e-3)
         self._tolerance = 0.025 * rtol
         self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
-        if np.ptp(problem.loading.forces):
-            # measured: while a force rises from zero, the worn depth is small compared with the
-            # indentation
+        if np.ptp(problem.loading.forces) or problem.indentation is not None:
+            # measured: the tolerance is relative to the indentation, but the worn depth is small
+            # while a force rises from zero, and at a given indentation the force becomes small
             self._tolerance *= 0.2
         self._punch = WearingPunch(
             compliance,

@@ -17,12 +17,16 @@ from ..progress import LOG, Stages
 from ..sizes.cells import tolerance_range
 from .promise import allowed_error, unresolved
 
-# refinement stops if the last one left more than this part of the error estimate
+# refinement stops if the last one left more than this part of the error estimate and was not slight
 LITTLE_GAIN = 0.5
 # The tolerance that sizes follow after a refinement, over that before. Layers and degrees are whole
-# numbers, which a larger factor may leave as they are. It does not depend on the error, so that the
-# methods are refined to the same tolerance and share the search for the first contact.
+# numbers, which a larger factor may leave as they are. It depends on little more than whether there
+# is a refinement, so that the methods are mostly refined to the same tolerance and share the search
+# for the first contact.
 FINER = 0.1
+# The same for cells of contact that moves, if the error is less than `SLIGHT` times the allowed
+# one: errors fall about as the root of the tolerance, but not evenly.
+SLIGHTLY_FINER, SLIGHT = 0.6, 1.7
 
 
 def solved_to_accuracy(
@@ -47,8 +51,9 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
 
     Sizes that the user gives are never refined. Errors that finer sizes do not reduce (roundoff, a
     given time step, layers thinner than the roundoff of coordinates) do not lead to a refinement;
-    the verdict reports them. Each refinement multiplies the tolerance that sizes follow by
-    `FINER`. Another one follows if the last one reduced the estimate to `LITTLE_GAIN` or less.
+    the verdict reports them. Each refinement multiplies the tolerance that sizes follow by `FINER`
+    or, if little is missing, by `SLIGHTLY_FINER`. Another one follows if the last one was slight,
+    or reduced the estimate to `LITTLE_GAIN` or less.
     """
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
     last_rtol = problem.rtol
@@ -64,6 +69,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
             # keep the coarser solution, whose error estimate is still valid
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
+        slightly = rtol > 2 * FINER * last_rtol
         last_rtol, last_error, new_error = rtol, error, error_of_sizes(problem, finer)
         if new_error < last_error:
             note = (
@@ -71,7 +77,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
                 "error estimates were too large"
             )
             solution, error = replace(finer, notes=(*finer.notes, note)), new_error
-        if new_error > LITTLE_GAIN * last_error:
+        if new_error > LITTLE_GAIN * last_error and not slightly:
             break
     return solution
 
@@ -92,10 +98,11 @@ def next_rtol(
     smallest, largest = tolerance_range(problem, pressures)
     last_rtol = min(last_rtol, largest)
     # if edges of the contact move, a method may use half of the uncertainty of two methods
-    is_accurate = error_of_sizes(problem, solution) <= allowed_error(problem)
-    if is_accurate or last_rtol <= smallest or method.sizes_given(problem):
+    excess = error_of_sizes(problem, solution) / allowed_error(problem)
+    if excess <= 1 or last_rtol <= smallest or method.sizes_given(problem):
         return None
-    return max(smallest, FINER * last_rtol)
+    is_slight = solution.evolution is not None and excess < SLIGHT
+    return max(smallest, (SLIGHTLY_FINER if is_slight else FINER) * last_rtol)
 
 
 @lru_cache(maxsize=16)

@@ -22,6 +22,8 @@ from ..problem.loading import Loading, State
 
 # relative error of the history and of the slowest relaxation times by the Krylov projection
 KRYLOV_TOLERANCE = 1e-13
+# part of a vector that is left once it is orthogonal to others except for roundoff
+ENOUGH_IS_LEFT = 0.7
 # exponent of a decay from which on its mean is computed in closed form where the speed varies, and
 # number of Gauss points below it, which give all digits there
 LEAST_EXPONENT, POINTS_OF_LITTLE_DECAY = 0.1, 8
@@ -279,10 +281,18 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
         vector = basis[k + 1] = image / np.linalg.norm(image)
         image = dsymv(1.0, energy, vector)
         diagonal[k] = vector @ image
-        # orthogonalise twice: after one pass, roundoff would grow
-        for _ in range(2):
-            image -= (basis[: k + 2] @ image) @ basis[: k + 2]
+        # the large parts first: without roundoff, there are no others
+        image -= diagonal[k] * vector + (basis[0] @ image) * basis[0]
+        if k:
+            image -= off_diagonal[k - 1] * basis[k]
         off_diagonal[k] = np.linalg.norm(image)
+        for _ in range(2):
+            before = off_diagonal[k]
+            image -= (basis[: k + 2] @ image) @ basis[: k + 2]
+            off_diagonal[k] = np.linalg.norm(image)
+            # one pass is enough unless it has removed a visible part, whose roundoff would grow
+            if off_diagonal[k] > ENOUGH_IS_LEFT * before:
+                break
         # the residual is roundoff: the Krylov space contains all modes that the flat start excites
         exhausted = off_diagonal[k] <= 100 * np.finfo(float).eps * diagonal[0] or k + 1 == size
         if exhausted or k + 1 == next_check:

@@ -11,7 +11,7 @@ from scipy.sparse.linalg import splu
 
 from ringwear import SizeField, SolverError, bisection, direct, energy, press_flat
 from ringwear.fem import condensation
-from ringwear.fem.condensation import trailing_factor
+from ringwear.fem.condensation import solve, symmetric, trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
 from ringwear.fem.half_space import HalfSpace, pressure_space
 from ringwear.meshes.by_gmsh import quads
@@ -46,7 +46,7 @@ def half_space(solid, poisson_ratio=0.3, poles=(0, 2, 4)):
 
 def saddle_point(half_space, force):
     """Return pressure coefficients and indentation of the flat punch from the whole system."""
-    continuous, system = half_space.space.joined(), half_space.system
+    continuous, system = half_space.space.joined(), symmetric(half_space.lower_triangle)
     inside = system.shape[0]
     loads = np.pad(half_space.coupling, ((inside - len(half_space.coupling), 0), (0, 0)))
     coupling = csc_matrix(loads @ continuous)
@@ -143,6 +143,13 @@ def test_trailing_factor_is_the_schur_complement(inside):
 
 
 @pytest.mark.usefixtures("solver")
+def test_solutions_fulfil_the_system():
+    dense, right = random_definite(3), np.random.default_rng(3).normal(size=(40, 2))
+    solution = solve(coo_matrix(np.tril(dense)), right)
+    np.testing.assert_allclose(dense @ solution, right, atol=1e-10)
+
+
+@pytest.mark.usefixtures("solver")
 @pytest.mark.parametrize("spoilt", [0, 39], ids=["inside", "trailing"])
 @pytest.mark.parametrize("value", [-1.0, np.nan])
 def test_indefinite_matrices_are_refused(spoilt, value):
@@ -150,3 +157,5 @@ def test_indefinite_matrices_are_refused(spoilt, value):
     dense[spoilt, spoilt] = value
     with pytest.raises(SolverError):
         trailing_factor(coo_matrix(np.tril(dense)), 25)
+    with pytest.raises(SolverError):
+        solve(coo_matrix(np.tril(dense)), np.ones((40, 1)))

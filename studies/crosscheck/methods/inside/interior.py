@@ -1,7 +1,7 @@
 """Displacements and stresses inside the half-space, by finite elements, at chosen times.
 
-Stresses converge half as fast as the indentation, so that they are computed with a degree of their
-own: the first degree at which their own error estimate is small enough. This estimate is the
+Stresses converge half as fast as the indentation, so that they may need a higher degree than the
+contact: the first degree at which their own error estimate is small enough. This estimate is the
 difference to a solution with one degree and one pole less on the same mesh, times a factor; both
 solutions compute their own contact pressures. On quadrilaterals, one more degree reduces the error
 by a factor of three or more, so that the difference is two to six times the error
@@ -25,6 +25,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from .....mdr.flat_punch import P0, flat_punch_of
+from .....meshes.compliance import Compliance
 from .....meshes.radial import Array, Indices
 from ...problem.problem import Problem
 from ...scene.scene import Scene
@@ -100,19 +101,17 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     """Return the inside of the half-space at the scene's field times, and in the steady state.
 
     The degree is raised until the error estimate of the stresses is at most `STRESS_ERROR_PER_RTOL`
-    times `rtol`, unless the scene sets the degree or the poles. It starts at the degree that is
-    sufficient for five rings and for a flat punch at every `rtol`, or at the degree of the contact
-    solution if that is lower.
+    times `rtol`, unless the scene sets the degree or the poles. It starts at the degree of the
+    contact solution, whose half-space is assembled already.
     """
     from .....fem.far_field import enough_poles
-    from .....fem.half_space import HalfSpace, pressure_space
     from .....meshes.half_space import truncation
 
-    half_space, problem, times = fem.half_space, scene.problem, scene.output.field_times
-    assert half_space is not None
+    of_contact, problem, times = fem.half_space, scene.problem, scene.output.field_times
+    assert of_contact is not None
     # `refinements`: how often each element is refined to show its polynomials; `highest`: highest
     # degree that is worth its cost
-    refinements, highest = (2, 4) if len(half_space.solid.mesh.t) == 3 else (3, 14)
+    refinements, highest = (2, 4) if len(of_contact.solid.mesh.t) == 3 else (3, 14)
     full_contact, steady = problem.full_contact, problem.steady and problem.indentation is None
     if times is None:
         # a flat start is in closed form, and the last time is near the steady state
@@ -121,34 +120,27 @@ def interior(scene: Scene, fem: Solution) -> Interior:
     problem_inside = replace(problem, times=np.unique(times) / problem.units.time, steady=steady)
     # the truncation error of the poles is a share of the energy; that of stresses is its root
     accuracy = 1e-3 * min(STRESS_ERROR_PER_RTOL * problem.rtol, 1e-3) ** 2
-    poles = enough_poles(truncation(half_space.solid.mesh), accuracy)
-    if problem.fem.poles:
-        poles = half_space.poles
-    # A clamped boundary is compared with one that is not clamped: the difference is the error
-    # itself, far greater than any other.
-    orders = (poles, coarser_pole_orders(poles)) if half_space.poles else ((), poles)
+    poles = enough_poles(truncation(of_contact.solid.mesh), accuracy)
     # with a lower degree there may be no stable pressures
-    degree = max(half_space.solid.degree, 3) + (not full_contact)
+    degree = max(of_contact.solid.degree, 3) + (not full_contact)
     # sizes that the scene sets are not changed, and a higher degree does not reduce errors of
     # truncation or of cells
-    if problem.fem.degree or problem.fem.poles or not (half_space.poles and full_contact):
+    if problem.fem.degree or problem.fem.poles or not (of_contact.poles and full_contact):
         highest = degree
-    elif problem.poisson_ratio <= 0.499:
-        # error estimates on quadrilaterals are about 8 / 3^degree; closer to incompressibility they
-        # are larger
-        degree = max(min(degree, ceil(log(8 / (STRESS_ERROR_PER_RTOL * problem.rtol), 3))), 3)
     with threadpool_limits(1):
         while True:
-            spaces = []
-            for lowered, pole_orders in enumerate(orders):
-                solid = replace(half_space.solid, degree=degree - lowered, lowered_degrees=0)
-                space = half_space.space
-                if full_contact:
-                    space = pressure_space(solid, problem.merged.ring_edges)
-                spaces.append(HalfSpace(solid, space, pole_orders).without_dependent_poles())
+            spaces = fine_and_coarser(problem, of_contact, degree, poles)
             fine = spaces[0]
             if full_contact:
-                pressures = [pressures_in_full_contact(problem_inside, each) for each in spaces]
+                assert fem.wear is not None
+                compliances = [
+                    fem.wear.compliance if each is of_contact else each.compliance()
+                    for each in spaces
+                ]
+                pressures = [
+                    pressures_in_full_contact(problem_inside, compliance)
+                    for compliance in compliances
+                ]
             else:
                 pressures = pressures_of_marches(problem_inside, fem)
             result = compare_half_spaces(problem, spaces, pressures, labels, refinements)
@@ -159,6 +151,48 @@ def interior(scene: Scene, fem: Solution) -> Interior:
                 return add_far_field(result, fine, pressures[0], depth)
             # each degree makes stresses three times as accurate
             degree = min(degree + ceil(log(excess, 3)), highest)
+
+
+def fine_and_coarser(
+    problem: Problem, of_contact: "HalfSpace", degree: int, enough: tuple[int, ...]
+) -> list["HalfSpace"]:
+    """Return the half-space of a degree, and the coarser one, with one degree less, on its mesh.
+
+    The half-space of the contact solution is one of the two where it can be, because it is
+    assembled already.
+
+    Parameters
+    ----------
+    problem : the problem
+    of_contact : half-space of the contact solution
+    degree : degree of the finer half-space
+    enough : orders of the poles with which the truncation error of the stresses is negligible
+    """
+    from .....fem.half_space import HalfSpace, pressure_space
+
+    poles = of_contact.poles
+    if not poles:
+        # A clamped boundary is compared with one that is not clamped: the difference is the error
+        # itself, far greater than any other.
+        orders: tuple[tuple[int, ...], ...] = ((), enough)
+    elif problem.full_contact:
+        if len(poles) < len(enough) and not problem.fem.poles:
+            poles = enough
+        orders = (poles, coarser_pole_orders(poles))
+    else:
+        # more poles in the coarser half-space show the error of the truncation as well as fewer do
+        orders = (enough, poles if len(poles) > len(enough) else coarser_pole_orders(enough))
+    half_spaces = []
+    for lowered, pole_orders in enumerate(orders):
+        solid, space = of_contact.solid, of_contact.space
+        if degree - lowered != solid.degree:
+            solid = replace(solid, degree=degree - lowered)
+            if problem.full_contact:
+                space = pressure_space(solid, problem.merged.ring_edges)
+        half_space = HalfSpace(solid, space, pole_orders).without_dependent_poles()
+        assembled = solid is of_contact.solid and half_space.poles == of_contact.poles
+        half_spaces.append(of_contact if assembled else half_space)
+    return half_spaces
 
 
 def first_and_last_in_contact(scene: Scene) -> list[float]:
@@ -173,9 +207,9 @@ def first_and_last_in_contact(scene: Scene) -> list[float]:
     return [float(ends[0]), float(ends[-1])]
 
 
-def pressures_in_full_contact(problem: Problem, half_space: "HalfSpace") -> Array:
+def pressures_in_full_contact(problem: Problem, compliance: Compliance) -> Array:
     """Return the pressures (states, size) at the times of a problem, and in the steady state."""
-    wear = FullContact(problem, half_space.compliance()).wear
+    wear = FullContact(problem, compliance).wear
     # no modes are needed for the start
     pressures = np.outer(problem.loading.at(problem.times).force, wear.flat.pressure)
     if problem.earliest:
