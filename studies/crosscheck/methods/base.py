@@ -3,7 +3,6 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -13,7 +12,7 @@ from ....meshes.compliance import Compliance
 from ....meshes.radial import Array
 from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, DESCRIBED, error_name
+from ..problem.quantities import COMPARED_MODES, DESCRIBED
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..wear.fitted_press import CompliancesOn
@@ -22,8 +21,6 @@ from ..wear.full_contact import RunningIn
 from .error_factors import error_factor
 
 if TYPE_CHECKING:
-    import xarray
-
     from ....fem.half_space import HalfSpace
     from ..wear.evolution import Evolution
 
@@ -75,21 +72,6 @@ class Solution:
     limited_by_degree: frozenset[str] = frozenset()
     error_by_sizes: float | None = None
 
-    @cached_property
-    def data(self) -> "xarray.Dataset":
-        """The results in the problem's units, each with its relative error in `<name>_error`."""
-        import xarray  # studies and sweeps solve without it
-
-        arrays: list[xarray.DataArray] = []
-        for name, quantity in DESCRIBED.items():
-            if name in self.results:
-                arrays.append(labelled(name, quantity.dims, self.results[name]))
-                if name in self.errors:
-                    error = self.errors[name]
-                    arrays.append(labelled(error_name(name), quantity.error_dims, error))
-        # modes that are not resolved have an error, but no result
-        return xarray.merge(arrays, join="outer", compat="equals")
-
     @property
     def error_estimate(self) -> float:
         """The method's own estimate of the relative error of the indentation, over all times."""
@@ -122,19 +104,6 @@ class Solution:
         compared = slice(COMPARED_MODES) if "mode" in DESCRIBED[name].dims else ...
         errors = self.errors[name][compared]
         return float(np.max(errors[~np.isnan(errors)], initial=0.0))
-
-
-def labelled(name: str, dims: tuple[str, ...], values: Array) -> "xarray.DataArray":
-    """Return an array with its name; modes and edges, whose numbers may differ, are counted."""
-    import xarray
-
-    values = np.asarray(values, dtype=float)
-    counted = {
-        dim: np.arange(1, size + 1)
-        for dim, size in zip(dims, values.shape, strict=True)
-        if dim in ("mode", "edge")
-    }
-    return xarray.DataArray(values, counted, dims, name)
 
 
 @dataclass(frozen=True, eq=False)

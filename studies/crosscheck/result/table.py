@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 Arrays = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 """Dimensions, values and attributes of arrays, by name."""
 
+COUNTED = ("mode", "edge", "step")
+"""Dimensions in which the numbers of two methods may differ; the first ones correspond."""
+
 
 class StepsOfMarch(NamedTuple):
     """The steps of a march: `problem.quantities.Path`.
@@ -51,20 +54,19 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
 
     problem = scene.problem
     units, names = problem.units, scene.unit_names
-    reported = [_with_steps(scene, solution) for solution in solutions.values()]
-    data = xarray.concat(
-        reported, "solver", data_vars="all", coords="minimal", compat="override", join="outer"
-    )
-    if "mode" in data.dims:
-        data = data.reindex(mode=np.arange(1, SHOWN_RELAXATION_TIMES + 1), copy=False)
+    reported = [_reported(scene, solution) for solution in solutions.values()]
+
+    def greatest_size(name: str) -> int:
+        return max((values[name].shape[-1] for values in reported if name in values), default=0)
+
     sizes = {
         "time": len(problem.times),
         "radius": len(problem.radii),
         "ring": len(problem.wear_coefficients),
         "mode": SHOWN_RELAXATION_TIMES,
         "state": len(STATES),
-        "edge": data.sizes.get("edge", 0),
-        "step": data.sizes.get("step", 0),
+        "edge": greatest_size("contact_edge"),
+        "step": greatest_size(next(iter(STEPS))),
     }
     # name, dimensions, unit and definition of each variable
     table: list[tuple[str, tuple[str, ...], str, str]] = []
@@ -83,14 +85,17 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
 
     variables: Arrays = {}
     for name, dims, unit, definition in table:
-        dims = ("solver", *dims)
-        if name in data:
-            array = data[name].transpose(*dims).values
-            # in place: scaled copies of all fields would take as much memory as the table
-            array *= getattr(units, unit)
-        else:
-            array = np.full([len(reported), *(sizes[dim] for dim in dims[1:])], np.nan)
-        variables[name] = (dims, array, describe(definition, unit))
+        array = np.full([len(reported), *(sizes[dim] for dim in dims)], np.nan)
+        shown = tuple(slice(sizes[dim] if dim in COUNTED else None) for dim in dims)
+        for row, values in enumerate(reported):
+            if name in values:
+                part = values[name][shown]
+                counts = zip(dims, part.shape, strict=True)
+                place = [slice(count if dim in COUNTED else None) for dim, count in counts]
+                array[(slice(row, row + 1), *place)] = part
+        # in place: scaled copies of all fields would take as much memory as the table
+        array *= getattr(units, unit)
+        variables[name] = (("solver", *dims), array, describe(definition, unit))
     # take the radii from the scene, because scaling non-dimensional ones may change the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
@@ -130,13 +135,19 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
     return xarray.Dataset(variables, coordinates, attributes_of_table)
 
 
-def _with_steps(scene: Scene, solution: Solution) -> "xarray.Dataset":
-    """Return the data of a solution, with the steps of its march if the scene asks for them."""
-    if not scene.output.every_step or solution.evolution is None:
-        return solution.data
-    path = StepsOfMarch(solution.evolution.path, scene.problem.profile.standoff)
-    steps = {name: ("step", np.asarray(step.value(path))) for name, step in STEPS.items()}
-    return solution.data.assign(steps).assign_coords(step=np.arange(len(path.path)))
+def _reported(scene: Scene, solution: Solution) -> dict[str, Array]:
+    """Return the results of a solution and their errors, non-dimensional, by name.
+
+    The steps of its march are among them if the scene asks for these.
+    """
+    values = {name: solution.results[name] for name in DESCRIBED if name in solution.results}
+    values |= {
+        error_name(name): solution.errors[name] for name in values if name in solution.errors
+    }
+    if scene.output.every_step and solution.evolution is not None:
+        path = StepsOfMarch(solution.evolution.path, scene.problem.profile.standoff)
+        values |= {name: np.asarray(step.value(path)) for name, step in STEPS.items()}
+    return {name: np.asarray(array, dtype=float) for name, array in values.items()}
 
 
 def in_units(problem: Problem, results: Results) -> dict[str, Array]:
