@@ -2,7 +2,7 @@
 
 python .ci/site.py DIR
 
-All links are checked: a broken one stops the build.
+All links and pictures are checked: a broken one stops the build.
 """
 
 import ast
@@ -26,6 +26,8 @@ EXAMPLES = ROOT / "studies" / "examples"
 FOLDERS = ("mdr", "fem", "meshes", "studies", "tests")
 PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
 LINK = re.compile(r"\]\((?!https?://|#|mailto:)([^)\s#]+)(#[^)\s]*)?\)")
+# links and pictures of a page of the site
+LINK_IN_HTML = re.compile(r'(?:href|src)="?(?!https?:|mailto:|data:)([^"#?$ >]+)')
 NAVIGATION = [
     {"Start": "README.md"},
     {"Your case": "studies/pages/cases.md"},
@@ -65,6 +67,8 @@ THEME = {
     "font": False,
     "features": ["navigation.indexes", "navigation.top", "content.code.copy", "search.suggest"],
 }
+# commands and printed answers have up to 100 letters in a line
+STYLE = ".md-grid { max-width: 80rem; }\n"
 API = """# API
 
 [The public names of ringwear, with their docstrings](api/ringwear.html): `run`, `check`, `fit`,
@@ -82,7 +86,7 @@ def copy_pages(docs: Path) -> None:
         for target, _ in LINK.findall(read(file)):
             linked = (file.parent / target).resolve()
             if linked.is_file() and linked.suffix != ".md":
-                copied = docs / linked.relative_to(ROOT)
+                copied = docs / shown_folder(str(linked.relative_to(ROOT)))
                 copied.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(linked, copied)
 
@@ -97,21 +101,29 @@ def link_of(folder: Path, match: re.Match[str]) -> str:
     target, place = match.groups()
     if (folder / target).is_dir():
         target = f"{target.rstrip('/')}/README.md"
-    return f"]({target}{place or ''})"
+    return f"]({shown_folder(target)}{place or ''})"
 
 
-def gallery(docs: Path) -> list[dict[str, str]]:
+def shown_folder(path: str) -> str:
+    """Return the place of a file on the site, which has no folders whose names begin with a dot."""
+    return path.replace(".github/", "pictures/")
+
+
+def gallery(docs: Path) -> list[str | dict[str, str]]:
     """Write a page for each example, run in a folder of its own; return their navigation."""
     folder = docs / "gallery"
     folder.mkdir()
     pages = {file: page_of_script(file, folder) for file in sorted(EXAMPLES.glob("[!_]*.py"))}
     pages |= {file: page_of_notebook(file) for file in sorted(EXAMPLES.glob("*.ipynb"))}
-    navigation = []
+    titles = {}
     for file, text in pages.items():
         (folder / f"{file.stem}.md").write_text(text, "utf-8")
-        title = text.partition("\n")[0].removeprefix("# ")
-        navigation.append({title: f"gallery/{file.stem}.md"})
-    return navigation
+        titles[f"{file.stem}.md"] = text.partition("\n")[0].removeprefix("# ")
+    lines = [f"- [{title}]({name})" for name, title in titles.items()]
+    text = "# Gallery\n\nEach page is a script or a notebook that is run.\n\n" + "\n".join(lines)
+    (folder / "index.md").write_text(text + "\n", "utf-8")
+    pages_by_title = ({title.replace("`", ""): f"gallery/{name}"} for name, title in titles.items())
+    return ["gallery/index.md", *pages_by_title]
 
 
 def page_of_script(file: Path, folder: Path) -> str:
@@ -181,12 +193,14 @@ def build(out: Path) -> None:
         copy_pages(docs)
         write_api(docs)
         pages = gallery(docs)
+        (docs / "style.css").write_text(STYLE, "utf-8")
         navigation = [{"Gallery": pages} if "Gallery" in entry else entry for entry in NAVIGATION]
         settings = {
             "site_name": "ringwear",
             "docs_dir": str(docs),
             "site_dir": str(out.resolve()),
             "theme": THEME,
+            "extra_css": ["style.css"],
             "nav": navigation,
             "markdown_extensions": ["pymdownx.highlight", "pymdownx.superfences"],
             "validation": {
@@ -208,6 +222,19 @@ def build(out: Path) -> None:
             str(config),
         ]
         subprocess.run(command, check=True)
+    check_links(out)
+
+
+def check_links(out: Path) -> None:
+    """Refuse a site with links or pictures that lead nowhere."""
+    broken = [
+        f"{page.relative_to(out)}: {target}"
+        for page in sorted(out.rglob("*.html"))
+        for target in set(LINK_IN_HTML.findall(read(page)))
+        if not (out if target[0] == "/" else page.parent).joinpath(target.lstrip("/")).exists()
+    ]
+    if broken:
+        raise SystemExit("these links lead nowhere:\n" + "\n".join(broken))
 
 
 if __name__ == "__main__":
