@@ -127,7 +127,10 @@ def gallery(docs: Path) -> list[str | dict[str, str]]:
 
 
 def page_of_script(file: Path, folder: Path) -> str:
-    """Return the page of an example: its question, code, output and figures."""
+    """Return the page of an example: its question, code, output and figures.
+
+    The code, which is run here, is also written as a notebook beside the page.
+    """
     source = read(file)
     title, _, text = (ast.get_docstring(ast.parse(source)) or file.stem).partition("\n")
     with tempfile.TemporaryDirectory() as place:
@@ -142,9 +145,24 @@ def page_of_script(file: Path, folder: Path) -> str:
             shutil.copy(image, folder / name)
             figures.append(f"![{image.stem.replace('_', ' ')}]({name})")
     code = source.partition('"""')[2].partition('"""')[2].strip()
-    parts = [f"# {title.rstrip('.')}", text.strip(), fenced(code, "python")]
+    notebook = json.dumps(notebook_of(f"# {title}\n\n{text.strip()}", code), indent=1)
+    (folder / f"{file.stem}.ipynb").write_text(notebook + "\n", "utf-8")
+    link = f"[As a notebook]({file.stem}.ipynb)"
+    parts = [f"# {title.rstrip('.')}", text.strip(), fenced(code, "python"), link]
     parts += [fenced(done.stdout)] if done.stdout.strip() else []
     return "\n\n".join(filter(None, [*parts, *figures])) + "\n"
+
+
+def notebook_of(text: str, code: str) -> dict[str, object]:
+    """Return a notebook with a text and a cell of code."""
+    about: dict[str, object] = {"cell_type": "markdown", "id": "about", "source": text}
+    cell = {"cell_type": "code", "id": "code", "source": code, "outputs": []}
+    return {
+        "cells": [about | {"metadata": {}}, cell | {"execution_count": None, "metadata": {}}],
+        "metadata": {"kernelspec": {"display_name": "Python 3", "name": "python3"}},
+        "nbformat": 4,
+        "nbformat_minor": 5,
+    }
 
 
 def page_of_notebook(file: Path) -> str:

@@ -223,7 +223,7 @@ def stability_limits(problem: Problem, springs: Sequence[int], unit: float) -> p
                 "springs": count,
                 "stable step": 2 / greatest_rate * unit,
                 "4/(pi n k)": limit * unit,
-                "over 4/(pi n k), less 1": 2 / greatest_rate / limit - 1,
+                "relative difference from 4/(pi n k)": 2 / greatest_rate / limit - 1,
             }
         )
     return pd.DataFrame(rows)

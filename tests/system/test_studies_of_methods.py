@@ -50,7 +50,7 @@ def test_orders_of_far_fields_are_those_of_theory(tmp_path):
 
 def test_the_stability_limit_of_the_papers_grid_is_listed(tmp_path):
     results = conduct("march", tmp_path)
-    assert (results.tables["paper_grid"]["over 4/(pi n k), less 1"].abs() <= 0.15).all()
+    assert (results.tables["paper_grid"]["relative difference from 4/(pi n k)"].abs() <= 0.15).all()
 
 
 @pytest.mark.slow

@@ -563,7 +563,7 @@ def step_contact_area(march: Path) -> Array:
 @in_answer(
     "",
     "displacement",
-    "indentation of the unworn face at the start; F / (2 a E*) if flat and full",
+    "indentation of the unworn face at the start; F / (2 a E*) for a flat face in full contact",
     order=2,
     at=("indentation", 0),
 )
