@@ -12,7 +12,8 @@ creases are worn off.
 
 If the contact opens, closes and spreads, the triangles are those of the march, with one degree
 more. Its pressures are those of a march on the compliance of the contact solution. The coarser
-solution has a degree and a pole less, and its pressures come from a march on every second cell.
+solution is on the half-space of the march, and its pressures come from a march on every second
+cell.
 """
 
 from collections.abc import Sequence
