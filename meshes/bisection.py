@@ -105,8 +105,8 @@ def _points_of_arc(mesh: MeshTri, outer: float) -> Indices:
     the triangles at such points are searched: all facets of the mesh would take most of the time.
     """
     on_arc = np.abs(np.hypot(*mesh.p) / outer - 1) <= ROUNDOFF_OF_ARC
-    beside = mesh.t[:, on_arc[mesh.t].any(axis=0)]
-    sides = np.sort(np.stack([beside, np.roll(beside, 1, axis=0)]).reshape(2, -1), axis=0)
+    at_arc = mesh.t[:, on_arc[mesh.t].any(axis=0)]
+    sides = np.sort(np.stack([at_arc, np.roll(at_arc, 1, axis=0)]).reshape(2, -1), axis=0)
     sides, counts = np.unique(sides[:, on_arc[sides].any(axis=0)], axis=1, return_counts=True)
     outermost = np.unique(sides[:, counts == 1])
     # other points of the boundary are on the axis or on the surface

@@ -69,7 +69,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
             # keep the coarser solution, whose error estimate is still valid
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
-        slightly = _misses_slightly(problem, solution)
+        slightly = _misses_slightly(solution, error, allowed)
         last_rtol, last_error, new_error = rtol, error, error_of_sizes(problem, finer)
         if new_error < last_error:
             note = (
@@ -98,17 +98,16 @@ def next_rtol(
     smallest, largest = tolerance_range(problem, pressures)
     last_rtol = min(last_rtol, largest)
     # if edges of the contact move, a method may use half of the uncertainty of two methods
-    is_accurate = error_of_sizes(problem, solution) <= allowed_error(problem)
-    if is_accurate or last_rtol <= smallest or method.sizes_given(problem):
+    error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
+    if error <= allowed or last_rtol <= smallest or method.sizes_given(problem):
         return None
-    finer = SLIGHTLY_FINER if _misses_slightly(problem, solution) else FINER
+    finer = SLIGHTLY_FINER if _misses_slightly(solution, error, allowed) else FINER
     return max(smallest, finer * last_rtol)
 
 
-def _misses_slightly(problem: Problem, solution: Solution) -> bool:
-    """Return whether cells under moving edges are only slightly too large."""
-    limit = SLIGHT * allowed_error(problem)
-    return solution.evolution is not None and error_of_sizes(problem, solution) < limit
+def _misses_slightly(solution: Solution, error: float, allowed: float) -> bool:
+    """Return whether cells under moving edges, with this error, are only slightly too large."""
+    return solution.evolution is not None and error < SLIGHT * allowed
 
 
 @lru_cache(maxsize=16)

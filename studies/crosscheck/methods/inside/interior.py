@@ -155,7 +155,7 @@ def interior(scene: Scene, fem: Solution) -> Interior:
 
 
 def fine_and_coarser(
-    problem: Problem, of_contact: "HalfSpace", degree: int, enough: tuple[int, ...]
+    problem: Problem, of_contact: "HalfSpace", degree: int, wanted_poles: tuple[int, ...]
 ) -> list["HalfSpace"]:
     """Return the half-space of a degree, and the coarser one, with one degree less, on its mesh.
 
@@ -167,7 +167,7 @@ def fine_and_coarser(
     problem : the problem
     of_contact : half-space of the contact solution
     degree : degree of the finer half-space
-    enough : orders of the poles with which the truncation error of the stresses is negligible
+    wanted_poles : orders of the poles with which the truncation error of the stresses is negligible
     """
     from .....fem.half_space import HalfSpace, pressure_space
 
@@ -175,14 +175,16 @@ def fine_and_coarser(
     if not poles:
         # A clamped boundary is compared with one that is not clamped: the difference is the error
         # itself, far greater than any other.
-        orders: tuple[tuple[int, ...], ...] = ((), enough)
+        orders: tuple[tuple[int, ...], ...] = ((), wanted_poles)
     elif problem.full_contact:
-        if len(poles) < len(enough) and not problem.fem.poles:
-            poles = enough
+        if len(poles) < len(wanted_poles) and not problem.fem.poles:
+            poles = wanted_poles
         orders = (poles, coarser_pole_orders(poles))
     else:
         # more poles in the coarser half-space show the error of the truncation as well as fewer do
-        orders = (enough, poles if len(poles) > len(enough) else coarser_pole_orders(enough))
+        if len(poles) <= len(wanted_poles):
+            poles = coarser_pole_orders(wanted_poles)
+        orders = (wanted_poles, poles)
     half_spaces = []
     for lowered, pole_orders in enumerate(orders):
         solid, space = of_contact.solid, of_contact.space
