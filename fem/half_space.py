@@ -345,16 +345,29 @@ class HalfSpace:
         stiffness = trailing_factor(
             self.lower_triangle, self.lower_triangle.shape[0] - len(self.coupling)
         )
-        factor = np.zeros_like(self.coupling)
+        factor = self.coupling.copy()
         # Rows and columns are ordered along the radius. The coupling of a pressure with contact
         # nodes closer to the axis is zero, and so are these rows of the solution.
         for start in range(0, self.space.size, 256):
-            columns = slice(start, start + 256)
-            rows = slice(np.flatnonzero(self.coupling[:, columns].any(axis=1))[0], None)
-            factor[rows, columns] = solve_triangular(
-                stiffness[rows, rows], self.coupling[rows, columns], lower=True
-            )
+            columns = factor[:, start : start + 256]
+            first = np.flatnonzero(columns.any(axis=1))[0]
+            _solve_in_place(stiffness[first:, first:], columns[first:])
         return factor
+
+
+def _solve_in_place(triangle: Array, right: Array) -> None:
+    """Replace right-hand sides (n, k) by the solutions of a lower triangular system (n, n).
+
+    The system is halved until it is small. Products of blocks need no copies of the blocks, which
+    take longer than the arithmetic of a large system.
+    """
+    middle = len(triangle) // 2
+    if middle < 64:
+        right[:] = solve_triangular(triangle, right, lower=True, check_finite=False)
+        return
+    _solve_in_place(triangle[:middle, :middle], right[:middle])
+    right[middle:] -= triangle[middle:, :middle] @ right[:middle]
+    _solve_in_place(triangle[middle:, middle:], right[middle:])
 
 
 def extrapolated(near: Array, far: Array) -> Array:

@@ -22,6 +22,8 @@ from .radial import Array, Indices, from_axis
 # there, and the number of the edge.
 Amplitude = Callable[[Array, Array, Indices], Array]
 
+# tolerance at which the constants of sizes of triangles and of numbers of cells are stated
+REFERENCE_RTOL = 1e-4
 # largest size of the quadrilaterals between the patches, relative to the truncation radius
 LARGEST_QUADRILATERAL = 0.4
 # narrowest ring, in punch radii, that every mesher can distinguish from a single edge

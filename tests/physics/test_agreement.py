@@ -175,7 +175,8 @@ def test_times_too_early_to_resolve_are_named_and_left_out():
     assert not row.promised
     assert result.verdict == "agree"
     # the first line names the quantity that is left out, and the summary gives the reason
-    assert "all but RMS slope at t = 1e-10" in result.verdict_in_words
+    left_out = "Undecided while the layers that wear has made are thin, at t = 1e-10: RMS slope."
+    assert result.verdict_in_words.endswith(f" quantities. {left_out}")
     rows = {row["quantity"]: row for row in result.summary["left_out_of_promise"]}
     assert rows.keys() == {"rms_slope"}
     assert all(row["times"] == [1e-10] for row in rows.values())
@@ -196,3 +197,19 @@ def test_a_quantity_without_an_error_estimate_is_undecided(flat):
     by_name = {row.quantity: row for row in rows}
     assert "springs states 5.0e-01; rtol = " in by_name["pressure"].remark
     assert "no error estimate" in by_name["rms_slope"].remark
+
+
+@pytest.mark.parametrize(
+    ("edge", "fast", "first"), [(0.2309, 98.8, 7.3e-8), (0.018961, 63848.0, 1.5e-11)]
+)
+def test_roundoff_of_early_wear_fails_no_anchor(edge, fast, first):
+    """The worn volume is a difference of displacements that are up to 1e11 times as large."""
+    scene = Scene.load("five_rings").changed(
+        punch={"radius": 1.0, "ring_edges": [edge, 1.0], "wear_coefficients": [1.0, fast]},
+        wear__times=np.geomspace(first, 1e3 * first, 7).tolist(),
+        methods=["mdr"],
+        accuracy__rtol=1e-5,
+    )
+    result = run(scene)
+    assert result.anchors
+    assert all(anchor.holds for anchor in result.anchors)

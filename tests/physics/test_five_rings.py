@@ -99,6 +99,13 @@ def test_fem_on_triangles(solve, error, mesher):
         assert error(data, name) <= tolerance, name
 
 
+@pytest.mark.slow
+def test_nothing_is_undecided_without_gmsh():
+    result = run(Scene.load("five_rings").changed(accuracy__fem={"mesher": "bisection"}))
+    assert result.verdict == "agree"
+    assert set(result.quantities.values()) == {"agree"}
+
+
 def test_ring_forces_against_a_finer_radial_mesh(solve):
     finer = solve("mdr", accuracy__rtol=1e-7, accuracy__mdr__ring_size=1e-6).ring_force
     assert greatest_error(solve("mdr", **MDR).ring_force, finer) <= 1e-5

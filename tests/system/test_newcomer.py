@@ -172,7 +172,7 @@ def test_one_method_alone_has_one_wording(tmp_path, capsys):
     command = ["run", "five_rings", "--methods", "mdr", "--rtol", "1e-2", "--no-figures"]
     assert main([*command, "--out", str(tmp_path / "out")]) == 0
     for text in (repr(result), repr(load(tmp_path / "saved")), page, capsys.readouterr().out):
-        assert f"{sentence}; " in text
+        assert f"{sentence}. " in text
         assert "0 of 0" not in text
         assert "one method" not in text.replace(sentence, "").lower()
     assert '<p class="verdict undecided">' in page

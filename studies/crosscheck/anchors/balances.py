@@ -8,8 +8,9 @@ from ..problem.norms import LEAST_VOLUME
 from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
-# roundoff of the worn depth, over the unit of displacements
-ROUNDOFF_OF_DEPTHS = 2e-15
+# roundoff of the worn depth, over the unit of displacements: up to 2e-14 by some hundred modes
+# (physics/test_agreement.py::test_roundoff_of_early_wear_fails_no_anchor)
+ROUNDOFF_OF_DEPTHS = 5e-14
 
 
 def check_forces(report: Reported) -> Rows:

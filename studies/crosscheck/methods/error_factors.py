@@ -38,6 +38,18 @@ TABLE = {
         "their degree are the defaults",
         ESTIMATES,
     ),
+    "pressures of thinner layers than triangles": ErrorFactor(
+        4.0,
+        "the same for pressures at times at which the layers that wear has made need smaller "
+        "triangles, because both degrees miss much of them",
+        ESTIMATES,
+    ),
+    "resolved fields on triangles": ErrorFactor(
+        1.0,
+        "the same for fields at times at which the layers need no smaller triangles, and for what "
+        "does not depend on time: most of the difference is the error of a degree less",
+        ESTIMATES,
+    ),
     "flat punch on larger triangles": ErrorFactor(
         8.0,
         "for triangles that the scene sets: difference of a flat punch to a degree less on larger "

@@ -180,6 +180,7 @@ class FullContact(Evaluation):
     smallest : smallest element size at a ring edge that the method can use, in punch radii
     slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the whole face
     least_error : least relative error of every quantity, beyond the roundoff of sums
+    same_elements : whether the coarser evaluation has the same elements, of a lower degree
     """
 
     point_values = frozenset({"displacement_centre", "displacement_max"})
@@ -192,9 +193,11 @@ class FullContact(Evaluation):
         smallest: float = 0.0,
         slope_roundoff: float = 0.0,
         least_error: float = 0.0,
+        same_elements: bool = False,
     ) -> None:
         super().__init__(problem, compliance)
         self._slope_roundoff, self._least_error = slope_roundoff, least_error
+        self._same_elements = same_elements
         wear_factor = error_factor("wear along the radius") if problem.merged.linear else 1.0
         self.safety, self.smallest, self._wear_factor = wear_factor * safety, smallest, wear_factor
         wear_coefficients = problem.merged.wear_coefficients
@@ -279,18 +282,22 @@ class FullContact(Evaluation):
     def estimate(self, name: str, difference: Array) -> Array:
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
-        - The factor is `safety_factor`.
+        - The factor is `safety_factor`, or, for fields by a lower degree on the same elements,
+          that of `_factor_on_same_elements`.
         - Quantities that depend on thin layers at ring edges get the same difference once more for
-          each layer that the mesh lacks, if the march is by modes.
+          each layer that the mesh lacks, if the march is by modes and the coarser mesh lacks one
+          layer more.
         - At each requested time, the error is the largest at nearby times, because differences
           cross zero now and then. For the same reason, the error of a relaxation time is at least
           that of any slower one.
         - The error is at least the floor of the quantity.
         """
-        error = self.safety_factor(name) * difference
+        on_other_elements = not self._same_elements
+        factor = self.safety if on_other_elements else self._factor_on_same_elements(name)
+        error = factor * difference
         if name == "relaxation_time":
             error = _growing_errors(error)
-        if name in LAYER_QUANTITIES and self.problem.march == "modal":
+        if on_other_elements and name in LAYER_QUANTITIES and self.problem.march == "modal":
             # the coarser mesh lacks one layer more than this one, and each layer makes about the
             # same difference
             error = error * (1 + self._missing_layers)
@@ -298,6 +305,23 @@ class FullContact(Evaluation):
             near = near_in_time(self.problem.times, self.problem.estimate_times)
             error = greatest_in_ranges(error, *near)
         return np.maximum(error, self._floor(name))
+
+    def _factor_on_same_elements(self, name: str) -> Array | float:
+        """Return the factor on a difference to a degree less: one number, or one for each time.
+
+        If the elements resolve the layers that wear has made, fields converge with the degree, and
+        the difference is mostly the error of the lower degree. If not, both degrees miss the same
+        part of the layers.
+        """
+        resolved = self._wear_factor * error_factor("resolved fields on triangles")
+        if not DESCRIBED[name].over_time:
+            return resolved
+        if name in ENERGIES:
+            return self.safety
+        thin = self.safety
+        if name == "pressure":
+            thin = self._wear_factor * error_factor("pressures of thinner layers than triangles")
+        return np.where(self._missing_layers <= 1, resolved, thin)
 
     def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
         """Return the error estimate of a number of the answer.

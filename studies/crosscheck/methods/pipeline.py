@@ -229,11 +229,16 @@ def _solve_one(
     discretisation: Discretised,
     compliances: tuple[Compliance, Compliance],
 ) -> Solution:
-    # the same elements of a lower degree do not lack a layer, of which each makes a difference
-    smallest = 0.0 if discretisation.same_elements else discretisation.smallest
-    floors = discretisation.slope_roundoff, discretisation.least_error
     fine, coarse = (
-        FullContact(problem, compliance, discretisation.safety, smallest, *floors)
+        FullContact(
+            problem,
+            compliance,
+            discretisation.safety,
+            discretisation.smallest,
+            discretisation.slope_roundoff,
+            discretisation.least_error,
+            discretisation.same_elements,
+        )
         for compliance in compliances
     )
     may_need_tension = problem.ground.layered or problem.keeps_contact

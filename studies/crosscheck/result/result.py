@@ -32,7 +32,7 @@ from ..registry import METHODS
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
 from ..verdict.operators import OperatorDifference
-from ..verdict.promise import LeftOut, allowed_error, in_words
+from ..verdict.promise import LeftOut, allowed_error, in_words, share
 from .guesses import OF_RESULTS, missing_attribute
 from .output.files import RUN_FILES, write_numbers
 from .output.folder import output_folder
@@ -135,19 +135,16 @@ class Result:
         """The verdict in a sentence, with quantities left out and the number that agree."""
         if not self.agreement:
             return self._verdict_without_comparison
-        verdicts = list(self.quantities.values())
-        counts = [f"{verdicts.count(AGREE)} of {len(verdicts)} quantities agree"]
-        counts += [
+        verdicts, scene = list(self.quantities.values()), self.scene
+        agreeing = f"{share(verdicts.count(AGREE), len(verdicts))} quantities"
+        if self.verdict == AGREE:
+            left_out = in_words(self.left_out_of_promise, scene.wear.times, scene.unit_names)
+            return f"The methods agree in {agreeing}. {left_out}".rstrip()
+        counts = [
             f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
         ]
-        scene = self.scene
-        left_out = in_words(self.left_out_of_promise, scene.wear.times, scene.unit_names)
-        sentences = {
-            AGREE: f"The methods agree{f' in all but {left_out}' if left_out else ''}",
-            UNDECIDED: "Not all is decided",
-            DISAGREE: "THE METHODS DISAGREE",
-        }
-        return f"{sentences[self.verdict]}: {', '.join(counts)}."
+        first = {UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}[self.verdict]
+        return f"{first}: {', '.join([f'{agreeing} agree', *counts])}."
 
     @property
     def _verdict_without_comparison(self) -> str:

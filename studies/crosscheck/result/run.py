@@ -301,17 +301,17 @@ def compare_operators(
         other = methods[b]
         if isinstance(other, AnySpaceMethod):
             with Stages("check")(f"{a} against {b}"):
-                running_in, space = wears[a], wears[a].compliance.space
-                other_running_in = replace(
-                    running_in, compliance=other.compliance(space, problem.ground)
-                )
+                running_in = wears[a]
+                compliance, space = running_in.compliance, running_in.compliance.space
+                subspace = affordable_subspace(space)
+                if a not in any_space or subspace is space:
+                    reference = other.compliance(space, problem.ground)
                 if a not in any_space:
-                    check_multipliers(a, running_in.compliance, other_running_in.compliance)
-                if subspace := affordable_subspace(space):
-                    pair = (
-                        replace(each, compliance=each.compliance.restricted(subspace))
-                        if subspace is not space
-                        else each
-                        for each in (running_in, other_running_in)
-                    )
-                    yield difference(problem, (a, b), *pair)
+                    check_multipliers(a, compliance, reference)
+                if subspace:
+                    if subspace is not space:
+                        compliance = compliance.restricted(subspace)
+                        reference = other.compliance(subspace, problem.ground)
+                    pair = (compliance, reference)
+                    wearing = (replace(running_in, compliance=each) for each in pair)
+                    yield difference(problem, (a, b), *wearing)

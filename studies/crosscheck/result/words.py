@@ -10,7 +10,7 @@ from ....meshes.radial import Array
 from ..problem.quantities import ANSWER, QUANTITIES, STATES
 from ..scene.scene import Scene
 from ..verdict.agreement import DISAGREE, by_quantity
-from ..verdict.promise import allowed_error
+from ..verdict.promise import allowed_error, share
 from .scope import Methods, left_out, modelled, omitted_methods
 
 if TYPE_CHECKING:
@@ -143,9 +143,9 @@ class Account:
     def verdict_line(self) -> str:
         """The verdict on the methods, and the number of anchors that hold, in a sentence."""
         anchors = self.result.anchors
-        holding = sum(anchor.holds for anchor in anchors)
-        line = self.result.verdict_in_words.rstrip(".")
-        return f"{line}; {holding} of {len(anchors)} anchors (closed forms and balances) hold."
+        holding = share(sum(anchor.holds for anchor in anchors), len(anchors))
+        anchors_hold = f"{holding} anchors (closed forms and balances) hold."
+        return f"{self.result.verdict_in_words} {anchors_hold.capitalize()}"
 
     @property
     def methods(self) -> Rows:

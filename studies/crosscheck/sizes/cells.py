@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from ....meshes.contact_cells import ContactCells
+from ....meshes.sizes import REFERENCE_RTOL
 from ..problem.problem import Problem
 from ..problem.quantities import FINEST_RTOL
-from .triangles import REFERENCE_RTOL
 
 # Number of cells of the face at REFERENCE_RTOL if edges of the contact move. An edge is located to
 # within a cell (unit/studies/crosscheck/wear/test_contact_march.py::

@@ -7,12 +7,12 @@ that justifies it.
 import numpy as np
 
 from ....meshes.radial import Array
-from ....meshes.sizes import FAR_TRUNCATION, SizeField
+from ....meshes.sizes import FAR_TRUNCATION, REFERENCE_RTOL, SizeField
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES
+from .degrees import with_affordable_field_tolerance
+from .ring_edges import edge_sizes
 
-# Tolerance at which the constants for triangle sizes and cell counts below are stated.
-REFERENCE_RTOL = 1e-4
 # Size of triangles at the rim, in a, over rtol. The initial indentation d0 has a relative error of
 # at most a tenth of it (physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem).
 TRIANGLE_SIZE_AT_RIM = 0.1
@@ -29,6 +29,10 @@ TRIANGLE_SIZE_AT_RINGS = 10
 TRIANGLE_SIZE_POWER_AT_RINGS = 0.6
 # Upper limit of the size of triangles at a ring edge over the width of the narrower ring there.
 MAX_TRIANGLE_SIZE_AT_RINGS = 0.25
+# Ratio of the sizes of neighbouring triangles towards an edge, by bisection.
+TRIANGLE_RATIO = 0.5
+# Lower limit of sizes at edges, in a: roundoff in the radii of smaller ones would be visible.
+SMALLEST_TRIANGLE = 1e-12
 # Growth of the size of triangles per distance from ring edges at REFERENCE_RTOL
 # (physics/test_size_rules.py).
 TRIANGLE_GROWTH = 0.7
@@ -68,8 +72,7 @@ def triangle_ring_sizes(problem: Problem) -> Array:
         max(TRIANGLE_SIZE_PER_WORN_LENGTH tau, rtol^0.75)
 
     with the width b of the narrower ring at the edge and the first sliding distance tau. The edge
-    of a hole has the size of the rim. Triangles have a low degree, so that smaller ones than these
-    would not make fields more accurate. Shown by physics/test_five_rings.py::test_fem_on_triangles.
+    of a hole has the size of the rim. Shown by physics/test_five_rings.py::test_fem_on_triangles.
     """
     rtol, narrower, worn_length = problem.rtol, problem.merged.narrower, 1.0
     if problem.earliest:
@@ -96,18 +99,22 @@ def triangle_sizes(problem: Problem) -> SizeField:
     Notes
     -----
     The size is ``TRIANGLE_SIZE_AT_RIM rtol`` at the rim and that of `triangle_ring_sizes` at ring
-    edges. Growth and size at the centre are proportional to ``(rtol / REFERENCE_RTOL)^0.115``.
-    Shown by physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem.
+    edges, but at most that of `edge_sizes`, which the layers need that wear makes there. Growth and
+    size at the centre are proportional to ``(rtol / REFERENCE_RTOL)^0.115``. Shown by
+    physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem and by
+    physics/test_five_rings.py::test_fem_on_triangles.
     """
+    layers = edge_sizes(with_affordable_field_tolerance(problem, TRIANGLE_RATIO))
+    layers = 2.0 ** np.floor(np.log2(np.maximum(layers, SMALLEST_TRIANGLE)))
     rtol, scene_sizes, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
     scale = (rtol / REFERENCE_RTOL) ** TRIANGLE_SIZE_POWER
     highest = triangle_degree(problem) == DEGREES["gmsh"][-1]
     far_size = FAR_TRIANGLE_SIZE_DEGREE_4 if highest and rtol > FINE_RTOL else FAR_TRIANGLE_SIZE
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
-        rim_size=scene_sizes.rim_size or size_at_rim(problem),
+        rim_size=scene_sizes.rim_size or min(size_at_rim(problem), float(layers[-1])),
         ring_size=scene_sizes.ring_size
-        or tuple(float(size) for size in triangle_ring_sizes(problem)),
+        or tuple(np.minimum(triangle_ring_sizes(problem), layers[:-1]).tolist()),
         growth=scene_sizes.growth or min(TRIANGLE_GROWTH * scale, MAX_TRIANGLE_GROWTH),
         truncation=scene_sizes.truncation or FAR_TRUNCATION,
         centre_size=min(TRIANGLE_SIZE_AT_CENTRE * scale, MAX_TRIANGLE_SIZE_AT_CENTRE),

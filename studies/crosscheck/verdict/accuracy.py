@@ -6,7 +6,7 @@ A problem is solved again with finer sizes if the method's error estimates excee
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from math import sqrt
+from math import ceil, isfinite, log, sqrt
 
 from ....meshes.errors import RingwearError
 from ..methods.base import Method, Solution
@@ -24,6 +24,9 @@ LITTLE_GAIN = 0.5
 # is a refinement, so that the methods are mostly refined to the same tolerance and share the search
 # for the first contact.
 FINER = 0.1
+# greatest number of such factors in all, and at once if the last refinement shows that several are
+# needed
+MOST_FACTORS, MOST_AT_ONCE = 4, 3
 # The same for cells of contact that moves, if the error is less than `SLIGHT` times the allowed
 # one: errors fall about as the root of the tolerance, but not evenly.
 SLIGHTLY_FINER, SLIGHT = 0.6, 1.7
@@ -52,13 +55,14 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
     Sizes that the user gives are never refined. Errors that finer sizes do not reduce (roundoff, a
     given time step, layers thinner than the roundoff of coordinates) do not lead to a refinement;
     the verdict reports them. Each refinement multiplies the tolerance that sizes follow by `FINER`
-    or, if little is missing, by `SLIGHTLY_FINER`. Another one follows if the last one was slight,
-    or reduced the estimate to `LITTLE_GAIN` or less.
+    or, if little is missing, by `SLIGHTLY_FINER`; in full contact, by a power of `FINER` that the
+    last refinement shows to be needed. Another one follows if the last one was slight, or reduced
+    the estimate to `LITTLE_GAIN` or less.
     """
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
-    last_rtol = problem.rtol
-    for _ in range(4):
-        rtol = next_rtol(method, problem, solution, last_rtol)
+    last_rtol, gain = problem.rtol, 0.0
+    for _ in range(MOST_FACTORS):
+        rtol = next_rtol(method, problem, solution, last_rtol, gain)
         if rtol is None:
             break
         numbers = method.name, error, allowed
@@ -70,7 +74,11 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
             LOG.info("%8s  cannot be refined: %s", method.name, failure)
             break
         slightly = _misses_slightly(solution, error, allowed)
-        last_rtol, last_error, new_error = rtol, error, error_of_sizes(problem, finer)
+        last_error, new_error = error, error_of_sizes(problem, finer)
+        if 0 < new_error < last_error:
+            # of one factor `FINER`
+            gain = (new_error / last_error) ** (log(FINER) / log(rtol / last_rtol))
+        last_rtol = rtol
         if new_error < last_error:
             note = (
                 f"{method.name}: refined from rtol {problem.rtol:.1e} to {rtol:.1e}, because its "
@@ -83,7 +91,7 @@ def refined(method: Method, problem: Problem, solution: Solution, stages: Stages
 
 
 def next_rtol(
-    method: Method, problem: Problem, solution: Solution, last_rtol: float
+    method: Method, problem: Problem, solution: Solution, last_rtol: float, gain: float = 0.0
 ) -> float | None:
     """Return the tolerance that the sizes of the next refinement follow; None if there is none.
 
@@ -92,16 +100,20 @@ def next_rtol(
     method, problem : the method, and the problem with the requested tolerance
     solution : the most accurate solution so far
     last_rtol : tolerance that the sizes of the last refinement followed
+    gain : factor by which `FINER` has reduced the error estimate; 0 if that is not known
     """
     # the pressures on the cells, which are the same for every method
     pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
     smallest, largest = tolerance_range(problem, pressures)
     last_rtol = min(last_rtol, largest)
+    smallest = max(smallest, FINER**MOST_FACTORS * min(problem.rtol, largest))
     # if edges of the contact move, a method may use half of the uncertainty of two methods
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
-    if error <= allowed or last_rtol <= smallest or method.sizes_given(problem):
+    if error <= allowed or last_rtol <= 1.01 * smallest or method.sizes_given(problem):
         return None
     finer = SLIGHTLY_FINER if _misses_slightly(solution, error, allowed) else FINER
+    if solution.evolution is None and gain and isfinite(error):
+        finer **= min(ceil(log(allowed / error) / log(gain)), MOST_AT_ONCE)
     return max(smallest, finer * last_rtol)
 
 

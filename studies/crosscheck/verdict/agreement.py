@@ -214,12 +214,12 @@ def _judge(
         times_in_words = when_in_words(problem, units, quantity, over_bound > 1)
     elif doubtful.any():
         verdict, blamed = UNDECIDED, names[int(second[worst] > first[worst])]
-        reasons = [
+        limits = [
             unresolved(problem, quantity, solutions, int(index))
             for index in np.flatnonzero(doubtful)
         ]
-        promised = not all(reasons)
-        remark = next(filter(None, reasons), "")
+        promised = not all(limits)
+        remark = next((limit.reason for limit in limits if limit), "")
         if promised:
             error = float(difference.uncertainty[worst])
             remark = remedy(problem, quantity, blamed, solutions[blamed], error)

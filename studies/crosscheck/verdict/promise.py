@@ -7,6 +7,7 @@ there is a reason and a method's error estimate is larger than allowed.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,11 +23,28 @@ from ..sizes.ring_edges import (
     edge_sizes,
 )
 
+
+class Limit(NamedTuple):
+    """A reason for which the accuracy of a quantity cannot be promised.
+
+    Parameters
+    ----------
+    cause : the reason in a few words, which begin with "where" or "while"
+    reason : the reason in full, with a remedy
+    """
+
+    cause: str
+    reason: str
+
+
+MOVING_EDGES = "while edges of the contact move"
+THIN_LAYERS = "while the layers that wear has made are thin"
 # why an RMS slope is not a number
-SLOPE_IS_INFINITE = (
+SLOPE_IS_INFINITE = Limit(
+    "where the slope of the face is infinite",
     "the slope of the unworn part of the face is infinite at a ring edge, at the rim or at a kink, "
     "and its root mean square has no finite value; choose times at which that part has worn, or "
-    "another profile"
+    "another profile",
 )
 # error that each method may state, relative to rtol, by whether the punch is in full contact: under
 # contact that moves, half of the uncertainty that the difference of two methods may have
@@ -44,11 +62,14 @@ class LeftOut:
     quantity : its name
     times : times in the scene's unit; empty if the quantity has no times
     reason : the reason and a remedy
+    cause : the reason in a few words, which begin with "where" or "while"; empty in summaries of
+        earlier versions
     """
 
     quantity: str
     times: tuple[float, ...]
     reason: str
+    cause: str = ""
 
 
 def allowed_error(problem: Problem) -> float:
@@ -58,8 +79,8 @@ def allowed_error(problem: Problem) -> float:
 
 def unresolved(
     problem: Problem, quantity: str, solutions: Mapping[str, Solution], at: int = 0
-) -> str:
-    """Return why the accuracy of a quantity is not promised; empty if it is.
+) -> Limit | None:
+    """Return why the accuracy of a quantity is not promised; None if it is.
 
     Parameters
     ----------
@@ -75,52 +96,59 @@ def unresolved(
     ):
         return SLOPE_IS_INFINITE
     if not problem.full_contact:
-        return _limit_of_cells(problem, solutions) if DESCRIBED[quantity].cells else ""
+        return _limit_of_cells(problem, solutions) if DESCRIBED[quantity].cells else None
     # earlier times, which need smaller elements, have no influence
     first = int(problem.compared_rows[at]) if DESCRIBED[quantity].over_time else 0
     if quantity in LAYER_QUANTITIES:
         needed_size = _smallest_wanted(problem, first)
         for method, solution in solutions.items():
             if needed_size < ELEMENTS_PER_THIN_LAYER * solution.smallest:
-                return (
+                return Limit(
+                    THIN_LAYERS,
                     "the layers that wear has made by then need elements of "
                     f"{needed_size:.0e} a, but the smallest elements of {method} are "
-                    f"{solution.smallest:.0e} a; choose later times"
+                    f"{solution.smallest:.0e} a; choose later times",
                 )
     if quantity == "rms_slope":
         amplified = float(amplified_roundoff(problem)[first])
         for method, solution in solutions.items():
             roundoff = solution.slope_roundoff * amplified
             if roundoff > problem.rtol / ROUNDOFF_MARGIN:
-                return (
+                return Limit(
+                    THIN_LAYERS,
                     f"roundoff of {method}, which is large for a nearly incompressible half-space, "
                     f"is about {roundoff:.0e} in the slopes of layers that are so thin; choose "
-                    "later times or a larger rtol"
+                    "later times or a larger rtol",
                 )
     if quantity in ENERGIES:
-        return ""
+        return None
     accuracy = _field_accuracy(problem, first)
     if accuracy > problem.rtol:
-        return (
+        return Limit(
+            THIN_LAYERS,
             f"so many rings and so early times need more pressures than memory and time allow; "
             f"fields are therefore only resolved to {accuracy:.0e}; choose later times, a larger "
-            "rtol, or fewer rings"
+            "rtol, or fewer rings",
         )
-    return ""
+    return None
 
 
-def _limit_of_cells(problem: Problem, solutions: Mapping[str, Solution]) -> str:
+def _limit_of_cells(problem: Problem, solutions: Mapping[str, Solution]) -> Limit:
     """Return why cells of the face limit the accuracy of fields, with a remedy."""
     evolutions = [each.evolution for each in solutions.values() if each.evolution]
     if evolutions and all(evolution.always_full for evolution in evolutions):
-        return (
+        return Limit(
+            THIN_LAYERS,
             "the layers that wear has made by then are thin at ring edges and at the rim, and "
-            "cells resolve them to the stated errors only; choose later times or a smaller rtol"
+            "cells resolve them to the stated errors only; choose later times or a smaller rtol",
         )
     edges = "pressures may be infinite at edges"
     if problem.earliest:
         edges = "pressures jump at edges of worn faces that move"
-    return f"{edges}, where fields are only known to a cell; choose a smaller rtol"
+    return Limit(
+        MOVING_EDGES if problem.earliest else "where pressures may be infinite",
+        f"{edges}, where fields are only known to a cell; choose a smaller rtol",
+    )
 
 
 # cached, because all quantities are checked at the same times
@@ -165,23 +193,24 @@ def left_out_of_promise(
         if quantity not in ANSWER:
             # values that are not finite; numbers of the answer are NaN if they are not computed
             beyond |= np.isnan(estimates).any(axis=0)
-        reasons = {
-            int(at): reason
+        limits = {
+            int(at): limit
             for at in np.flatnonzero(beyond)
-            if (reason := unresolved(problem, quantity, solutions, int(at)))
+            if (limit := unresolved(problem, quantity, solutions, int(at)))
         }
-        if not reasons:
+        if not limits:
             continue
         excluded_times: tuple[float, ...] = ()
         if DESCRIBED[quantity].over_time:
             compared = np.asarray(times)[problem.compared_rows]
-            excluded_times = tuple(compared[list(reasons)].tolist())
-        rows.append(LeftOut(quantity, excluded_times, next(iter(reasons.values()))))
+            excluded_times = tuple(compared[list(limits)].tolist())
+        first = next(iter(limits.values()))
+        rows.append(LeftOut(quantity, excluded_times, first.reason, first.cause))
     return rows
 
 
 def in_words(rows: Sequence[LeftOut], times: Sequence[float], names: UnitNames) -> str:
-    """Say in words which quantities are left out, grouped by the times at which they are.
+    """Say in sentences which quantities are left out, grouped by the cause and by the times.
 
     Parameters
     ----------
@@ -189,14 +218,32 @@ def in_words(rows: Sequence[LeftOut], times: Sequence[float], names: UnitNames) 
     times : all times of the scene
     names : units of the scene
     """
-    names_by_times = dict[tuple[float, ...], list[str]]()
-    for row in rows:
-        name = row.quantity.replace("_", " ").replace("rms", "RMS")
-        names_by_times.setdefault(row.times, []).append(name)
-    return "; ".join(
-        f"{_listed(quantities)}{_when(selected, times, names)}"
-        for selected, quantities in names_by_times.items()
-    )
+    sentences = []
+    for cause in dict.fromkeys(row.cause for row in rows):
+        names_by_times = dict[tuple[float, ...], list[str]]()
+        for row in rows:
+            if row.cause == cause:
+                name = row.quantity.replace("_", " ").replace("rms", "RMS")
+                names_by_times.setdefault(row.times, []).append(name)
+        undecided = f"Undecided {cause}".rstrip()
+        if len(names_by_times) == 1:
+            ((selected, quantities),) = names_by_times.items()
+            when = _when(selected, times, names)
+            undecided += f"{when and ','}{when}: {_listed(quantities)}"
+        else:
+            undecided += ": " + "; ".join(
+                f"{_listed(quantities)}{_when(selected, times, names)}"
+                for selected, quantities in names_by_times.items()
+            )
+        sentences.append(f"{undecided}.")
+    return " ".join(sentences)
+
+
+def share(count: int, of: int) -> str:
+    """Return ``"2 of 3"``, ``"all 3"`` or ``"no"``, followed by a noun in the plural."""
+    if not of:
+        return "no"
+    return f"all {of}" if count == of > 1 else f"{count} of {of}"
 
 
 def _listed(names: list[str]) -> str:
@@ -213,4 +260,4 @@ def _when(selected: tuple[float, ...], times: Sequence[float], names: UnitNames)
     if len(selected) < len(times_until_last):
         return f" at {len(selected)} of {len(times)} times"
     last = names.write(selected[-1], "time", 3)
-    return f" {'up to' if len(selected) > 1 else 'at'} t = {last}"
+    return f" {'until' if len(selected) > 1 else 'at'} t = {last}"

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import eigh, eigh_tridiagonal, svd
-from scipy.linalg.blas import dsymv
 from scipy.sparse.linalg import eigsh
 from scipy.special import dawsn, erfcx
 
@@ -258,19 +257,22 @@ def _forceless_compliance(energy: Array, axis: Array | None) -> Array:
     return np.asarray(reflected[1:, 1:])
 
 
-def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest: float) -> Modes:
+def excited_modes(
+    energy: Callable[[Array], Array], weights: Array | None, moments: Array, earliest: float
+) -> Modes:
     """Return the modes that the flat start excites, by the Lanczos method.
 
     Modes below roundoff are omitted. They have decayed at `earliest`.
 
-    The parameters are those of `every_mode`; `earliest` is positive.
+    The parameters are those of `every_mode`, but `energy` returns the product (n,) of the
+    compliance `A` with a vector (n,); `earliest` is positive.
 
     Raises
     ------
     TooEarlyError
         if modes below roundoff still contribute at `earliest`
     """
-    energy, size = np.asfortranarray(energy), len(moments)
+    size = len(moments)
     # rows take memory only once they are filled; the first row is the steady state
     basis = np.empty((size + 1, size))
     basis[0] = 0.0 if weights is None else weights / np.linalg.norm(weights)
@@ -279,7 +281,7 @@ def excited_modes(energy: Array, weights: Array | None, moments: Array, earliest
     image, next_check = moments - basis[0] * (basis[0] @ moments), min(40, size)
     for k in range(size):
         vector = basis[k + 1] = image / np.linalg.norm(image)
-        image = dsymv(1.0, energy, vector)
+        image = energy(vector)
         diagonal[k] = vector @ image
         # the large parts first: without roundoff, there are no others
         image -= diagonal[k] * vector + (basis[0] @ image) * basis[0]

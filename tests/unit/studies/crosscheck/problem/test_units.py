@@ -247,5 +247,17 @@ def test_verdicts_write_times_with_their_unit():
     selected = np.array(scene.wear.times) <= 3600
     words = when_in_words(scene.problem, units, "indentation", selected)
     assert words == "up to t = 1 h"
-    left_out = LeftOut("pressure", tuple(np.array(scene.wear.times)[selected]), "a reason")
-    assert in_words([left_out], scene.wear.times, units) == f"pressure {words}"
+    early = tuple(np.array(scene.wear.times)[selected])
+    left_out = [
+        LeftOut("pressure", early, "a reason", "while it is early"),
+        LeftOut("rms_slope", early, "a reason", "while it is early"),
+    ]
+    expected = "Undecided while it is early, until t = 1 h: pressure, RMS slope."
+    assert in_words(left_out, scene.wear.times, units) == expected
+    left_out += [LeftOut("profile", early[:1], "a reason", "while it is early")]
+    left_out += [LeftOut("steady_rms_slope", (), "another", "where it is steep")]
+    expected = (
+        "Undecided while it is early: pressure, RMS slope until t = 1 h; profile at t = 0 s. "
+        "Undecided where it is steep: steady RMS slope."
+    )
+    assert in_words(left_out, scene.wear.times, units) == expected

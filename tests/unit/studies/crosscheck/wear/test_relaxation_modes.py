@@ -18,7 +18,7 @@ COARSE = {"accuracy__rtol": 1e-2}
 
 
 def pencil(wear):
-    return wear._energy, wear._weights, wear._moments
+    return wear._energy.__matmul__, wear._weights, wear._moments
 
 
 def modes_of(wear):
@@ -60,7 +60,7 @@ def test_modes_of_an_invariant_space_are_exact(prepare):
     wear = prepare("five_rings", "mdr", **COARSE).wear
     whole = modes_of(wear)
     start = whole.shapes[:, [1, 4]] @ np.ones(2)
-    few = excited_modes(wear._energy, wear._weights, start, 1e-3)
+    few = excited_modes(wear._energy.__matmul__, wear._weights, start, 1e-3)
     np.testing.assert_allclose(few.relaxation[:2], whole.relaxation[[1, 4]], rtol=1e-12)
 
 
@@ -68,7 +68,7 @@ def test_times_too_early_are_refused(prepare):
     wear = prepare("five_rings", "mdr", **COARSE).wear
     energy = np.diag([1.0] * 3 + [1e-18] * (len(wear._weights) - 3))
     with pytest.raises(SolverError, match="too early for double precision"):
-        excited_modes(energy, wear._weights, wear._moments, 1e-16)
+        excited_modes(energy.__matmul__, wear._weights, wear._moments, 1e-16)
     later = RunningIn(wear.compliance, wear.wear_coefficients, earliest=0.1)
     with pytest.raises(SceneError, match=r"for sliding distances from 0\.1 on"):
         later.modal(np.array([0.0, 0.01]))
