@@ -50,8 +50,6 @@ class StepsOfMarch(NamedTuple):
 
 def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset":
     """Return the results of all methods; NaN if a method does not compute a quantity."""
-    import xarray  # help, plans and refusals need none
-
     problem = scene.problem
     units, names = problem.units, scene.unit_names
     reported = [_reported(scene, solution) for solution in solutions.values()]
@@ -132,7 +130,35 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
         "versions": json.dumps(package_versions()),
         "scene": scene.to_toml(),
     }
-    return xarray.Dataset(variables, coordinates, attributes_of_table)
+    return _dataset(variables, coordinates, attributes_of_table)
+
+
+def _dataset(
+    variables: Arrays, coordinates: Arrays, attributes: dict[str, str]
+) -> "xarray.Dataset":
+    """Return a dataset of numpy arrays, which are known to be plain.
+
+    xarray would load every installed library that has arrays of its own to find that out, which
+    takes as long as a small run.
+    """
+    # help, plans and refusals need none
+    import pandas
+    import xarray
+    from xarray.indexes import PandasIndex
+
+    plain = {
+        name: xarray.Variable(dims, values, attrs, fastpath=True)
+        for name, (dims, values, attrs) in (variables | coordinates).items()
+    }
+    indexes = {
+        name: PandasIndex(pandas.Index(each.values), name, coord_dtype=each.dtype)
+        for name, each in plain.items()
+        if each.dims == (name,)
+    }
+    for name, index in indexes.items():
+        plain |= index.create_variables({name: plain[name]})
+    coords = xarray.Coordinates({name: plain[name] for name in coordinates}, indexes)
+    return xarray.Dataset({name: plain[name] for name in variables}, coords, attributes)
 
 
 def _reported(scene: Scene, solution: Solution) -> dict[str, Array]:
