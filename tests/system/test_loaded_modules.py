@@ -20,7 +20,7 @@ def load_step_by_step(out):
     for command in ([], ["run"], ["study"]):
         with pytest.raises(SystemExit, match="0"):
             main([*command, "--help"])
-    heavy = "gmsh skfem matplotlib meshio kvxopt"
+    heavy = "gmsh skfem matplotlib meshio kvxopt pint dask"
     assert_absent(f"{heavy} scipy xarray netCDF4 threadpoolctl")
     assert main(["run", "five_rings", "--memory", "0.1", "--out", out]) == 2
     assert_absent(f"{heavy} xarray netCDF4 threadpoolctl")
@@ -41,7 +41,7 @@ def run_direct_alone(out):
 
     command = ["run", "five_rings", "--methods", "direct", "--out"]
     assert main([*command, f"{out}_numbers", "--no-figures"]) == 0
-    assert not loaded() & {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt"}
+    assert not loaded() & {"gmsh", "skfem", "matplotlib", "meshio", "kvxopt", "pint"}
     assert main([*command, f"{out}_figures"]) == 0
     assert not loaded() & {"gmsh", "skfem", "meshio", "kvxopt"}
     assert "matplotlib.pyplot" not in sys.modules

@@ -218,25 +218,26 @@ def in_words(rows: Sequence[LeftOut], times: Sequence[float], names: UnitNames) 
     times : all times of the scene
     names : units of the scene
     """
-    sentences = []
-    for cause in dict.fromkeys(row.cause for row in rows):
-        names_by_times = dict[tuple[float, ...], list[str]]()
-        for row in rows:
-            if row.cause == cause:
-                name = row.quantity.replace("_", " ").replace("rms", "RMS")
-                names_by_times.setdefault(row.times, []).append(name)
-        undecided = f"Undecided {cause}".rstrip()
-        if len(names_by_times) == 1:
-            ((selected, quantities),) = names_by_times.items()
-            when = _when(selected, times, names)
-            undecided += f"{when and ','}{when}: {_listed(quantities)}"
-        else:
-            undecided += ": " + "; ".join(
-                f"{_listed(quantities)}{_when(selected, times, names)}"
-                for selected, quantities in names_by_times.items()
-            )
-        sentences.append(f"{undecided}.")
-    return " ".join(sentences)
+    rows_by_cause = {
+        cause: [row for row in rows if row.cause == cause]
+        for cause in dict.fromkeys(row.cause for row in rows)
+    }
+    return " ".join(
+        f"Undecided {cause}".rstrip() + f"{_with_times(alike, times, names)}."
+        for cause, alike in rows_by_cause.items()
+    )
+
+
+def _with_times(rows: Sequence[LeftOut], times: Sequence[float], names: UnitNames) -> str:
+    """Return the names of quantities after a colon; their times are before it if all are equal."""
+    names_by_times = dict[str, list[str]]()
+    for row in rows:
+        name = row.quantity.replace("_", " ").replace("rms", "RMS")
+        names_by_times.setdefault(_when(row.times, times, names), []).append(name)
+    if len(names_by_times) > 1:
+        return ": " + "; ".join(f"{_listed(each)}{when}" for when, each in names_by_times.items())
+    ((when, quantities),) = names_by_times.items()
+    return f"{when and ','}{when}: {_listed(quantities)}"
 
 
 def share(count: int, of: int) -> str:
