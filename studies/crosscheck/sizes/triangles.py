@@ -99,22 +99,25 @@ def triangle_sizes(problem: Problem) -> SizeField:
     Notes
     -----
     The size is ``TRIANGLE_SIZE_AT_RIM rtol`` at the rim and that of `triangle_ring_sizes` at ring
-    edges, but at most that of `edge_sizes`, which the layers need that wear makes there. Growth and
-    size at the centre are proportional to ``(rtol / REFERENCE_RTOL)^0.115``. Shown by
+    edges. In the highest degree it is at most that of `edge_sizes`, which the layers need that wear
+    makes there; fields of a lower degree would not be more accurate. Growth and size at the centre
+    are proportional to ``(rtol / REFERENCE_RTOL)^0.115``. Shown by
     physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem and by
     physics/test_five_rings.py::test_fem_on_triangles.
     """
-    layers = edge_sizes(with_affordable_field_tolerance(problem, TRIANGLE_RATIO))
-    layers = 2.0 ** np.floor(np.log2(np.maximum(layers, SMALLEST_TRIANGLE)))
     rtol, scene_sizes, ring_edges = problem.rtol, problem.fem, problem.merged.ring_edges
     scale = (rtol / REFERENCE_RTOL) ** TRIANGLE_SIZE_POWER
     highest = triangle_degree(problem) == DEGREES["gmsh"][-1]
+    at_rings, at_rim = triangle_ring_sizes(problem), size_at_rim(problem)
+    if highest:
+        layers = edge_sizes(with_affordable_field_tolerance(problem, TRIANGLE_RATIO))
+        layers = 2.0 ** np.floor(np.log2(np.maximum(layers, SMALLEST_TRIANGLE)))
+        at_rings, at_rim = np.minimum(at_rings, layers[:-1]), min(at_rim, float(layers[-1]))
     far_size = FAR_TRIANGLE_SIZE_DEGREE_4 if highest and rtol > FINE_RTOL else FAR_TRIANGLE_SIZE
     return SizeField(
         ring_edges=tuple(float(edge) for edge in ring_edges),
-        rim_size=scene_sizes.rim_size or min(size_at_rim(problem), float(layers[-1])),
-        ring_size=scene_sizes.ring_size
-        or tuple(np.minimum(triangle_ring_sizes(problem), layers[:-1]).tolist()),
+        rim_size=scene_sizes.rim_size or at_rim,
+        ring_size=scene_sizes.ring_size or tuple(at_rings.tolist()),
         growth=scene_sizes.growth or min(TRIANGLE_GROWTH * scale, MAX_TRIANGLE_GROWTH),
         truncation=scene_sizes.truncation or FAR_TRUNCATION,
         centre_size=min(TRIANGLE_SIZE_AT_CENTRE * scale, MAX_TRIANGLE_SIZE_AT_CENTRE),
