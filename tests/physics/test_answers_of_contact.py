@@ -89,6 +89,7 @@ def test_the_printed_answer_lists_the_running_in_times(worn):
         assert label in printed
 
 
+@pytest.mark.slow
 def test_forces_in_the_answer_at_a_fixed_indentation():
     # fixed at Hertz's indentation for FORCE; a finer run has half the force at the reported time
     depth = (3 * FORCE * CURVATURE / 4 / 7.0) ** (2 / 3) / CURVATURE

@@ -82,6 +82,7 @@ def test_recesses_and_profiles_add():
     assert heights == pytest.approx([0.02, 0.12, 0.19])
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
     result = run(RECESSED, methods=["mdr", "direct", "fem"])

@@ -85,6 +85,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 def test_the_right_fault_of_the_model_is_named_first(scene):
     for name, (size, change) in FAULTS[scene].items():
@@ -111,6 +112,7 @@ def test_the_right_factor_is_named_first(scene, name, factor, of):
     assert f"{factor:.4g}" in first.words
 
 
+@pytest.mark.slow
 def test_faults_of_the_mesh_are_named():
     coarse = {"accuracy__fem__rim_size": 0.1, "accuracy__fem__degree": 4}
     assert look("five", solve(SCENES["five"], "fem", **coarse))[0].name == "coarse rim"
@@ -154,6 +156,7 @@ def test_a_force_too_high_for_the_indentation_means_a_truncated_half_space():
     assert looks[0].size == pytest.approx(20, rel=0.05)
 
 
+@pytest.mark.slow
 def test_missing_layers_are_named():
     stiffness = 4.0
     layer = {"thickness": 0.3, "youngs_modulus": stiffness, "poisson_ratio": 0.3}

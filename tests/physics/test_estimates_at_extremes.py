@@ -79,6 +79,7 @@ def degrees_of(problem):
     return method("fem").discretise(problem, Stages("fem")).half_space.solid
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_unknowns_increase_as_rtol_decreases():
     """Earlier, degrees next to edges decreased with rtol once the highest degree was reached."""

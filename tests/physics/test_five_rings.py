@@ -92,6 +92,7 @@ def test_history_and_steady_state_against_the_reference(solve, error, method, ch
         assert error(data, name, average) <= tolerance, name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesher", TRIANGLES)
 def test_fem_on_triangles(solve, error, mesher):
     data = solve("fem", **FEM, accuracy__fem__mesher=mesher)
@@ -140,6 +141,7 @@ def test_rtol_bounds_the_indentation_by_fem(solve, error, rtol, mesher):
     assert error(data, "indentation") <= rtol
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_fem_to_nine_digits(solve, error):
     """The reference has ten digits; ring forces are compared with MDR at the same rtol."""

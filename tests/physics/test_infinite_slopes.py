@@ -35,6 +35,7 @@ def mean_square_of_ball(radius, average):
     return radius**2 * np.log(radius**2 / ((radius - 1) * (radius + 1))) - 1
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_a_ball_as_wide_as_the_punch_has_no_rms_slope(tmp_path):
     result = ball(1.0, [0.0, 6.4, 106.0], methods=("mdr", "fem"))

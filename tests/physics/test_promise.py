@@ -96,6 +96,7 @@ def test_steps_of_a_table_need_not_be_ring_edges():
     np.testing.assert_allclose(one.dataset.indentation, two.dataset.indentation, rtol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_a_narrow_ring_on_the_axis_gives_no_false_disagreement():
     """Once, slopes of the methods differed by 3.8e-4, with estimates of 2.5e-5."""
@@ -137,6 +138,7 @@ def test_layers_thinner_than_the_roundoff_of_radii_are_resolved():
     assert float(np.ptp(slopes) / slopes.mean()) <= 2e-4
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_finite_elements_resolve_layers_of_slow_rings():
     """Layers on a ring that wears 3e5 times more slowly are 1e-11 a thin and are resolved."""

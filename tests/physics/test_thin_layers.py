@@ -42,6 +42,7 @@ def test_mdr_on_thin_layers(thickness, ratio):
     assert times == pytest.approx(relaxation_times(thickness, ratio), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_an_incompressible_thin_layer_is_squeezed_like_a_viscous_film():
     """A film of thickness h gives d = 8 F h^3 / (3 pi G a^4), up to terms of h / a."""
     off = []
@@ -118,6 +119,7 @@ def test_an_incompressible_layer_with_a_clamped_outer_boundary():
     assert values(result, "fem")[0] == pytest.approx(start(0.1, 0.5), rel=5e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_fields_inside_incompressible_layers():
     """Displacements and stresses under a uniform pressure, the steady state of one material."""

@@ -203,6 +203,7 @@ def test_a_right_deck_of_calculix_has_errors_of_its_mesh_only(size, tmp_path):
             assert found[0].name == "truncated half-space"
 
 
+@pytest.mark.slow
 def test_finite_elements_with_wrong_edges_are_named_despite_their_own_errors():
     given = input_of(THREE).changed(edges=(2.2, 5.5, 8.0))
     first, *others = looks(THREE, finite_elements(given))

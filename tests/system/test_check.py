@@ -24,6 +24,7 @@ def flat_start(scene, radii=RADII):
     return pd.DataFrame({"time": 0.0, **columns, "displacement": depth, "normal_force": force})
 
 
+@pytest.mark.slow
 def test_closed_forms_pass(tmp_path, capsys):
     table = flat_start(Scene.load("five_rings"))
     # the pressure is infinite at the rim, and the second row lies outside the punch
@@ -42,6 +43,7 @@ def test_closed_forms_pass(tmp_path, capsys):
     assert json.loads((out / "summary.json").read_text("utf-8"))["errors"][0]["within"]
 
 
+@pytest.mark.slow
 def test_errors_are_reported_with_sign_time_and_radius(tmp_path, capsys):
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
     (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")

@@ -128,6 +128,7 @@ class Halved(Method):
         return replace(solution, compared=changed)
 
 
+@pytest.mark.slow
 def test_a_method_of_the_user_enters_every_study_that_has_methods():
     scene = Scene.load("flat_punch").changed(wear__times=[0.0, 0.1], accuracy__rtol=1e-3)
     for name in ("convergence", "refinement", "tradeoff", "extremes"):

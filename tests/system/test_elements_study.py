@@ -162,6 +162,7 @@ def command(tmp_path, *elements):
     return main(["study", "elements", "five_rings", "--quick", *flags, *out])
 
 
+@pytest.mark.slow
 def test_elements_from_the_command_line(tmp_path):
     """One element is named, the other is in a file; both are the same element."""
     (tmp_path / "own.py").write_text(OWN)

@@ -73,6 +73,7 @@ def test_own_mesh(show):
     assert 1.7 < min(ratios) <= max(ratios) < 2.3
 
 
+@pytest.mark.slow
 def test_wear_scars(show):
     """The coefficients of steel are those of the published volumes, to 2 %.
 

@@ -61,6 +61,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_command_loses_its_files(name, tmp_path, monkeypatch):
     command, files = COMMANDS[name]
@@ -108,6 +109,7 @@ sys.exit(main(["study", "march", "--quick", "--out", sys.argv[1]]))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ignored", [False, True])
 def test_a_study_keeps_its_rows_when_its_terminal_is_closed(ignored, tmp_path):
     """SIGHUP ends it like SIGTERM, unless `nohup` ignores the signal; the terminal is gone then."""

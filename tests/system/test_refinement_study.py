@@ -23,6 +23,7 @@ def own_meshes(tmp_path):
     ]
 
 
+@pytest.mark.slow
 def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, own_meshes):
     results = study("refinement", "flat_punch", quick=True, meshes=own_meshes, degree=3)
     rows = results.table[results.table["way"] == "your meshes"]
@@ -48,6 +49,7 @@ def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, o
     assert {"own_meshes.png", "meshes.png", "pressure_error.png", "indicator.png"} <= written
 
 
+@pytest.mark.slow
 def test_one_own_mesh_from_the_command_line(tmp_path, own_meshes, capsys):
     arguments = ["study", "refinement", "flat_punch", "--quick", "--degree", "2"]
     out = tmp_path / "out"

@@ -179,6 +179,7 @@ def test_histories_need_times():
         sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, keep=["worn_volume"])
 
 
+@pytest.mark.slow
 def test_axes_crossed_zipped_and_drawn(tmp_path):
     """Every varied key is a coordinate, also in an opened store, and has the unit of its kind."""
     scene = FIVE.changed(units="mm, N, MPa, hours", methods=["direct", "mdr"])

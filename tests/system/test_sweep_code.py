@@ -70,6 +70,7 @@ def run_with(finder, directory, *arguments):
     return subprocess.run(command, cwd=directory, text=True, capture_output=True)
 
 
+@pytest.mark.slow
 def test_a_resume_with_altered_code_is_refused(tmp_path):
     """The altered code has the same version, but gives other numbers; none of them is stored."""
     finder = copy_package(tmp_path / "copy")

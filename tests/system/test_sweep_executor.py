@@ -69,6 +69,7 @@ def test_an_executor_that_is_lost_is_reported():
         sweep(BASE, AXES, executor=Broken(1), keep=KEEP)
 
 
+@pytest.mark.slow
 def test_a_script_need_not_guard_against_its_processes(tmp_path):
     """It is not run again by each process; nothing but its own lines is printed."""
     (tmp_path / "script.py").write_text(SCRIPT)
@@ -79,6 +80,7 @@ def test_a_script_need_not_guard_against_its_processes(tmp_path):
     assert done.stdout.split() == ["begun", "9"]
 
 
+@pytest.mark.slow
 def test_a_task_that_kills_its_process_says_so_and_others_go_on():
     with Processes(1, memory=2**40) as processes:
         dies = processes.submit(sys.exit, 1)
@@ -97,6 +99,7 @@ def test_a_process_that_ends_between_two_tasks_is_started_anew():
         assert processes.submit(os.getpid).result(60) != first.pid
 
 
+@pytest.mark.slow
 def test_a_process_that_needs_too_much_memory_is_ended():
     with Processes(1, memory=2**29) as processes:
         assert processes.submit(abs, -3).result(60) == 3

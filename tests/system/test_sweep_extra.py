@@ -46,6 +46,7 @@ def store(tmp_path):
     return finished
 
 
+@pytest.mark.slow
 def test_a_sweep_in_memory_needs_no_extra(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_EXTRA], cwd=tmp_path, capture_output=True, text=True

@@ -165,6 +165,7 @@ def test_a_damaged_block_is_detected_and_computed_again(
     assert written == ([] if file in LABELS else [2])
 
 
+@pytest.mark.slow
 def test_no_flipped_bit_is_read_as_a_number(tmp_path, undisturbed):
     """Each bit of a chunk of results is covered by its checksum, or has no effect."""
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)

@@ -82,6 +82,7 @@ def test_names_of_programs_methods_and_quantities_are_one_line():
         study("convergence", quantities={"p\\\\\n": lambda _: 1.0}, quick=True)
 
 
+@pytest.mark.slow
 def test_names_of_files_and_columns_are_shown_with_escape_sequences(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     escape = "\x1b[31m"

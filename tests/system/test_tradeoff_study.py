@@ -20,6 +20,7 @@ def test_a_user_quantity_replaces_the_groups():
     assert set(results.tables) == {"digit_price"}
 
 
+@pytest.mark.slow
 def test_direct_integration_is_timed_for_the_steady_state():
     scene = Scene.load("five_rings").changed(wear__times=[])
     results = study("tradeoff", scene, quick=True, methods=["mdr", "direct"])

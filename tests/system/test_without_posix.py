@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 COMMANDS = """
 import os, signal, sys
 # on Windows it needs none of these
@@ -39,6 +41,7 @@ assert not list(Path().rglob(".ringwear.lock"))
 """
 
 
+@pytest.mark.slow
 def test_commands_need_neither_locks_nor_limits_of_posix(tmp_path):
     done = subprocess.run(
         [sys.executable, "-c", COMMANDS], cwd=tmp_path, capture_output=True, text=True
