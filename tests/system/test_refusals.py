@@ -203,6 +203,7 @@ LAYERED = Scene(
 )
 
 
+@pytest.mark.gmsh
 def test_a_depth_of_the_output_is_refused_with_what_works_on_layers(tmp_path):
     """20 mm are 4 punch radii; the remedy writes all of a mesh of that radius."""
     with pytest.raises(SceneError, match=r"give accuracy\.fem\.truncation = 4 in place of it"):
