@@ -238,15 +238,12 @@ def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
     assert_estimated(fields, errors)
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49, 0.5])
+# at 0.49 the mesh is refined, and the displacement is more accurate than its estimate shows
+@pytest.mark.parametrize(("poisson_ratio", "most"), [(0.0, 50), (0.3, 50), (0.49, 80), (0.5, 50)])
 @pytest.mark.parametrize("mesher", MESHERS[1:])
-def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio):
-    """Triangles have their highest degree already; the estimates bound the errors.
-
-    A difference to a degree less on the same triangles is further above the error than one to
-    quadrilaterals of a higher degree.
-    """
-    assert_estimated(*inside(poisson_ratio, mesher=mesher), most=80)
+def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio, most):
+    """Triangles have their highest degree already; the estimates bound the errors."""
+    assert_estimated(*inside(poisson_ratio, mesher=mesher), most=most)
 
 
 @pytest.mark.gmsh

@@ -292,12 +292,14 @@ class FullContact(Evaluation):
           that of any slower one.
         - The error is at least the floor of the quantity.
         """
-        on_other_elements = not self._same_elements
-        factor = self.safety if on_other_elements else self._factor_on_same_elements(name)
-        error = factor * difference
+        if self._same_elements:
+            error = self._factor_on_same_elements(name) * difference
+        else:
+            error = self.safety_factor(name) * difference
         if name == "relaxation_time":
             error = _growing_errors(error)
-        if on_other_elements and name in LAYER_QUANTITIES and self.problem.march == "modal":
+        lacks_layers = name in LAYER_QUANTITIES and not self._same_elements
+        if lacks_layers and self.problem.march == "modal":
             # the coarser mesh lacks one layer more than this one, and each layer makes about the
             # same difference
             error = error * (1 + self._missing_layers)

@@ -106,6 +106,7 @@ def next_rtol(
     pressures = pressure_spaces(problem)[0].size if solution.evolution else 0
     smallest, largest = tolerance_range(problem, pressures)
     last_rtol = min(last_rtol, largest)
+    # reached but for roundoff in the products of the factors
     smallest = max(smallest, FINER**MOST_FACTORS * min(problem.rtol, largest))
     # if edges of the contact move, a method may use half of the uncertainty of two methods
     error, allowed = error_of_sizes(problem, solution), allowed_error(problem)
