@@ -102,7 +102,7 @@ def trailing_factor(lower: coo_matrix, eliminated: int) -> Array:
             # For a symmetric matrix U = D L^T, so that the Cholesky factor is L with its columns
             # scaled by sqrt(D). No matrix product is needed.
             trailing = factor.L[eliminated:, eliminated:].toarray()
-            return np.asarray(trailing * np.sqrt(pivots[eliminated:]))
+            return trailing * np.sqrt(pivots[eliminated:])
         import kvxopt
         from kvxopt import cholmod
 
@@ -126,7 +126,7 @@ def solve(lower: coo_matrix, right: Array) -> Array:
     """
     with _factorising():
         if solver() != "cholmod":
-            return np.asarray(_superlu(lower)[0].solve(right))
+            return _superlu(lower)[0].solve(right)
         import kvxopt
         from kvxopt import cholmod
 

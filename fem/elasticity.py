@@ -352,7 +352,7 @@ class AxisymmetricElasticity:
         coefficients = splu((basis.T @ basis).tocsc()).solve(
             basis.T @ values.reshape(len(values), -1)
         )
-        return np.asarray(coefficients.reshape(-1, *values.shape[1:]))
+        return coefficients.reshape(-1, *values.shape[1:])
 
     def trace(self, facets: Indices, local: Array) -> csr_matrix:
         """Return the values of all nodes' functions at points on facets of the boundary.

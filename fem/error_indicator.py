@@ -73,7 +73,7 @@ def squared_indicators(
     )
     facet_terms = _squared_mismatches(solid, displacements, space, pressures)
     facet_terms *= lengths / (twice_shear * degree)
-    return np.asarray(residual_terms + facet_terms[:, mesh.t2f].sum(axis=1))
+    return residual_terms + facet_terms[:, mesh.t2f].sum(axis=1)
 
 
 def fewest_with_share(indicators: Array, share: float) -> Indices:
@@ -86,7 +86,7 @@ def fewest_with_share(indicators: Array, share: float) -> Indices:
     """
     order = np.argsort(-indicators, kind="stable")
     sums = np.cumsum(indicators[order])
-    return np.asarray(order[: np.searchsorted(sums, share * sums[-1]) + 1])
+    return order[: np.searchsorted(sums, share * sums[-1]) + 1]
 
 
 class _DisplacementFields(NamedTuple):
@@ -178,7 +178,7 @@ def _squared_residuals(solid: AxisymmetricElasticity, displacements: Array) -> A
     along_z = lame * (r_rz + rz / r + z_zz) + 2 * shear * z_zz
     along_z += shear * (r_rz + z_rr + (rz + zr) / r)
     volumes = 2 * np.pi * r * cells.dx
-    return np.asarray(np.sum((along_r**2 + along_z**2) * volumes, axis=-1))
+    return np.sum((along_r**2 + along_z**2) * volumes, axis=-1)
 
 
 def _squared_mismatches(
@@ -233,4 +233,4 @@ def _given_pressures(on_contact: FacetBasis, space: PressureSpace, pressures: Ar
 def _integrals(basis: FacetBasis, tractions: Array) -> Array:
     """Return ``int |t|^2 dA`` (states, facets) for tractions (2, states, facets, q)."""
     areas = 2 * np.pi * np.asarray(basis.global_coordinates())[0] * basis.dx
-    return np.asarray(np.sum((tractions**2).sum(axis=0) * areas, axis=-1))
+    return np.sum((tractions**2).sum(axis=0) * areas, axis=-1)

@@ -281,8 +281,8 @@ class HalfSpace:
         matrix = factor @ factor.T
         nodes, to_poles = matrix[:count, :count], matrix[:count, count:]
         if not self.poles:
-            return np.asarray(nodes)
-        return np.asarray(nodes - to_poles @ np.linalg.solve(matrix[count:, count:], to_poles.T))
+            return nodes
+        return nodes - to_poles @ np.linalg.solve(matrix[count:, count:], to_poles.T)
 
     def stability(self, basis: csr_matrix | None = None) -> float:
         """Return the least stability ratio of a pressure with the displacements (`stability`).
@@ -390,7 +390,7 @@ def extrapolated(near: Array, far: Array) -> Array:
     # small elements at ring edges have far smaller entries than large ones
     scale = 1 / np.sqrt(np.diag(matrix))
     try:
-        return np.asarray(cholesky(matrix * scale * scale[:, None]) / scale)
+        return cholesky(matrix * scale * scale[:, None]) / scale
     except LinAlgError as error:
         raise SolverError(
             "the compliance of incompressible layers is not positive definite: give a Poisson's "

@@ -55,7 +55,7 @@ class FlatAnnulus:
         cosines, rate = cosine_pressures(
             self.inner_radius, radii - self.inner_radius, 1 - radii, len(self.coefficients)
         )
-        return np.asarray(cosines @ self.coefficients * rate)
+        return cosines @ self.coefficients * rate
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force (N,) on each ring between edges (N+1,)."""
@@ -64,7 +64,7 @@ class FlatAnnulus:
         )
         order = np.arange(1, len(self.coefficients))
         waves = np.sin(angle[:, None] * order) / order @ self.coefficients[1:]
-        return np.asarray(2 * np.pi * np.diff(angle * self.coefficients[0] + waves))
+        return 2 * np.pi * np.diff(angle * self.coefficients[0] + waves)
 
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
         """Return the least and the greatest pressure (N,) on each ring between edges (N+1,).
@@ -213,4 +213,4 @@ def _cosines(angle: Array, density: Array) -> Array:
     count = len(angle)
     coefficients = 2 / count * np.cos(np.arange(count)[:, None] * angle) @ density
     coefficients[0] /= 2
-    return np.asarray(coefficients)
+    return coefficients

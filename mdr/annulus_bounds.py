@@ -86,7 +86,7 @@ def _quadrature(last: float) -> tuple[Array, Array, Array]:
     node, weight = unit_gauss(POINTS)
     distance, near_weights = node**POWER, POWER * node ** (POWER - 1) * weight
     reach = min(last - 1, 1.0)
-    parts = [
+    parts: list[tuple[Array, Array, Array]] = [
         (1 - distance, distance, near_weights),
         (1 + reach * distance, reach * distance, reach * near_weights),
     ]

@@ -83,7 +83,7 @@ def disc_slope(disc: Array, radius: Array, gap: Array | None = None) -> Array:
     complement = np.maximum(gap / larger * (1 + ratio), 1e-32)
     # inside the disc, K - E is divided by the ratio
     scale = np.where(radius <= disc, ratio, ratio**2)
-    return np.asarray(-4 / (3 * np.pi) * scale * elliprd(0.0, complement, 1.0))
+    return -4 / (3 * np.pi) * scale * elliprd(0.0, complement, 1.0)
 
 
 def displacement(

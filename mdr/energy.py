@@ -46,4 +46,4 @@ def _added(factor: Array, positions: Array, weights: Array, ground: Ground) -> A
     scale = np.sqrt(4 * np.arange(len(values)) + 1)
     polynomials = even_legendre(positions, len(values)) @ (scale[:, None] * vectors)
     basis = np.sqrt(weights)[:, None] * polynomials
-    return np.asarray((basis * (np.sqrt(values) - 1)) @ (basis.T @ factor))
+    return (basis * (np.sqrt(values) - 1)) @ (basis.T @ factor)

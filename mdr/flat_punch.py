@@ -64,12 +64,12 @@ class DiscSeries:
     def pressure_at(self, radii: Array) -> Array:
         """Return the pressure at radii (R,) of the face, which is infinite at the rim."""
         functions, factor = disc_functions(1 - radii, len(self.coefficients))
-        return np.asarray(functions @ self.coefficients * factor)
+        return functions @ self.coefficients * factor
 
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force (N,) on each ring between edges (N+1,)."""
         integral = legval(_root(ring_edges), legint(self._in_all_degrees))
-        return np.asarray(-2 * np.pi * np.diff(integral))
+        return -2 * np.pi * np.diff(integral)
 
     def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
         """Return the least and the greatest pressure (N,) on each ring between edges (N+1,)."""
@@ -99,7 +99,7 @@ class DiscSeries:
         t = roots.real[
             (np.abs(roots.imag) < REAL_ROOT_TOLERANCE) & (roots.real > 0) & (roots.real < 1)
         ]
-        return np.asarray(np.sqrt((1 - t) * (1 + t)))
+        return np.sqrt((1 - t) * (1 + t))
 
 
 def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:
@@ -134,4 +134,4 @@ def flat_punch_of(inner_radius: float, ground: Ground = HALF_SPACE) -> FlatPunch
 
 def _root(radii: Array) -> Array:
     """Return ``sqrt(1 - r^2)`` without cancellation."""
-    return np.asarray(np.sqrt((1 - radii) * (1 + radii)))
+    return np.sqrt((1 - radii) * (1 + radii))

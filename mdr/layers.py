@@ -34,7 +34,7 @@ def added_by_layers(space: PressureSpace, ground: Ground) -> Array:
     """Return the compliance (size, size) that layers add: ``4 pi int (Phi - 1) P P^T ds``."""
     s, weights = spectrum(ground)
     transforms = hankel_transforms(space, s, WIDEST_PANEL * ground.first_thickness)
-    return np.asarray(4 * np.pi * (transforms * weights) @ transforms.T)
+    return 4 * np.pi * (transforms * weights) @ transforms.T
 
 
 def hankel_transforms(space: PressureSpace, s: Array, widest: float) -> Array:

@@ -238,7 +238,7 @@ def panel_quadrature(
     first, folded = space.breakpoints[1], node * (2 - node)
     positions = [first * (1 - folded) * (1 + folded)]
     weights = [first * 4 * folded * (1 - node) * weight]
-    low_parts = [np.zeros(len(node))]
+    low_parts: list[Array] = [np.zeros(len(node))]
     for degree in np.unique(degrees):
         node, weight = unit_gauss(2 * int(degree) + extra_points)
         panels = 1 + np.flatnonzero(degrees[1:] == degree)

@@ -102,4 +102,4 @@ class RestrictedCompliance(Compliance):
     def matrix(self) -> Array:
         """The compliance `A` (size, size), computed without a product of factors."""
         embedding = self.full.space.embedding(self.space)
-        return np.asarray(embedding.T @ (embedding.T @ self.full.matrix).T)
+        return embedding.T @ (embedding.T @ self.full.matrix).T

@@ -41,7 +41,7 @@ class FreeEdge(NamedTuple):
         """Return the largest cell sizes that this edge allows at the given radii."""
         distance = radii - self.radius
         growth = np.where(distance < 0, self.growth_below, self.growth_above)
-        return np.asarray(self.size + growth * np.abs(distance))
+        return self.size + growth * np.abs(distance)
 
     def scaled(self, factor: float) -> "FreeEdge":
         """Return the same edge with cells larger by a factor everywhere."""

@@ -84,7 +84,7 @@ def corner_offsets(mesh: Mesh) -> Array:
     corners, low = mesh.p[:, mesh.t], low_parts(mesh)[mesh.t]
     offsets = corners - corners[:, :1]
     offsets[0] += low - low[:1]
-    return np.asarray(offsets)
+    return offsets
 
 
 def radial_ranks(mesh: Mesh) -> Indices:
@@ -163,7 +163,7 @@ def _beyond_hole(
     vertices, ranks = np.unique(mesh.facets[:, outer[surface]]), radial_ranks(mesh)
     distances = np.abs((mesh.p[0, vertices] - radius) + low_parts(mesh)[vertices])
     edge = vertices[distances.argmin()]
-    return np.asarray((ranks[mesh.facets[:, outer]] >= ranks[edge]).all(axis=0))
+    return (ranks[mesh.facets[:, outer]] >= ranks[edge]).all(axis=0)
 
 
 def halved(mesh: Mesh, ring_edges: Array, count: int) -> Mesh:
@@ -275,7 +275,7 @@ def corner_angles(mesh: Mesh) -> Array:
     corners = corner_offsets(mesh)
     following, preceding = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
     cross = following[0] * preceding[1] - following[1] * preceding[0]
-    return np.asarray(np.arctan2(np.abs(cross), (following * preceding).sum(axis=0)))
+    return np.arctan2(np.abs(cross), (following * preceding).sum(axis=0))
 
 
 def truncation(mesh: Mesh) -> float:
@@ -286,18 +286,18 @@ def truncation(mesh: Mesh) -> float:
 def contact_facets(mesh: Mesh) -> Indices:
     """Return the facets of the contact, from the axis or a hole to the rim."""
     facets = mesh.boundaries["contact"]
-    return np.asarray(facets[np.argsort(radial_ranks(mesh)[mesh.facets[:, facets]].sum(axis=0))])
+    return facets[np.argsort(radial_ranks(mesh)[mesh.facets[:, facets]].sum(axis=0))]
 
 
 def contact_radii(mesh: Mesh) -> Array:
     """Return the radii of the vertices on the contact, from 0 or a hole to 1."""
-    return np.asarray(mesh.p[0, contact_vertices(mesh)])
+    return mesh.p[0, contact_vertices(mesh)]
 
 
 def contact_vertices(mesh: Mesh) -> Indices:
     """Return the vertices on the contact, from the axis or a hole to the rim."""
     vertices = np.unique(mesh.facets[:, mesh.boundaries["contact"]])
-    return np.asarray(vertices[np.argsort(radial_ranks(mesh)[vertices])])
+    return vertices[np.argsort(radial_ranks(mesh)[vertices])]
 
 
 def facet_ends(mesh: Mesh, facets: Indices) -> Indices:
@@ -315,9 +315,7 @@ def segments(mesh: Mesh, facets: Indices) -> Array:
 def areas(mesh: Mesh) -> Array:
     """Return the areas (m,) of the elements in the (radius, depth) plane."""
     r, z = mesh.p[:, mesh.t]
-    return np.asarray(
-        np.abs((r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)) / 2
-    )
+    return np.abs((r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)) / 2
 
 
 def quality(mesh: Mesh) -> Array:
@@ -332,4 +330,4 @@ def quality(mesh: Mesh) -> Array:
     previous_sides = np.roll(sides, 1, axis=1)
     sines = previous_sides[0] * sides[1] - previous_sides[1] * sides[0]
     # the sine is negative at a reflex corner
-    return np.asarray((sines * np.sign(sines.sum(axis=0))).min(axis=0))
+    return (sines * np.sign(sines.sum(axis=0))).min(axis=0)

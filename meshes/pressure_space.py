@@ -81,7 +81,7 @@ class BandedCholesky:
         product = self._band[0, :, None] * columns
         for below in range(1, len(self._band)):
             product[below:] += self._band[below, :-below, None] * columns[:-below]
-        return np.asarray(product.reshape(right.shape))
+        return product.reshape(right.shape)
 
     def backward(self, right: Array) -> Array:
         """Return ``L^-T`` times a vector or a matrix."""
@@ -161,14 +161,14 @@ class PressureSpace:
         Breakpoints are given by number.
         """
         rounded = self.breakpoints[second] - self.breakpoints[first]
-        return np.asarray(rounded + (self._low[second] - self._low[first]))
+        return rounded + (self._low[second] - self._low[first])
 
     def distance_from(self, radii: Array, low_parts: Array, number: Indices) -> Array:
         """Return the distances from radii to breakpoints, given by number, to all digits.
 
         `low_parts` are the low parts of the radii.
         """
-        return np.asarray((self.breakpoints[number] - radii) + (self._low[number] - low_parts))
+        return (self.breakpoints[number] - radii) + (self._low[number] - low_parts)
 
     @cached_property
     def size(self) -> int:
@@ -217,7 +217,7 @@ class PressureSpace:
     @cached_property
     def uniform(self) -> Array:
         """(size,) coefficients of the uniform pressure 1: 1 for hats, 0 for bubbles."""
-        return np.asarray(self._of_functions(np.where(np.arange(self.top + 1) < 2, 1.0, 0.0)))
+        return self._of_functions(np.where(np.arange(self.top + 1) < 2, 1.0, 0.0))
 
     def matrix(self, radii: ArrayLike, derivative: bool = False) -> csr_matrix:
         """Return the values, or slopes, (radii, size) of all basis functions at radii.
@@ -322,14 +322,14 @@ class PressureSpace:
         ends = np.stack([self.breakpoints[:-1], self.breakpoints[1:]], axis=1)
         radii = np.repeat(ends, [1, self.top], axis=1)
         values = values_on_rings(self.ring_edges, ring_values, radii, self.ring[:, None])
-        return np.asarray(self._of_functions(values))
+        return self._of_functions(values)
 
     @cached_property
     def weights(self) -> Array:
         """(size,) ``int phi_i dA``: the force that each basis function carries."""
         radii, lengths, local = self.quadrature
         values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(local, self.top))
-        return np.asarray(self._assembled(values, 0, self.dofs, 1).toarray()[0])
+        return self._assembled(values, 0, self.dofs, 1).toarray()[0]
 
     def ring_forces(self, ring_edges: ArrayLike) -> Array:
         """Return the force (M, size) that each basis function puts on each of M rings.
@@ -345,9 +345,7 @@ class PressureSpace:
             # elements inside the first edge are on no ring
             on_rings = ring[:, 0] >= 0
             values, ring, functions = values[on_rings], ring[on_rings], self.dofs[on_rings]
-            return np.asarray(
-                self._assembled(values, ring, functions, len(ring_edges) - 1).toarray()
-            )
+            return self._assembled(values, ring, functions, len(ring_edges) - 1).toarray()
         cuts = np.union1d(self.breakpoints, ring_edges)
         cuts = cuts[cuts >= max(self.inner_radius, ring_edges[0])]
         half = np.diff(cuts)[:, None] / 2
@@ -359,9 +357,7 @@ class PressureSpace:
         area = 2 * np.pi * (cuts[:-1, None] + half * (1 + node)) * half * weight
         values = np.einsum("eq,eqi->ei", area, shapes(local, self.top))
         rings = ring_of(ring_edges, cuts[:-1])[:, None]
-        return np.asarray(
-            self._assembled(values, rings, self.dofs[element], len(ring_edges) - 1).toarray()
-        )
+        return self._assembled(values, rings, self.dofs[element], len(ring_edges) - 1).toarray()
 
     def ring_indicator(self) -> Array:
         """Return the coefficients of the pressures that are 1 on one ring and 0 on all others.

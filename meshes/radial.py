@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 Indices = NDArray[np.int64]
 
 
@@ -57,7 +57,7 @@ def values_on_rings(
     """
     inner, outer = np.broadcast_to(ring_values, (2, len(ring_edges) - 1))[:, ring]
     fraction = (radii - ring_edges[ring]) / (ring_edges[ring + 1] - ring_edges[ring])
-    return np.asarray(inner + (outer - inner) * fraction)
+    return inner + (outer - inner) * fraction
 
 
 def graded_breakpoints(

@@ -228,7 +228,7 @@ def rounded_to_octaves(sizes: Array) -> Array:
     A mesher makes a size field of each distinct size.
     """
     octaves = np.log2(sizes)
-    return np.asarray(2.0 ** (np.round(SIZES_PER_OCTAVE * octaves) / SIZES_PER_OCTAVE))
+    return 2.0 ** (np.round(SIZES_PER_OCTAVE * octaves) / SIZES_PER_OCTAVE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,7 +311,7 @@ class EdgeAmplitude:
             # wear coefficients at most double on a ring
             rise = np.minimum(self.wear_gradients[edge] * distance, 1.0)
             amplitude = np.maximum(amplitude, pole_amplitude(rise, self.tolerance))
-        return np.asarray(amplitude)
+        return amplitude
 
 
 def pole_amplitude(rise: Array, tolerance: float) -> Array:
@@ -338,7 +338,7 @@ def pole_amplitude(rise: Array, tolerance: float) -> Array:
     rate = np.log(x + np.sqrt((x - 1) * (x + 1)))
     digits = -np.log((x + 1) * tolerance)
     degree = np.where(digits > 0, digits / rate + SPARE_POLE_DEGREES, 0.0)
-    return np.asarray(tolerance * np.exp(degree * convergence(POLE_GRADING)))
+    return tolerance * np.exp(degree * convergence(POLE_GRADING))
 
 
 def convergence(grading: float) -> float:
@@ -369,7 +369,7 @@ def required_degree(amplitude_over_error: Array | float, grading: float) -> Arra
         wanted error
     grading : ratio of the sizes of neighbouring elements, from which `convergence` is ``ln rho``
     """
-    return np.asarray(np.log(amplitude_over_error) / convergence(grading))
+    return np.log(amplitude_over_error) / convergence(grading)
 
 
 def degree_reduction(

@@ -37,7 +37,7 @@ def growing_distances(length: float, first: float, largest: float, growth: float
     growing = first * np.expm1(growth * np.minimum(positions, growth_steps)) / growth
     distances = growing + largest * np.maximum(positions - growth_steps, 0.0)
     distances[-1] = length
-    return np.asarray(distances)
+    return distances
 
 
 def shells_around(reach: float, growth: float) -> Array:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 Indices = NDArray[np.int64]
 
 # decay exponent at which exponentials count as zero: exp(-36) = 2e-16 is roundoff
@@ -112,7 +112,7 @@ class Ground:
 
     def layer_at(self, depths: Array) -> Indices:
         """Return the number of the layer at each depth, counted from 0; the substrate is n."""
-        return np.asarray(np.searchsorted(self.depths, depths, side="right"))
+        return np.searchsorted(self.depths, depths, side="right")
 
     def in_units_of(self, radius: float) -> "Ground":
         """Return the same ground in units of another radius, given in units of the present one."""
@@ -232,7 +232,7 @@ def relative_compliance(ground: Ground, s: Array) -> Array:
     """
     _, displacement = loaded_waves(ground, s, interfaces(ground, s)[1])
     half_space = (1 - ground.poisson_ratios[0]) / ground.shear_moduli[0]
-    return np.asarray(displacement / half_space)
+    return displacement / half_space
 
 
 def wave_numbers(

@@ -26,7 +26,7 @@ NEGLIGIBLE_COEFFICIENT = 1e-9
 
 def even_legendre(x: Array, count: int) -> Array:
     """Return the Legendre polynomials (n, count) of degrees 0, 2, 4, ... at x (n,)."""
-    return np.asarray(legvander(x, 2 * count - 2)[:, ::2])
+    return legvander(x, 2 * count - 2)[:, ::2]
 
 
 def spherical_bessel(s: Array, count: int) -> Array:
@@ -70,7 +70,7 @@ def line_energy(ground: Ground) -> Array:
     scale = np.sqrt(4 * np.arange(count) + 1)[:, None]
     transforms = signs * scale * spherical_bessel(s, 2 * count)[::2]
     layer_weights = (2 / np.pi) * (relative_compliance(ground, s) - 1) * weights
-    return np.asarray(np.eye(count) + (transforms * layer_weights) @ transforms.T)
+    return np.eye(count) + (transforms * layer_weights) @ transforms.T
 
 
 @lru_cache(maxsize=128)

@@ -231,7 +231,7 @@ def _times(
             f"{name}: the punch of the scene never slides as far as {np.nanmax(distances):.4g}: "
             "give load.sliding_speed for longer, or shorter distances"
         )
-    return np.asarray(times)
+    return times
 
 
 def _columns_named(frame: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, list[object]]:

@@ -128,7 +128,7 @@ class DeckMesh:
         ends = np.unique(facet_ends(self.mesh, facets))
         nodes = np.append(ends, facets + self.mesh.nvertices) if self.quadratic else ends
         r, z = self.points[nodes].T
-        return np.asarray(nodes[np.lexsort((z, r))])
+        return nodes[np.lexsort((z, r))]
 
 
 def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> DeckMesh:

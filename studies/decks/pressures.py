@@ -26,4 +26,4 @@ def pressures_of(
         the coefficients jump, pressures are NaN
     """
     matrix = contact_mass(radii, 2 if quadratic else 1, lambda points: 1 / wear(points))
-    return np.asarray(np.linalg.solve(matrix, forces) / wear(radii))
+    return np.linalg.solve(matrix, forces) / wear(radii)

@@ -98,7 +98,7 @@ class Comparison:
                 for mask, values in ((common, theirs), (common, ours), (np.isfinite(ours), ours))
             )
             scale = np.clip(our_means / our_means_at_theirs, 0.5, 2.0)
-        return np.asarray(means * np.where(np.isfinite(scale), scale, 1.0))
+        return means * np.where(np.isfinite(scale), scale, 1.0)
 
     def known(self) -> tuple[Array, ...]:
         """Return our numbers (n,) of each measurement, NaN where we have none."""

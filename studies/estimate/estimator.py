@@ -79,7 +79,7 @@ class Likelihood:
     def _values(self) -> Array:
         values = np.concatenate([each.values for each in self.measurements])
         # missing values have an infinite noise
-        return np.asarray(np.where(np.isfinite(self.noise), values, 0.0) / self.noise)
+        return np.where(np.isfinite(self.noise), values, 0.0) / self.noise
 
     @cached_property
     def common(self) -> tuple[Array, Array]:
@@ -114,7 +114,7 @@ class Likelihood:
     def whitened(self, values: Array) -> Array:
         """Return values (n, ...) in units of the noise, multiplied by the root of ``C^-1``."""
         columns, parts = self.common
-        return np.asarray(values - (columns * parts) @ (columns.T @ values))
+        return values - (columns * parts) @ (columns.T @ values)
 
     def residuals(self, x: Array) -> Array:
         """Return measured minus predicted values (n,) at coordinates (m,), over the noise."""
@@ -201,7 +201,7 @@ def inverse_of_information(slopes: Array) -> Array:
     lengths = np.where(lengths > 0, lengths, 1.0)
     _, singular, right = np.linalg.svd(slopes / lengths, full_matrices=False)
     scaled = right.T / np.maximum(singular, 1e-12)
-    return np.asarray((scaled @ scaled.T) / np.outer(lengths, lengths))
+    return (scaled @ scaled.T) / np.outer(lengths, lengths)
 
 
 def fix_ineffective_parameters(likelihood: Likelihood) -> tuple[Likelihood, list[tuple[int, ...]]]:

@@ -559,7 +559,7 @@ def wear_slopes(
     times, count = reading.times(each.times) / problem.units.time, len(history.coefficients)
     response = "normal_force" if problem.indentation is not None else "indentation"
     if each.quantity in ("indentation", "normal_force"):
-        slopes = np.zeros((len(times), count))
+        slopes: Array = np.zeros((len(times), count))
         if each.quantity == response:
             slopes = history.response_slopes(times)
     elif each.radii is not None:

@@ -264,12 +264,12 @@ class FlatHistory:
         """Return worn heights (T, R) from integrals of the pressure (T, n), at radii (R,)."""
         basis = self.punch.basis(radii)
         wear = self.coefficients @ self.punch.wear_shapes_at(radii)
-        return np.asarray((basis @ self.mass.backward(integrals.T)).T * wear)
+        return (basis @ self.mass.backward(integrals.T)).T * wear
 
     def worn_volumes(self, integrals: Array) -> Array:
         """Return worn volumes (T, rings) from integrals of the pressure (T, n)."""
         by_ring = np.einsum("j,rjn->rn", self.coefficients, self.punch.volumes)
-        return np.asarray((by_ring @ self.mass.backward(integrals.T)).T)
+        return (by_ring @ self.mass.backward(integrals.T)).T
 
     @cached_property
     def _exponentials(self) -> tuple[Array, Array]:
@@ -344,16 +344,16 @@ class FlatHistory:
         mass_changes = [
             c * (mass @ pressure) for c, mass in zip(self.coefficients, punch.masses, strict=True)
         ]
-        changes = self.integral_slopes(time) - self.mass.forward(np.array(mass_changes).T).T
+        changes: Array = self.integral_slopes(time) - self.mass.forward(np.array(mass_changes).T).T
         changes = self.mass.backward(changes.T)
         if radii is None:
             by_ring = np.einsum("j,rjn->rn", self.coefficients, punch.volumes)
             direct = np.einsum("j,rjn,n->rj", self.coefficients, punch.volumes, pressure)
-            return np.asarray(by_ring @ changes + direct)
+            return by_ring @ changes + direct
         basis, shapes = punch.basis(radii), punch.wear_shapes_at(radii)
         wear = self.coefficients @ shapes
         direct = (self.coefficients[:, None] * shapes).T * (basis @ pressure)[:, None]
-        return np.asarray(wear[:, None] * (basis @ changes) + direct)
+        return wear[:, None] * (basis @ changes) + direct
 
 
 def divided_difference(first: Array, second: Array, time: Array | float) -> Array:
@@ -361,7 +361,7 @@ def divided_difference(first: Array, second: Array, time: Array | float) -> Arra
     difference = np.abs(first - second)
     with np.errstate(divide="ignore", invalid="ignore"):
         mean = np.where(difference * time > 1e-12, -np.expm1(-difference * time) / difference, time)
-    return np.asarray(np.exp(-np.minimum(first, second) * time) * mean)
+    return np.exp(-np.minimum(first, second) * time) * mean
 
 
 def _with_contrasts(problem: Problem) -> list[Problem]:

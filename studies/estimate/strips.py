@@ -60,7 +60,7 @@ class Strips:
             return distance * (np.log(np.abs(distance)) - 1)
 
         both_sides = integral(middles - self.edges) - integral(middles + self.edges)
-        return np.asarray(np.linalg.inv(np.diff(2 / np.pi * both_sides, axis=1)))
+        return np.linalg.inv(np.diff(2 / np.pi * both_sides, axis=1))
 
     @cached_property
     def _modes(self) -> tuple[Array, Array, Array, Array]:

@@ -166,7 +166,7 @@ def _levels(least: float, greatest: float) -> Array:
     in a decade are close to 1, 1.25, 1.6, 2, 2.5, 3.15, 4, 5, 6.3 and 8.
     """
     first, last = np.floor(10 * np.log10(0.2 * least)), np.ceil(10 * np.log10(greatest))
-    return np.asarray(10.0 ** (np.arange(first, last + 1) / 10))
+    return 10.0 ** (np.arange(first, last + 1) / 10)
 
 
 def draw_result_mesh(result: Result) -> Figure:

@@ -70,7 +70,7 @@ def round_ticks(low: float, high: float, most: int) -> Array:
     if last <= first and step > smallest:
         return round_ticks(low, high, most + 1)
     # 0, not -0
-    return np.asarray(np.arange(first, last + 1) * step + 0.0)
+    return np.arange(first, last + 1) * step + 0.0
 
 
 def smallest_step(low: float, high: float) -> float:
@@ -84,7 +84,7 @@ def decades(low: float, high: float, most: int) -> Array:
     first, last = np.ceil(np.log10(low) - 1e-9), np.floor(np.log10(high) + 1e-9)
     if last > first:
         step = max(1.0, np.ceil((last - first + 1) / most))
-        return np.asarray(10.0 ** np.arange(first, last + 1, step))
+        return 10.0 ** np.arange(first, last + 1, step)
     parts = np.outer(10.0 ** np.arange(first - 1, last + 1), [1, 2, 5]).ravel()
     return parts[(parts >= low * (1 - 1e-9)) & (parts <= high * (1 + 1e-9))]
 

@@ -88,7 +88,7 @@ def _points(fit: Outcome) -> list[Array]:
 def _half_widths(information: list[Array]) -> Array:
     """Return the 95 % half widths (f,) for informations (f, f), root mean squares over points."""
     variances = [np.diag(np.linalg.inv(each)) for each in information]
-    return np.asarray(1.96 * np.sqrt(np.mean(variances, axis=0)))
+    return 1.96 * np.sqrt(np.mean(variances, axis=0))
 
 
 def _free_slopes(slopes: Array, measurement: Measurement, likelihood: Likelihood) -> Array:

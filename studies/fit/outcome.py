@@ -152,7 +152,7 @@ class Outcome:
         """(n,) half widths of the 95 % band of the fitted values, in the units of the scene."""
         slopes = self.likelihood.slopes(self.best.x)
         variances = np.einsum("ni,ij,nj->n", slopes, self.covariance, slopes)
-        return np.asarray(np.sqrt(variances * self.profiles.threshold) * self.likelihood.noise)
+        return np.sqrt(variances * self.profiles.threshold) * self.likelihood.noise
 
     def best_trace_point(self, number: int) -> tuple[float, float]:
         """Return the best coordinate of a parameter and chi-square there, in the form of traces."""

@@ -174,7 +174,7 @@ def _steady_weights(fit: Outcome, wear: list[int]) -> Array:
     values = np.array([fit.found[number].value for number in numbers])
     indices = [int(likelihood.parameters[number].name.partition("[")[2][:-1]) for number in numbers]
     weights = by_value[indices] / values
-    return np.asarray(weights / weights.sum())
+    return weights / weights.sum()
 
 
 def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:

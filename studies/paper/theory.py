@@ -43,6 +43,4 @@ def many_rings(wear_ratios: Array | float, width_ratios: Array | float) -> Array
     # fraction of the width that belongs to the first material, s1
     fraction = 1 / (1 + width_ratios)
     contrast = (wear_ratios - 1) / (fraction * wear_ratios + 1 - fraction)
-    return np.asarray(
-        np.sqrt(1 + 4 * fraction * (1 - fraction) * contrast**2 / homogeneous()[:, None] ** 2)
-    )
+    return np.sqrt(1 + 4 * fraction * (1 - fraction) * contrast**2 / homogeneous()[:, None] ** 2)

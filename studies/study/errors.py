@@ -273,7 +273,7 @@ def states_inside(problem: Problem, solution: Solution) -> Array:
     chosen = np.flatnonzero(rows)
     if len(chosen) > MOST_STATES_INSIDE:
         chosen = chosen[np.linspace(0, len(chosen) - 1, MOST_STATES_INSIDE).round().astype(int)]
-    return np.asarray(history.pressure[chosen])
+    return history.pressure[chosen]
 
 
 def in_units(part: Part, values: Results, problem: Problem) -> float:

@@ -88,7 +88,7 @@ def order_of_changes(sizes: Array, changes: Array) -> Fitted:
     logarithms = np.log(changes)
 
     def of_powers(order: float) -> Array:
-        return np.asarray(np.log(sizes[:-1] ** order - sizes[1:] ** order))
+        return np.log(sizes[:-1] ** order - sizes[1:] ** order)
 
     def scatter(order: float) -> float:
         residuals = logarithms - of_powers(order)

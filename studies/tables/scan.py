@@ -149,7 +149,7 @@ def _of_map(
     places: Array, heights: Array, center: bool, level: bool, notes: list[str]
 ) -> tuple[Array, Array]:
     """Return radii and mean heights on circles of a map."""
-    middle = np.zeros(2)
+    middle: Array = np.zeros(2)
     if center:
         middle = (places.max(axis=0) + places.min(axis=0)) / 2
         tilt, square = _paraboloid(places, heights)
@@ -197,7 +197,7 @@ def _leveled_radius(radii: Array, heights: Array, level: bool, notes: list[str])
     slope = float(fitted[1] / reach) if len(powers) > 2 else 0.0
     if level:
         notes.append(f"an offset of {fitted[0]:.3g} and a slope of {slope:.3g} were removed")
-        return np.asarray(heights - fitted[0] - slope * radii)
+        return heights - fitted[0] - slope * radii
     misfit = np.abs(design @ fitted - heights).max()
     noticeable = SLOPE_KEPT * np.ptp(heights)
     if heights.min() < 0 and abs(slope) * reach > noticeable > misfit:

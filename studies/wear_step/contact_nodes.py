@@ -66,10 +66,10 @@ class ContactNodes:
     def weights(self) -> Array:
         """(n,) areas by which the forces on nodes are divided; 0 on the axis if quadratic."""
         if self.degree == 2:
-            return np.asarray(self.mass.sum(axis=1))
+            return self.mass.sum(axis=1)
         middles = (self.radii[1:] + self.radii[:-1]) / 2
         ends = np.concatenate([self.radii[:1], middles, self.radii[-1:]])
-        return np.asarray(np.pi * np.diff(ends**2))
+        return np.pi * np.diff(ends**2)
 
     def pressures(self, treatment: str) -> Array:
         """Return the matrix (n, n) from the forces on the nodes to the pressures of the nodes."""

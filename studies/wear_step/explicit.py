@@ -48,7 +48,7 @@ def wear_at_nodes(rings: Rings, radii: Array) -> Array:
     inside, outside = (
         rings.at(np.clip(radii + shift, rings.ring_edges[0], 1.0)) for shift in (-1e-7, 1e-7)
     )
-    return np.asarray(2 / (1 / inside + 1 / outside))
+    return 2 / (1 / inside + 1 / outside)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +91,12 @@ class ExplicitWear:
     @cached_property
     def _stiffness_per_area(self) -> Array:
         to_pressures = self.nodes.pressures(self.treatment)[np.ix_(self.touching, self.touching)]
-        return np.asarray(to_pressures @ self._stiffness)
+        return to_pressures @ self._stiffness
 
     @cached_property
     def _forces_of_indentation(self) -> Array:
         """(n,) force on each node under the indentation 1."""
-        return np.asarray(self._stiffness.sum(axis=0))
+        return self._stiffness.sum(axis=0)
 
     @cached_property
     def relief(self) -> Array:
@@ -106,26 +106,26 @@ class ExplicitWear:
             return matrix
         per_depth = matrix.sum(axis=1)
         forces = self._forces_of_indentation
-        return np.asarray(matrix - np.outer(per_depth, forces) / forces.sum())
+        return matrix - np.outer(per_depth, forces) / forces.sum()
 
     @cached_property
     def start(self) -> Array:
         """(n,) pressures of the unworn flat punch, under the force or the indentation 1."""
         per_depth = self._stiffness_per_area.sum(axis=1)
         if self.force is None:
-            return np.asarray(per_depth)
-        return np.asarray(per_depth * self.force / self._forces_of_indentation.sum())
+            return per_depth
+        return per_depth * self.force / self._forces_of_indentation.sum()
 
     def depth(self, profiles: Array) -> Array:
         """Return the indentations (...) of worn profiles (..., n)."""
         forces = self._forces_of_indentation
         if self.force is None:
             return np.ones(profiles.shape[:-1])
-        return np.asarray((self.force + profiles @ forces) / forces.sum())
+        return (self.force + profiles @ forces) / forces.sum()
 
     def pressures(self, profiles: Array) -> Array:
         """Return the pressures (..., n) of worn profiles (..., n)."""
-        return np.asarray(self.start - profiles @ self.relief.T)
+        return self.start - profiles @ self.relief.T
 
     @cached_property
     def limit(self) -> float:
@@ -165,7 +165,7 @@ class ExplicitWear:
         rates, parts, decays = self._modes
         rest = np.where(decays, rates, 1.0)
         grown = np.where(decays, decayed(rest) / rest, elapsed[:, None])
-        return np.asarray((grown @ parts.T).real)
+        return (grown @ parts.T).real
 
     def march(self, step: float, count: int) -> Iterator[tuple[Array, Array]]:
         """Yield pressures (n,) and the profile (n,) before each of so many updates by a step."""
@@ -208,7 +208,7 @@ class ExplicitWear:
         weights = self.nodes.mass.sum(axis=1)[self.touching][inner]
 
         def size(fields: Array) -> Array:
-            return np.asarray(np.sqrt((fields[:, inner] ** 2) @ weights / weights.sum()))
+            return np.sqrt((fields[:, inner] ** 2) @ weights / weights.sum())
 
         pressures, right = self.pressures(worn), self.pressures(exact)
         depths = self.depth(exact)

@@ -49,7 +49,7 @@ def bends(values: Array, times: Array) -> Array:
     """Return half the distances (T - 2, ...) of values (T, ...) from lines through neighbours."""
     shares = (times[1:-1] - times[:-2]) / (times[2:] - times[:-2])
     shares = shares.reshape((-1,) + (1,) * (values.ndim - 1))
-    return np.asarray((values[1:-1] - (1 - shares) * values[:-2] - shares * values[2:]) / 2)
+    return (values[1:-1] - (1 - shares) * values[:-2] - shares * values[2:]) / 2
 
 
 def find(times: Array, pressures: Array, mean: float) -> Sawtooth | None:

@@ -32,7 +32,8 @@ def meshed():
         if name not in ON_LAYERS:
             yield pytest.param(name, "gmsh", marks=[pytest.mark.gmsh, pytest.mark.slow])
         if name in ("five_rings", "rotating_pin", "rubber"):
-            yield pytest.param(name, "bisection")
+            slow = [pytest.mark.slow] * (name != "rotating_pin")
+            yield pytest.param(name, "bisection", marks=slow)
 
 
 @pytest.mark.parametrize(("name", "mesher"), [*meshed()])

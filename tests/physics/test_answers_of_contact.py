@@ -107,6 +107,7 @@ def test_forces_in_the_answer_at_a_fixed_indentation():
     assert -1 < places[0] < places[1] < places[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["cone", "recessed_binder", "rounded_rim"])
 def test_times_running_in_cover_the_whole_running_in(name):
     scene = Scene.load(name).changed(wear__times="running-in", accuracy__rtol=1e-2)

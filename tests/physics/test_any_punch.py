@@ -24,6 +24,7 @@ RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
 EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)
 
 
+@pytest.mark.slow
 def test_a_sphere_starts_with_hertz_contact_in_other_units():
     result = run(SPHERE)
     data = result.dataset.isel(solver=0, time=0)
@@ -48,6 +49,7 @@ def test_a_sphere_starts_with_hertz_contact_in_other_units():
     assert np.isnan(answer["pressure_max"][0]).all()
 
 
+@pytest.mark.slow
 def test_all_ways_to_give_a_profile_agree(tmp_path):
     radii = np.linspace(0.0, LENGTH, 41)
     rows = np.column_stack([radii, radii**2 / 16])
@@ -103,6 +105,7 @@ def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
     assert "springs' rule of the MDR" in result.summary["left_out"]
 
 
+@pytest.mark.slow
 def test_the_force_on_a_cone_at_a_fixed_indentation_decays_to_zero():
     fixed = SCENE.changed(
         load={"indentation": 0.02},

@@ -59,6 +59,7 @@ def test_five_rings_against_the_stored_reference(reference, row, rtol):
         np.testing.assert_allclose(rows.value, np.ravel(state[quantity]), rtol=error)
 
 
+@pytest.mark.slow
 def test_the_force_at_a_fixed_indentation_against_an_independent_solution():
     problem = Scene.load(PROBLEMS[10]).problem
     later = problem.times[1:]

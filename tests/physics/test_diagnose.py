@@ -95,6 +95,7 @@ def test_the_right_fault_of_the_model_is_named_first(scene):
     assert f"{first.size:.4g}" in first.words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "name", "factor", "of"),
     [
@@ -124,6 +125,7 @@ def test_faults_of_the_mesh_are_named():
     assert sizes["checkerboard"] == pytest.approx(0.05, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_truncated_incompressible_half_space_is_named():
     """The indentation is too small by 6/pi a/R, as for a point force in an incompressible ball."""
     theirs = solve(SCENES["five"], half_space__poisson_ratio=0.5, accuracy__rtol=1e-2, **CLAMPED)
@@ -184,6 +186,7 @@ def test_one_number_names_both_the_load_and_the_modulus():
     assert all(fault.share < 0.7 for fault in looks)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", SCENES)
 def test_noise_is_no_fault(scene):
     draw = np.random.default_rng(0).standard_normal

@@ -40,6 +40,7 @@ def test_the_prediction_agrees_with_the_independent_solution():
     assert 2 <= sum(kept) <= len(kept) - 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "number"), [(8, 12), (8, 24), (11, 16)])
 def test_histories_by_modes_agree_with_the_independent_solution(seed, number):
     """By steps, pressures and slopes of thin layers were left out, as known to a cell only."""

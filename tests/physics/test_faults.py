@@ -107,6 +107,7 @@ def test_faults_of_methods_cause_disagreement(monkeypatch, fault, rtol):
     assert result.verdict == "disagree"
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("rtol", [1e-6, 1e-4])
 def test_without_a_fault_nothing_disagrees(rtol):

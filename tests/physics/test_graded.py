@@ -77,6 +77,7 @@ def test_many_rings_tend_to_wear_along_the_radius_at_second_order():
     assert (np.array(errors[-1]) < [3e-5, 2e-5]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     "table",

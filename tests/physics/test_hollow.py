@@ -43,6 +43,7 @@ def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
     np.testing.assert_allclose(start.pressure, exact.pressure_at(radii), rtol=rtol)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("inner_radius", [0.05, 0.5, 0.9])
 def test_methods_agree(inner_radius):
@@ -126,6 +127,7 @@ def test_methods_agree_under_any_load(load):
     assert result.verdict == "agree"
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("face", FACES)
 def test_methods_agree_on_any_face(face):

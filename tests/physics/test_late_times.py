@@ -43,6 +43,7 @@ def line_slope(edges, pressures):
     return direct.rms_slope(edges, pressures, "line")
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("punch", PUNCHES)
 def test_late_states_are_the_steady_state(punch):

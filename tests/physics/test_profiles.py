@@ -154,6 +154,7 @@ def test_two_elastic_bodies_have_a_combined_modulus():
     assert float(alone["indentation_start"]) == pytest.approx(0.7 / 2 / modulus, rel=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_the_inside_extends_to_the_output_depth(tmp_path):
     """Displacements are continuous at the end of the mesh; far away, a point force's."""

@@ -149,6 +149,7 @@ def test_finite_elements_resolve_layers_of_slow_rings():
     np.testing.assert_allclose(result.dataset.rms_slope.sel(solver="fem"), exact, rtol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_roundoff_near_incompressibility_is_no_disagreement():
     """Once, elements of 6e-16 a caused errors of slopes of 7e-5, with estimates of 1e-6."""

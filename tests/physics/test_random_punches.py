@@ -24,6 +24,7 @@ def decide(seed):
     return result, time.process_time() - began
 
 
+@pytest.mark.slow
 # in 121, both methods state that they do not resolve the slopes of layers at the rim
 # without gmsh, two of them are undecided
 @pytest.mark.gmsh
@@ -42,6 +43,7 @@ def test_at_most_one_of_12_punches_is_undecided():
     assert np.max([seconds for _, seconds in runs]) < MOST_SECONDS
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_estimates_of_contact_radii_include_the_cell_at_the_edge():
     """A part of the contact has just opened; both meshes of a method have the edge in one cell."""

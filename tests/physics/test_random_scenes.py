@@ -18,6 +18,7 @@ def rings_of(scene):
 CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))
 
 
+@pytest.mark.slow
 def test_the_independent_solution_against_the_stored_history(reference):
     """The history of the five rings agrees with the stored one, which is accurate to 1e-10."""
     times = [state["time"] for state in reference["states"]]

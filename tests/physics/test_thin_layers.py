@@ -34,6 +34,7 @@ def values(result, solver):
     return float(reported.indentation[0]), reported.relaxation_time.values[:8]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("thickness", "ratio"), [(0.2, 0.3), (0.05, 0.5), (0.02, 0.4999)])
 def test_mdr_on_thin_layers(thickness, ratio):
     result = run(on_a_rigid_base(thickness, ratio, methods=["mdr"], accuracy={"rtol": 1e-6}))
@@ -111,6 +112,7 @@ def test_nearly_incompressible_layers_have_their_own_ratio(ratio):
     assert abs(start(0.02, 0.5) / exact - 1) > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_an_incompressible_layer_with_a_clamped_outer_boundary():
     """On a thin layer the field ends within a few thicknesses from the punch."""

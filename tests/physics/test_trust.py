@@ -214,6 +214,7 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     assert row.verdict == verdict
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_methods_agree_on_an_annulus_without_wear():
     punch = {"radius": 1.0, "ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0]}

@@ -135,6 +135,7 @@ def loops(part, count=60):
             yield element, radii, limit, marched[0], marched[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("part", "near"), [(1.3, 0.75), (2.0, 0.6)])
 def test_a_sawtooth_is_recognised_with_its_limit(part, near):
     """All are recognised; the limit by a model mesh is within 20 % in most cases."""
@@ -179,6 +180,7 @@ def table_of(radii, times, pressures, depths):
     return pd.concat(rows)
 
 
+@pytest.mark.slow
 def test_check_names_too_long_a_wear_step():
     """The indentation is right, the pressures are not; and the limit is about that of the mesh."""
     scene = FIVE.changed(punch__wear_coefficients=[0.1, 1.0])

@@ -53,6 +53,7 @@ HUMP = Scene.from_table(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_in_face_has_the_steady_slope(method):
     # slopes are not promised while edges of the contact move, and a finer march has finer slopes

@@ -64,6 +64,7 @@ def in_other_units(column, factor):
     return looks(FLAT, table.assign(**{column: table[column] * factor}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("column", "factor"),
     [
@@ -80,6 +81,7 @@ def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor)
     assert all(other.share <= 0.7 or other.name in MESH for other in others)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [60.0, 1e3])
 def test_a_column_of_times_in_other_units_cannot_be_told_from_a_wear_coefficient(factor):
     """Results depend on the time only as k v t, so that neither may be sure."""
@@ -90,6 +92,7 @@ def test_a_column_of_times_in_other_units_cannot_be_told_from_a_wear_coefficient
     assert f"the column time is {factor:.4g} times ours" in found[0].words
 
 
+@pytest.mark.slow
 def test_a_column_of_radii_in_other_units_is_named():
     first, *others = in_other_units("radius", 1e-3)
     assert (first.name, first.size) == ("units of radii", pytest.approx(1e3))

@@ -241,6 +241,7 @@ def test_a_refinement_of_known_order(sizes, order, off, honest):
     assert checked.passes == (abs(off + finest) <= 0.01)
 
 
+@pytest.mark.slow
 def test_a_refinement_that_stalls(tmp_path, capsys):
     files = []
     for size in (0.2, 0.1, 0.05, 0.025):
@@ -378,6 +379,7 @@ def test_errors_are_saved_before_mistakes_are_tried(tmp_path, monkeypatch):
     assert load(tmp_path / "out").of_others == ("abaqus",)
 
 
+@pytest.mark.slow
 def test_a_check_has_our_result_theirs_and_mistakes():
     """Its attributes are few, and each says what it is."""
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)

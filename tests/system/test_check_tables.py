@@ -129,6 +129,7 @@ def test_a_misspelt_quantity_gets_the_right_name_as_a_suggestion():
         checked.result.error("presure")
 
 
+@pytest.mark.slow
 def test_a_column_of_nan_is_refused_and_an_empty_one_reported(tmp_path, caplog):
     """A program that has failed may write a table of NaN; an empty column was not filled in."""
     rows = pd.DataFrame({"time": 0.1, "radius": [0.1, 0.3, 0.5], "profile": 0.05})

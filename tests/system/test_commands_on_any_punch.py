@@ -46,6 +46,7 @@ def write_scene(scene, folder):
     return str(path)
 
 
+@pytest.mark.slow
 def test_files_of_a_recessed_punch(tmp_path):
     out = tmp_path / "out"
     assert main(["run", write_scene(RECESSED, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
@@ -93,6 +94,7 @@ def test_a_face_too_rough_for_the_cells_ends_with_status_3(tmp_path):
     assert main([*command, "--out", str(tmp_path / "out")]) == 3
 
 
+@pytest.mark.slow
 def test_files_of_a_washer_and_its_free_surface(tmp_path):
     assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
     files = {file.name for file in (tmp_path / "run").iterdir()}

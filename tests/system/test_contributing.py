@@ -55,6 +55,7 @@ def add_inner_force(patch, factor):
     patch.setattr(checks, "CHECKS", (*checks.CHECKS, check))
 
 
+@pytest.mark.slow
 def test_a_quantity_needs_its_definition_its_value_and_an_anchor(monkeypatch, tmp_path):
     named = files_named_for("a quantity")
     assert named[:2] == ["studies/crosscheck/problem/quantities.py", "studies/crosscheck/anchors/"]

@@ -51,6 +51,7 @@ def errors(rows, quantity, when="all"):
     return rows[(rows["quantity"] == quantity) & (rows["when"] == when)]["error"].to_numpy()
 
 
+@pytest.mark.slow
 def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
     results = study(
         "convergence",
@@ -77,6 +78,7 @@ def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
     assert axes.get_xlabel() in ("", "unknowns")
 
 
+@pytest.mark.slow
 def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_path):
     out, options = tmp_path / "out", []
     for file in files:
@@ -99,6 +101,7 @@ def test_chosen_quantities_are_tabulated_and_drawn(sequence):
     assert set(results.table["quantity"]) == {"pressure"}
 
 
+@pytest.mark.slow
 def test_an_element_from_the_command_line(tmp_path):
     options = ["--element", "ElementTriP2B", "--quick", "--out", str(tmp_path)]
     assert main(["study", "convergence", "flat_punch", *options]) == 0
@@ -189,6 +192,7 @@ def test_the_error_of_a_user_function_names_it(files, tmp_path, capsys):
     assert "quantity fails fails: AttributeError" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_force_of_a_fixed_indentation_is_measured():
     load = {"indentation": 1.0}
     scene = Scene.load("five_rings").changed(load=load, wear__times=[0.0, 0.1, 1.0], punch__rings=2)

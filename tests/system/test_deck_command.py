@@ -29,6 +29,7 @@ def run_calculix(folder, job):
     return read_dat(folder / f"{job}.dat")
 
 
+@pytest.mark.slow
 @RUN
 def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
     """The flat start is Boussinesq's, F = 2 a E* d, reduced by the effect of the clamped arc."""
@@ -51,6 +52,7 @@ def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
     np.testing.assert_allclose(pressed.displacement, pressed.indentation, rtol=5e-3)
 
 
+@pytest.mark.slow
 @RUN
 @pytest.mark.gmsh
 def test_decks_of_layers_run_and_are_read_back(tmp_path):
@@ -164,6 +166,7 @@ def test_a_scene_without_a_deck_is_refused_in_one_line(tmp_path, capsys):
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("flags", "rows"),
     [

@@ -52,6 +52,7 @@ def test_one_method_has_no_difference():
     assert "difference" not in alone.plots
 
 
+@pytest.mark.slow
 def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
     scene = Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-2)
     result = run(scene)

@@ -129,6 +129,7 @@ def test_hollow_punches_and_punches_of_many_rings_are_refused(scene, message):
         study("elements", scene, quick=True, elements=[ElementTriP1()])
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_names_of_elements_of_one_class_have_their_degree():
     elements = [ElementQuadP(2), ElementQuadP(3), ElementTriP1B()]

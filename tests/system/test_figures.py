@@ -53,6 +53,7 @@ def named(figure, label):
     return [artist for artist in artists if artist.get_label() == label]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["worn", "grooved"])
 def test_nothing_overlaps_and_numbers_are_short(scene, request):
     result = request.getfixturevalue(scene)

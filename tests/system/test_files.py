@@ -271,6 +271,7 @@ def test_mesh_command(tmp_path, capsys):
     assert ("triangles" if WITHOUT_GMSH else "quadrilaterals") in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_plan_and_scenes_write_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["plan", "rubber"]) == main(["scenes"]) == 0

@@ -82,6 +82,7 @@ def test_a_run_that_does_not_end_leaves_the_old_files(
     assert contents(out) == before
 
 
+@pytest.mark.slow
 def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
     lost, savefig = {"half_space.vtu", "steady_state.png", "stress.png"}, Figure.savefig
 

@@ -116,6 +116,7 @@ def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
     assert (tmp_path / "out" / "results.nc").exists()
 
 
+@pytest.mark.slow
 def test_csv_cells_are_not_formulas(tmp_path, monkeypatch):
     """Titles of scenes and names of other programs that a spreadsheet would compute are texts."""
     monkeypatch.chdir(tmp_path)

@@ -48,6 +48,7 @@ def count_that_fits(error):
     return int(text.partition("give at most ")[2].partition(" of the ")[0])
 
 
+@pytest.mark.slow
 def test_a_million_times_are_refused_with_the_number_that_fits():
     limit = 8.0
     scene = with_times(FIVE, 1_000_000)
@@ -127,6 +128,7 @@ def million_rows(kind):
     return table.assign(radius=radii, pressure=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["times", "radii", "depths"])
 def test_a_table_of_a_million_times_is_refused_with_the_number_that_fits(kind):
     """The limit is far below what a million times need, and no array of that size is made."""

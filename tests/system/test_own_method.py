@@ -74,6 +74,7 @@ class WithoutEstimate(Method):
         return replace(solution, errors=errors)
 
 
+@pytest.mark.slow
 def test_results_of_a_method_without_an_error_estimate_are_saved(tmp_path):
     scene = Scene.load("flat_punch").changed(accuracy__rtol=1e-2)
     result = run(scene, methods=["mdr", WithoutEstimate()])

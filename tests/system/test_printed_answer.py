@@ -72,6 +72,7 @@ def test_the_answer_is_printed_first(five, flags, tmp_path, capsys):
     assert flags or len(output.splitlines()) < 16
 
 
+@pytest.mark.slow
 def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, capsys):
     """Fields that are left out of the promise, at times exactly as in the scene, are no failure."""
     scene = Scene.load("duty_cycle")

@@ -69,6 +69,7 @@ def test_a_run_has_only_the_quantities_of_the_scene(names):
         assert "all other quantities" in result.summary["left_out"]
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("names", [PAIR, ["indentation"]], ids=str)
 @pytest.mark.parametrize("rtol", [1e-1, 1e-4, 1e-6])
@@ -91,6 +92,7 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
         assert fewer * alone.solutions["fem"].unknowns < whole(rtol).solutions["fem"].unknowns
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     ("scene", "name"),

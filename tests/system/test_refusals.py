@@ -133,6 +133,7 @@ def without_methods(changes):
     return Scene.from_table(table)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", WITHOUT_METHODS)
 def test_a_scene_without_methods_is_solved_by_those_that_can(case, tmp_path, monkeypatch, capsys):
     changes, omitted, words = WITHOUT_METHODS[case]
@@ -203,6 +204,7 @@ LAYERED = Scene(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_a_depth_of_the_output_is_refused_with_what_works_on_layers(tmp_path):
     """20 mm are 4 punch radii; the remedy writes all of a mesh of that radius."""

@@ -99,6 +99,7 @@ def test_saved_results_are_read_back_exactly(result, saved):
     assert repr(read) == repr(result)
 
 
+@pytest.mark.slow
 def test_each_array_and_each_entry_has_a_checksum(saved, tmp_path):
     entries = json.loads((saved / "summary.json").read_text("utf-8"))
     recorded = entries.pop("checksums")

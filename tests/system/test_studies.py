@@ -96,6 +96,7 @@ sys.exit(main(["study", "march", "--out", sys.argv[1]]))
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_in_a_study_keeps_rows_and_sets_the_exit_status(tmp_path):
     arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:

@@ -247,6 +247,7 @@ def test_a_dry_run_predicts_scenes_bytes_and_seconds(tmp_path, monkeypatch, caps
     assert os.listdir() == ["small.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rings", "largest"), [([40, 30, 3, 2], 40), ([2, 40, 3], 40)], ids=["first", "middle"]
 )

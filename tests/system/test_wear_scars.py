@@ -95,6 +95,7 @@ def test_a_scene_without_a_speed_has_distances_as_times():
     assert without.estimates.value[WEAR] == pytest.approx(with_speed.estimates.value[WEAR])
 
 
+@pytest.mark.slow
 def test_another_program_may_give_distances():
     result = ringwear.run("flat_punch", methods=["mdr"]).dataset
     table = pd.DataFrame(
@@ -139,6 +140,7 @@ def test_what_has_no_meaning_is_refused(scene, data, how, words):
         ringwear.fit(scene, data, **({"parameters": WEAR, "noise": 0.1} | how))
 
 
+@pytest.mark.slow
 def test_the_command_reads_cycles(tmp_path, capsys):
     (tmp_path / "ball.toml").write_text(BALL.to_toml(), "utf-8")
     (tmp_path / "scar.csv").write_text("cycles, scar_diameter [um]\n50000, 2080\n", "utf-8")

@@ -67,7 +67,7 @@ def kernel(x: Array, poisson_ratio: float) -> Array:
     y = 2 * x[long]
     remainder = sum(y**n / factorial(n) for n in range(3, 24, 2))
     above[long] = (2 * (kappa - 1) * y + 2 * kappa * remainder) * e[long]
-    return np.asarray(above / below)
+    return above / below
 
 
 def pressed_to(ball: Ball, contact_radius: float, radius: float) -> Pressed:

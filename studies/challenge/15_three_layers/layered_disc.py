@@ -127,7 +127,7 @@ def _amplitudes(layers: Sequence[Layer], s: Array) -> Array:
     rows_scale = np.abs(system).max(axis=2, keepdims=True)
     columns_scale = np.abs(system / rows_scale).max(axis=1, keepdims=True)
     scaled = np.linalg.solve(system / rows_scale / columns_scale, load / rows_scale)
-    return np.asarray(scaled[..., 0] / columns_scale[:, 0])
+    return scaled[..., 0] / columns_scale[:, 0]
 
 
 def _half_space_amplitudes(poisson_ratio: float, s: Array) -> Array:

@@ -57,7 +57,7 @@ def greatest_by_many_rings(reading: Reading) -> Extrapolated:
     """Return the greatest steady displacement."""
 
     def greatest(edges: Array, pressures: Array) -> Array:
-        return np.asarray(direct.greatest_displacement(edges, pressures, reading.ground))
+        return direct.greatest_displacement(edges, pressures, reading.ground)
 
     return _extrapolated(reading, greatest)
 

@@ -144,7 +144,7 @@ class Reading:
             assert self.coefficients is not None
             ring = np.searchsorted(self.edges, radii, side="right") - 1
             values = self.coefficients[np.clip(ring, 0, len(self.coefficients) - 1)]
-        return np.asarray(values / self.units.wear_coefficient)
+        return values / self.units.wear_coefficient
 
     @cached_property
     def inverse_wear(self) -> Array:
@@ -220,7 +220,7 @@ class Reading:
         heights = self.recess[ring]
         if self.profile is not None:
             heights = heights + _heights(self.profile, radii * self.units.length, self.units.length)
-        return np.asarray(heights / self.units.displacement)
+        return heights / self.units.displacement
 
     def load(self, times: Array) -> tuple[Array, Array, Array]:
         """Return force, sliding distance and work (the integral of force over distance) at times.
@@ -259,7 +259,7 @@ def _integrals_over_wear(ends: Array, wear: Array) -> Array:
     factors = 1 / (1 + np.outer(np.where(small, change, 0.0), nodes))
     mean = np.where(small, factors @ weights, mean)
     mean_of_s = np.where(small, factors @ (weights * nodes), mean_of_s)
-    return np.asarray(2 * np.pi * width * (ends[0] * mean + width * mean_of_s) / wear[0])
+    return 2 * np.pi * width * (ends[0] * mean + width * mean_of_s) / wear[0]
 
 
 def _plane_strain_modulus(material: TomlTable) -> float:
@@ -310,7 +310,7 @@ def _parabola(profile: TomlTable, radii: Array) -> Array:
 def _ball(profile: TomlTable, radii: Array) -> Array:
     ball = profile["ball_radius"]
     # R (1 - cos(x)) = 2 R sin(x/2)^2, without cancellation
-    return np.asarray(2 * ball * np.sin(np.arcsin(radii / ball) / 2) ** 2)
+    return 2 * ball * np.sin(np.arcsin(radii / ball) / 2) ** 2
 
 
 def _truncated_cone(profile: TomlTable, radii: Array) -> Array:
@@ -342,7 +342,7 @@ def _rounded_rim(profile: TomlTable, radii: Array) -> Array:
 def _table(profile: TomlTable, radii: Array) -> Array:
     from scipy.interpolate import pchip_interpolate  # imported here: only tables need it
 
-    return np.asarray(pchip_interpolate(profile["radii"], profile["heights"], radii))
+    return pchip_interpolate(profile["radii"], profile["heights"], radii)
 
 
 # Functions that return the heights of a profile at radii, by its kind. Their arguments are the

@@ -158,7 +158,7 @@ class Reported:
         """(T, R) whether the radii of the face are in contact."""
         if self.full_contact:
             return np.ones(self.shape.shape, dtype=bool)
-        return np.asarray(self.take("pressure") > 0)
+        return self.take("pressure") > 0
 
     @cached_property
     def force(self) -> Array:
@@ -183,7 +183,7 @@ class Reported:
         if self.full_contact:
             return np.zeros(len(self.times))
         largest = (self.take("pressure") * self.face.areas).max(axis=1)
-        return np.asarray(EDGE_QUADRATURE_FACTOR * largest + self.too_few_radii)
+        return EDGE_QUADRATURE_FACTOR * largest + self.too_few_radii
 
     @cached_property
     def area(self) -> float:
@@ -224,7 +224,7 @@ class Reported:
     @cached_property
     def steady_pressures(self) -> Array:
         """(N,) steady pressures of the rings that are modelled, under the force 1 (Eq. 24)."""
-        return np.asarray(self.steady_wear_rate / self.problem.merged.wear_coefficients[0])
+        return self.steady_wear_rate / self.problem.merged.wear_coefficients[0]
 
     def steady_displacement(self, radii: Array) -> Array:
         """Return the steady displacement at radii, in closed form (Eq. 21)."""
@@ -261,12 +261,12 @@ class Reported:
 
     def take_steady_pressure(self, name: str) -> Array:
         """Return an extreme of the steady pressure on each ring, per unit of the last force."""
-        return np.asarray(self.take(name)[1] / self._last_force)
+        return self.take(name)[1] / self._last_force
 
     @property
     def steady_profile_on_face(self) -> Array:
         """(R,) the steady profile over the face, per unit of the last force."""
-        return np.asarray(self.solution.compared["steady_profile"] / self._last_force)
+        return self.solution.compared["steady_profile"] / self._last_force
 
     def errors(self, *names: str) -> Array:
         """Return the method's error estimates (names, ...) of some quantities."""
@@ -280,7 +280,7 @@ class Reported:
 
     def allowed(self, *names: str) -> Array:
         """Return `rtol` plus the sum of the method's error estimates (...) of some quantities."""
-        return np.asarray(self.rtol + self.errors(*names).sum(axis=0))
+        return self.rtol + self.errors(*names).sum(axis=0)
 
     def allowed_in_balances(self, *names: str) -> Array:
         """Return what is allowed in balances of whole fields of a moving contact, or `allowed`.

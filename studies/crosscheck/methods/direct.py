@@ -96,7 +96,7 @@ class ClosedForm:
     @property
     def pressure(self) -> Array:
         """(R,) contact pressure."""
-        return np.asarray(self.pressures[ring_of(self.problem.merged.ring_edges, self.radii)])
+        return self.pressures[ring_of(self.problem.merged.ring_edges, self.radii)]
 
     @property
     def displacement(self) -> Array:
@@ -108,7 +108,7 @@ class ClosedForm:
     def wear_rate(self) -> Array:
         """() rate at which height is lost."""
         speed = self.problem.loading.speeds[-1]
-        return np.asarray(speed * self.problem.merged.wear_coefficients[0, -1] * self.pressures[-1])
+        return speed * self.problem.merged.wear_coefficients[0, -1] * self.pressures[-1]
 
 
 def _solution(problem: Problem, pressures: Array, greatest: float, slope: float) -> Solution:
@@ -133,7 +133,7 @@ def _solution(problem: Problem, pressures: Array, greatest: float, slope: float)
         np.fmax(greatest, 4 / np.pi**2 * force)
     )
     results = sample(problem.radii)
-    errors = dict.fromkeys(results, np.asarray(roundoff))
+    errors: Results = dict.fromkeys(results, np.asarray(roundoff))
     # without fields, sampling on the face would only compute the same scalars again
     fields = {"steady_pressure", "steady_profile"} & results.keys()
     compared = sample(problem.face.radii) if fields else results

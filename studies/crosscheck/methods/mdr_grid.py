@@ -13,6 +13,7 @@ from ....mdr.direct import steady_pressures
 from ....mdr.uniform_grid import UniformGrid
 from ....meshes.pressure_space import PressureSpace
 from ....meshes.radial import Array
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import GROUPS, differences
 from ..problem.refusal import Feature, Refusal
@@ -122,7 +123,7 @@ class MdrGrid(Method):
             # An error of first order doubles on the coarser grid, so that it equals the difference.
             # Slopes and jumps at ring edges converge with order 1/2.
             unresolved = _unresolved_wear(problem, count)
-            errors = {
+            errors: Results = {
                 name: _factor(name) * unresolved * _largest_nearby(difference)
                 for name, difference in quantity_differences.items()
             }

@@ -239,7 +239,7 @@ class Face:
         radii[-1] = 1 - size[-1] * ((1 - self._local) / 2) ** 2
         if self.inner_radius:
             radii[0] = inner[0] + size[0] * ((1 + self._local) / 2) ** 2
-        return np.asarray(radii.ravel())
+        return radii.ravel()
 
     @cached_property
     def lengths(self) -> Array:
@@ -249,7 +249,7 @@ class Face:
         lengths[-1] *= 1 - self._local
         if self.inner_radius:
             lengths[0] *= 1 + self._local
-        return np.asarray(lengths.ravel())
+        return lengths.ravel()
 
     @cached_property
     def areas(self) -> Array:
@@ -264,8 +264,8 @@ class Face:
         """
         rim_factor = (1 - self.radii) * (1 + self.radii)
         if not self.inner_radius:
-            return np.asarray(rim_factor)
-        return np.asarray(rim_factor * (self.radii - self.inner_radius) / self.radii)
+            return rim_factor
+        return rim_factor * (self.radii - self.inner_radius) / self.radii
 
     @cached_property
     def ring(self) -> Indices:
@@ -285,7 +285,7 @@ class Face:
     def ring_sums(self, values: Array) -> Array:
         """Return the sums (T, N) of values (T, R) over each ring."""
         starts = np.flatnonzero(np.diff(self.ring, prepend=-1))
-        return np.asarray(np.add.reduceat(values, starts, axis=-1))
+        return np.add.reduceat(values, starts, axis=-1)
 
     def _coefficients(self, values: Array) -> Array:
         """Return Legendre coefficients (POINTS, ..., n) of values (..., R) in each element."""
@@ -349,7 +349,7 @@ class Face:
         weights = np.tile(gauss(POINTS)[1], len(self.breakpoints) - 1)
         coefficients = np.abs(self._coefficients(parts / weights))
         greatest = np.maximum(coefficients.max(axis=0), np.finfo(float).tiny)
-        return np.asarray((coefficients[-2:].sum(axis=0) ** 2 / greatest).sum(axis=-1))
+        return (coefficients[-2:].sum(axis=0) ** 2 / greatest).sum(axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

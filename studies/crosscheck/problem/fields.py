@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validat
 
 # nested tables as read from TOML; values have any type until a scene validates them
 TomlTable = dict[str, Any]
-Height = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Height = Callable[[NDArray[np.floating]], NDArray[np.floating]]
 
 
 def check_increasing(values: list[float]) -> list[float]:
@@ -164,37 +164,6 @@ class Power(ProfileSection):
         return lambda radii: self.coefficient * np.abs(radii / punch_radius) ** self.exponent
 
 
-class RoundedRim(ProfileSection):
-    """Heights f = (r - b)^2 / (2 R) beyond the flat radius b, and 0 inside it."""
-
-    kind: Literal["rounded_rim"]
-    flat_radius: Annotated[NotNegative, Unit("length")] = Field(
-        description="the radius b inside which the face is flat"
-    )
-    curvature_radius: Annotated[Positive, Unit("length")] = Field(
-        description="the radius of curvature R, a positive length"
-    )
-
-    @property
-    def kinks(self) -> list[float]:
-        """The flat radius, at which the curvature jumps."""
-        return [self.flat_radius]
-
-    def check_fit(self, punch_radius: float, inner_radius: float) -> None:
-        """Raise ValueError if the flat radius is not below the punch radius."""
-        if self.flat_radius >= punch_radius:
-            raise ValueError(
-                f"profile.flat_radius = {self.flat_radius} leaves nothing to round: give less than "
-                f"{punch_radius}"
-            )
-
-    def height_over(self, punch_radius: float) -> Height:
-        """Return the function of radii that gives the heights."""
-        return lambda radii: (
-            np.maximum(radii - self.flat_radius, 0.0) ** 2 / (2 * self.curvature_radius)
-        )
-
-
 class Ball(ProfileSection):
     """A ball with its exact circular section; a `parabola` is the usual approximation."""
 
@@ -221,8 +190,8 @@ class Ball(ProfileSection):
         )
 
 
-class Truncated(ProfileSection):
-    """A face that is flat inside a radius, at which the slope jumps."""
+class FlatCentre(ProfileSection):
+    """A face that is flat inside a radius, at which the slope or the curvature jumps."""
 
     flat_radius: Annotated[Positive, Unit("length")] = Field(
         description="the radius b inside which the face is flat"
@@ -230,7 +199,7 @@ class Truncated(ProfileSection):
 
     @property
     def kinks(self) -> list[float]:
-        """The flat radius, at which the slope jumps."""
+        """The flat radius."""
         return [self.flat_radius]
 
     def check_fit(self, punch_radius: float, inner_radius: float) -> None:
@@ -242,7 +211,25 @@ class Truncated(ProfileSection):
             )
 
 
-class TruncatedCone(Truncated):
+class RoundedRim(FlatCentre):
+    """Heights f = (r - b)^2 / (2 R) beyond the flat radius b, and 0 inside it."""
+
+    kind: Literal["rounded_rim"]
+    flat_radius: Annotated[NotNegative, Unit("length")] = Field(
+        description="the radius b inside which the face is flat"
+    )
+    curvature_radius: Annotated[Positive, Unit("length")] = Field(
+        description="the radius of curvature R, a positive length"
+    )
+
+    def height_over(self, punch_radius: float) -> Height:
+        """Return the function of radii that gives the heights."""
+        return lambda radii: (
+            np.maximum(radii - self.flat_radius, 0.0) ** 2 / (2 * self.curvature_radius)
+        )
+
+
+class TruncatedCone(FlatCentre):
     """Heights f = slope * (r - b) beyond the flat radius b, and 0 inside it."""
 
     kind: Literal["truncated_cone"]
@@ -253,7 +240,7 @@ class TruncatedCone(Truncated):
         return lambda radii: self.slope * np.maximum(radii - self.flat_radius, 0.0)
 
 
-class TruncatedParaboloid(Truncated):
+class TruncatedParaboloid(FlatCentre):
     """Heights f = (r^2 - b^2) / (2 R) beyond the flat radius b, and 0 inside it."""
 
     kind: Literal["truncated_paraboloid"]

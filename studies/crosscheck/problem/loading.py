@@ -168,7 +168,7 @@ class Loading:
         pairs = zip(distances.tolist(), knots.tolist(), strict=True)
         with np.errstate(divide="ignore", invalid="ignore"):
             times = np.array([self.time_at(distance, knot) for distance, knot in pairs])
-        return np.asarray(np.where(np.isfinite(times), times, np.nan))
+        return np.where(np.isfinite(times), times, np.nan)
 
     def time_at(self, distance: float, knot: int) -> float:
         """Return the time at which a sliding distance is reached between a knot and the next."""

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
 Results = dict[str, Array]
 """Values by the names of quantities."""
 Values = Mapping[str, Array]
@@ -97,7 +97,7 @@ class Norm:
         value, other = _common_values(name, values, reference)
         # every method has an infinite pressure at the rim of a flat punch: no difference
         same = np.isinf(value) & (value == other)
-        return np.asarray(np.abs(np.where(same, 0.0, value) - np.where(same, 0.0, other)))
+        return np.abs(np.where(same, 0.0, value) - np.where(same, 0.0, other))
 
     def size(self, name: str, reference: Values, face: Face) -> Array:
         """Return the size to which differences are relative, which broadcasts with the gaps."""
@@ -132,13 +132,13 @@ class PressureNorm(Norm):
     def gaps(self, name: str, values: Values, reference: Values, face: Face) -> Array:
         """Return the absolute differences, times the root of the weight at times without wear."""
         value, other = _common_values(name, values, reference)
-        return np.asarray(np.abs(value - other) * np.sqrt(_edge_factors(other, reference, face)))
+        return np.abs(value - other) * np.sqrt(_edge_factors(other, reference, face))
 
     def size(self, name: str, reference: Values, face: Face) -> Array:
         """Return the root mean square of the pressure, times the root of that weight."""
         weights = face.weights * _edge_factors(reference[name], reference, face)
         squares = np.sum(weights * reference[name] ** 2, axis=-1, keepdims=True)
-        return np.asarray(np.sqrt(squares / face.weights.sum()))
+        return np.sqrt(squares / face.weights.sum())
 
     def difference(
         self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: Face
@@ -197,7 +197,7 @@ class HeightNorm(Norm):
             np.divide(_largest(gaps), height, out=np.zeros(len(height)), where=height > 0)
             for gaps in (even, whole)
         ]
-        return np.asarray(np.max([rest, *relative], axis=0))
+        return np.max([rest, *relative], axis=0)
 
 
 def _grows(name: str, reference: Values, face: Face) -> bool:
@@ -225,8 +225,8 @@ def _parts(name: str, values: Values, reference: Values, face: Face) -> tuple[Ar
         each.reshape(len(each), -1) @ weights for each in (reference[name], whole)
     )
     ratio = np.divide(mean_difference, mean, out=np.zeros_like(mean), where=even_wear > 0)
-    even = even_wear * ratio
-    return even, (whole.T - even).T
+    proportional = even_wear * ratio
+    return proportional, (whole.T - proportional).T
 
 
 def _common_values(name: str, values: Values, reference: Values) -> tuple[Array, Array]:
@@ -278,7 +278,7 @@ def _force(_: Array, reference: Values, __: object) -> Array:
 
 
 def _all_rings(value: Array, *_: object) -> Array:
-    return np.asarray(np.abs(value).sum(axis=-1, keepdims=True))
+    return np.abs(value).sum(axis=-1, keepdims=True)
 
 
 def _all_rings_or_depth(value: Array, reference: Values, face: Face) -> Array:

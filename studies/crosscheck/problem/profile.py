@@ -91,13 +91,13 @@ class InitialProfile:
             kinks = np.append(0.0, kinks)
             jumps = np.append(2 * self._slopes_beside(np.zeros(1), 1), jumps)
         least = LEAST_CREASE * float(np.ptp(self.sampled()[1]))
-        return np.asarray(kinks[np.abs(jumps) > least])
+        return kinks[np.abs(jumps) > least]
 
     def _slopes_beside(self, radii: Array, side: int) -> Array:
         """Return the slopes at radii, extrapolated from the side outside (1) or inside (-1)."""
         ring, step = ring_of(self.ring_edges, radii), side * CREASE_STEP
         near, middle, far = (self.in_ring(radii + count * step, ring) for count in (1, 2, 4))
-        return np.asarray((2 * (middle - near) - (far - middle) / 2) / step)
+        return (2 * (middle - near) - (far - middle) / 2) / step
 
     @property
     def flat(self) -> bool:
@@ -184,7 +184,7 @@ def _cubic_residuals(profile: InitialProfile, starts: Array, width: float) -> Ar
     cubics = np.vander(local, 4)
     projection = np.eye(POINTS) - cubics @ np.linalg.pinv(cubics)
     heights = profile(starts[:, None] + width * local)
-    return np.asarray(np.abs(heights @ projection).max(axis=1))
+    return np.abs(heights @ projection).max(axis=1)
 
 
 FLAT = InitialProfile(np.array([0.0, 1.0]), np.zeros(1))

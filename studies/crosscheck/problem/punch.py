@@ -207,7 +207,7 @@ class PunchSection(Section):
         else:
             edges = np.array([self.inner_radius, *self.ring_edges]) / self.radius
         edges[-1] = 1.0
-        return np.asarray(edges)
+        return edges
 
     def unworn(self, ring_edges: Array, unit: float) -> InitialProfile:
         """Return the face before wear, non-dimensional.

@@ -476,7 +476,7 @@ def ring_worn_volume(state: State) -> Array:
 @over_time("", "length", "outermost radius of contact", RADIUS, cells="unresolved")
 def contact_radius(state: State) -> Array:
     """Return the outermost radius (T,) of contact; 0 without contact."""
-    return np.asarray(np.nanmax(state.contact_edges, axis=1, initial=0.0))
+    return np.nanmax(state.contact_edges, axis=1, initial=0.0)
 
 
 @over_time(

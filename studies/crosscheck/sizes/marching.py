@@ -14,7 +14,7 @@ def steps_between(times: Array, step: float) -> Array:
 
     The first is the number of steps from 0 to the first time.
     """
-    return np.asarray(np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12)))
+    return np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12))
 
 
 def why_too_many_steps(count: float, remedy: str, max_steps: int = MOST_STEPS[True]) -> str:

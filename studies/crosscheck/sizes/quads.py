@@ -120,7 +120,7 @@ def largest_under_face(problem: Problem) -> Array:
     """
     waves = shortest_slow_waves(problem)
     with np.errstate(divide="ignore"):
-        return np.asarray(PHASE_PER_DEGREE * quad_degree(problem) / waves)
+        return PHASE_PER_DEGREE * quad_degree(problem) / waves
 
 
 def quad_degree(problem: Problem) -> int:

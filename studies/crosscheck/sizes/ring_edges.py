@@ -101,7 +101,7 @@ def edge_sizes(problem: Problem) -> Array:
     )
     sizes = np.minimum(sizes, pressure_sizes)
     kink_sizes = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * widths
-    return np.asarray(np.where(problem.merged.smooth, np.maximum(sizes, kink_sizes), sizes))
+    return np.where(problem.merged.smooth, np.maximum(sizes, kink_sizes), sizes)
 
 
 def rim_size(problem: Problem, fields: Problem) -> float:
@@ -140,7 +140,7 @@ def ring_sizes(problem: Problem, fields: Problem) -> Array:
     if problem.inner_radius:
         scale = min(1.0, HOLE_SIZE_PER_RING_WIDTH * float(problem.merged.narrower[0]))
         sizes[0] = min(sizes[0], rim_size(problem, fields) * scale)
-    return np.asarray(2.0 ** np.floor(np.log2(sizes)))
+    return 2.0 ** np.floor(np.log2(sizes))
 
 
 def smallest_size(problem: Problem, roundoff: float) -> float:

@@ -84,7 +84,7 @@ def triangle_ring_sizes(problem: Problem) -> Array:
     wanted = np.minimum(size_per_width * narrower, worn_length)
     if problem.inner_radius:
         wanted[0] = min(TRIANGLE_SIZE_AT_RIM * rtol, float(narrower[0]) / MIN_TRIANGLES_ACROSS_RING)
-    return np.asarray(2.0 ** np.floor(np.log2(wanted)))
+    return 2.0 ** np.floor(np.log2(wanted))
 
 
 def triangle_degree(problem: Problem) -> int:

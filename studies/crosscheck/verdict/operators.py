@@ -140,7 +140,7 @@ def _energy_differences(first: Compliance, second: Compliance, pressures: Array)
     )
     # at a fixed indentation the pressure decays to zero: the difference is then 0
     ratios = np.divide(energy, reference, out=np.ones(len(pressures)), where=reference > 0)
-    return np.asarray(np.abs(ratios - 1))
+    return np.abs(ratios - 1)
 
 
 def _over_rings(first: Compliance, second: Compliance) -> float:

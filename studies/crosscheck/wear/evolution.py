@@ -247,7 +247,7 @@ class Evolution:
         under a constant load.
         """
         since = np.inf if self.punch.loading.varies else self.time_of_full_contact
-        return np.asarray(times > since + SETTLED * self.punch.slowest_time)
+        return times > since + SETTLED * self.punch.slowest_time
 
     def remaining(self, times: Array) -> Array:
         """Return the remaining change to the steady state (T,), under a constant load.

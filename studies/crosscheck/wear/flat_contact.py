@@ -136,8 +136,8 @@ def _start_series(inner_radius: float, count: int, ground: Ground) -> tuple[Arra
         return series, 2 * np.pi * series[0]
     from ....mdr.annulus import flat_annulus_series  # full punches do not need it
 
-    series = flat_annulus_series(inner_radius, count, ground)
-    return series, 2 * np.pi**2 * series[0]
+    of_annulus = flat_annulus_series(inner_radius, count, ground)
+    return of_annulus, 2 * np.pi**2 * of_annulus[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ class FittedPress:
     def ring_forces(self, ring_edges: Array) -> Array:
         """Return the force on each of the N rings between edges (N+1,)."""
         scaled = np.minimum(ring_edges / self.radius, 1.0)
-        return np.asarray(self.radius**2 * self.space.ring_forces(scaled) @ self.pressure)
+        return self.radius**2 * self.space.ring_forces(scaled) @ self.pressure
 
 
 @lru_cache(maxsize=8)

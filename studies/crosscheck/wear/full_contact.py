@@ -148,7 +148,7 @@ class RunningIn:
 
     def _pressures_from_rates(self, rates: Array) -> Array:
         """Return pressures (..., size) from wear rates in orthonormal coordinates (..., n)."""
-        return np.asarray(self._mass.backward(rates.T).T @ self._rates_to_pressures.T)
+        return self._mass.backward(rates.T).T @ self._rates_to_pressures.T
 
     @cached_property
     def _continuous_mass(self) -> SuperLU:
@@ -171,7 +171,7 @@ class RunningIn:
             coefficients = self._continuous_mass.solve(self._mass.multiply(moments.T))
         else:
             coefficients = self._mass.backward(moments.T)
-        return np.asarray(coefficients.T @ self._rates_to_profiles.T)
+        return coefficients.T @ self._rates_to_profiles.T
 
     def _profiles_from_moments(self, moments: Array) -> Array:
         """Return worn profiles (T, size) from their moments (T, n) in orthonormal coordinates.
@@ -355,7 +355,7 @@ class RunningIn:
             # reciprocity with the steady pressure p_s, int p_s dA = 1, gives d = p_s . A p + int f
             # p_s dA; the worn part of f contributes w int F dtau, because k p_s = w is constant,
             # and that is the even wear
-            depth = pressure @ steady.moments + np.sum(unworn * steady.pressure)
+            depth: Array = pressure @ steady.moments + np.sum(unworn * steady.pressure)
         else:
             depth = self.indentation * forces
             forces = pressure @ self.compliance.space.weights
@@ -375,7 +375,7 @@ class RunningIn:
         `moments` (size,) are those of the face; the amplitudes do not depend on its height.
         """
         modes = self.modes
-        return np.asarray(-(modes.shapes.T @ self._reduce(moments)) / modes.relaxation)
+        return -(modes.shapes.T @ self._reduce(moments)) / modes.relaxation
 
     def pressures_of_modes(self, amplitudes: Array) -> Array:
         """Return the pressures (..., size) that are sums of modes with amplitudes (..., m)."""

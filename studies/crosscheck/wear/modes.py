@@ -62,9 +62,7 @@ class Modes:
         The change is that of ``d(t) - w t`` with the steady wear rate w, or of ``d F(t)`` at a
         fixed indentation. It is a sum of decaying exponentials with positive coefficients.
         """
-        return np.asarray(
-            np.exp(-times[:, None] / self.relaxation) @ (self.amplitudes**2 * self.relaxation)
-        )
+        return np.exp(-times[:, None] / self.relaxation) @ (self.amplitudes**2 * self.relaxation)
 
     def time_until(self, remaining: float) -> float:
         """Return the time at which the remaining change falls to a value; NaN if it begins below.
@@ -102,7 +100,7 @@ class Modes:
         rises = np.flatnonzero(state.rise)
         mean_decays = mean_decay(exponents[rises], state.bend[rises])
         amplitudes[rises] += self.amplitudes * state.rise[rises, None] * mean_decays
-        return np.asarray(amplitudes)
+        return amplitudes
 
     def at_knots(self, loading: Loading) -> Array:
         """Return the amplitude of each mode (K, m) at the knots of a loading."""
@@ -157,20 +155,20 @@ def mean_decay(exponent: Array, bend: Array) -> Array:
 def _mean_of_little_decay(exponent: Array, bend: Array) -> Array:
     points, weights = unit_gauss(POINTS_OF_LITTLE_DECAY)
     paths = points * (1 + bend[:, None] * (1 - points))
-    return np.asarray(np.exp(-exponent[:, None] * paths) @ weights)
+    return np.exp(-exponent[:, None] * paths) @ weights
 
 
 def _mean_at_rising_speed(exponent: Array, bend: Array) -> Array:
     # exponent (u (1 + bend) - bend u^2) = end^2 - (end - root u)^2
     root, end = np.sqrt(exponent * bend), (1 + bend) * np.sqrt(exponent / bend) / 2
-    return np.asarray((dawsn(end) - np.exp(-exponent) * dawsn(end - root)) / root)
+    return (dawsn(end) - np.exp(-exponent) * dawsn(end - root)) / root
 
 
 def _mean_at_falling_speed(exponent: Array, bend: Array) -> Array:
     # exponent (u (1 + bend) - bend u^2) = (start + root u)^2 - start^2
     root, start = np.sqrt(-exponent * bend), (1 + bend) * np.sqrt(-exponent / bend) / 2
     difference = erfcx(start) - np.exp(-exponent) * erfcx(start + root)
-    return np.asarray(np.sqrt(np.pi) / 2 * difference / root)
+    return np.sqrt(np.pi) / 2 * difference / root
 
 
 def every_mode(
@@ -225,11 +223,11 @@ def slowest_times(energy: Array, weights: Array | None) -> Array:
     forceless = _forceless_compliance(energy, _reflection_axis(weights))
     size = len(forceless)
     if size <= 4 * SHOWN_RELAXATION_TIMES:
-        return np.asarray(eigh(forceless, eigvals_only=True)[::-1][:SHOWN_RELAXATION_TIMES])
+        return eigh(forceless, eigvals_only=True)[::-1][:SHOWN_RELAXATION_TIMES]
     # by default ARPACK starts from a random vector
     count, start = SHOWN_RELAXATION_TIMES, np.ones(size)
     times = eigsh(forceless, count, which="LA", v0=start, return_eigenvectors=False)
-    return np.asarray(np.sort(times)[::-1])
+    return np.sort(times)[::-1]
 
 
 def _reflection_axis(weights: Array | None) -> Array | None:
@@ -241,7 +239,7 @@ def _reflection_axis(weights: Array | None) -> Array | None:
         return None
     axis = weights / np.linalg.norm(weights)
     axis[0] += np.copysign(1.0, axis[0])
-    return np.asarray(axis / np.linalg.norm(axis))
+    return axis / np.linalg.norm(axis)
 
 
 def _forceless_compliance(energy: Array, axis: Array | None) -> Array:
@@ -254,7 +252,7 @@ def _forceless_compliance(energy: Array, axis: Array | None) -> Array:
     image = energy @ axis
     image -= (axis @ image) * axis
     reflected = energy - 2 * (np.outer(axis, image) + np.outer(image, axis))
-    return np.asarray(reflected[1:, 1:])
+    return reflected[1:, 1:]
 
 
 def excited_modes(

@@ -70,14 +70,14 @@ class Relaxing:
         modes, state = self.punch.running_in.modes, self._loading.at(times - self.start.time)
         decays = np.exp(-state.distance[:, None] / modes.relaxation)
         excited = modes.excite(self._knot_amplitudes[state.knot], state)
-        return np.asarray(excited + decays * self._amplitudes_of_face)
+        return excited + decays * self._amplitudes_of_face
 
     def _least_pressures(self, times: Array) -> Array:
         """Return the least pressure (T,) at times (T,)."""
         running_in = self.punch.running_in
         force = self._loading.at(times - self.start.time).force
         of_modes = running_in.pressures_of_modes(self._amplitudes(times))
-        return np.asarray((np.outer(force, running_in.steady.pressure) + of_modes).min(axis=1))
+        return (np.outer(force, running_in.steady.pressure) + of_modes).min(axis=1)
 
     @cached_property
     def _checks(self) -> list[Array]:

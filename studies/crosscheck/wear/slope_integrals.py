@@ -128,7 +128,7 @@ class _SmoothParts:
         ring = ring_of(self.profile.ring_edges, (inner + outer) / 2)
         step = np.minimum(STEP * np.minimum(radii - inner, outer - radii), MOST_STEP)
         narrow, wide = (self._difference(radii, factor * step, ring) for factor in (1.0, 2.0))
-        return np.asarray((4 * narrow - wide) / 3)
+        return (4 * narrow - wide) / 3
 
     def _difference(self, radii: Array, step: Array, ring: Indices) -> Array:
         """Return the central differences of the heights, over the rounded distances of radii."""
@@ -143,7 +143,7 @@ class _SmoothParts:
         slopes = [
             np.abs(self.slopes(self.ends + self.inwards * distance)) for distance in (near, far)
         ]
-        return np.asarray((far > POWER_LAW_REACH * near) & (slopes[0] > MOST_GROWTH * slopes[1]))
+        return (far > POWER_LAW_REACH * near) & (slopes[0] > MOST_GROWTH * slopes[1])
 
     def integral_at_end(self, side: int, power: int, weight: Callable[[Array], Array]) -> float:
         """Return the integral of a power of the slope, within NEAREST of the end of a side.

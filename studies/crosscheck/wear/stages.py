@@ -75,7 +75,7 @@ class ContactStages:
     @cached_property
     def _unworn_slopes(self) -> Array:
         """(E,) the same slopes of the unworn face."""
-        return np.asarray(self._slopes @ self.punch.space.projected(self.punch.moments))
+        return self._slopes @ self.punch.space.projected(self.punch.moments)
 
     def at(self, time: float) -> tuple[Load, float]:
         """Return the load at a time, and the integral of the force over the distance until then.

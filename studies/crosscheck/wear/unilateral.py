@@ -114,7 +114,7 @@ class Factor:
 
     def solve(self, right: Array) -> Array:
         """Return the pressures (nodes,) of the contact nodes that have the moments `right`."""
-        return np.asarray(dpotrs(self._cholesky, right)[0])
+        return dpotrs(self._cholesky, right)[0]
 
     def border(self, node: int) -> tuple[Array, Array]:
         """Return the bordering column of a node (nodes,), and the factor's solution for it.
@@ -187,7 +187,7 @@ class Contact:
         self.matrix, self.weights = matrix, weights
         self._contact: Mask | None = None
         self._system: BorderedSystem | None = None
-        self._weights_solution = np.empty(0)
+        self._weights_solution: Array = np.empty(0)
 
     def _system_for(self, contact: Mask, refactorise: bool = False) -> BorderedSystem:
         """Return the system of a contact and store it; `refactorise` forces a new factorisation."""

@@ -3,8 +3,6 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import numpy as np
-
 from ....meshes.compliance import Compliance
 from ....meshes.pressure_space import PressureSpace
 from ....meshes.radial import Array
@@ -20,6 +18,7 @@ class WearingPunch:
     `evolve` returns its states over time. In the example, the punch is a paraboloid, and the worn
     volume is k F t.
 
+    >>> import numpy as np
     >>> from ringwear import ContactCells, energy, evolve
     >>> space = ContactCells((0.0, 1.0), largest=0.05, edge_size=0.01).space()
     >>> heights = space.mass() @ space.at_vertices(np.ones(1)) ** 2  # of a flat face
@@ -89,4 +88,4 @@ class WearingPunch:
             return force
         steady = self.running_in.steady
         limit = steady.pressure @ (self.load.force * steady.moments + self.moments)
-        return np.asarray(depth - limit)
+        return depth - limit

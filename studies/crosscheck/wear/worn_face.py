@@ -60,7 +60,7 @@ class WornFace:
 
     @property
     def _has_worn(self) -> Mask:
-        return np.asarray(self.history.distances > 0)
+        return self.history.distances > 0
 
     @cached_property
     def follows_half_space(self) -> Mask:
@@ -103,7 +103,7 @@ class WornFace:
         """
         worn, displaced = map(self._bending, (self.history.shape, self.displacement))
         worn = np.where(self.follows_half_space, 0.0, worn)
-        return np.asarray(np.maximum(worn, displaced).max(axis=1))
+        return np.maximum(worn, displaced).max(axis=1)
 
     def heights(self, at_radii: csr_matrix, radii: Array) -> Array:
         """Return heights of the face (T, R) at radii (R,), less the even wear of the history.
@@ -130,7 +130,7 @@ class WornFace:
         squares = unworn.square + 2 * worn * unworn.slope + worn**2 * unworn.weight
         followed = displaced**2 * unworn.weight
         squares = np.where(self.follows_half_space, followed, squares)
-        return np.asarray(np.maximum(squares.sum(axis=1), 0.0))
+        return np.maximum(squares.sum(axis=1), 0.0)
 
     def displacements(self, at_radii: csr_matrix, radii: Array, carries: Mask) -> Array:
         """Return displacements (T, R) at radii (R,); `carries` (T, R) says which are in contact.

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 from skfem import (
     Basis,
@@ -59,20 +60,20 @@ class Face:
         return Basis(self.mesh, ElementLineP2())
 
     @cached_property
-    def order(self) -> Array:
+    def order(self) -> NDArray[np.int64]:
         """(n,) indices of the basis functions, sorted by the radius of their nodes."""
-        return np.asarray(np.argsort(self.basis.doflocs[0]))
+        return np.argsort(self.basis.doflocs[0])
 
     @property
     def radii(self) -> Array:
         """(n,) radii of the nodes, increasing."""
-        return np.asarray(self.basis.doflocs[0][self.order])
+        return self.basis.doflocs[0][self.order]
 
     @cached_property
     def mass(self) -> Array:
         """(n, n) reactions per nodal pressure: ``int v_i v_j dA``."""
         mass = asm(BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * u * v), self.basis)
-        return np.asarray(mass.toarray()[np.ix_(self.order, self.order)])
+        return mass.toarray()[np.ix_(self.order, self.order)]
 
     def values_at(self, radii: Array, nodal: Array) -> Array:
         """Return the values (T, R) of functions at radii (R,) from their nodal values (T, n)."""

@@ -247,7 +247,7 @@ def pressures_of_marches(problem: Problem, fem: Solution) -> list[Array]:
 def _with_steady_state(problem: Problem, wear: RunningIn, pressures: Array) -> Array:
     """Return pressures (T, size) and, if a problem has one, the steady state."""
     if not problem.steady:
-        return np.asarray(pressures)
+        return pressures
     return np.vstack([pressures, problem.loading.forces[-1] * wear.steady.pressure])
 
 
@@ -282,7 +282,9 @@ def compare_half_spaces(
     factor = error_factor("inside of the half-space")
     middles, reaches = space.on_elements(np.zeros(1)), np.ones(len(labels))
     parts = list[Array]()
-    errors = {name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")}
+    errors: dict[str, Array] = {
+        name: np.zeros(len(labels)) for name in ("displacement", "stress", "von_mises")
+    }
     creases = problem.profile.creases
     for state, pressure in enumerate(pressures[0]):
         in_contact = middles @ pressure > 0

@@ -112,7 +112,7 @@ def compare_fields(
                 _error_estimates(other, name, other_rows),
             )
             fields += _difference(problem, name, reference, rows, values, other_values, estimates)
-    edges = np.empty((len(rows), 0))
+    edges: Array = np.empty((len(rows), 0))
     if "contact_edge" in reference and not problem.full_contact:
         edges = reference["contact_edge"][rows]
     return FieldComparison(*names, tuple(fields), edges, interpolated)

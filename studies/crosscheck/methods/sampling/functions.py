@@ -33,7 +33,7 @@ def _moments(space: PressureSpace) -> Array:
     """Return the integral (size,) of the radius times each function over the face."""
     radii, lengths, local = space.quadrature
     weights = 2 * np.pi * radii**2 * lengths
-    return np.asarray(space.on_elements(local).T @ weights.ravel())
+    return space.on_elements(local).T @ weights.ravel()
 
 
 def _moment_of_start(start: Start, breakpoints: Array) -> float:
@@ -93,7 +93,7 @@ class Functions:
 
     def at(self, radii: Array, functions: Array, derivative: bool = False) -> Array:
         """Return values (T, R), or slopes, at radii (R,) by coefficients (T, size)."""
-        return np.asarray((_matrix(self.space, radii.tobytes(), derivative) @ functions.T).T)
+        return (_matrix(self.space, radii.tobytes(), derivative) @ functions.T).T
 
     def matrix(self, radii: Array) -> csr_matrix:
         """Return the values (R, size) of all functions of the space at radii (R,)."""
@@ -130,7 +130,7 @@ class Functions:
         weights = lengths * radial_weight(radii, *average)
         # not by a Gram matrix: it would sum the square of a constant over a small element, which
         # leaves only roundoff
-        return np.asarray(np.sqrt(((_slopes(self.space) @ functions.T).T) ** 2 @ weights.ravel()))
+        return np.sqrt(((_slopes(self.space) @ functions.T).T) ** 2 @ weights.ravel())
 
     def pressures(self, history: History, radii: Array) -> Array:
         """Return pressures (T, R) at radii.
@@ -151,7 +151,7 @@ class Functions:
         ring_edges = self.problem.ring_edges
         on_rings = _ring_forces(self.space, ring_edges.tobytes()).T
         if (pressed := history.pressed) is None:
-            return np.asarray(history.pressure @ on_rings)
+            return history.pressure @ on_rings
         scale = pressed.force / pressed.start.force
         return pressed.rest @ on_rings + np.outer(scale, pressed.start.ring_forces(ring_edges))
 
@@ -159,7 +159,7 @@ class Functions:
         """Return the integrals (T,) of the radius times the pressure over the face."""
         of_functions = _moments(self.space)
         if (pressed := history.pressed) is None:
-            return np.asarray(history.pressure @ of_functions)
+            return history.pressure @ of_functions
         start, profile = pressed.start, self.problem.profile
         edges = [edge for part in start.intervals for edge in (part.inner, part.outer)]
         breakpoints = np.union1d(self.problem.ring_edges, [*edges, *profile.kinks])

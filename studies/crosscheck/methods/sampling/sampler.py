@@ -237,12 +237,12 @@ class SampledSteadyState:
 
     @cached_property
     def _displaced(self) -> Array:
-        return np.asarray(self._force * self._state.displacement[None])
+        return self._force * self._state.displacement[None]
 
     @property
     def pressure(self) -> Array:
         """(R,) contact pressure."""
-        return np.asarray(self._force * self._functions.at(self._radii, self._state.pressure))
+        return self._force * self._functions.at(self._radii, self._state.pressure)
 
     @property
     def displacement(self) -> Array:
@@ -262,7 +262,7 @@ class SampledSteadyState:
     @property
     def wear_rate(self) -> Array:
         """() rate at which height is lost."""
-        return np.asarray(self._force * self._speed * self._state.wear_rate)
+        return self._force * self._speed * self._state.wear_rate
 
 
 class Sampler(Functions):

@@ -130,6 +130,7 @@ def test_interpolation_between_layers_is_at_the_load_of_the_same_time():
             assert interpolated == pytest.approx(solved, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_flat_punch_does_not_determine_a_layer_by_two_forces():
     """Its indentation is proportional to the force: two forces have one compliance."""
     case = cases()["layer under a flat punch"]

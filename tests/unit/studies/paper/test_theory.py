@@ -18,6 +18,7 @@ def gradients_of(count, wear_ratios, width_ratio=1.0):
     return np.array(slopes) / homogeneous()[:, None]
 
 
+@pytest.mark.slow
 def test_many_rings_approach_their_limit_from_both_sides():
     ratios = np.array([1e-4, 0.1, 10.0, 1e4])
     limit = many_rings(ratios, np.ones(1))

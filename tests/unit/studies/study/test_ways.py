@@ -69,6 +69,7 @@ def fits_of(case, way, exact, *quantities):
 ENERGIES = (("indentation", "start"), ("indentation", "later"), ("running_in_time", ALL))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("quads", "counts"), [(False, (4, 6)), (True, (1, 2))])
 def test_elements_of_degree_one_have_the_order_two_in_every_energy(exact, quads, counts):
     fits = fits_of(FIVE, graded_to_edges(1, counts, quads), exact, *{name for name, _ in ENERGIES})
@@ -112,6 +113,7 @@ def test_steady_slopes_of_mdr_of_degree_one_have_the_order_two(exact):
     assert fits["steady_rms_slope", ALL]["agrees"] == "yes"
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_starts_of_one_ring_have_the_orders_of_theory():
     """Of similar ways, only the fastest are solved."""
@@ -326,6 +328,7 @@ def errors_on_layers(ground, radii):
     return {name: rows["error"].to_numpy() for name, rows in table.groupby("way")}
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_truncation_on_layers():
     """Stiffness against the theory; far from the layers, loads have the orders of poles."""
@@ -404,6 +407,7 @@ def test_starts_in_closed_form():
     assert not shaped_start(ball.changed(load__normal_force=rising))
 
 
+@pytest.mark.slow
 def test_the_naive_choice_is_accurate_in_an_ordinary_scene():
     """The truncation errs by 1.1 a/R = 1.1e-3, and a punch of one material has no ring edges."""
     problem = Scene.load("flat_punch").changed(wear__times=[0.0, 10.0]).problem

@@ -90,6 +90,7 @@ def test_limits_are_in_the_units_of_the_scene():
     assert " m (a time of " in line
 
 
+@pytest.mark.slow
 def test_a_shaped_punch_has_limits_at_its_start_and_at_its_end():
     scene = Scene.load("sphere")
     parts = contacts_of(scene)
