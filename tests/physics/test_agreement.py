@@ -73,6 +73,7 @@ def test_five_rings_agree_at_every_accuracy(rtol):
     assert not result.left_out_of_promise
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "punch",
     [
@@ -164,6 +165,7 @@ def test_a_quantity_with_a_large_error_estimate_is_undecided(flat):
     assert compare(flat, {"profile": 1.5}, unsure)["profile"].verdict == "disagree"
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_times_too_early_to_resolve_are_named_and_left_out():
     """As t tends to zero, the slope is that of an ever thinner layer at the rim."""

@@ -215,6 +215,7 @@ def test_a_sweep_over_spheres_agrees_with_hertz():
     assert (data["status"] == 1).all()
 
 
+@pytest.mark.slow
 def test_a_sweep_takes_flat_and_recessed_punches():
     scene = SCENE.changed(methods=["mdr"], wear__times=[0.0, 0.1], accuracy__rtol=1e-3)
     recesses = [[0.0, 0.0, 0.0], [0.0, 0.1, 0.0]]

@@ -59,6 +59,7 @@ def test_random_scenes(fem, pytestconfig):
         assert (ratios["median"][ratios["count"] >= 6] <= 100).all()
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     "settings",

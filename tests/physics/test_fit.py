@@ -56,6 +56,7 @@ def test_a_brake_that_is_applied_and_released_is_fitted():
     assert row.low < 1.3e-15 < row.high
 
 
+@pytest.mark.slow
 def test_the_scale_of_wear_is_not_known_if_force_and_modulus_are_free(reference):
     """Only k F and E / F follow from depths: no interval may be given for a mean of k."""
     data = pd.DataFrame(reference["states"])[["time", "indentation"]]

@@ -107,6 +107,7 @@ def test_nothing_is_undecided_without_gmsh():
     assert set(result.quantities.values()) == {"agree"}
 
 
+@pytest.mark.slow
 def test_ring_forces_against_a_finer_radial_mesh(solve):
     finer = solve("mdr", accuracy__rtol=1e-7, accuracy__mdr__ring_size=1e-6).ring_force
     assert greatest_error(solve("mdr", **MDR).ring_force, finer) <= 1e-5
@@ -151,6 +152,7 @@ def test_fem_to_nine_digits(solve, error):
     assert greatest_error(data.ring_force, finer.ring_force) <= 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "sizes",
     [

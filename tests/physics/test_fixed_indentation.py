@@ -60,6 +60,7 @@ def test_mdr_grid_refuses_a_fixed_indentation():
         run(scene_of().changed(methods=["mdr-grid"]))
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_the_force_decays_as_in_an_independent_solution(result):
     problem, later = result.scene.problem, slice(1, None)
@@ -167,6 +168,7 @@ def test_a_shaped_face_in_full_contact_against_short_implicit_steps():
     assert (left <= 2 * history.force).all()
 
 
+@pytest.mark.slow
 def test_errors_of_vanishing_forces_are_as_stated():
     """If almost nothing overlaps, a coarse run errs by the whole force, and its estimate holds."""
     scene = Scene.load("sphere").changed(

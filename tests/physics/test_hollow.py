@@ -52,6 +52,7 @@ def test_methods_agree(inner_radius):
     assert not result.summary["left_out_of_promise"]
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("inner_radius", [0.22])
 def test_relaxation_times_beside_a_narrow_hole(inner_radius):

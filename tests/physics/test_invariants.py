@@ -50,6 +50,7 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
     np.testing.assert_allclose(values @ (history.profile[1] - history.profile[0]), worn, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_rings_of_equal_wear_equal_a_plain_punch():
     flat, ringed = (
         run(

@@ -27,6 +27,7 @@ SCENE = Scene.from_table(
 )
 
 
+@pytest.mark.slow
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
 @pytest.mark.parametrize("name", FACES)

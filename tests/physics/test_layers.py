@@ -125,6 +125,7 @@ def test_equal_layers_equal_a_plain_half_space():
         assert values[1] == pytest.approx(values[0], rel=1e-4), name
 
 
+@pytest.mark.slow
 def test_loads_over_time_fixed_indentations_and_wear_along_the_radius():
     along = {"radii": [0.0, 1.0], "values": [0.3, 1.0]}
     over_time = {"times": [0.0, 0.5, 2.0], "values": [0.5, 0.5, 1.0]}
@@ -211,6 +212,7 @@ def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
             assert energies[0] == pytest.approx(energies[1], rel=5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_stresses_at_an_interface():
     """The stresses zz and rz and the hoop strain are continuous; the radial stress jumps."""

@@ -7,6 +7,7 @@ import xarray
 from ringwear import Scene, differences, run
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e-6, 1e-12])
 def test_slow_rings_do_not_change_early_times(ratio):
     """Rings that hardly wear relax far more slowly, but do not affect the others."""

@@ -89,6 +89,7 @@ def on_rings(values):
     return lambda radii: np.array(values)[np.searchsorted(RINGS, radii)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_ring_forces_at_the_last_time(method):
     """Errors of steps in time limit these forces; the coarser march has longer steps."""

@@ -9,6 +9,7 @@ from ringwear.studies.crosscheck.verdict import operators
 FIVE = Scene.load("five_rings")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", list(random_scenes(20, 6, most_rings=3)))
 def test_the_operator_difference_bounds_the_error_of_histories(scene):
     # a comparison on the pressure space does not include the error of that space, which is small
@@ -19,6 +20,7 @@ def test_the_operator_difference_bounds_the_error_of_histories(scene):
     assert error <= 1.5 * result.operators[0].history + 0.02 * rtol
 
 
+@pytest.mark.slow
 def test_three_methods_are_compared_as_operators():
     result = run(FIVE, methods=["mdr", "bem", "fem"])
     pairs = {row.methods: row for row in result.operators}

@@ -47,6 +47,7 @@ def test_slopes_against_another_quadrature(width_ratio):
     assert direct.rms_slope(edges, pressures) == pytest.approx(np.sqrt(sum(squares)), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_rms_slopes_by_mdr_against_direct_integration():
     """MDR uses line densities, and neither elliptic integrals nor closed forms of rings."""
     base = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-8, wear__times=[])

@@ -51,6 +51,7 @@ def pressed(profile, methods=("mdr", "fem"), force=0.05, rtol=1e-3, **changes):
     return Scene.from_table(table).changed(**changes)
 
 
+@pytest.mark.slow
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.gmsh
 @pytest.mark.parametrize("name", PROFILES)

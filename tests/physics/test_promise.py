@@ -124,6 +124,7 @@ def test_an_indentation_alone_reaches_a_fine_accuracy():
     assert float(np.abs(start / 0.5 - 1).max()) <= 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_layers_thinner_than_the_roundoff_of_radii_are_resolved():
     """At t = 1e-11, layers at ring edges are 1e-11 a thin, and elements 1e-16 a or smaller."""

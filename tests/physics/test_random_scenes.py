@@ -80,6 +80,7 @@ def test_every_number_beyond_rtol_is_reported(kind):
     assert sum(row.verdict == "agree" for row in rows) >= count - 1
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("number", [5, 13])
 def test_early_layers_under_a_full_face_are_resolved(number):
@@ -114,6 +115,7 @@ def test_thin_layers_are_the_reason_if_no_edge_of_the_contact_moves():
     assert all("layers that wear has made" in row.reason for row in left_out)
 
 
+@pytest.mark.slow
 def test_layers_where_the_rim_loses_contact_under_a_falling_force():
     """Steps resolve the slopes of thin layers, and estimates compare pressures at equal radii.
 

@@ -125,6 +125,7 @@ def true_errors(fields, far, exact, indentation, mean_pressure):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("force", "poisson_ratio"), [(1e-4, 0.3), (0.3, 0.0), (0.3, 0.3), (0.3, 0.5)]
 )
@@ -145,6 +146,7 @@ def test_stresses_under_a_sphere(force, poisson_ratio):
     assert_estimated(fields, errors, most=100 if poisson_ratio == 0.5 else 50)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3])
 def test_estimates_of_stresses_under_a_cone_leave_out_its_tip(poisson_ratio):
     """There stresses are singular, and no estimate is valid; F = pi c^2 / 2."""
@@ -206,6 +208,7 @@ def test_the_singular_stresses_at_a_tip_are_said_in_the_scope_and_below_the_figu
     assert float(title.split("errors up to ")[1].split(" %")[0]) < 5
 
 
+@pytest.mark.slow
 def test_stresses_under_a_worn_sphere_carry_the_pressure_of_mdr():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 3.0], output__field_times=[3.0])
     result = run(scene, methods=["mdr", "fem"])
@@ -246,6 +249,7 @@ def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio, most)
     assert_estimated(*inside(poisson_ratio, mesher=mesher), most=most)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     ("changes", "least"), [({"far_field": "fixed"}, 0.95), ({"poles": 1}, 1.0), ({"poles": 2}, 1.0)]

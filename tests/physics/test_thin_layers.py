@@ -182,6 +182,7 @@ def test_punches_on_thin_layers(changed):
     assert all(anchor.holds for anchor in result.anchors)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_a_low_degree_on_a_thin_layer_is_undecided_and_not_wrong():
     """A user's degree is kept: the estimate covers its error, and the remedy is to leave it out."""

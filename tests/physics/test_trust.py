@@ -54,6 +54,7 @@ def test_start_pressures_of_random_scenes():
         check_start(run(scene.changed(wear={"times": times})))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("standoff", "indentation"), [(0.2, None), (100.0, 0.1), (100.0, 1e-4), (100.0, None)]
 )

@@ -113,6 +113,7 @@ def test_anchors_do_not_check_the_force_of_another_program():
     assert checked.passes
 
 
+@pytest.mark.slow
 def test_results_of_ringwear_have_errors_of_roundoff(tmp_path):
     result = run("five_rings", methods=["mdr"], rtol=1e-3)
     result.save(tmp_path / "out")
@@ -194,6 +195,7 @@ def test_the_half_space_of_a_run_is_read_back(tmp_path):
     assert max(error for (name, time), error in greatest.items() if time) < 1e-2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("program", "low", "high", "looks"),
     [

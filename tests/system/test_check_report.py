@@ -154,6 +154,7 @@ def stepped():
     return scene, run(scene.changed(wear__march="implicit", wear__step=2500.0)).dataset
 
 
+@pytest.mark.slow
 def test_the_length_of_a_time_step_has_a_unit(stepped):
     scene, dataset = stepped
     checked = check(scene, {"theirs": dataset[["pressure", "profile", "indentation"]]})
@@ -163,6 +164,7 @@ def test_the_length_of_a_time_step_has_a_unit(stepped):
     assert seconds == pytest.approx(2500, rel=0.1)
 
 
+@pytest.mark.slow
 def test_results_of_ringwear_have_quantities_that_no_mistake_is_known_to_change(stepped):
     """Results with the RMS slope, for example, are diagnosed by their other quantities."""
     checked = check(*stepped)
@@ -177,6 +179,7 @@ def test_an_order_of_convergence_is_never_minus_zero():
     assert "order 0 (between successive sizes: 0, 0)" in line
 
 
+@pytest.mark.slow
 def test_results_that_cannot_be_compared_do_not_pass(tmp_path):
     """Pressures jump at ring edges, where there is nothing to compare."""
     table = pd.DataFrame({"time": [1e4], "radius": [0.005], "pressure": [1.0]})

@@ -100,6 +100,7 @@ def test_one_table_needs_no_name_and_errors_are_a_table():
     assert not checked.passes
 
 
+@pytest.mark.slow
 def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinement(tmp_path, capsys):
     for name, factor in (("abaqus", 1.001), ("ansys", 0.9)):
         table = pd.DataFrame({"time": [0.0], "indentation": [factor * DEPTH]})

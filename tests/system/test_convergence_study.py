@@ -111,6 +111,7 @@ def test_an_element_from_the_command_line(tmp_path):
     assert float(graded["order"]) == pytest.approx(4, abs=0.3)
 
 
+@pytest.mark.slow
 def test_time_steps_of_the_user_converge_with_first_order():
     scene = Scene.load("five_rings").changed(wear__times=[0.0, 0.5, 1.0])
     results = study("convergence", scene, quick=True, steps=[0.1, 0.05, 0.025, 0.0125])

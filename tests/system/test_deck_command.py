@@ -106,6 +106,7 @@ def test_elements_too_small_for_calculix_are_refused(tmp_path):
         )
 
 
+@pytest.mark.slow
 @RUN
 @pytest.mark.parametrize(("part", "stable"), [(0.9, True), (1.2, False)])
 def test_wear_steps_around_calculix_are_stable_up_to_the_limit(part, stable, tmp_path):

@@ -59,6 +59,7 @@ def test_a_seal(show, tmp_path):
     assert (tmp_path / "seal.png").exists()
 
 
+@pytest.mark.slow
 def test_results_of_a_model(show):
     """Poisson's ratio is named: it is left out of the plane strain modulus."""
     *rows, words = show("my_results").splitlines()

@@ -34,6 +34,7 @@ def shell(command, folder, **options):
     return subprocess.run(call, cwd=folder, text=True, capture_output=True, timeout=120, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("streams", "status", "words"), STREAMS)
 def test_results_are_written_whatever_happens_to_the_streams(streams, status, words, tmp_path):
     done = shell(f"{RUN} {streams}", tmp_path)
@@ -85,6 +86,7 @@ def test_no_command_loses_its_files(name, tmp_path, monkeypatch):
     assert printed == (full.returncode if full.returncode == 3 else 0)
 
 
+@pytest.mark.slow
 def test_characters_that_an_encoding_does_not_have_are_written_as_escape_sequences(tmp_path):
     title = Scene.load("flat_punch").changed(title="Kugel ø 5 µm", methods=["direct"])
     (tmp_path / "mine.toml").write_text(title.to_toml(), "utf-8")

@@ -128,6 +128,7 @@ def test_deep_grooves_do_not_hide_wear(grooved):
     assert "cut off below: the greatest height of the face is Δf = 1 mm" in note
 
 
+@pytest.mark.slow
 def test_a_recess_that_has_worn_off_does_not_hide_the_profile():
     # after 72 h all of the face is worn below the grooves of 20 µm
     scene = WORN | {
@@ -158,6 +159,7 @@ def test_labels_at_the_rim_name_its_unit_of_length(worn):
     assert rim.get_ylabel() == f"depth z{unit}"
 
 
+@pytest.mark.slow
 def test_all_words_of_a_single_stress_panel_are_in_the_figure():
     # without contact at the end and without steady state, only the start is drawn
     falling = LOAD | {"normal_force": {"times": ["0 h", "1 h"], "values": ["100 N", "0 N"]}}
@@ -192,6 +194,7 @@ def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(groove
     np.testing.assert_allclose(bars, [[0, 10 / 3], [20 / 3, 10]], rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("thickness", [0.3, 0.05, 0.01])
 def test_panels_of_stresses_show_layers_of_any_thickness(thickness):

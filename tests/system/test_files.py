@@ -225,6 +225,7 @@ def test_two_runs_are_the_same():
     assert run(scene).dataset.identical(run(scene).dataset)
 
 
+@pytest.mark.slow
 def test_an_accuracy_that_is_not_reached_ends_with_status_3(tmp_path, capsys):
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"],

@@ -61,6 +61,7 @@ sys.exit(main(["run", "flat_punch", "--out", sys.argv[1]]))
 """
 
 
+@pytest.mark.slow
 def test_an_interruption_that_a_library_turns_into_an_error_is_one_line(tmp_path):
     call = [sys.executable, "-c", LATER, str(tmp_path / "out")]
     done = subprocess.run(call, text=True, capture_output=True, timeout=120)

@@ -162,6 +162,7 @@ def test_a_check_computes_the_quantities_of_its_scene_and_of_its_tables():
     assert "rms_slope" not in checked.result.dataset
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", [FIVE, SPHERE], ids=["full", "moving"])
 def test_fields_at_many_radii_are_computed_in_parts_and_are_the_same(scene):
     """Fields at 60 000 radii and 40 times have more than twice the numbers computed at once."""

@@ -28,6 +28,7 @@ def test_unknowns_are_those_of_the_run(name):
         assert method(of).system_size(scene.problem).unknowns == solution.unknowns
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
 def test_a_plan_predicts_seconds_and_memory_of_any_punch(load):
     scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-2)

@@ -115,6 +115,7 @@ def test_a_shaped_punch_has_only_the_quantities_of_the_scene(scene, name):
     assert stored(run(scene.changed(output__quantities=[name]))) == wanted
 
 
+@pytest.mark.slow
 def test_unknowns_grow_with_every_digit():
     """Each digit of `rtol` multiplies the unknowns by more than 1.2."""
     sizes = [

@@ -122,6 +122,7 @@ def test_every_part_of_a_scene_has_a_page(changes, states, tmp_path):
     assert ('id="solid"' in page) == bool(states)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("time", "pressed"), [(1.0, True), (14.5, False)])
 def test_the_page_states_why_there_are_no_stresses(time, pressed, tmp_path):
     """The brake is applied at 1 s, and its force is 0 at 14.5 s."""
@@ -131,6 +132,7 @@ def test_the_page_states_why_there_are_no_stresses(time, pressed, tmp_path):
     assert ("stress.png is not drawn: nothing presses" in page) != pressed
 
 
+@pytest.mark.slow
 def test_heights_beside_the_slider_have_the_scale_of_each_state(tmp_path):
     """A worn sphere is flat to 1 % of its first height, which a common scale would not show."""
     sphere = run(Scene.load("sphere").changed(methods=["mdr"], accuracy__rtol=1e-2))

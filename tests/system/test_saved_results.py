@@ -279,6 +279,7 @@ def test_a_missing_file_or_a_folder_in_its_place_is_refused(name, copied):
     assert name in refusal(copied) or "directory" in refusal(copied)
 
 
+@pytest.mark.slow
 def test_results_without_checksums_are_read_with_a_remark(copied, result, caplog, capsys):
     without_checksums(copied)
     read = load(copied)

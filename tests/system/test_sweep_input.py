@@ -29,6 +29,7 @@ def bowl(radii):
     return radii**2
 
 
+@pytest.mark.slow
 def test_functions_of_the_face_are_in_every_scene():
     """Each scene has the heights that `with_heights` has given to the base."""
     scene = FLAT.with_heights(bowl)

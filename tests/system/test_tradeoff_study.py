@@ -7,6 +7,7 @@ import pytest
 from ringwear import Scene, SceneError, study
 
 
+@pytest.mark.slow
 def test_a_user_quantity_replaces_the_groups():
     # Boussinesq: F / (2 a E*) for a flat punch
     def first_depth(result):

@@ -22,6 +22,7 @@ def test_the_remedy_is_printed(tmp_path, capsys):
     assert "apt-get install" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
 def test_the_plan_has_the_mesher_of_the_run(mesher, monkeypatch):
     # on triangles, other quantities would be refined, which the plan cannot know
@@ -53,6 +54,7 @@ BROKEN_KVXOPT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reason", BROKEN_KVXOPT)
 @pytest.mark.parametrize("name", ["flat_punch", "cone"])
 def test_cholmod_that_is_installed_but_cannot_be_loaded_is_replaced(

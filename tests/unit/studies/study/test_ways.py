@@ -108,6 +108,7 @@ def test_pressures_of_mdr_have_the_order_of_their_mean_square(exact):
     assert fits["indentation", "later"]["order"] == pytest.approx(6, abs=0.3)
 
 
+@pytest.mark.slow
 def test_steady_slopes_of_mdr_of_degree_one_have_the_order_two(exact):
     fits = fits_of(FIVE, graded_radii("mdr", 1, (0.6, 0.7, 0.78)), exact, "steady_rms_slope")
     assert fits["steady_rms_slope", ALL]["agrees"] == "yes"
@@ -166,6 +167,7 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
     assert abs(errors[-1]) <= cap
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_rings_on_quadrilaterals_by_the_degree():
     """Degrees 4 to 8 against MDR; the study continues up to roundoff."""
