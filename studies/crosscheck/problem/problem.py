@@ -353,7 +353,7 @@ class Problem:
         """
         return _least_positive(self._worn_since_changes[1])
 
-    @property
+    @cached_property
     def edge_amplitude(self) -> EdgeAmplitude:
         """Amplitude of high polynomial degrees near ring edges, from which sizes are chosen.
 
