@@ -5,7 +5,6 @@ one.
 """
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -187,8 +186,6 @@ def pressure_count(problem: Problem, ratio: float) -> float:
     return total
 
 
-# sizes, degrees and layers of one mesh ask for the same one
-@lru_cache(maxsize=16)
 def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
     """Return the problem with `rtol` replaced by the tolerance that its fields are resolved to.
 

@@ -5,7 +5,6 @@ that justifies it.
 """
 
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -72,8 +71,6 @@ class RadialSizes:
         return replace(space, degrees=degrees)
 
 
-# the prediction of memory and all methods of a run use the same sizes
-@lru_cache(maxsize=4)
 def radial_sizes(problem: Problem) -> RadialSizes:
     """Return the sizes that the tolerance of a problem requires.
 
