@@ -38,7 +38,6 @@ def rounded(radius, mean_pressure):
     )
 
 
-@pytest.mark.slow
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("radius", "mean_pressure"), PUNCHES)

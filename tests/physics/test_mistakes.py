@@ -324,7 +324,6 @@ def marked(name):
     return pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", [marked(name) for name in ALL])
 def test_the_right_cause_is_named_first_and_wrong_ones_are_unsure(name):
     scene, table, right = ALL[name]
