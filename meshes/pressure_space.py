@@ -328,8 +328,24 @@ class PressureSpace:
     def weights(self) -> Array:
         """(size,) ``int phi_i dA``: the force that each basis function carries."""
         radii, lengths, local = self.quadrature
-        values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(local, self.top))
-        return self._assembled(values, 0, self.dofs, 1).toarray()[0]
+        elements = np.arange(len(self.degrees))
+        return self.moments(elements, local[None], 2 * np.pi * radii * lengths)
+
+    def moments(self, element: Indices, local: Array, values: Array) -> Array:
+        """Return the moments (size, ...) of values at points within elements.
+
+        They are the sums of the values times each basis function.
+
+        Parameters
+        ----------
+        element : (P,) index of the element of each group of Q points
+        local : (P, Q) or (1, Q) coordinates of the points in [-1, 1]
+        values : (P, Q, ...) values at the points, times the area ``2 pi r dr`` of each
+        """
+        parts = np.einsum("pq...,pqi->pi...", values, shapes(local, self.top), optimize=True)
+        sums = np.zeros((self.size + 1, *values.shape[2:]))
+        np.add.at(sums, self.dofs[element], parts)
+        return sums[:-1]
 
     def ring_forces(self, ring_edges: ArrayLike) -> Array:
         """Return the force (M, size) that each basis function puts on each of M rings.

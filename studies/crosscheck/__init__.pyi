@@ -35,7 +35,6 @@ from .methods.sampling.sampler import (
 from .methods.spaces import (
     choose_spaces as choose_spaces,
     pressure_spaces as pressure_spaces,
-    scaled_cells as scaled_cells,
 )
 from .problem.face import (
     Rings as Rings,
@@ -59,6 +58,7 @@ from .problem.problem import (
 )
 from .problem.profile import (
     InitialProfile as InitialProfile,
+    moments as moments,
 )
 from .problem.profile_file import (
     profile_of_file as profile_of_file,
@@ -261,6 +261,9 @@ from .wear.evolution import (
     evolve as evolve,
     evolve_in_equal_steps as evolve_in_equal_steps,
 )
+from .wear.first_contact import (
+    scaled_cells as scaled_cells,
+)
 from .wear.flat_contact import (
     flat_start as flat_start,
     press_flat as press_flat,
@@ -274,9 +277,6 @@ from .wear.history import (
 from .wear.modes import (
     Modes as Modes,
     every_mode as every_mode,
-)
-from .wear.moments import (
-    moments as moments,
 )
 from .wear.time_scale import (
     running_in as running_in,

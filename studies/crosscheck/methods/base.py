@@ -47,7 +47,8 @@ class Solution:
     presses : the initial contact, on pressure spaces fitted to its edges: a fine solution and a
         coarser one; empty if there is none
     steady_part : the steady state of a shaped punch, which is solved separately, if it has one
-    remedy : what would make the solution more accurate, if that is not a smaller `rtol`
+    remedy : what would make the solution more accurate, if that is not a smaller `rtol`; the run
+        asks the method for it (`Method.remedy`)
     limited_by_degree : quantities that a smaller `rtol` does not make more accurate, because the
         elements already have their highest degree
     error_by_sizes : the part of the error of the response to the load that finer sizes reduce; None

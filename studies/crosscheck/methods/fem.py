@@ -16,10 +16,10 @@ from ..progress import Stages
 from ..sizes.finite_elements import FemSizes, coarser_pole_orders, fem_sizes, pole_orders
 from ..sizes.layers import layers_beyond_meshes, why_layers_are_not_meshed
 from ..sizes.ring_edges import compressibility, fem_smallest
+from ..wear.first_contact import contact_cells
 from .base import Discretised, SystemSize
 from .error_factors import error_factor
 from .pipeline import ComplianceMethod
-from .spaces import contact_cells
 
 if TYPE_CHECKING:
     from ....fem.half_space import HalfSpace

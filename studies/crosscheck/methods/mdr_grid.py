@@ -18,8 +18,8 @@ from ..problem.problem import Problem
 from ..problem.quantities import GROUPS, differences
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
-from ..sizes.marching import steps_between, why_too_many_steps
 from ..wear.history import History
+from ..wear.step_control import steps_between, why_too_many_steps
 from .base import Method, Solution, SystemSize, flat_punches_only
 from .error_factors import error_factor
 from .pipeline import COPIES_OF_STEPS, DENSE_MATRICES, NUMBERS_OF_STEPS
@@ -132,10 +132,7 @@ class MdrGrid(Method):
         parts = {"grid and step": float(errors["indentation"].max())}
         settings = {"grid": count, "step": step}
         compared = {name: values[problem.compared_rows] for name, values in fine.items()} | answers
-        remedy = self.remedy(problem)
-        return Solution(
-            results | answers, compared, errors, parts, count + 1, settings, remedy=remedy
-        )
+        return Solution(results | answers, compared, errors, parts, count + 1, settings)
 
     def _step(self, problem: Problem) -> float:
         return _step_within(problem, _grid(problem, problem.mdr.grid).stability_limit())

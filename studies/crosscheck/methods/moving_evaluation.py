@@ -10,17 +10,17 @@ from ....meshes.radial import Array, Indices
 from ..problem.loading import Loading
 from ..problem.norms import DEPTH, Results
 from ..problem.problem import Problem
+from ..problem.profile import moments, unresolved_height
 from ..problem.quantities import ANSWER, DESCRIBED, ENERGIES
 from ..wear.contact_edges import pressures_beside_edges, widths_at_edges
 from ..wear.evolution import Evolution, evolve, evolve_in_equal_steps
+from ..wear.first_contact import load_of
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
-from ..wear.moments import moments, unresolved_height
 from ..wear.wearing_punch import WearingPunch
 from .error_factors import error_factor
 from .evaluation import ENDS, Evaluation, greatest_in_ranges
 from .sampling.answers import MarchedRun, answers_of
-from .spaces import load_of
 
 # Numbers of the answer whose error is that of a quantity at the first (0) or at the last (-1) time:
 # the shares of the force have that of the forces. The fitted start has its own edges.

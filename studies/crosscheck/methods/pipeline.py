@@ -29,12 +29,12 @@ from ..problem.quantities import ANSWER, COMPARED_MODES, GROUPS
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..sizes.layers import narrowed_for_layers
-from ..sizes.marching import MOST_STEPS, steps_between, why_too_many_steps
 from ..sizes.ring_edges import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.shared import covering
-from ..wear.contact_edges import covers_face
+from ..wear.first_contact import covers_face, first_contact, load_at_start
 from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
+from ..wear.step_control import MOST_STEPS, steps_between, why_too_many_steps
 from ..wear.tension import refuse_tension
 from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution, SystemSize
@@ -42,7 +42,7 @@ from .error_factors import error_factor
 from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
-from .spaces import choose_spaces, first_contact, load_at_start, pressure_spaces
+from .spaces import choose_spaces, pressure_spaces
 
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
 # (physics/test_modes.py::test_reported_relaxation_times_are_as_accurate_as_stated).
@@ -220,11 +220,10 @@ def solve_in_full_contact(
     with stages("estimating"):
         compliances = discretisation.compliance, discretisation.coarser()
     with stages("marching" if len(problems[0].times) else "steady state"):
-        return [_solve_one(method, problem, discretisation, compliances) for problem in problems]
+        return [_solve_one(problem, discretisation, compliances) for problem in problems]
 
 
 def _solve_one(
-    method: ComplianceMethod,
     problem: Problem,
     discretisation: Discretised,
     compliances: tuple[Compliance, Compliance],
@@ -244,7 +243,7 @@ def _solve_one(
     may_need_tension = problem.ground.layered or problem.keeps_contact
     if may_need_tension and problem.earliest:
         refuse_tension(problem, fine.compliance.space, fine.history_at)
-    return _solution(method.remedy(problem), discretisation, fine, coarse)
+    return _solution(discretisation, fine, coarse)
 
 
 def solve_in_moving_contact(
@@ -287,7 +286,7 @@ def solve_in_moving_contact(
             error_factor("steps of the coarser march"),
             in_layers,
         )
-        solution = _solution(method.remedy(problem), discretisation, fine, coarse)
+        solution = _solution(discretisation, fine, coarse)
     solution = replace(
         _without_infinite_peak(solution, problem.rtol),
         settings=fine.settings,
@@ -363,9 +362,7 @@ def fitted_starts(
         return (), (note,)
 
 
-def _solution(
-    remedy: str, discretisation: Discretised, fine: Evaluation, coarse: Evaluation
-) -> Solution:
+def _solution(discretisation: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
     errors, parts = estimate_errors(fine, coarse, discretisation.same_elements)
     # the first part is that of the discretisation; others are those of steps in time
     error_by_sizes = next(iter(parts.values()))
@@ -381,7 +378,6 @@ def _solution(
         discretisation.half_space,
         smallest=discretisation.smallest,
         slope_roundoff=discretisation.slope_roundoff,
-        remedy=remedy,
         limited_by_degree=discretisation.limited_by_degree,
         error_by_sizes=error_by_sizes,
     )

@@ -1,4 +1,4 @@
-"""Element sizes, polynomial degrees and time steps for a requested tolerance.
+"""Element sizes and polynomial degrees for a requested tolerance.
 
 Where each one is chosen:
 
@@ -9,6 +9,5 @@ Where each one is chosen:
   `finite_elements.fem_sizes`; sizes of quadrilaterals: `quads`, of triangles: `triangles`
 - cells under a contact whose edges move: `cells.cells_of`
 - layered ground: `layers`
-- number of time steps: `marching`
 - one discretisation for several problems: `shared.covering`
 """

@@ -44,7 +44,7 @@ def solved_to_accuracy(
     """
     solutions = method.solve_alike(problems, stages)
     return [
-        refined(method, problem, solution, stages)
+        replace(refined(method, problem, solution, stages), remedy=method.remedy(problem))
         for problem, solution in zip(problems, solutions, strict=True)
     ]
 

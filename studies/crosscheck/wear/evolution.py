@@ -18,12 +18,11 @@ import numpy as np
 
 from ....meshes.errors import SceneError
 from ....meshes.radial import Array
-from ..sizes.marching import MOST_STEPS, steps_between
 from .full_contact import RunningIn
 from .history import History, Instant
 from .relaxing import Relaxing
 from .stages import ContactStages
-from .step_control import StepControl
+from .step_control import MOST_STEPS, StepControl, steps_between
 from .unilateral import Mask
 from .wearing_punch import WearingPunch
 

@@ -24,9 +24,8 @@ from ....meshes.compliance import Compliance
 from ....meshes.contact_cells import fitted_space
 from ....meshes.errors import SolverError
 from ....meshes.ground.ground import HALF_SPACE, Ground
-from ..problem.profile import InitialProfile
+from ..problem.profile import InitialProfile, moments
 from .flat_contact import FittedPress
-from .moments import moments
 from .unilateral import Interval, Load
 
 Intervals = tuple[Interval, ...]

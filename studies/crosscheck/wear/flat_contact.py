@@ -22,7 +22,7 @@ from ....meshes.compliance import Compliance
 from ....meshes.errors import SolverError
 from ....meshes.ground.ground import Ground
 from ....meshes.ground.line_energy import flat_series
-from ....meshes.pressure_space import PressureSpace, shapes
+from ....meshes.pressure_space import PressureSpace
 from ....meshes.radial import Array, unit_gauss
 from .unilateral import Interval
 
@@ -277,16 +277,9 @@ def _moments(space: PressureSpace, count: int) -> Array:
     rim_distance[-1] = size[-1] * node**2
     radii = space.breakpoints[:-1, None] + size * fraction
     functions, factor = _start_functions(space.inner_radius, hole_distance, rim_distance, count)
-    values = np.einsum(
-        "eq,eqj,eqi->eij",
-        2 * np.pi * weights * radii * size * factor,
-        functions,
-        shapes(2 * fraction - 1, space.top),
-        optimize=True,
-    )
-    moments = np.zeros((space.size + 1, count))
-    np.add.at(moments, space.dofs, values)
-    return moments[:-1]
+    areas = 2 * np.pi * weights * radii * size
+    values = (areas * factor)[..., None] * functions
+    return space.moments(elements, 2 * fraction - 1, values)
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,6 @@ from ....meshes.errors import SceneError
 from ....meshes.pressure_space import BandedCholesky
 from ....meshes.radial import Array
 from ..problem.loading import Loading
-from ..sizes.marching import steps_between
 from .flat_contact import FittedPress, FlatStart, SteadyState, flat_start
 from .history import History
 from .modes import (
@@ -35,6 +34,7 @@ from .modes import (
     excited_modes,
     slowest_times,
 )
+from .step_control import steps_between
 
 # relative difference of displacements at the start and in the steady state below which it is
 # roundoff

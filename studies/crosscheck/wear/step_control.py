@@ -1,4 +1,4 @@
-"""Choose the step lengths of a march from a tolerance.
+"""Count the steps of a march before it begins, and choose their lengths from a tolerance.
 
 The error of a step of second order is proportional to the third power of its length. Lengths are
 powers of sqrt(2), so that successive steps often share a matrix and its factor. A step ends at
@@ -9,8 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ....meshes.radial import Array
 from ..problem.norms import LEAST_SLOPE
 
+# Greatest number of steps in time, by whether the punch is in full contact: then a step is only a
+# product of matrices, and else a contact problem.
+MOST_STEPS = {True: 2_000_000, False: 200_000}
 # length of the first step over the distance in which a punch wears by its indentation, or over the
 # total sliding distance if that is shorter
 FIRST_STEP = 1e-6
@@ -20,6 +24,23 @@ SAFETY = 0.8
 MOST_GROWTH = 4.0
 # lower bound on the error over the tolerance, from which the next length is computed
 LEAST_RELATIVE_ERROR = 1e-12
+
+
+def steps_between(times: Array, step: float) -> Array:
+    """Return the number (T,) of equal steps, of at most `step`, from each time to the next.
+
+    The first is the number of steps from 0 to the first time.
+    """
+    return np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12))
+
+
+def why_too_many_steps(count: float, remedy: str, max_steps: int = MOST_STEPS[True]) -> str:
+    """Return why a march of `count` steps is refused, with the remedy; empty if it is not."""
+    return (
+        f"{count:.3g} steps are needed to reach the last time, more than {max_steps}: {remedy}"
+        if count > max_steps
+        else ""
+    )
 
 
 class StepError(NamedTuple):

@@ -16,9 +16,8 @@ from scipy.sparse import csr_matrix
 
 from ....meshes.compliance import Compliance
 from ....meshes.radial import Array
-from ..problem.profile import InitialProfile
+from ..problem.profile import InitialProfile, moments
 from .history import History
-from .moments import moments
 from .slope_integrals import SlopeIntegrals
 from .unilateral import Mask
 

@@ -24,9 +24,9 @@ from ...problem.problem import Problem
 from ...progress import Stages
 from ...scene.calls import naming_arguments
 from ...scene.scene import Scene, Source
-from ...sizes.marching import steps_between
 from ...verdict.accuracy import error_of_sizes, next_rtol
 from ...verdict.promise import allowed_error
+from ...wear.step_control import steps_between
 from ..scope import chosen_methods, refusals
 from .memory import predict_memory, why_beyond_memory
 

@@ -16,15 +16,16 @@ from ringwear import (
     moments,
 )
 from ringwear.meshes.half_space import contact_radii
-from ringwear.studies.crosscheck.methods import spaces
-from ringwear.studies.crosscheck.methods.spaces import (
+from ringwear.studies.crosscheck.sizes.cells import cells_of
+from ringwear.studies.crosscheck.wear import first_contact as search
+from ringwear.studies.crosscheck.wear.contact_edges import worn_edges
+from ringwear.studies.crosscheck.wear.first_contact import (
     contact_cells,
+    find_first_contact,
     first_contact,
     load_at_start,
     load_of,
 )
-from ringwear.studies.crosscheck.sizes.cells import cells_of
-from ringwear.studies.crosscheck.wear.contact_edges import find_first_contact, worn_edges
 from ringwear.studies.crosscheck.wear.unilateral import Contact
 
 RINGS = Scene.of(
@@ -119,7 +120,7 @@ def test_first_contact_is_found_once_for_all_methods(monkeypatch):
         calls.append(arguments)
         return find_first_contact(*arguments)
 
-    monkeypatch.setattr(spaces, "find_first_contact", count)
+    monkeypatch.setattr(search, "find_first_contact", count)
     problem = RINGS.changed(punch__recess=[0.0, 0.01, 0.0], accuracy__rtol=1e-2).problem
     for name in ("mdr", "bem"):
         method(name).solve(problem, Stages(name))
