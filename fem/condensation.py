@@ -107,7 +107,8 @@ def trailing_factor(lower: coo_matrix, eliminated: int) -> Array:
         from kvxopt import cholmod
 
         trailing = cholmod.getfactor(_cholmod(lower))[eliminated:, eliminated:]
-        return np.array(kvxopt.matrix(trailing))
+        # without a copy, which takes seconds for a large matrix
+        return np.asarray(kvxopt.matrix(trailing))
 
 
 def solve(lower: coo_matrix, right: Array) -> Array:

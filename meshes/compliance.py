@@ -64,15 +64,19 @@ class Compliance:
     @cached_property
     def matrix(self) -> Array:
         """The compliance `A` (size, size) itself."""
-        out = np.zeros((self.space.size,) * 2)
+        size = self.space.size
+        out = np.empty((size, size))
         # Rows and columns are both ordered along the radius, and for every method the factor is
-        # zero on one side of the diagonal. Using only the nonzero columns of each block of rows
-        # takes a third of the work.
-        for rows in np.split(self.factor, range(512, len(self.factor), 512)):
-            nonzero = np.flatnonzero(rows.any(axis=0))
-            if len(nonzero):
-                span = slice(nonzero[0], nonzero[-1] + 1)
-                out[span, span] += rows[:, span].T @ rows[:, span]
+        # zero on one side of the diagonal. Products of the nonzero rows of two blocks of columns
+        # take a third of the work, and each is written to its place without a copy.
+        blocks = [slice(start, start + 512) for start in range(0, size, 512)]
+        spans = [_nonzero_rows(self.factor[:, block]) for block in blocks]
+        for i, columns in enumerate(blocks):
+            for j, earlier in enumerate(blocks[: i + 1]):
+                rows = slice(max(spans[i][0], spans[j][0]), min(spans[i][1], spans[j][1]))
+                below = out[columns, earlier]
+                np.matmul(self.factor[rows, columns].T, self.factor[rows, earlier], out=below)
+                out[earlier, columns] = below.T
         return out
 
     def restricted(self, space: PressureSpace) -> "Compliance":
@@ -84,6 +88,12 @@ class Compliance:
             rows = slice(start, start + 256)
             factor[rows] = (to_subspace @ self.factor[rows].T).T
         return RestrictedCompliance(space, factor, self.ground, full=self)
+
+
+def _nonzero_rows(columns: Array) -> tuple[int, int]:
+    """Return the first row that is not zero, and the end of the last one."""
+    rows = np.flatnonzero(columns.any(axis=1))
+    return (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -349,8 +349,8 @@ class RunningIn:
             Moments of the unworn face.
         """
         steady = self.steady
-        rates = amplitudes @ self.modes.shapes.T
-        pressure = np.outer(forces, steady.pressure) + self._pressures_from_rates(rates)
+        varying = self._pressures_from_rates(amplitudes @ self.modes.shapes.T)
+        pressure = np.outer(forces, steady.pressure) + varying
         if self.indentation is None:
             # reciprocity with the steady pressure p_s, int p_s dA = 1, gives d = p_s . A p + int f
             # p_s dA; the worn part of f contributes w int F dtau, because k p_s = w is constant,
@@ -361,7 +361,7 @@ class RunningIn:
             forces = pressure @ self.compliance.space.weights
         # the profile is f = d - u; the slope of a sum of worn depths has more roundoff on small
         # elements
-        gap = np.outer(depth, self._weights) - rates @ self._energy
+        gap = np.outer(depth, self._weights) - self._reduce(self.compliance.matrix @ varying.T).T
         gap -= np.outer(forces, self._reduce(steady.moments)) + self._reduce(unworn)
         shape = self._profiles_from_moments(gap)
         uniform = self.compliance.space.uniform
