@@ -25,8 +25,9 @@ def undecided(result):
 def meshed():
     """Yield flat scenes with a mesher; triangles by bisection for one scene of each kind."""
     for name in FLAT:
-        # its 32 rings take as long as all other scenes together
-        slow = [pytest.mark.slow] * (name == "many_rings")
+        # its 32 rings take as long as all other scenes together, and those on layers longer than
+        # most
+        slow = [pytest.mark.slow] * (name in ("many_rings", "rubber", "polishing_pad"))
         yield pytest.param(name, "quads", marks=[pytest.mark.gmsh, *slow])
         # layers are meshed in quadrilaterals; gmsh's triangles of 32 rings take two minutes, and
         # test_invariants.py has these

@@ -72,6 +72,7 @@ def test_worn_volumes_over_k_sum_to_force_times_distance(coefficients):
         assert float(volumes[1]) == pytest.approx(float(rings.integrate("radius")), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_papers_algorithm_reports_worn_volumes_but_no_running_in_time():
     scene = Scene.load("five_rings").changed(methods=["mdr", "mdr-grid"], wear__steady=False)
     exact, grid = run(scene).answers.values()

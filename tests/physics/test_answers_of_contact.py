@@ -57,6 +57,7 @@ def worn():
     return run(sphere([0.0, 1e-3, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
 
 
+@pytest.mark.slow
 def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
     answers = worn.answers["mdr"]
     early, late, full = (

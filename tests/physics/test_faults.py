@@ -92,10 +92,8 @@ FAULTS = {
     [
         # without gmsh, finite elements have a lower degree and are less accurate
         *(
-            pytest.param(
-                fault, 1e-6, marks=[pytest.mark.gmsh, *[pytest.mark.slow] * (size >= 1e-4)]
-            )
-            for fault, (_, size) in FAULTS.items()
+            pytest.param(fault, 1e-6, marks=[pytest.mark.gmsh, pytest.mark.slow])
+            for fault in FAULTS
         ),
         *((fault, 1e-4) for fault, (_, size) in FAULTS.items() if size >= 1e-4),
     ],

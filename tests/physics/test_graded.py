@@ -95,7 +95,9 @@ def test_methods_agree_and_estimates_bound_their_errors(table):
             assert (error <= stated).all(), name
 
 
-@pytest.mark.parametrize(("last", "shape"), [(4.0, {}), (0.1, {}), (4.0, SPHERE)])
+@pytest.mark.parametrize(
+    ("last", "shape"), [(4.0, {}), (0.1, {}), pytest.param(4.0, SPHERE, marks=pytest.mark.slow)]
+)
 def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     result = run(scene("mdr fem", rings=2, **along(1.0, last), **shape))
     table, slope = result.dataset, last - 1

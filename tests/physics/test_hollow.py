@@ -171,7 +171,7 @@ def random_hollow(rng):
 
 
 @pytest.mark.parametrize(
-    "seed", [*range(4), *(pytest.param(n, marks=pytest.mark.slow) for n in range(4, 40))]
+    "seed", [0, *(pytest.param(n, marks=pytest.mark.slow) for n in range(1, 40))]
 )
 def test_random_hollow_punches_never_disagree(seed):
     """Methods differ by at most the sum of their estimates, and anchors hold."""

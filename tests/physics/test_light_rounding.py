@@ -39,6 +39,7 @@ def rounded(radius, mean_pressure):
 
 
 # without gmsh, the start of finite elements is as accurate as the march
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("radius", "mean_pressure"), PUNCHES)
 def test_lightly_rounded_edges(radius, mean_pressure):

@@ -209,6 +209,7 @@ def test_methods_agree_on_a_rising_force():
     assert result.dataset.normal_force[0].values == pytest.approx([0, 1.375, 2, 2], rel=1e-12)
 
 
+@pytest.mark.slow
 def test_methods_agree_on_a_duty_cycle():
     result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr", "fem"])
     for name in ("indentation", "ring_force", "ring_worn_volume", "normal_force"):

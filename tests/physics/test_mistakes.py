@@ -310,7 +310,7 @@ UNSEEN = {
 
 
 ALL = FILES | FRESH | UNSEEN
-QUICK = ("k 1.1, pressures", "per radian, sign", "start, sign, metres")
+QUICK = ("k 1.1, pressures",)
 
 
 @cache

@@ -64,6 +64,7 @@ def test_rms_slopes_by_mdr_against_direct_integration():
         np.testing.assert_allclose(swept.steady_rms_slope[:, 0], exact, rtol=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_times_of_the_states(five):
     assert float(five.states.time[4]) == pytest.approx(0.27, abs=0.005)

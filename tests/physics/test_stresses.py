@@ -1,6 +1,7 @@
 """Displacements and stresses inside the half-space against closed forms, on all elements."""
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -229,8 +230,11 @@ def assert_estimated(fields, errors, least=1.0, most=50):
 @pytest.mark.parametrize(
     ("rtol", "poisson_ratio"),
     [
-        *((1e-2, 0.3), (1e-2, 0.5), (1e-4, 0.0), (1e-4, 0.3), (1e-4, 0.49)),
-        *(pytest.param(1e-6, ratio, marks=pytest.mark.slow) for ratio in (0.0, 0.3, 0.49, 0.5)),
+        *((1e-2, 0.3), (1e-4, 0.0), (1e-4, 0.3)),
+        *(
+            pytest.param(*each, marks=pytest.mark.slow)
+            for each in ((1e-2, 0.5), (1e-4, 0.49), *product((1e-6,), (0.0, 0.3, 0.49, 0.5)))
+        ),
     ],
 )
 def test_stresses_under_the_flat_punch(rtol, poisson_ratio):

@@ -67,14 +67,15 @@ def test_the_slowest_modes_of_a_thin_layer_have_its_most_compliant_wave():
     assert 0 < off[1] < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     ("thickness", "ratio", "rtol"),
     [
         (0.02, 0.45, 1e-2),
-        pytest.param(0.02, 0.4999, 1e-4, marks=pytest.mark.slow),
-        pytest.param(0.01, 0.3, 1e-3, marks=pytest.mark.slow),
-        pytest.param(0.01, 0.4999, 1e-2, marks=pytest.mark.slow),
+        (0.02, 0.4999, 1e-4),
+        (0.01, 0.3, 1e-3),
+        (0.01, 0.4999, 1e-2),
     ],
 )
 def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
@@ -86,11 +87,9 @@ def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
     assert result.solutions["fem"].errors["relaxation_time"][:8].max() <= rtol
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    ("thickness", "rtol"),
-    [(0.2, 1e-5), (0.05, 1e-2), pytest.param(0.01, 1e-4, marks=pytest.mark.slow)],
-)
+@pytest.mark.parametrize(("thickness", "rtol"), [(0.2, 1e-5), (0.05, 1e-2), (0.01, 1e-4)])
 def test_incompressible_layers(thickness, rtol):
     result = run(on_a_rigid_base(thickness, 0.5, accuracy={"rtol": rtol}))
     assert result.verdict == "agree"
@@ -102,8 +101,9 @@ def test_incompressible_layers(thickness, rtol):
     assert (missed <= errors["relaxation_time"][:8]).all()
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("ratio", [0.4999999, pytest.param(0.499995, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("ratio", [0.4999999, 0.499995])
 def test_nearly_incompressible_layers_have_their_own_ratio(ratio):
     """Ratios between that of the model and 1/2 are not taken for 1/2."""
     result = run(on_a_rigid_base(0.02, ratio, methods=["fem"]))

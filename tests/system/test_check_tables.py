@@ -146,6 +146,7 @@ def test_a_column_of_nan_is_refused_and_an_empty_one_reported(tmp_path, caplog):
         caplog.clear()
 
 
+@pytest.mark.slow
 def test_gaps_in_a_column_are_reported(caplog):
     rows = pd.DataFrame({"time": 0.1, "radius": [0.1, 0.3, 0.5], "profile": 0.05})
     with caplog.at_level("WARNING", logger="ringwear"):

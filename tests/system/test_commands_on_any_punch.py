@@ -108,6 +108,7 @@ def test_files_of_a_washer_and_its_free_surface(tmp_path):
     assert np.abs(steady[surface]).max() <= 1e-2 * np.abs(steady).max()
 
 
+@pytest.mark.slow
 def test_rows_of_a_checked_file_within_a_hole_are_left_out(tmp_path):
     table = run(HOLLOW).dataset.isel(solver=0)[["pressure"]].to_dataframe().reset_index()
     within = table.assign(radius=0.1, pressure=0.0).drop_duplicates("time")

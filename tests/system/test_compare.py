@@ -16,6 +16,7 @@ def folder(tmp_path_factory):
     return out
 
 
+@pytest.mark.slow
 def test_compare_lists_the_differences(folder, tmp_path, capsys):
     other, out = tmp_path / "other.toml", tmp_path / "out"
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)

@@ -187,6 +187,7 @@ def test_a_punch_whose_contact_moves_needs_times():
         study("convergence", Scene.load("sphere").changed(wear__times=[]), quick=True)
 
 
+@pytest.mark.slow
 def test_the_error_of_a_user_function_names_it(files, tmp_path, capsys):
     options = ["--mesh", files[0], "--quantity", f"{tmp_path / 'mine.py'}:fails", "--quick"]
     assert main(["study", "convergence", "five_rings", *options, "--out", str(tmp_path / "o")]) == 2

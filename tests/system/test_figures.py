@@ -114,6 +114,7 @@ def test_the_unworn_punch_is_drawn_at_its_height_above_the_panel(worn):
     assert "the unworn punch is above" in figure.legends[0].get_title().get_text()
 
 
+@pytest.mark.slow
 def test_deep_grooves_do_not_hide_wear(grooved):
     figure = grooved.plot("profiles_and_pressures")
     panels = [line.axes for line in named(figure, "unworn punch")]

@@ -90,6 +90,7 @@ def results(done):
     return xarray.load_dataset(done / "results.nc")
 
 
+@pytest.mark.slow
 def test_the_dataset_of_a_run_is_that_of_xarray(done):
     """It has no methods of its own, and results.nc holds the same arrays and attributes."""
     data, read = load(done).dataset, xarray.load_dataset(done / "results.nc")

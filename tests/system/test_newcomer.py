@@ -140,6 +140,7 @@ def test_strains_that_are_not_small_give_a_warning(capsys, tmp_path):
         assert ("strains are not small" in capsys.readouterr().out) == warned
 
 
+@pytest.mark.slow
 def test_a_result_carries_the_warnings_that_the_command_prints(tmp_path, capsys):
     """The mean pressure of 1e12 N on 10 mm is 1.4e6 times the modulus; d of 1 s is not run in."""
     scene = Scene(**SCENE).changed(methods=["mdr"], wear__times=[0.0, 1.0])
@@ -162,6 +163,7 @@ def test_a_result_carries_the_warnings_that_the_command_prints(tmp_path, capsys)
     assert run("five_rings", methods=["direct"]).warnings == ()
 
 
+@pytest.mark.slow
 def test_one_method_alone_has_one_wording(tmp_path, capsys):
     result = run("five_rings", methods=["mdr"], rtol=1e-2)
     assert result.verdict == result.summary["verdict"] == "undecided"
@@ -195,12 +197,13 @@ def test_the_page_is_named_only_if_it_is_written(flags, named, tmp_path, capsys)
         "ringwear.studies.crosscheck.result.run",
         "ringwear.studies.check.check",
         "ringwear.studies.comparison",
-        "ringwear.studies.sweep.sweep",
-        "ringwear.studies.named_studies",
         "ringwear.studies.extremes",
         "ringwear.studies.study.orders",
-        "ringwear.studies.study.study",
         "ringwear.studies.crosscheck.scene.scene",
+        *(
+            pytest.param(f"ringwear.studies.{name}", marks=pytest.mark.slow)
+            for name in ("sweep.sweep", "named_studies", "study.study")
+        ),
     ],
 )
 def test_examples_in_docstrings_run(module):

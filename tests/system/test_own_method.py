@@ -34,7 +34,8 @@ class Winkler(ComplianceMethod):
         return Compliance(space, np.linalg.cholesky(space.mass().toarray()).T / stiffness**0.5)
 
 
-@pytest.mark.parametrize("name", ["five_rings", pytest.param("sphere", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["five_rings", "sphere"])
 def test_own_method(name, tmp_path):
     result = run(Scene.load(name).changed(accuracy__rtol=1e-2), methods=["mdr", Winkler()])
     winkler = result.dataset.sel(solver="winkler")

@@ -10,13 +10,14 @@ import pytest
 from ringwear import Scene, SceneError, Stages, main, method, plan
 from ringwear.meshes import structured
 
+SLOW = {"many_rings", "recessed_binder", "rounded_rim", "sphere"}
 BUNDLED = sorted(file.stem for file in (Path(__file__).parents[2] / "studies/scenes").iterdir())
 
 
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name == "many_rings")) for name in BUNDLED],
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in BUNDLED],
 )
 def test_unknowns_are_those_of_the_run(name):
     """They are those of the run before a refinement."""

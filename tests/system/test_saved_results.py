@@ -177,6 +177,7 @@ def test_files_of_two_runs_are_not_mixed(name, old, copied, of_twice_the_force):
     assert "summary.json" in message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_damaged_files_are_refused(name, copied, result):
     """Bits are flipped, parts overwritten and ends cut off, at places drawn at random."""
@@ -231,6 +232,7 @@ WRONG = (..., [], {}, "x", [[1, 2], [3]])
 DEEP = 100_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("old", [False, True])
 def test_entries_of_a_wrong_type_are_refused(old, copied, result):
     """Entries that results are not rebuilt from may have any type if they have no checksum."""

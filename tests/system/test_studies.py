@@ -57,7 +57,7 @@ def interrupted_at(line):
         LOG.removeHandler(handler)
 
 
-@pytest.mark.parametrize("line", [1, 2])
+@pytest.mark.parametrize("line", [1, pytest.param(2, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", names_of_studies())
 def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
     with interrupted_at(line):

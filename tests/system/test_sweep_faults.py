@@ -236,6 +236,7 @@ def fail_for_three_rings(patch, error):
     patch.setattr(compute, "solved_to_accuracy", fail)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("error", "status"), [(ValueError("a bad day"), 2), (MemoryError("no room"), 0)], ids=str
 )
@@ -261,6 +262,7 @@ def test_failed_scenes_end_the_command_with_status_1(tmp_path, monkeypatch, caps
     assert statuses(out) == [1] * 24
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("failing", [False, True])
 def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, failing):
     """If scenes failed, the status is 1 even if others disagree."""

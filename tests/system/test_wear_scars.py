@@ -37,7 +37,8 @@ def by_geometry(diameter, force=10.0, ball_radius=5.0, modulus=200e3 / 0.91):
     return cap - 4 * force * a / (3 * np.pi * modulus)
 
 
-@pytest.mark.parametrize("diameter", [0.6, pytest.param(2.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("diameter", [0.6, 2.0])
 def test_a_scar_has_the_wear_coefficient_of_its_volume(diameter):
     data = {"distance [m]": [1000.0], "scar_diameter [mm]": [diameter]}
     found = ringwear.fit(BALL, data, WEAR, noise="0.5 %")

@@ -71,7 +71,13 @@ def energy(u, v, w):
     return 2 * np.pi * r * (2 * w.shear * products + w.lame * traces[0] * traces[1])
 
 
-@pytest.mark.parametrize(("kind", "degree"), SOLIDS)
+@pytest.mark.parametrize(
+    ("kind", "degree"),
+    [
+        pytest.param(*solid, marks=[pytest.mark.slow] * (solid == ("quadrilaterals", 8)))
+        for solid in SOLIDS
+    ],
+)
 @pytest.mark.parametrize("poisson_ratio", [-0.5, 0.4999])
 def test_stiffness_equals_the_bilinear_form(kind, degree, poisson_ratio):
     mesh = square(kind, 0.5, 0.2, 3)

@@ -79,6 +79,7 @@ def test_elements_of_degree_one_have_the_order_two_in_every_energy(exact, quads,
         assert fits[part]["finest error"] < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_elements_of_degree_two_have_the_order_four_in_every_energy(exact):
     fits = fits_of(FIVE, graded_to_edges(2, (2, 3)), exact, *{name for name, _ in ENERGIES})
