@@ -260,16 +260,16 @@ class PressureSpace:
         rows = np.arange(len(local))[:, None]
         return self._assembled(values, rows, functions, len(local))
 
-    def _assembled(
-        self, values: Array, rows: Indices | int, columns: Indices, height: int
-    ) -> csr_matrix:
+    def _assembled(self, values: Array, rows: Indices, columns: Indices, height: int) -> csr_matrix:
         """Return the matrix (height, size) that sums values in rows and columns.
 
-        Values, rows and columns are broadcast. Entries in the column `size`, which are functions
-        that an element does not have, are left out.
+        Values, rows and columns are broadcast. Entries in the row `height` or the column `size`,
+        which are functions that an element does not have, are left out.
         """
-        entries, *places = (array.ravel() for array in np.broadcast_arrays(values, rows, columns))
-        return csr_matrix((entries, places), (height, self.size + 1))[:, :-1]
+        entries, row, column = map(np.ravel, np.broadcast_arrays(values, rows, columns))
+        exists = (column != self.size) & (row != height)
+        places = row[exists], column[exists]
+        return csr_matrix((entries[exists], places), (height, self.size))
 
     @cached_property
     def quadrature(self) -> tuple[Array, Array, Array]:
@@ -294,7 +294,7 @@ class PressureSpace:
         values = shapes(local, self.top)
         blocks = np.einsum("eq,qi,qj->eij", areas, values, values, optimize=True)
         rows, columns = self.dofs[:, :, None], self.dofs[:, None, :]
-        return self._assembled(blocks, rows, columns, self.size + 1)[:-1]
+        return self._assembled(blocks, rows, columns, self.size)
 
     @cached_property
     def _mass_factor(self) -> BandedCholesky:
@@ -485,7 +485,7 @@ class PressureSpace:
         # the coefficient of a vertex between two elements of a ring is entered only once
         coefficients[1:, 0][np.diff(self.ring) == 0] = 0.0
         rows, columns = self.dofs[:, :, None], coarse.dofs[parent][:, None, :]
-        return coarse._assembled(coefficients, rows, columns, self.size + 1)[:-1]
+        return coarse._assembled(coefficients, rows, columns, self.size)
 
 
 def shapes(local: Array, top: int) -> Array:

@@ -5,6 +5,7 @@ one.
 """
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -186,6 +187,7 @@ def pressure_count(problem: Problem, ratio: float) -> float:
     return total
 
 
+@lru_cache(maxsize=16)
 def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
     """Return the problem with `rtol` replaced by the tolerance that its fields are resolved to.
 

@@ -5,6 +5,7 @@ that justifies it.
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -71,6 +72,7 @@ class RadialSizes:
         return replace(space, degrees=degrees)
 
 
+@lru_cache(maxsize=16)
 def radial_sizes(problem: Problem) -> RadialSizes:
     """Return the sizes that the tolerance of a problem requires.
 
