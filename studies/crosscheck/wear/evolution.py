@@ -273,10 +273,13 @@ class Evolution:
             return np.nan
         from scipy.optimize import brentq  # few runs need it
 
-        def logarithm(time: float) -> float:
-            return float(np.log(max(self._remains(time) / greatest / fraction, SMALLEST_RATIO)))
-
         before, after = float(times[last]), float(times[last + 1])
+        known = {before: float(remaining[last]), after: float(remaining[last + 1])}
+
+        def logarithm(time: float) -> float:
+            remains = known[time] if time in known else self._remains(time)
+            return float(np.log(max(remains / greatest / fraction, SMALLEST_RATIO)))
+
         return float(brentq(logarithm, before, after, xtol=ROOT * after, rtol=ROOT))
 
     def _remains(self, time: float) -> float:
