@@ -6,7 +6,7 @@ last at free edges, until the response to the load no longer changes.
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -43,6 +43,31 @@ SMALLEST_REFINED_CELL = 1e-9
 MOST_REFINEMENTS, MOST_CELLS_RATIO = 12, 4
 
 
+@dataclass(frozen=True, eq=False)
+class UnwornPunch:
+    """A punch that has not worn yet, under its load at the start.
+
+    Parameters
+    ----------
+    compliance : callable
+        Returns the compliance on a pressure space.
+    profile : InitialProfile
+        Unworn face.
+    load : Load
+        Force or indentation.
+    """
+
+    compliance: Callable[[PressureSpace], Compliance]
+    profile: InitialProfile
+    load: Load
+
+    def pressed_on(self, space: PressureSpace) -> tuple[Array, Press]:
+        """Return the matrix (size, size) of the compliance on a space, and the contact there."""
+        matrix = self.compliance(space).matrix
+        contact = Contact(matrix, space.weights)
+        return matrix, contact.press(moments(self.profile, space), self.load)
+
+
 def load_of(problem: Problem) -> Load:
     """Return the largest load: the force, which is the unit, or the given indentation."""
     return Load(1.0) if problem.indentation is None else Load(None, problem.indentation)
@@ -61,7 +86,8 @@ def first_contact(problem: Problem) -> tuple[tuple[Interval, ...], ContactCells]
     They only determine the cells. For this, the compliance of any method is sufficient, and that of
     dimensionality reduction is fast to compute.
     """
-    intervals, cells = find_first_contact(*_initial_press(problem), cells_of(problem))
+    punch = _unworn_punch(problem)
+    intervals, cells = find_first_contact(punch, cells_of(problem))
     if not intervals:
         raise SceneError(
             "load.indentation makes a contact that is too small for cells: give a larger one"
@@ -69,7 +95,7 @@ def first_contact(problem: Problem) -> tuple[tuple[Interval, ...], ContactCells]
     if covers_face(intervals):
         cells = graded_to_worn_layers(problem, cells)
     tolerance = START_TOLERANCE * min(problem.rtol, COARSEST_RTOL)
-    return refine_at_free_edges(*_initial_press(problem), cells, tolerance)
+    return refine_at_free_edges(punch, cells, tolerance)
 
 
 @lru_cache(maxsize=16)
@@ -81,9 +107,7 @@ def scaled_cells(problem: Problem, factor: float) -> ContactCells:
     that the difference also shows the error of these places. The cells there have the scaled size:
     the new search may find another one.
     """
-    _, at_contact = find_first_contact(
-        *_initial_press(problem), cells_of(problem).multiplied(factor)
-    )
+    _, at_contact = find_first_contact(_unworn_punch(problem), cells_of(problem).multiplied(factor))
     cells = first_contact(problem)[1].multiplied(factor)
     places = ((inner, outer) for inner, outer, _ in at_contact.refinements)
     return replace(cells, refinements=refinements_of(cells.spread, places))
@@ -94,21 +118,16 @@ def contact_cells(problem: Problem) -> tuple[ContactCells, ContactCells]:
     return first_contact(problem)[1], scaled_cells(problem, 0.5)
 
 
-def _initial_press(
-    problem: Problem,
-) -> tuple[Callable[[PressureSpace], Compliance], InitialProfile, Load]:
-    """Return the compliance on a space, the face and the load that determine the first contact."""
+def _unworn_punch(problem: Problem) -> UnwornPunch:
+    """Return the punch whose first contact is searched for, with a compliance that is fast."""
     compliance_on = partial(
         energy.compliance, ground=problem.ground, extra_points=EXTRA_POINTS_OF_SEARCH
     )
-    return compliance_on, problem.profile, load_at_start(problem)
+    return UnwornPunch(compliance_on, problem.profile, load_at_start(problem))
 
 
 def find_first_contact(
-    compliance: Callable[[PressureSpace], Compliance],
-    profile: InitialProfile,
-    load: Load,
-    cells: ContactCells,
+    punch: UnwornPunch, cells: ContactCells
 ) -> tuple[tuple[Interval, ...], ContactCells]:
     """Return the intervals of first contact, and cells that are small on its narrow parts.
 
@@ -117,12 +136,8 @@ def find_first_contact(
 
     Parameters
     ----------
-    compliance : callable
-        Returns the compliance on a pressure space.
-    profile : InitialProfile
-        Unworn face.
-    load : Load
-        Force or indentation.
+    punch : UnwornPunch
+        The punch before it wears.
     cells : ContactCells
         Cells to start from.
     """
@@ -131,13 +146,12 @@ def find_first_contact(
     seen_sizes: set[int] = set()
     for _ in range(24):
         space = cells.space()
-        matrix = compliance(space).matrix
-        press = Contact(matrix, space.weights).press(moments(profile, space), load)
-        intervals = first_intervals(space, press.contact, profile)
+        matrix, press = punch.pressed_on(space)
+        intervals = first_intervals(space, press.contact, punch.profile)
         # parts between two corners of the face need no refinement: cells are small at ring edges
         free_intervals = [part for part in intervals if part.inner_free or part.outer_free]
         penetrating = _penetrating_parts(
-            space, space.projected(matrix @ press.pressure), press, profile
+            space, space.projected(matrix @ press.pressure), press, punch.profile
         )
         narrow_parts = [(part.inner, part.outer) for part in free_intervals] + penetrating
         while not (
@@ -287,11 +301,7 @@ def refinements_of(
 
 
 def refine_at_free_edges(
-    compliance: Callable[[PressureSpace], Compliance],
-    profile: InitialProfile,
-    load: Load,
-    cells: ContactCells,
-    tolerance: float,
+    punch: UnwornPunch, cells: ContactCells, tolerance: float
 ) -> tuple[tuple[Interval, ...], ContactCells]:
     """Return the intervals of first contact, and cells that are small enough at its free edges.
 
@@ -301,12 +311,8 @@ def refine_at_free_edges(
 
     Parameters
     ----------
-    compliance : callable
-        Returns the compliance on a pressure space.
-    profile : InitialProfile
-        Unworn face.
-    load : Load
-        Force or indentation.
+    punch : UnwornPunch
+        The punch before it wears.
     cells : ContactCells
         Cells to start from. They are returned unchanged if the contact has no free edge, or more
         than `MOST_FREE_EDGES`.
@@ -320,12 +326,11 @@ def refine_at_free_edges(
         space = refined.space()
         if _count(refined) > most_cells + 1:
             break
-        matrix = compliance(space).matrix
-        press = Contact(matrix, space.weights).press(moments(profile, space), load)
-        response = press.force if load.force is None else press.indentation
+        _, press = punch.pressed_on(space)
+        response = press.force if punch.load.force is None else press.indentation
         if abs(response - last_response) <= tolerance * abs(response):
             break
-        intervals = first_intervals(space, press.contact, profile)
+        intervals = first_intervals(space, press.contact, punch.profile)
         last_response, last_accepted = response, (intervals, refined)
         edges = _refined_edges(space, intervals)
         if not 0 < len(edges) <= MOST_FREE_EDGES:

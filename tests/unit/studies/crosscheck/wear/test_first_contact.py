@@ -20,6 +20,7 @@ from ringwear.studies.crosscheck.sizes.cells import cells_of
 from ringwear.studies.crosscheck.wear import first_contact as search
 from ringwear.studies.crosscheck.wear.contact_edges import worn_edges
 from ringwear.studies.crosscheck.wear.first_contact import (
+    UnwornPunch,
     contact_cells,
     find_first_contact,
     first_contact,
@@ -108,7 +109,8 @@ def test_first_contact_is_found_with_at_most_four_compliances(name):
         looks.append(space)
         return energy.compliance(space)
 
-    intervals, _ = find_first_contact(look, problem.profile, load_of(problem), cells_of(problem))
+    punch = UnwornPunch(look, problem.profile, load_of(problem))
+    intervals, _ = find_first_contact(punch, cells_of(problem))
     assert intervals
     assert 1 <= len(looks) <= 4
 
