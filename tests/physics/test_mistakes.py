@@ -310,7 +310,7 @@ UNSEEN = {
 
 
 ALL = FILES | FRESH | UNSEEN
-QUICK = ("k 1.1, pressures",)
+QUICK = "k 1.1, pressures"
 
 
 @cache
@@ -319,12 +319,10 @@ def looks(scene, table):
     return mistakes(check(SCENES[scene], table()), "theirs")
 
 
-def marked(name):
-    """Return the name of a file with its pytest marks."""
-    return pytest.param(name, marks=[] if name in QUICK else [pytest.mark.slow])
-
-
-@pytest.mark.parametrize("name", [marked(name) for name in ALL])
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name != QUICK)) for name in ALL],
+)
 def test_the_right_cause_is_named_first_and_wrong_ones_are_unsure(name):
     scene, table, right = ALL[name]
     first, *others = looks(scene, table)
