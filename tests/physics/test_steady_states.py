@@ -26,7 +26,7 @@ LOADS = {
 @pytest.mark.parametrize("name", LOADS)
 def test_the_steady_state_is_that_of_the_last_load(name, profile):
     scene = Scene.from_table(BASE | {"punch": PUNCH | profile, "load": LOADS[name]})
-    result = run(scene, methods=["mdr", "direct"])
+    result = run(scene, methods=["mdr", "bem", "direct"])
     assert result.verdict == "agree"
     force, speed = (0.4, 1.0) if name == "rising" else (0.2, 2.0)
     areas, wear = np.pi * np.array([1.0, 3.0]), np.array([1.0, 4.0])

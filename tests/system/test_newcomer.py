@@ -22,7 +22,7 @@ SCENE = {
 
 @pytest.fixture(scope="module")
 def result():
-    return run("five_rings", methods=["mdr", "direct"], rtol=1e-3)
+    return run("five_rings", methods=["mdr", "bem", "direct"], rtol=1e-3)
 
 
 @pytest.fixture(scope="module")

@@ -28,12 +28,12 @@ def answers_in(text):
 
 @pytest.fixture(scope="module")
 def five():
-    return run(Scene.load("five_rings").changed(methods=["mdr", "direct"]))
+    return run(Scene.load("five_rings").changed(methods=["mdr", "bem", "direct"]))
 
 
 def test_summary_and_dataset_have_the_answer(five):
     answer = json.loads(json.dumps(five.summary["answer"], allow_nan=False))
-    assert set(answer) == {"mdr", "direct"}
+    assert set(answer) == {"mdr", "bem", "direct"}
     assert answer["direct"]["running_in_time"] is None
     assert answer["mdr"]["pressure_max"][0][-1] is None
     dataset = five.dataset

@@ -19,7 +19,7 @@ from ringwear import Scene, Study, main, run
 
 SLIDES = re.compile(r'<script type="application/json" id="slides">(.*?)</script>', re.DOTALL)
 RUBBER = Scene.load("rubber").changed(
-    title="Stone & binder </script><b> $x_{", methods=["mdr", "direct"]
+    title="Stone & binder </script><b> $x_{", methods=["mdr", "bem", "direct"]
 )
 
 

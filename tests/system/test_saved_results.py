@@ -151,12 +151,12 @@ def test_an_array_that_is_altered_while_it_is_written_is_noticed(
         write(xarray.Dataset(arrays, coordinates, dataset.attrs), path)
 
     monkeypatch.setattr(files, "write_netcdf", write_altered)
-    files.write_numbers(result.dataset, result.summary, tmp_path)
-    assert f"{name!r} of results.nc does not match its checksum" in refusal(tmp_path)
+    with pytest.raises(RingwearError, match=r"results\.nc was not written correctly"):
+        files.write_numbers(result.dataset, result.summary, tmp_path)
 
 
 def test_an_entry_that_is_altered_is_named(copied):
-    edit_summary(copied, lambda entries: entries.update(verdict="undecided"))
+    edit_summary(copied, lambda entries: entries.update(verdict="disagree"))
     assert "entry 'verdict' of summary.json does not match its checksum" in refusal(copied)
 
 

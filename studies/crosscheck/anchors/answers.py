@@ -1,38 +1,94 @@
-"""Check the numbers of the answer against the start, the steady state and the reported series."""
+"""Check that the table and the answer have the numbers of the solution, and times by definition.
+
+All numbers of the table and of the answer are compared with the solution that they came from,
+whatever they mean. Times of the answer are compared with what remains, or with the contact, then.
+"""
+
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ....meshes.radial import Array
+from ..problem.norms import common
+from ..problem.quantities import ANSWER, DESCRIBED, error_name
 from .anchor import Row, Rows
-from .many_rings import displace_by_many_rings
-from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
+from .reported import ROUNDOFF_TOLERANCE, Reported
 
+TINY = np.finfo(float).tiny
 # relative step in time of the difference quotient that gives the decay rate of the running-in
 RELATIVE_TIME_STEP = 1e-3
-# scale of a difference if all values are zero; it only prevents a division by zero
-SMALLEST_SCALE = 1e-300
-# relative error of a sum over the face if the punch is shaped: edges of its contact lie between the
-# radii of the face
-SHAPED_SUM_ERROR = 1e-3
+# rank, from 0, of the pressure whose difference to the highest one estimates the latter's error
+PEAK_RADII = 8
+
+
+def check_table(report: Reported) -> Rows:
+    """Compare all numbers with the solution, in units that are read a second time."""
+    worst = np.array([difference.max(initial=0.0) for difference in _differences(report)])
+    yield Row("the table has the numbers of the solution", worst, 0.0, ROUNDOFF_TOLERANCE, 1.0)
+
+
+def _differences(report: Reported) -> Iterator[Array]:
+    """Yield the differences of all arrays of the table and the answer from those of the solution.
+
+    Numbers on the face, which are compared with other methods, must be those that are reported.
+    """
+    solution, rows = report.solution, report.problem.compared_rows
+    for name, solved in solution.results.items():
+        if name not in DESCRIBED:
+            continue
+        expected = solved * getattr(report.units, DESCRIBED[name].unit)
+        places = [(name, expected), (error_name(name), solution.errors.get(name))]
+        for numbers in (report.table, report.answers):
+            for place, values in places:
+                if values is not None and place in numbers:
+                    yield _relative_difference(numbers[place], values)
+        if name in solution.compared and "radius" not in DESCRIBED[name].dims:
+            reported = solved[rows] if DESCRIBED[name].over_time else solved
+            yield _relative_difference(solution.compared[name], reported)
+    yield _relative_difference(report.table["time"], report.reading.times)
+    radii = report.problem.radii * report.units.length
+    yield _relative_difference(report.table["radius"], radii)
+
+
+def _relative_difference(values: ArrayLike, expected: Array) -> Array:
+    """Return the difference of each number that both have; 0 where both are NaN or equal."""
+    values = np.asarray(values, dtype=float)
+    shared = common(values.shape, expected.shape)
+    values, expected = values[shared], np.asarray(expected[shared], dtype=float)
+    same = (values == expected) | (np.isnan(values) & np.isnan(expected))
+    with np.errstate(invalid="ignore", over="ignore"):
+        difference = np.abs(values - expected) / np.maximum(np.abs(expected), TINY)
+    return np.where(same, 0.0, np.nan_to_num(difference, nan=1.0, posinf=1.0))
 
 
 def check_times_of_running_in(report: Reported) -> Rows:
     """Compare the remaining part of the running-in at `time_to_90` and so on with its definition.
 
-    The total change from the start to the steady state follows from the steady pressure, by direct
-    integration. The method's own total change may differ from it by the errors that the method
-    states for the start and for the steady state.
+    For a flat punch, the total change from the start to the steady state follows from the steady
+    pressure, by direct integration. The method's own total change may differ from it by the errors
+    that the method states for the start and for the steady state. For a shaped punch, the greatest
+    change is that of its steps.
     """
-    running_in, fractions = report.solution.wear, report.problem.remaining_parts
+    solution, fractions = report.solution, report.problem.remaining_parts
     # the verdict is undecided if such a number is missing
     reported = {name: part for name, part in fractions.items() if report.has(name)}
-    if running_in is None or not report.full_contact or not reported:
+    if not reported:
         return
-    total_change, error = _total_change(report)
+    if solution.evolution is not None:
+        remaining_at = solution.evolution.remaining
+        total_change = float(np.abs(remaining_at(solution.evolution.times)).max())
+        # the greatest change may lie between two steps
+        error = report.rtol * total_change
+    elif solution.wear is not None:
+        remaining_at = solution.wear.modes.remaining_change
+        total_change, error = _total_change(report)
+    else:
+        return
     for name, remaining_part in reported.items():
         time = float(report.take(name))
-        remaining = running_in.modes.remaining_change(
-            time * np.array([1 - RELATIVE_TIME_STEP, 1.0, 1 + RELATIVE_TIME_STEP])
+        remaining = np.abs(
+            remaining_at(time * np.array([1 - RELATIVE_TIME_STEP, 1.0, 1 + RELATIVE_TIME_STEP]))
         )
         decay = abs(np.log(remaining[2] / remaining[0])) / (2 * RELATIVE_TIME_STEP)
         time_error = float(report.tolerance(name))
@@ -49,79 +105,48 @@ def _total_change(report: Reported) -> tuple[float, float]:
     """Return the total change during running-in, and a bound on its difference to the method's."""
     if report.fixed_indentation:
         return report.flat.indentation, 0.0
-    displacement, change = _steady_displacement(report)
     # the steady pressure, as the weight of a mean, carries the force 1
     pressure = report.steady_wear_rate / report.wear
-    means, errors = report.integrate(np.array([displacement, change]), pressure)
-    steady, start = float(means[0]), report.flat.indentation
-    error = float(errors[0]) + abs(float(means[1]))
+    (steady,), (error,) = report.integrate(report.steady_displacement_on_face[None], pressure)
+    start = report.flat.indentation
     error += report.stated_error("indentation_start") * start
     return steady - start, error + report.stated_error("indentation_steady") * steady
 
 
-def _steady_displacement(report: Reported) -> tuple[Array, Array]:
-    """Return the steady displacement (R,) on the face, and a change (R,) that bounds its error.
-
-    It has a closed form if the wear coefficient is constant on rings. Otherwise, the change is that
-    of the extrapolation. The error of a mean is bounded by the mean of the change.
-    """
-    radii = report.face.radii
-    if not report.graded:
-        return report.steady_displacement(radii), np.zeros(len(radii))
-    displacement = displace_by_many_rings(report.reading, radii)
-    return displacement.value, displacement.change
+def check_time_to_full_contact(report: Reported) -> Rows:
+    """Compare the contact a little before and after `time_to_full_contact` with its definition."""
+    evolution, name = report.solution.evolution, "time_to_full_contact"
+    if evolution is None or not report.has(name) or not (time := float(report.take(name))):
+        return
+    error = float(report.tolerance(name))
+    full = evolution.at(time * np.array([1 - error, 1 + error])).contact.all(axis=1)
+    yield Row(f"{name}: contact before and after", full.astype(float), np.array([0.0, 1.0]), 0.0, 1.0)
 
 
 def check_repeated_numbers(report: Reported) -> Rows:
-    """Compare numbers of the answer with the first or the last value of the reported series."""
-    problem = report.problem
-    has_start = len(report.reading.times) > 0 and report.reading.times[0] == 0
-    if report.full_contact and report.has("force_start"):
-        # at a fixed indentation, F = 2 a E* d of a flat punch is the unit of force
-        exact = 1.0 if report.fixed_indentation else float(report.reading.load(np.zeros(1))[0][0])
-        tolerance = report.tolerance("force_start")
-        force, scale = report.take("force_start"), exact or 1.0
-        yield Row("force_start in closed form", force, exact, tolerance, scale)
-    for answer, name, index in (
-        ("force_start", "normal_force", 0),
-        ("force_end", "normal_force", -1),
-        ("contact_radius_start", "contact_radius", 0),
-        ("worn_volume", "ring_worn_volume", -1),
-        ("indentation_start", "indentation", 0),
-    ):
-        if answer == "indentation_start" and (report.full_contact or problem.loading.varies):
-            # a flat punch has this number in closed form, also if the force is 0 at the time 0
-            continue
-        if report.has(answer) and name in report.table and (has_start or index):
-            series = np.asarray(report.table[name])[index]
-            value = np.asarray(report.table[answer])
-            scale = max(float(np.nanmax(np.abs(np.asarray(report.table[name])))), SMALLEST_SCALE)
-            yield Row(f"{answer} of the answer", value, series, ROUNDOFF_TOLERANCE, scale)
+    """Compare numbers of the answer with the first or the last value of their series."""
+    results = report.solution.results
+    for name, number in ANSWER.items():
+        if number.at and {name, number.at[0]} <= results.keys():
+            series, at = number.at
+            # a flat punch has its start in closed form, and a fitted start is more accurate
+            tolerance = report.rtol + report.stated_error(name) + report.stated_error(series)
+            # what decays is as accurate as it was at first
+            values = results[series] if at else results[series][0]
+            scale = float(np.nanmax(np.abs(values))) or 1.0
+            if at or (report.includes_start and not report.problem.loading.varies):
+                label = f"{name} of the answer"
+                yield Row(label, results[name], results[series][at], tolerance, scale)
 
 
-def check_worn_volumes_of_profile(report: Reported) -> Rows:
-    """Compare the worn volumes of the rings with integrals of the profile at the last time."""
-    problem, face = report.problem, report.face
-    unworn = problem.profile(face.radii) + problem.profile.standoff
-    # both heights contain the standoff of a flat face, which cancels
-    parts = face.areas * (report.solution.compared["profile"][-1] - unworn)
-    volumes, quadrature_error = (
-        face.ring_sums(parts),
-        REFERENCE_ERROR_FACTOR * face.integral_error(parts[None])[0],
-    )
-    total_volume = volumes.sum()
-    if not total_volume > 0:
-        return
-    stated_error = report.tolerance("worn_volume")
-    # the error of the profile is relative to the indentation, at every radius of the face
-    depth = float(report.take("indentation")[-1]) if len(report.times) else 0.0
-    stated_error = (
-        stated_error + float(report.errors("profile")[0][-1]) * report.area * depth / total_volume
-    )
-    if not report.full_contact:
-        quadrature_error += SHAPED_SUM_ERROR * np.abs(parts).sum()
-    tolerance = stated_error + quadrature_error / total_volume
-    value = report.take("worn_volume")
-    yield Row(
-        "worn volumes of the answer, from the profile", value, volumes, tolerance, total_volume
-    )
+def check_peak(report: Reported) -> Rows:
+    """Compare the peak pressure at the start with the pressure over the face."""
+    if report.includes_start:
+        pressures = np.sort(report.take("pressure")[0])[::-1]
+        peak = float(report.take("pressure_peak_start"))
+        highest, nearby = float(pressures[0]), float(pressures[PEAK_RADII])
+        if nearby <= highest / 2:
+            # the peak may lie between two radii: then it is at least as high as the pressures there
+            highest = max(highest, peak)
+        tolerance = report.rtol + 4 * (highest - nearby) / highest
+        yield Row("peak pressure of the answer", peak, highest, tolerance)

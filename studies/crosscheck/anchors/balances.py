@@ -4,7 +4,6 @@ import numpy as np
 
 from ....meshes.radial import ring_areas
 from ..problem.face import POINTS
-from ..problem.norms import LEAST_VOLUME
 from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
@@ -38,7 +37,8 @@ def check_mean_contact_radius(report: Reported) -> Rows:
     # with too few radii in contact, contact may lie between the radii of the face
     quadrature_error[(parts > 0).sum(axis=1) < POINTS] = np.inf
     scale = np.maximum(force, np.finfo(float).tiny)
-    tolerance = report.tolerance("pressure", "mean_contact_radius") + quadrature_error / scale
+    tolerance = report.allowed_in_balances("pressure", "mean_contact_radius")
+    tolerance = tolerance + (quadrature_error + report.edge_error) / scale
     moment = report.take("mean_contact_radius") * force
     yield Row("moment of the pressure, int p r dA", moment, parts.sum(axis=1), tolerance, scale)
 
@@ -58,50 +58,3 @@ def check_worn_volumes(report: Reported) -> Rows:
             areas = ring_areas(report.problem.ring_edges)
             tolerance += ROUNDOFF_OF_DEPTHS * (areas / coefficients).sum() / work
         yield Row("worn volume over k, F v0 t", value, work, tolerance)
-
-
-def check_decay(report: Reported) -> Rows:
-    """Compare the decaying force at a fixed indentation with the volumes that it wears off."""
-    force = report.take("normal_force")
-    if report.full_contact and report.includes_start:
-        tolerance = report.tolerance("normal_force")[0]
-        name = report.name_of_start("F", "2 a E* d")
-        yield Row(name, force[0], 1.0, tolerance)
-    if report.graded:
-        return
-    volumes, coefficients = report.take("ring_worn_volume"), report.problem.wear_coefficients
-    worn = (volumes / coefficients).sum(axis=1)
-    # while the punch does not slide, nothing changes: use each sliding distance once
-    distances, rows = np.unique(report.distances, return_index=True)
-    force_scale = np.maximum.accumulate(force)
-    # the error of every ring's volume, also of a ring that hardly wears, is relative to their sum,
-    # or to a part of the depth if that is greater
-    least = LEAST_VOLUME * report.depth_scale * report.area
-    volume_scale = np.maximum(volumes.sum(axis=1), least) * np.sum(1 / coefficients)
-    errors = report.errors("normal_force", "ring_worn_volume") * [force_scale, volume_scale]
-    steps, force, worn, errors = np.diff(distances), force[rows], worn[rows], errors[:, rows]
-    force_error, volume_error = errors[:, 1:] + errors[:, :-1]
-    error = ROUNDOFF_TOLERANCE * force[0] + force_error + volume_error / steps
-    rates, scale = np.diff(worn) / steps, np.maximum(force[:-1], np.finfo(float).tiny)
-    nearest = np.clip(rates, force[1:], force[:-1])
-    yield Row("worn volume over k, between F v0 t", rates, nearest, error / scale, scale)
-
-
-def check_fixed_indentation(report: Reported) -> Rows:
-    """Compare worn volume, unworn profile and elastic displacement with the overlap ``A d``.
-
-    The overlap is the volume of the face plane below the surface; the gap is subtracted.
-    """
-    depth, unworn = report.take("indentation"), report.problem.profile
-    pressure, radii = report.take("pressure"), report.face.radii
-    uniform_displacement = report.uniform_displacement
-    heights = pressure * uniform_displacement + unworn(radii) + unworn.standoff
-    gap = report.take("displacement") + report.take("profile") - depth[:, None]
-    other_parts, quadrature_error = report.integrate(heights - gap)
-    missed_force = report.take("normal_force") - report.integrate(pressure)[0]
-    quadrature_error += np.abs(missed_force) * uniform_displacement.max()
-    stated_error = report.errors("pressure", "profile", "displacement").sum(axis=0)
-    tolerance = report.rtol + stated_error + quadrature_error / depth
-    value = report.take("ring_worn_volume").sum(axis=1) + other_parts
-    overlap = report.area * depth
-    yield Row("overlap A d: worn, unworn and elastic parts", value, overlap, tolerance, depth)

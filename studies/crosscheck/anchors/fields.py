@@ -4,10 +4,7 @@ import numpy as np
 
 from ..wear.unilateral import Mask
 from .anchor import Row, Rows
-from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
-
-# name of the anchor of the contact radius in full contact
-RADIUS_OF_FULL_CONTACT = "contact radius, that of the punch"
+from .reported import REFERENCE_ERROR_FACTOR, Reported
 
 
 def check_output(report: Reported) -> Rows:
@@ -34,11 +31,6 @@ def check_output(report: Reported) -> Rows:
         if name == "profile":
             tolerance = tolerance + report.depth_roundoff[rows]
         yield Row(f"{name} at the reported radii", difference, 0.0, tolerance, 1.0)
-
-
-def check_contact_radius(report: Reported) -> Rows:
-    """Compare the contact radius with that of the punch, which is in full contact."""
-    yield Row(RADIUS_OF_FULL_CONTACT, report.take("contact_radius"), 1.0, ROUNDOFF_TOLERANCE)
 
 
 def _beside_contact_edges(report: Reported) -> Mask:

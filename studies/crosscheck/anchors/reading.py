@@ -25,8 +25,6 @@ SAME_RADIUS = 1e-14
 # relative change of the wear coefficient along a segment below which a closed form loses digits, so
 # that a Gauss rule integrates instead, and the points of that rule, which gives all digits
 SMALL_CHANGE, GAUSS_POINTS = 0.5, 24
-# number of radii in each interval of a table between which k changes by equal factors
-RADII_PER_INTERVAL = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,20 +193,6 @@ class Reading:
             return float(values[at_edge[which]])
         return float(np.interp(edge, radii, values))
 
-    def radii_of_even_wear(self) -> Array:
-        """Return radii (over the punch radius) between which a graded k changes by small factors.
-
-        They are those of the table, and others between them.
-        """
-        radii = np.array(self.table["radii"]) / self.units.length
-        values, places = np.array(self.table["values"]), [radii]
-        for number in np.flatnonzero((np.diff(values) != 0) & (np.diff(radii) > 0)):
-            ends = slice(number, number + 2)
-            wear = np.geomspace(values[number], values[number + 1], RADII_PER_INTERVAL)
-            order = np.argsort(values[ends])
-            places.append(np.interp(wear, values[ends][order], radii[ends][order]))
-        return np.unique(np.concatenate(places).clip(0.0, 1.0))
-
     def unworn(self, radii: Array) -> Array:
         """Return the heights of the unworn face at radii (over the punch radius), non-dimensional.
 
@@ -228,20 +212,22 @@ class Reading:
         All are non-dimensional, (T,). Between knots force and speed are linear in time, so that
         Simpson's rule integrates their product exactly.
         """
-        until = np.atleast_1d(times) * self.units.time
-        rows = np.array([self._integrated(time) for time in until]).reshape(-1, 3)
-        force, distance, work = rows.T
-        return force, distance / self.units.time, work / self.units.time
+        until, knots = np.atleast_1d(times) * self.units.time, self.knots
+        at_knots = np.zeros((2, len(knots)))
+        at_knots[:, 1:] = np.cumsum(self._integrals(knots[:-1], knots[1:]), axis=1)
+        last = np.searchsorted(knots, until, side="right") - 1
+        distance, work = at_knots[:, last] + self._integrals(knots[last], until)
+        return self.force.at(until), distance / self.units.time, work / self.units.time
 
-    def _integrated(self, until: float) -> tuple[float, float, float]:
-        """Return force, distance and work at a time; the unit of time is that of the scene."""
-        times = np.append(self.knots[self.knots < until], until)
-        middles, lengths = (times[1:] + times[:-1]) / 2, np.diff(times)
-        force, speed = self.force.at(times), self.speed.at(times)
-        end_power, middle_power = force * speed, self.force.at(middles) * self.speed.at(middles)
-        distance = lengths @ (speed[1:] + speed[:-1]) / 2
-        work = lengths @ (end_power[1:] + 4 * middle_power + end_power[:-1]) / 6
-        return float(force[-1]), float(distance), float(work)
+    def _integrals(self, starts: Array, ends: Array) -> Array:
+        """Return distance and work (2, n) from times to others before the next knots."""
+        speeds, forces = (
+            np.array([load.at(times) for times in (starts, (starts + ends) / 2, ends)])
+            for load in (self.speed, self.force)
+        )
+        distance = speeds[[0, 2]].sum(axis=0) / 2
+        work = np.array([1, 4, 1]) @ (forces * speeds) / 6
+        return (ends - starts) * np.array([distance, work])
 
 
 def _integrals_over_wear(ends: Array, wear: Array) -> Array:

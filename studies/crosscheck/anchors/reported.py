@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -39,6 +40,21 @@ ROUNDOFF = 1e-12
 REFERENCE_ERROR_FACTOR = 10.0
 
 
+class KnownPressure(NamedTuple):
+    """A pressure on the face whose displacement is known.
+
+    Parameters
+    ----------
+    name : its name in that of the anchor
+    pressure : (R,) pressure
+    displacement : (R,) displacement, or the one number of a flat punch
+    """
+
+    name: str
+    pressure: Array
+    displacement: Array | float
+
+
 class Reported:
     """A method's report, with the reference numbers that anchors need to check it.
 
@@ -50,7 +66,8 @@ class Reported:
     scene : the scene that was solved
     reading : the second reading of the scene
     name : name of the method
-    table : the method's values in `results.nc` by the names of quantities, in the scene's units
+    table, answers : the method's values in `results.nc`, and the numbers of its answer, by the
+        names of quantities, in the scene's units
     solution : the method's fields over the face and its error estimates
 
     Attributes
@@ -70,9 +87,11 @@ class Reported:
         reading: Reading,
         name: str,
         table: Mapping[str, ArrayLike],
+        answers: Mapping[str, ArrayLike],
         solution: Solution,
     ) -> None:
-        self.scene, self.name, self.table, self.solution = scene, name, table, solution
+        self.scene, self.name, self.solution = scene, name, solution
+        self.table, self.answers = table, answers
         self.problem, self.reading = scene.problem, reading
         self.units, self.rtol = self.reading.units, self.reading.rtol
         self.face, self.average = self.problem.face, self.reading.average
@@ -196,15 +215,19 @@ class Reported:
         edges = np.array([self.inner_radius, 1.0])
         return direct.displacement(edges, np.ones(1), self.face.radii, self.reading.ground)
 
+    @cached_property
+    def known_pressures(self) -> list[KnownPressure]:
+        """Pressures whose displacements are known: of the flat punch, and a uniform one."""
+        flat, ones = self.flat, np.ones(len(self.face.radii))
+        return [
+            KnownPressure("the flat punch", flat.pressure_at(self.face.radii), flat.indentation),
+            KnownPressure("a uniform pressure", ones, self.uniform_displacement),
+        ]
+
     @property
     def graded(self) -> bool:
         """Whether the wear coefficient varies along the radius (a table in the scene)."""
         return bool(self.reading.table)
-
-    @property
-    def times_are_those_solved(self) -> bool:
-        """Whether the reported times are those of the problem; if not, `check_times` fails."""
-        return np.allclose(self.times, self.problem.times[self.compared_rows], rtol=1e-9, atol=0)
 
     @property
     def full_contact(self) -> bool:
@@ -230,6 +253,14 @@ class Reported:
         """Return the steady displacement at radii, in closed form (Eq. 21)."""
         edges, ground = self.problem.merged.ring_edges, self.reading.ground
         return direct.displacement(edges, self.steady_pressures, radii, ground)
+
+    @cached_property
+    def steady_displacement_on_face(self) -> Array:
+        """Steady displacement on the face under the force 1: in closed form if k is by rings."""
+        if not self.graded:
+            return self.steady_displacement(self.face.radii)
+        greatest = float(self.take("steady_displacement_max"))
+        return greatest - self.solution.compared["steady_profile"] / self._last_force
 
     def stated_error(self, name: str) -> float:
         """Return the method's error estimate of a number of the answer, 0 if there is none.
@@ -262,11 +293,6 @@ class Reported:
     def take_steady_pressure(self, name: str) -> Array:
         """Return an extreme of the steady pressure on each ring, per unit of the last force."""
         return self.take(name)[1] / self._last_force
-
-    @property
-    def steady_profile_on_face(self) -> Array:
-        """(R,) the steady profile over the face, per unit of the last force."""
-        return self.solution.compared["steady_profile"] / self._last_force
 
     def errors(self, *names: str) -> Array:
         """Return the method's error estimates (names, ...) of some quantities."""

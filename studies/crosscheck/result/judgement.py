@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
+from ....meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..anchors.checks import anchors, expected_anchors
 from ..methods.base import Solution
@@ -40,7 +41,7 @@ class Judged:
     Parameters
     ----------
     scene : the scene that was solved
-    dataset : the results as they are reported
+    dataset, answers : the results and the numbers of the answer as they are reported
     solutions : the solution of each of our methods; results of other programs are not among them,
         because these are judged by their errors
     agreement : the verdicts on every pair of methods and every quantity
@@ -48,6 +49,7 @@ class Judged:
 
     scene: Scene
     dataset: "xarray.Dataset"
+    answers: Mapping[str, Mapping[str, Array]]
     solutions: Mapping[str, Solution]
     agreement: tuple[Agreement, ...]
 
@@ -55,7 +57,7 @@ class Judged:
     def anchors(self) -> tuple[Anchor, ...]:
         """Closed forms and conservation laws that the report of each method is checked against."""
         reports = {
-            name: (report(self.dataset, name), solution)
+            name: (report(self.dataset, name), self.answers[name], solution)
             for name, solution in self.solutions.items()
         }
         return tuple(anchors(self.scene, reports))

@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from ....meshes.errors import SceneError
@@ -18,7 +17,7 @@ from ..registry import METHODS
 from ..scene.scene import Scene
 from ..verdict.agreement import Agreement
 from ..verdict.promise import LeftOut
-from .answer import Answers
+from .output.answer import Answers
 from .output.checksums import Json
 from .output.netcdf import RESULTS, SUMMARY
 from .output.saved_files import Unreadable, read_folder, refused
@@ -67,25 +66,6 @@ class Summary:
         return tuple(dict.fromkeys(str(row.get("solver")) for row in rows))
 
 
-def _answers(summary: Summary) -> Answers:
-    """Return the numbers of the answer by method and name; NaN for those that are not finite.
-
-    Raises
-    ------
-    Unreadable
-        if the rows of one of them have several lengths
-    """
-    answers = Answers()
-    for method, numbers in summary.answer.items():
-        answers[method] = {}
-        for name, value in numbers.items():
-            try:
-                answers[method][name] = np.array(value, dtype=float)
-            except ValueError:
-                raise Unreadable(f"{name} of {method} in {SUMMARY} is no array") from None
-    return answers
-
-
 def load(folder: str | Path) -> Result:
     """Read the results that ``ringwear run --out folder``, or `Result.save`, has written.
 
@@ -109,8 +89,8 @@ def load(folder: str | Path) -> Result:
             _refuse_malformed(dataset)
             _refuse_mixed(dataset, summary)
         scene = Scene.from_toml(_text(dataset, "scene"), str(path))
-        answers = _answers(summary)
-    except (Unreadable, RecursionError) as error:
+        answers = Answers.read(summary.answer)
+    except (Unreadable, ValueError, RecursionError) as error:
         raise refused(path, error) from None
     if not has_checksums:
         LOG.warning("%s: %s", path, UNCHECKED)
@@ -204,13 +184,8 @@ def _refuse_mixed(dataset: "xarray.Dataset", summary: Summary) -> None:
                 f"{entry} in {SUMMARY} has the methods {', '.join(by_method) or 'none'}, and "
                 f"{RESULTS} has {', '.join(solvers)}"
             )
-    for method, values in _answers(summary).items():
-        for name, value in values.items():
-            if name not in dataset:
-                continue
-            row = dataset.variables[name].values[solvers.index(method)]
-            if row.shape != value.shape or (row != value)[np.isfinite(value)].any():
-                raise Unreadable(
-                    f"{name} of {method} in {SUMMARY} is not that in {RESULTS}, so that the files "
-                    "belong to two runs"
-                )
+    if different := Answers.read(summary.answer).first_difference(dataset):
+        raise Unreadable(
+            f"{different} in {SUMMARY} is not that in {RESULTS}, so that the files belong to two "
+            "runs"
+        )

@@ -144,7 +144,10 @@ class Result:
             f"{verdicts.count(word)} {word}" for word in (UNDECIDED, DISAGREE) if word in verdicts
         ]
         first = {UNDECIDED: "Not all is decided", DISAGREE: "THE METHODS DISAGREE"}[self.verdict]
-        return f"{first}: {', '.join([f'{agreeing} agree', *counts])}."
+        sentence = f"{first}: {', '.join([f'{agreeing} agree', *counts])}."
+        if alone := [row.methods[0] for row in self.agreement if len(row.methods) == 1]:
+            sentence += f" Nothing checks the {len(alone)} that {alone[0]} alone computes."
+        return sentence
 
     @property
     def _verdict_without_comparison(self) -> str:

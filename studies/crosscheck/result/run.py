@@ -17,7 +17,7 @@ from ..scene.calls import naming_arguments
 from ..scene.keys import listed
 from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
-from ..verdict.agreement import agreements
+from ..verdict.agreement import agreements, unchecked
 from ..verdict.operators import (
     MOST_PRESSURES,
     OPERATORS,
@@ -26,8 +26,8 @@ from ..verdict.operators import (
     check_multipliers,
     difference,
 )
-from .answer import Answers
 from .judgement import Judged
+from .output.answer import Answers
 from .predictions.memory import refuse_beyond_memory
 from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
@@ -144,8 +144,8 @@ def run(
     this bound. They *disagree* if the difference is larger than that and larger than the sum of
     both error estimates. All other cases are *undecided*. The verdict on the run is the worst one
     on the promised quantities. It is "disagree" if an anchor does not hold, and "undecided" if an
-    anchor is missing or if there is only one method. A larger error estimate never turns a verdict
-    into "agree".
+    anchor is missing or if one method alone computes a quantity. A larger error estimate never
+    turns a verdict into "agree".
 
     Progress is logged by the logger `ringwear`.
 
@@ -159,13 +159,14 @@ def run(
     >>> bool(abs(start - 1.0) < 1e-4)
     True
 
-    Both methods give the steady state, in which all rings wear at one rate:
+    Both methods give the steady state, in which all rings wear at one rate. Nothing checks the
+    history, which 'direct' does not compute:
 
     >>> rates = result.dataset.steady_wear_rate
     >>> bool(abs(rates.sel(solver="mdr") / rates.sel(solver="direct") - 1) < 1e-4)
     True
     >>> result.verdict
-    'agree'
+    'undecided'
     """
     entries = listed(() if methods is None else methods)
     if invalid := [entry for entry in entries if not isinstance(entry, str | Method)]:
@@ -219,8 +220,9 @@ def judged(
         row
         for a, b in combinations(solutions, 2)
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]), units)
-    )
+    ) + tuple(unchecked(problem, solutions))
     dataset = tabulate(scene, solutions)
+    answers = Answers.of(dataset)
     left_out = left_out_operators(problem, solutions, operators)
     notes = [note for solution in solutions.values() for note in solution.notes]
     notes += [f"{name}: {reason}" for name, reason in left_out.items()]
@@ -228,9 +230,9 @@ def judged(
         scene,
         methods,
         dataset,
-        Answers.of(dataset),
+        answers,
         agreement,
-        Judged(scene, dataset, solutions, agreement),
+        Judged(scene, dataset, answers, solutions, agreement),
         tuple(dict.fromkeys(notes)),
         solutions,
         stages,

@@ -12,9 +12,9 @@ contact move). Two methods
 
 A larger error estimate can therefore turn *agree* or *disagree* into *undecided*, but it never
 results in *agree*. A difference that is not a number never agrees. A quantity is undecided if a
-method has no error estimate where it should have one. A quantity whose accuracy cannot be promised
-at some times (`studies/crosscheck/verdict/promise.py`) is undecided there, but does not make the
-verdict on the run undecided.
+method has no error estimate where it should have one, or if one method alone computes it. A
+quantity whose accuracy cannot be promised at some times (`studies/crosscheck/verdict/promise.py`)
+is undecided there, but does not make the verdict on the run undecided.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -44,6 +44,9 @@ from .promise import allowed_error, unresolved
 
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 NO_UNITS = UnitNames()
+ONE_METHOD = (
+    "one method alone computes it, so that nothing checks it: add a method, such as mdr, bem or fem"
+)
 # numbers of the answer in which two methods must be compared if the punch is in full contact, in
 # addition to the times of its running-in
 NUMBERS_OF_FLAT_PUNCHES = {"running_in_time", "indentation_start", "force_share", "worn_volume"}
@@ -55,7 +58,7 @@ class Agreement:
 
     Parameters
     ----------
-    quantity, methods : names of the quantity and of the methods
+    quantity, methods : names of the quantity and of the methods; one method if no other computes it
     difference, uncertainty : relative, in the norm of the quantity, at the time that decides the
         verdict
     verdict : `agree`, `disagree` or `undecided`
@@ -67,7 +70,7 @@ class Agreement:
     """
 
     quantity: str
-    methods: tuple[str, str]
+    methods: tuple[str, ...]
     difference: float
     uncertainty: float
     verdict: str
@@ -190,6 +193,18 @@ def agreements(
     by_name = dict(zip(names, solutions, strict=True))
     rows = [_judge(problem, units, by_name, *item) for item in compared.items()]
     return missing + rows
+
+
+def unchecked(problem: Problem, solutions: Mapping[str, Solution]) -> list[Agreement]:
+    """Return a row for each quantity that one of several methods alone computes: undecided."""
+    rows = []
+    for quantity in sorted(due(problem)) if len(solutions) > 1 else ():
+        methods = tuple(name for name, each in solutions.items() if quantity in each.compared)
+        if len(methods) == 1:
+            error = solutions[methods[0]].errors.get(quantity, np.inf)
+            row = Agreement(quantity, methods, np.inf, float(np.max(error)), UNDECIDED, ONE_METHOD)
+            rows.append(row)
+    return rows
 
 
 def _judge(

@@ -12,6 +12,7 @@ import xarray
 from given import judge
 
 from ringwear import Result, Scene, run
+from ringwear.studies.crosscheck.result.output.answer import Answers
 
 RINGS = {
     "radius": "2 mm",
@@ -117,7 +118,9 @@ def with_table(result: Result, change: Callable) -> Result:
     }
     coordinates = {name: changed.pop(name) for name in dataset.coords}
     wrong = xarray.Dataset(changed, coordinates, dataset.attrs)
-    return replace(result, dataset=wrong, judgement=replace(result.judgement, dataset=wrong))
+    answers = Answers.of(wrong)
+    judgement = replace(result.judgement, dataset=wrong, answers=answers)
+    return replace(result, dataset=wrong, answers=answers, judgement=judgement)
 
 
 def damage(right: Result, wrong: Result) -> float:

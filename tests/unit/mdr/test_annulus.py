@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from annulus_bounds import stiffness_bounds
 
 from ringwear import Ground, PressureSpace, RunningIn, energy, press_flat
 from ringwear.mdr.annulus import flat_annulus
-from ringwear.mdr.annulus_bounds import stiffness_bounds
 from ringwear.mdr.flat_punch import flat_punch_of
 
 # F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits

@@ -8,8 +8,9 @@ from .....meshes.errors import RingwearError
 from ....tables.writing import write_csv
 from ...problem.unit_names import NO_UNIT
 from ...progress import LOG
+from .answer import Answers
 from .checksums import CHECKSUMS, FILE, Json, checksums, digest_of_file
-from .netcdf import RESULTS, SUMMARY, write_netcdf
+from .netcdf import RESULTS, SUMMARY, read_netcdf, write_netcdf
 
 if TYPE_CHECKING:
     import xarray
@@ -43,8 +44,20 @@ def write_numbers(
     recorded[FILE] = digest_of_file(directory / RESULTS)
     summary = json.dumps(entries | {CHECKSUMS: recorded}, indent=1, allow_nan=False)
     (directory / SUMMARY).write_text(summary + "\n", "utf-8")
+    _refuse_other_numbers(dataset, directory)
     if tables:
         write_tables(dataset, directory)
+
+
+def _refuse_other_numbers(dataset: "xarray.Dataset", directory: Path) -> None:
+    """Raise if the files that were written have other numbers than the results in memory."""
+    written = read_netcdf(directory / RESULTS)
+    written.attrs.pop(CHECKSUMS)
+    if not written.identical(dataset):
+        raise RingwearError(f"{RESULTS} was not written correctly: its numbers are not the results")
+    answers = json.loads((directory / SUMMARY).read_text("utf-8")).get("answer", {})
+    if different := Answers.read(answers).first_difference(dataset):
+        raise RingwearError(f"{SUMMARY} was not written correctly: {different} is not the result")
 
 
 def write_tables(dataset: "xarray.Dataset", directory: Path) -> None:

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 from scipy.linalg import solve_triangular
 
-from ..meshes.pressure_space import PressureSpace
-from ..meshes.radial import Array, gauss, unit_gauss
-from .energy import compliance
+from ringwear.mdr.energy import compliance
+from ringwear.meshes.pressure_space import PressureSpace
+from ringwear.meshes.radial import Array, gauss, unit_gauss
 
 # Number of functions of the upper bound. With them the bound equals the stiffness to roundoff up to
 # b = .95, and exceeds it by 1e-11 at b = .99.
