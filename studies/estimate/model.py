@@ -422,7 +422,7 @@ class Model:
             raise SceneError(
                 f"a fit of a punch whose contact changes, or whose half-space does, depends on "
                 f"{rank} parameters besides the scale of time, and can have at most "
-                f"{MAX_DIMENSIONS}: give fewer in --parameters"
+                f"{MAX_DIMENSIONS} (--parameters)"
             )
         directions, ends = right[:rank], np.full(rank, np.inf)
         if rank == effective.sum():
