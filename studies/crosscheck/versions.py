@@ -5,6 +5,7 @@ contain the hash.
 """
 
 import hashlib
+import json
 import sys
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -12,7 +13,6 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from .. import STARTED
-from ..tables.writing import json_text
 
 # parts of the package whose files are hashed
 PACKAGES = ("meshes", "mdr", "fem", "studies")
@@ -61,7 +61,7 @@ def _hash() -> str:
 
 def stamp() -> int:
     """Return a 64-bit integer that identifies all versions and the files of ringwear."""
-    text = json_text(computed_with(), sort_keys=True).encode()
+    text = json.dumps(computed_with(), sort_keys=True).encode()
     return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
 
 

@@ -128,19 +128,17 @@ class Candidate:
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
-        """95 % intervals of the fitted values, by the curvature of the likelihood."""
+        """95 % intervals of the fitted values, by the curvature, within the range of each."""
         free = self.likelihood.free
         deviations = np.zeros(0)
         if free:
             deviations = np.sqrt(np.diag(self.likelihood.covariance(self.point.x)))
-        parameters = self.likelihood.parameters
-        return [
-            (
-                parameters[number].at(float(self.point.x[number] - 1.96 * deviation)),
-                parameters[number].at(float(self.point.x[number] + 1.96 * deviation)),
-            )
-            for number, deviation in zip(free, deviations, strict=True)
-        ]
+        intervals = []
+        for number, deviation in zip(free, deviations, strict=True):
+            each = self.likelihood.parameters[number]
+            low, high = self.point.x[number] + 1.96 * deviation * np.array([-1, 1])
+            intervals.append((each.at(max(low, -each.reach)), each.at(min(high, each.reach))))
+        return intervals
 
     @cached_property
     def errors(self) -> Array:
