@@ -44,7 +44,7 @@ from ..crosscheck import (
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
-from ..tables.writing import write_csv
+from ..tables.writing import as_json, write_csv
 from ..wear_step.elements import element_named
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
@@ -365,11 +365,11 @@ class Check(AnswersGuesses):
     def summary(self) -> dict[str, Any]:
         """The summary of our result, and the errors of theirs, as in `summary.json`.
 
-        There it also has the mistakes that may explain these errors. Numbers that are not finite
-        are None, because JSON cannot express them.
+        There it also has the mistakes that may explain these errors.
         """
         check = {"passes": self.passes, "within": self.within, "lines": self.texts.lines}
-        return self.together.summary | {"check": check, "errors": [*map(_json_row, self.rows)]}
+        errors: list[dict[str, Any]] = as_json([asdict(row) for row in self.rows])
+        return self.together.summary | {"check": check, "errors": errors}
 
     @property
     def texts(self) -> "CheckAccount":
@@ -446,7 +446,8 @@ class Check(AnswersGuesses):
         check = {"lines": [*account.lines, *account.mistakes]}
         summary = self.summary
         summary["check"] |= check
-        self._write_numbers(folder, summary | {"mistakes": [*map(_json_row, mistakes)]})
+        rows = [asdict(each) | {"words": each.words} for each in mistakes]
+        self._write_numbers(folder, summary | {"mistakes": rows})
         return show(self.together, account, self.pictures, folder.hidden, page=True)
 
     def _write_numbers(self, folder: Folder, summary: dict[str, Any]) -> None:
@@ -574,11 +575,3 @@ def _with_prescribed_force(problem: Problem, solution: Solution) -> Solution:
     force = {"normal_force": problem.loading.at(problem.times).force}
     zero_error = {"normal_force": np.zeros(len(problem.times))}
     return replace(solution, results=force | solution.results, errors=zero_error | solution.errors)
-
-
-def _json_row(row: ErrorAtTime | Diagnosis) -> dict[str, object]:
-    """Return a row for JSON, with None for numbers that are not finite."""
-    items = (asdict(row) | ({"words": row.words} if isinstance(row, Diagnosis) else {})).items()
-    return {
-        key: value if isinstance(value, str) or np.isfinite(value) else None for key, value in items
-    }

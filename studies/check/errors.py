@@ -198,7 +198,7 @@ class QuantityError:
         if row.quantity in FIELDS and row.quantity != "pressure" and np.isfinite(row.error):
             return f"{when}, {self.scale.where(row.radius)}"
         # a norm over the face has no radius
-        constant = row.quantity not in FIELDS and np.ptp(errors) <= 0.1 * abs(row.error)
+        constant = row.quantity not in FIELDS and np.isclose(errors, row.error, 0.1, 0.0).all()
         return "all times" if constant and len(errors) > 1 else when
 
     @property

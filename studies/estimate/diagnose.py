@@ -13,7 +13,18 @@ from .measurement import Measurement
 from .mesh_patterns import PATTERNS, patterns
 from .mistakes import LENGTHS, mistakes, named, sentence
 from .model import Model
-from .select import BIAS, MIN_EFFECT, NEAR, NOISE, USUAL_ERROR, Candidate, Mistake, select, shares
+from .select import (
+    BIAS,
+    MIN_EFFECT,
+    NEAR,
+    NOISE,
+    USUAL_ERROR,
+    Candidate,
+    Mistake,
+    left_out,
+    select,
+    shares,
+)
 
 # tolerance of the model: errors of other programs are greater
 RTOL = 1e-2
@@ -100,13 +111,14 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
     -------
     list of Diagnosis
         Empty if nothing that is known explains the difference, or if it is below the `rtol` of the
-        scene.
+        scene. What cannot be computed is left out, with a warning.
     """
     if not comparison.quantities or _greatest_error(comparison) <= comparison.scene.accuracy.rtol:
         return []
     # the matrices are so small that several threads would only wait for each other
-    with threadpool_limits(1):
+    with threadpool_limits(1), left_out("every mistake"):
         return _ranked(comparison, deck_reach)
+    return []
 
 
 def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]:
@@ -122,8 +134,9 @@ def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]
     if deck_reach is not None:
         diagnoses = [part for each in diagnoses for part in _split_by_reach(each, deck_reach)]
     named_mistakes = {each.name for each in diagnoses}
-    patterns = _patterns_of_mesh(candidates, comparison)
-    diagnoses += [each for each in patterns if each.name not in named_mistakes]
+    with left_out("the mesh"):
+        patterns = _patterns_of_mesh(candidates, comparison)
+        diagnoses += [each for each in patterns if each.name not in named_mistakes]
     return sorted(diagnoses, key=lambda each: -each.share)
 
 
@@ -264,41 +277,42 @@ def _diagnoses(candidates: Sequence[Candidate], comparison: Comparison) -> list[
     lowest = min(each.bic for each in candidates)
     diagnoses = []
     for mistake in listed:
-        candidate = best[mistake]
-        values = candidate.values[candidate.mistakes.index(mistake)]
-        rivals = [
-            each
-            for each in listed
-            if each not in candidate.mistakes and mistake not in best[each].mistakes
-        ]
-        without = [each.bic for each in candidates if not _has(each, mistake, best)]
-        part = explained_part(candidate, none)
-        judgement, rival_name, confirm = CONSISTENT, "", mistake.remedy
-        if min(without) - candidate.bic > NEAR and part > MIN_EXPLAINED:
-            judgement = EXPLAINS
-        elif rivals:
-            rival = rivals[0]
-            other = best[rival]
-            rival_name = named(rival, other.values[other.mistakes.index(rival)], comparison)
-            confirm = distinguishing_result(comparison, mistake, candidate, other, rival_name)
-            near = max(candidate.bic, other.bic) < lowest + NEAR
-            if near and min(part, explained_part(other, none)) > MIN_EXPLAINED:
-                judgement = EQUALLY
-        low, high = interval_of(mistake, candidate)
-        diagnoses.append(
-            Diagnosis(
-                named(mistake, values, comparison),
-                mistake.size(*values),
-                low,
-                high,
-                share[mistake],
-                judgement,
-                sentence(mistake, values),
-                float(candidate.errors.max(initial=0.0)),
-                rival_name,
-                confirm,
+        with left_out(mistake.name):
+            candidate = best[mistake]
+            values = candidate.values[candidate.mistakes.index(mistake)]
+            rivals = [
+                each
+                for each in listed
+                if each not in candidate.mistakes and mistake not in best[each].mistakes
+            ]
+            without = [each.bic for each in candidates if not _has(each, mistake, best)]
+            part = explained_part(candidate, none)
+            judgement, rival_name, confirm = CONSISTENT, "", mistake.remedy
+            if min(without) - candidate.bic > NEAR and part > MIN_EXPLAINED:
+                judgement = EXPLAINS
+            elif rivals:
+                rival = rivals[0]
+                other = best[rival]
+                rival_name = named(rival, other.values[other.mistakes.index(rival)], comparison)
+                confirm = distinguishing_result(comparison, mistake, candidate, other, rival_name)
+                near = max(candidate.bic, other.bic) < lowest + NEAR
+                if near and min(part, explained_part(other, none)) > MIN_EXPLAINED:
+                    judgement = EQUALLY
+            low, high = interval_of(mistake, candidate)
+            diagnoses.append(
+                Diagnosis(
+                    named(mistake, values, comparison),
+                    mistake.size(*values),
+                    low,
+                    high,
+                    share[mistake],
+                    judgement,
+                    sentence(mistake, values),
+                    float(candidate.errors.max(initial=0.0)),
+                    rival_name,
+                    confirm,
+                )
             )
-        )
     return diagnoses
 
 

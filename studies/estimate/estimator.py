@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...meshes import Array
+from ...meshes import Array, SolverError
 from .measurement import Measurement
 from .model import Model
 from .parameter import Parameter
@@ -122,8 +122,16 @@ class Likelihood:
         return self.whitened(self._values - predicted)
 
     def all_slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, m) of the predictions at coordinates (m,), over the noise."""
+        """Return the derivatives (n, m) of the predictions at coordinates (m,), over the noise.
+
+        Raises
+        ------
+        SolverError
+            if they are not finite
+        """
         slopes = np.concatenate(self.predictor.slopes(x)) / self.noise[:, None]
+        if not np.isfinite(slopes).all():
+            raise SolverError("the derivatives by its parameters are not finite")
         return self.whitened(slopes)
 
     def slopes(self, x: Array) -> Array:

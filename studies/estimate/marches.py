@@ -1,7 +1,7 @@
 """Solve a punch whose contact opens, closes or spreads, by one march that is sampled at any time.
 
-Non-dimensional. Under a constant load, times are in units in which the first wear coefficient is 1,
-so that one march suits all scales of time.
+Non-dimensional. Under a constant load, a march is computed in the unit of time in which the first
+wear coefficient is 1.
 """
 
 from collections.abc import Callable, Collection
@@ -37,6 +37,7 @@ class March:
 
     Parameters
     ----------
+    clock : unit of its times, in non-dimensional times of the problem
     earliest, latest : range of the times after 0 at which it can be evaluated
     radii : (R,) increasing, at which fields are sampled
     results : (T, R), (T,) or (T, rings) by quantity
@@ -45,6 +46,7 @@ class March:
         contact radius grows approximately with this root from a contact at a point
     """
 
+    clock: float
     earliest: float
     latest: float
     radii: Array
@@ -97,7 +99,7 @@ class March:
         cells = compliance.space.breakpoints
         last = np.clip(np.searchsorted(cells, radius), 1, len(cells) - 1)
         results[CELL] = np.diff(cells)[last - 1]
-        return cls(earliest, latest, radii, results, times, not problem.loading.varies)
+        return cls(clock, earliest, latest, radii, results, times, not problem.loading.varies)
 
     @cached_property
     def _curves(self) -> dict[str, Curve]:
@@ -123,9 +125,9 @@ class March:
         self, times: Array, radii: Array, step: float = 0.0, names: Collection[str] = ()
     ) -> dict[str, Array]:
         """Return quantities by name, as `modes.FlatHistory.sample` does; steps have no effect."""
-        results = {}
+        results, own_times = {}, np.minimum(times / self.clock, self.latest)
         for name in names:
-            values = self._curve(name)(np.minimum(times, self.latest))
+            values = self._curve(name)(own_times)
             if name in ("pressure", "profile", "displacement"):
                 values = np.array([np.interp(radii, self.radii, row) for row in values])
             results[name] = values

@@ -45,7 +45,10 @@ class History(Protocol):
     def sample(
         self, times: Array, radii: Array, step: float, names: Sequence[str]
     ) -> dict[str, Array]:
-        """Return fields (T, R), numbers (T,) and volumes of rings (T, rings) by quantity."""
+        """Return fields (T, R), numbers (T,) and volumes of rings (T, rings) by quantity.
+
+        Times are in the unit of the problem. There may be more quantities than the named ones.
+        """
 
 
 class Frame(NamedTuple):
@@ -55,7 +58,7 @@ class Frame(NamedTuple):
     ----------
     problem : whose history it is, or one with the same load and the same face
     units : of the history
-    clock : unit of its times
+    clock : time in which histories of similar scenes are alike
     """
 
     problem: Problem
@@ -65,8 +68,7 @@ class Frame(NamedTuple):
     @classmethod
     def of(cls, problem: Problem) -> "Frame":
         """Return the frame of the history of a problem."""
-        clock = 1.0 if is_flat(problem) else clock_of(problem)
-        return cls(problem, problem.units, problem.units.time * clock)
+        return cls(problem, problem.units, problem.units.time * clock_of(problem))
 
 
 class Weighted(NamedTuple):
@@ -141,12 +143,14 @@ class Solver:
     def sample(
         self, history: History, times: Array, radii: Array, step: float, names: tuple[str, ...]
     ) -> dict[str, Array]:
-        """Return quantities of a history by name; those that were sampled before are stored."""
+        """Return the named quantities of a history; those that were sampled before are stored."""
         key = history, times.tobytes(), radii.tobytes(), step, names
         if key not in self._samples:
             if len(self._samples) > STORED:
                 self._samples.clear()
-            self._samples[key] = history.sample(times, radii, step, names)
+            # all kinds of histories have the same names, so that they can be interpolated
+            found = history.sample(times, radii, step, names)
+            self._samples[key] = {name: found[name] for name in names}
         return self._samples[key]
 
     def _flat_history(
@@ -231,20 +235,16 @@ def load_numbers(problem: Problem) -> Array:
 
 
 def shape_numbers(scene: Scene) -> Array:
-    """Return the numbers on which a discretisation depends and, if the contact moves, a march."""
+    """Return the numbers on which a discretisation depends and, if the contact moves, a march.
+
+    The latter are 0 if it does not move.
+    """
     problem = scene.problem
-    if is_flat(problem):
-        return ground_numbers(scene)
     radii = np.linspace(problem.inner_radius, 1.0, HEIGHTS)
     contrasts = wear_coefficients(scene)
-    return np.concatenate(
-        [
-            ground_numbers(scene),
-            load_numbers(problem),
-            np.log(contrasts / contrasts[0]),
-            problem.profile(radii),
-        ]
-    )
+    of_march = [load_numbers(problem), np.log(contrasts / contrasts[0]), problem.profile(radii)]
+    moves = not is_flat(problem)
+    return np.concatenate([ground_numbers(scene), moves * np.concatenate(of_march)])
 
 
 def written(numbers: Array) -> tuple[str, ...]:
@@ -321,9 +321,7 @@ class Model:
 
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,)."""
-        histories = self._histories(x)
-        frame = mean_frame(histories)
-        return self._corrected(self._read(self._situation(x)[1], histories, frame))
+        return self._corrected(self._read(self._situation(x)[1], self._histories(x)))
 
     def _corrected(self, values: list[Array]) -> list[Array]:
         """Return values of the measurements without most of the error of the model."""
@@ -424,7 +422,7 @@ class Model:
             raise SceneError(
                 f"a fit of a punch whose contact changes, or whose half-space does, depends on "
                 f"{rank} parameters besides the scale of time, and can have at most "
-                f"{MAX_DIMENSIONS}: give fewer in --parameters"
+                f"{MAX_DIMENSIONS} (--parameters)"
             )
         directions, ends = right[:rank], np.full(rank, np.inf)
         if rank == effective.sum():
@@ -445,17 +443,15 @@ class Model:
             np.empty(0),
         )
 
-    def _read(self, reading: Reading, histories: Sequence[Weighted], frame: Frame) -> list[Array]:
-        """Return the values (n,) of each measurement that a reading of histories has.
-
-        Parameters
-        ----------
-        frame : of the weighted sum of the histories
-        """
-        problem, units = frame.problem, frame.units
+    def _read(self, reading: Reading, histories: Sequence[Weighted]) -> list[Array]:
+        """Return the values (n,) of each measurement that a reading of histories has."""
+        problem, units, clock = mean_frame(histories)
         values, sampled = list[Array](), dict[object, dict[str, Array]]()
         # if the load varies, all histories have to have the load of the same time
-        clocks = [each.frame.clock if problem.loading.varies else frame.clock for each in histories]
+        alike = not problem.loading.varies
+        clocks = [
+            frame.units.time * (clock / frame.clock if alike else 1.0) for _, _, frame in histories
+        ]
         names = sorted({"normal_force", *(each.quantity for each in self.measurements)})
         for each in self.measurements:
             times = each.times[:1] if each.has_offset else each.times
@@ -518,7 +514,9 @@ class Model:
             pair = [self._situation(each) for each in ends]
             if exact:
                 values = [
-                    self._corrected(self._read(reading, histories, Frame.of(scene.problem)))
+                    self._corrected(
+                        self._read(reading, [Weighted(1.0, exact, Frame.of(scene.problem))])
+                    )
                     for scene, reading in pair
                 ]
             else:
@@ -595,7 +593,7 @@ def unit_of(units: object, quantity: str) -> float:
 
 
 def weighted(samples: list[tuple[float, dict[str, Array]]]) -> dict[str, Array]:
-    """Return the weighted sum of samples."""
+    """Return the weighted sum of samples, which have the same names."""
     if len(samples) == 1:
         return samples[0][1]
     return {

@@ -244,10 +244,9 @@ class FlatHistory:
             integrals[unworn] = 0.0
             if "worn_volume" in names:
                 results["worn_volume"] = self.worn_volumes(integrals)
-            if len(radii):
-                results["profile"] = self.profiles(integrals, radii)
-                results["displacement"] = depths[:, None] - results["profile"]
-        if "pressure" in names and len(radii):
+            results["profile"] = self.profiles(integrals, radii)
+            results["displacement"] = depths[:, None] - results["profile"]
+        if "pressure" in names:
             basis = self.punch.basis(radii)
             results["pressure"] = np.asarray((basis @ self.mass.backward(pressures.T)).T)
             if unworn.any():

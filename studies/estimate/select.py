@@ -6,14 +6,16 @@ information criterion (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773), wit
 is estimated from the residuals of the closest candidate.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
 
 import numpy as np
 
-from ...meshes import Array, RingwearError
+from ...meshes import Array, RingwearError, SolverError
+from ..crosscheck import LOG
 from .estimator import Likelihood, Point
 from .model import Model
 from .parameter import Parameter
@@ -43,6 +45,8 @@ USUAL_ERROR, MIN_EFFECT = 0.03, 1e-3
 # relative error up to which no further mistake is sought: coarse meshes have such errors, and
 # a thin layer looks like them
 MAX_UNEXPLAINED = 0.05
+# errors of a changed scene that has no solution, or none that can be computed
+NO_SOLUTION = (RingwearError, ArithmeticError, np.linalg.LinAlgError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,19 +128,17 @@ class Candidate:
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
-        """95 % intervals of the fitted values, by the curvature of the likelihood."""
+        """95 % intervals of the fitted values, by the curvature, within the range of each."""
         free = self.likelihood.free
         deviations = np.zeros(0)
         if free:
             deviations = np.sqrt(np.diag(self.likelihood.covariance(self.point.x)))
-        parameters = self.likelihood.parameters
-        return [
-            (
-                parameters[number].at(float(self.point.x[number] - 1.96 * deviation)),
-                parameters[number].at(float(self.point.x[number] + 1.96 * deviation)),
-            )
-            for number, deviation in zip(free, deviations, strict=True)
-        ]
+        intervals = []
+        for number, deviation in zip(free, deviations, strict=True):
+            each = self.likelihood.parameters[number]
+            low, high = self.point.x[number] + 1.96 * deviation * np.array([-1, 1])
+            intervals.append((each.at(max(low, -each.reach)), each.at(min(high, each.reach))))
+        return intervals
 
     @cached_property
     def errors(self) -> Array:
@@ -212,6 +214,15 @@ class Candidate:
         return min(self.values_present, MAX_VALUES)
 
 
+@contextmanager
+def left_out(what: str) -> Iterator[None]:
+    """End the `with` block, with a word, where a changed scene cannot be solved."""
+    try:
+        yield
+    except NO_SOLUTION as error:
+        LOG.warning("not tried as a mistake: %s: %s", what, error)
+
+
 def select(model: Model, mistakes: Sequence[Mistake], depth: int = 2) -> list[Candidate]:
     """Return candidates of up to `depth` mistakes, the one with the lowest criterion first.
 
@@ -243,7 +254,9 @@ def select(model: Model, mistakes: Sequence[Mistake], depth: int = 2) -> list[Ca
                 # even a perfect prediction could not come near the best candidate
                 if candidate.mistakes and candidate.least_bic(mistake) > lowest + NEAR:
                     continue
-                found = _with_mistake(candidate, mistake)
+                found = None
+                with left_out(" and ".join(each.name for each in (*candidate.mistakes, mistake))):
+                    found = _with_mistake(candidate, mistake)
                 if found is not None and all(
                     found.changes(other).max() > USUAL_ERROR
                     for each in candidate.mistakes
@@ -273,7 +286,7 @@ def _refined(candidate: Candidate) -> Candidate:
         likelihood = replace(likelihood, predictor=likelihood.predictor.solved_directly())
     try:
         point = likelihood.best_from(candidate.point.x, evaluations=evaluations)
-    except RingwearError:
+    except NO_SOLUTION:
         return candidate
     return replace(candidate, likelihood=likelihood, point=point)
 
@@ -282,8 +295,12 @@ def _with_mistake(candidate: Candidate, mistake: Mistake) -> Candidate | None:
     """Return the best candidate with one more mistake.
 
     It is None if the mistake has no effect, or an effect that the errors of most programs exceed
-    beside another mistake; if its values are at the ends of their range; or if the changed scene
-    cannot be solved.
+    beside another mistake; or if its values are at the ends of their range.
+
+    Raises
+    ------
+    SolverError
+        if it has no finite results
     """
     parameters = (*candidate.likelihood.parameters, *mistake.parameters)
     free = tuple(number for number, each in enumerate(parameters) if not each.values)
@@ -292,20 +309,20 @@ def _with_mistake(candidate: Candidate, mistake: Mistake) -> Candidate | None:
     model = candidate.likelihood.predictor.with_parameters(parameters)
     likelihood = Likelihood(model, parameters, free)
     points = []
-    try:
-        for values in mistake.starts:
-            own = [each.coordinate(v) for each, v in zip(mistake.parameters, values, strict=True)]
-            x = np.append(candidate.point.x, own)
-            points.append(Point(x, float(np.sum(likelihood.residuals(x) ** 2))))
-        points.sort(key=lambda point: point.chi_square)
-        count = MAX_STARTS if not candidate.mistakes else 1
-        if free:
-            points = [
-                likelihood.best_from(point.x, tolerance=TOLERANCE, evaluations=EVALUATIONS)
-                for point in points[:count]
-            ]
-    except RingwearError:
-        return None
+    for values in mistake.starts:
+        own = [each.coordinate(v) for each, v in zip(mistake.parameters, values, strict=True)]
+        x = np.append(candidate.point.x, own)
+        if np.isfinite(chi_square := float(np.sum(likelihood.residuals(x) ** 2))):
+            points.append(Point(x, chi_square))
+    if not points:
+        raise SolverError("its results are not finite")
+    points.sort(key=lambda point: point.chi_square)
+    count = MAX_STARTS if not candidate.mistakes else 1
+    if free:
+        points = [
+            likelihood.best_from(point.x, tolerance=TOLERANCE, evaluations=EVALUATIONS)
+            for point in points[:count]
+        ]
     best = min(points, key=lambda point: point.chi_square)
     reach = np.array([parameters[number].reach for number in free])
     if (np.abs(best.x[list(free)]) > reach).any():

@@ -268,8 +268,8 @@ def face_depths(heights: Array, unworn: Array, touching: NDArray[np.bool_]) -> A
 
 
 def high_pressure(pressure: Array) -> float:
-    """Return the 90 % quantile of the pressures (R,) in contact, some of which may be infinite."""
-    return float(np.quantile([0.0, *pressure[pressure > 0]], 0.9))
+    """Return the 90 % quantile of the finite pressures (R,) in contact."""
+    return float(np.quantile([0.0, *pressure[(pressure > 0) & np.isfinite(pressure)]], 0.9))
 
 
 def panel_tops(heights: Sequence[float] | Array) -> Array:

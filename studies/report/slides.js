@@ -28,6 +28,8 @@
   const hole = data.edges[0] > radius / 2 ? data.edges[0] : 0;
   const across = (r) => box.left + ((r - hole) / (radius - hole)) * (box.right - box.left);
   const rings = data.ring;
+  // numbers that are unknown or infinite are null
+  const known = (value) => value !== null;
 
   // draw axes once, and scale, curve and reference curve again for each state
   const plot = (id, values, reference, tops, down, label) => {
@@ -51,8 +53,9 @@
     const middle = (box.top + box.bottom) / 2;
     make(svg, "text", { x: 12, y: middle, "text-anchor": "middle", transform: `rotate(-90 12 ${middle})` }, label);
     const line = (row) => row.map((value, index) => {
+      if (!known(value)) return "";
       // pressures jump at the edges of rings
-      const begins = index === 0 || (!down && rings[index] !== rings[index - 1]);
+      const begins = index === 0 || !known(row[index - 1]) || (!down && rings[index] !== rings[index - 1]);
       return `${begins ? "M" : "L"}${across(data.radii[index]).toFixed(1)},${upright(value).toFixed(1)}`;
     }).join("");
     const clip = make(make(svg, "clipPath", { id: `within-${id}` }), "rect", { ...frame });
@@ -73,7 +76,7 @@
     };
   };
   // the same height is subtracted from the unworn face as from the profile
-  const unworn = (state) => data.unworn.map((height) => height - data.subtracted[state]);
+  const unworn = (state) => data.unworn.map((height) => known(height) ? height - data.subtracted[state] : null);
   const drawProfile = plot("profile", data.profile, unworn, data.deepest, true, data.axes.profile);
   const drawPressure = plot("pressure", data.pressure, () => data.pressure[last], data.highest, false, data.axes.pressure);
 
@@ -94,7 +97,7 @@
     return `rgb(${mix(96, 224)},${mix(120, 208)},${mix(146, 170)})`;
   };
   const drawSolid = (state) => {
-    const height = (index) => -data.drawn * Math.min(1, data.profile[state][index] / data.solid);
+    const heights = data.profile[state], height = (index) => -data.drawn * Math.min(1, heights[index] / data.solid);
     const sin = Math.sin(TILT), cos = Math.cos(TILT), size = canvas.width * 0.34;
     const place = (r, angle, z) => {
       const x = r / radius * Math.cos(angle + turn), y = r / radius * Math.sin(angle + turn);
@@ -106,6 +109,7 @@
     const angle = (step) => (step + OPEN) * 2 * Math.PI / AROUND - Math.PI;
     for (let strip = 0; strip + 1 < drawnRadii.length; strip += 1) {
       const inner = drawnRadii[strip], outer = drawnRadii[strip + 1], a = data.radii[inner], b = data.radii[outer];
+      if (!known(heights[inner]) || !known(heights[outer])) continue;
       const shade = data.shade[rings[inner]], slope = (height(outer) - height(inner)) / Math.max((b - a) / radius, 1e-9);
       for (let step = 0; step < AROUND - OPEN; step += 1) {
         const start = angle(step), stop = angle(step + 1), middle = (start + stop) / 2 + turn;

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..crosscheck import Scene, package_versions
+from ..tables.writing import json_text
 
 
 class Shown(NamedTuple):
@@ -30,6 +31,7 @@ def write_page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.policies["json.dumps_function"] = json_text
     pictures = {
         name: Shown(base64.b64encode(file.read_bytes()).decode(), caption)
         for name, caption in captions.items()

@@ -7,6 +7,7 @@ from typing import Any
 
 from ...meshes import SceneError
 from ..crosscheck import LOG, computed_with
+from ..tables.writing import json_text
 from .record import Record
 
 HIDDEN = ".writing"
@@ -51,7 +52,7 @@ def as_before(folder: Path, name: str, setup: Mapping[str, Any], text: str) -> R
 
     A file beside the table describes the study, so that it can be resumed.
     """
-    described = json.dumps(_described(setup), indent=1)
+    described = json_text(_described(setup), indent=1)
     (folder / f"{name}.json").write_text(described + "\n", "utf-8")
     file = folder / f"{name}.csv"
     return Record.resumed(text, file) if text else Record(file)
@@ -60,4 +61,4 @@ def as_before(folder: Path, name: str, setup: Mapping[str, Any], text: str) -> R
 def _described(setup: Mapping[str, Any]) -> dict[str, Any]:
     """Return what determines the rows of a study, as JSON stores it."""
     described = {**setup, "version": computed_with()}
-    return dict(json.loads(json.dumps(described, default=str)))
+    return dict(json.loads(json_text(described, default=str)))

@@ -1,6 +1,5 @@
 """The empty results of a sweep, and the blocks of scenes that are computed together."""
 
-import json
 from collections.abc import Iterable
 from itertools import product
 from math import prod
@@ -20,6 +19,7 @@ from ..crosscheck import (
     package_versions,
     tabulate,
 )
+from ..tables.writing import json_text
 from .axes import Sweep
 from .flags import PENDING
 
@@ -33,8 +33,8 @@ SHARED_KEYS = (
 def identity(sweep: Sweep) -> dict[str, str]:
     """Return the attributes that tell the results of sweeps apart: sweep, versions and code."""
     return {
-        "sweep": json.dumps(sweep.table),
-        "versions": json.dumps(package_versions()),
+        "sweep": json_text(sweep.table),
+        "versions": json_text(package_versions()),
         "code": code(),
     }
 

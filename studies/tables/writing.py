@@ -1,5 +1,7 @@
-"""Write tables as CSV without spreadsheet formulas, and keep finished rows of stopped studies."""
+"""Write JSON, and tables as CSV without spreadsheet formulas; keep rows of stopped studies."""
 
+import json
+import math
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -16,6 +18,27 @@ INTERRUPTED = "INTERRUPTED: tables and figures hold the rows that were finished.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 # a signed number, with or without a unit, is no formula
 NUMBER = re.compile(r"[-+][\d.]+(e[-+]?\d+)?( [\w%/^³]+)?")
+
+
+def as_json(value: Any) -> Any:
+    """Return a value that JSON can express: None in place of numbers that are not finite."""
+    if isinstance(value, Mapping):
+        return {key: as_json(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_json(each) for each in value]
+    if hasattr(value, "tolist"):  # an array or a number of numpy
+        return as_json(value.tolist())
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def json_text(value: object, **layout: Any) -> str:
+    """Return a value as the text of `as_json`; all JSON is written by this function.
+
+    Parameters
+    ----------
+    layout : arguments of `json.dumps`
+    """
+    return json.dumps(as_json(value), allow_nan=False, **layout)
 
 
 def write_csv(table: "DataFrame", path: Path) -> None:

@@ -31,7 +31,7 @@ def installed():
 class Browser:
     """One page of one browser, with its own profile.
 
-    All addresses that it requests from the network are in `requests`.
+    All addresses that a page requests from the network are in `requests`, its errors in `errors`.
     """
 
     def __init__(self, program):
@@ -96,7 +96,7 @@ class Browser:
         """Open a file in a window of a given width."""
         size = {"width": width, "height": 900, "deviceScaleFactor": 1}
         self("Emulation.setDeviceMetricsOverride", **size, mobile=width < 600)
-        self.loaded = False
+        self.loaded, self.requests, self.errors = False, [], []
         self("Page.navigate", url=page.as_uri())
         while not self.loaded:
             self._note(self._next())

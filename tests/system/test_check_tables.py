@@ -164,3 +164,18 @@ def test_gaps_in_a_column_are_reported(caplog):
 def test_what_is_no_table_is_refused_in_one_line(source, message):
     with pytest.raises(SceneError, match=message):
         check("five_rings", source)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "columns", [["displacement"], ["displacement", "indentation"], ["indentation", "profile"]]
+)
+def test_mistakes_are_tried_in_tables_of_any_columns(columns):
+    """Among them is a layer, which loses contact or not, depending on its thickness."""
+    punch = {"radius": 0.01, "rings": 3, "wear_coefficients": [1e-15, 1e-14]}
+    values = {"displacement": 0.8 * DEPTH, "indentation": 0.8 * DEPTH, "profile": 0.3 * DEPTH}
+    table = pd.DataFrame({"time": 3600.0, "radius": RADII / 1e3})
+    table = table.assign(**{name: values[name] for name in columns})
+    found = check(SCENE.changed(punch=punch), table).mistakes()
+    assert found
+    assert all("the difference" in each.words for each in found)

@@ -15,7 +15,7 @@ import pytest
 from browser import Browser, installed
 from matplotlib.figure import Figure
 
-from ringwear import Scene, Study, main, run
+from ringwear import Scene, Study, check, main, run
 
 SLIDES = re.compile(r'<script type="application/json" id="slides">(.*?)</script>', re.DOTALL)
 RUBBER = Scene.load("rubber").changed(
@@ -184,19 +184,46 @@ def browser():
     opened.close()
 
 
+@pytest.fixture(scope="module")
+def page_of_check(tmp_path_factory):
+    """Return the page of a check of a node at the rim, where the first pressure is infinite."""
+    out, parts = tmp_path_factory.mktemp("check"), np.linspace(0.0, 1.0, 21)
+    # the flat start, and any finite number at the rim
+    pressures = 1.5e5 / np.sqrt(1 - np.minimum(parts, 0.99) ** 2)
+    table = pd.DataFrame({"time": 0.0, "radius": 0.005 * parts, "pressure": pressures})
+    check(RUBBER, table, ["mdr"]).save(out)
+    return out / "report.html"
+
+
+def refuse_constant(name):
+    raise ValueError(f"{name} is no JSON")
+
+
+def test_no_page_has_numbers_that_are_not_finite(page, page_of_check):
+    first, of_check = (
+        json.loads(SLIDES.search(each.read_text("utf-8"))[1], parse_constant=refuse_constant)
+        for each in (page, page_of_check)
+    )
+    assert None not in first["pressure"][0]
+    assert of_check["pressure"][0][-1] is None
+
+
+@pytest.mark.parametrize("kind", ["page", "page_of_check"])
 @pytest.mark.parametrize("width", [390, 1280], ids=["phone", "laptop"])
-def test_the_slider_in_a_browser(browser, page, width):
+def test_the_slider_in_a_browser(browser, request, kind, width):
+    page = request.getfixturevalue(kind)
     browser.open(page, width)
     assert browser.evaluate("document.documentElement.scrollWidth") <= width
     assert browser.evaluate("[...document.images].every(i => i.complete && i.naturalWidth > 0)")
     shown = (
         "[document.getElementById('when').textContent,"
         "document.querySelector('#profile path:last-of-type').getAttribute('d'),"
+        "document.querySelector('#pressure path:last-of-type').getAttribute('d'),"
         "document.getElementById('solid').toDataURL()]"
     )
     before = browser.evaluate(shown)
     browser.evaluate(
-        "s = document.getElementById('state'); s.value = 20; s.dispatchEvent(new Event('input'))"
+        "s = document.getElementById('state'); s.value = 0; s.dispatchEvent(new Event('input'))"
     )
     after = browser.evaluate(shown)
     assert before[0] == "steady state"
@@ -204,7 +231,9 @@ def test_the_slider_in_a_browser(browser, page, width):
     assert all(old != new for old, new in zip(before, after, strict=True))
     # nothing is drawn outside of the frames, and nothing failed or was fetched
     assert browser.evaluate("document.querySelectorAll('svg path').length") == 4
-    assert "NaN" not in after[1]
+    assert "NaN" not in after[1] + after[2]
+    # the curve ends before an infinite pressure
+    assert before[2].count(",") - after[2].count(",") == (kind == "page_of_check")
     assert browser.errors == []
     assert {url for url in browser.requests if not url.startswith("data:")} == {page.as_uri()}
 

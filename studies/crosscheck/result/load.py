@@ -1,6 +1,5 @@
 """Read results back from the folder that they were written to."""
 
-import json
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from pydantic import TypeAdapter, ValidationError
 
 from ....meshes.errors import SceneError
+from ...tables.writing import json_text
 from ..anchors.anchor import Anchor
 from ..problem.quantities import ANSWER, QUANTITIES, STEPS, error_name
 from ..problem.written import shown
@@ -119,7 +119,7 @@ def _rebuild(entries: Json) -> Summary:
         if an entry is missing or has a wrong type
     """
     try:
-        return _validator().validate_json(json.dumps(entries), strict=True)
+        return _validator().validate_json(json_text(entries), strict=True)
     except ValidationError as error:
         fault = error.errors(include_url=False)[0]
         # pydantic adds the type that it has tried, such as list[float]

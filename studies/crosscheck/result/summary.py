@@ -3,8 +3,7 @@
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
+from ...tables.writing import as_json
 from ..verdict.agreement import AGREE
 from ..versions import package_versions
 from .scope import left_out, modelled
@@ -35,31 +34,22 @@ def summary(result: "Result") -> dict[str, Any]:
         for name, solution in result.solutions.items()
     }
     numbers = ("methods", "rings", "history", "space", "stability")
-    return {
+    entries = {
         "title": scene.title,
         "units": scene.units,
         "verdict": result.verdict,
         "quantities": result.quantities,
-        "answer": {
-            # infinite values and NaN become null in JSON
-            name: {
-                key: np.where(np.isfinite(value), value, np.array(None)).tolist()
-                for key, value in values.items()
-            }
-            for name, values in result.answers.items()
-        },
+        "answer": result.answers,
         "methods": methods,
         "agreement": [
             asdict(row)
-            # JSON has no number for infinity, which a missing error estimate counts as
+            # infinity, which a missing error estimate counts as, is read back as a number
             | {name: min(getattr(row, name), 1e99) for name in ("difference", "uncertainty")}
             | {"agrees": row.agrees}
             for row in result.agreement
         ],
         "agrees": result.verdict == AGREE,
-        "left_out_of_promise": [
-            asdict(row) | {"times": list(row.times)} for row in result.left_out_of_promise
-        ],
+        "left_out_of_promise": [asdict(row) for row in result.left_out_of_promise],
         "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
         "operator_difference": [
             {name: getattr(row, name) for name in numbers} for row in result.operators
@@ -70,3 +60,5 @@ def summary(result: "Result") -> dict[str, Any]:
         "notes": result.notes,
         "versions": package_versions(),
     }
+    written: dict[str, Any] = as_json(entries)
+    return written

@@ -1,12 +1,12 @@
 """The results of all methods as an xarray Dataset, in the scene's units."""
 
-import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ....meshes.radial import Array
+from ...tables.writing import json_text
 from ..methods.base import Solution
 from ..problem.norms import Results
 from ..problem.problem import Problem
@@ -127,7 +127,7 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
             "(line) or area"
         ),
         "gradient_average": scene.output.gradient_average,
-        "versions": json.dumps(package_versions()),
+        "versions": json_text(package_versions()),
         "scene": scene.to_toml(),
     }
     return _dataset(variables, coordinates, attributes_of_table)

@@ -4,11 +4,11 @@ They are computed from the results in memory, not from the files. They therefore
 array that was altered while it was written.
 """
 
-import json
 from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ....tables.writing import json_text
 from ...problem.written import shown
 
 if TYPE_CHECKING:
@@ -97,4 +97,4 @@ def _canonical(value: object) -> bytes:
 
     Attributes of a damaged file may be of a type that JSON does not have.
     """
-    return json.dumps(value, sort_keys=True, separators=(",", ":"), default=repr).encode()
+    return json_text(value, sort_keys=True, separators=(",", ":"), default=repr).encode()

@@ -1,11 +1,10 @@
 """Write the numbers of a run to files."""
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .....meshes.errors import RingwearError
-from ....tables.writing import write_csv
+from ....tables.writing import json_text, write_csv
 from ...problem.unit_names import NO_UNIT
 from ...progress import LOG
 from .answer import Answers
@@ -42,7 +41,7 @@ def write_numbers(
             f"results.nc could not be written ({error}): is the disk full?"
         ) from error
     recorded[FILE] = digest_of_file(directory / RESULTS)
-    summary = json.dumps(entries | {CHECKSUMS: recorded}, indent=1, allow_nan=False)
+    summary = json_text(entries | {CHECKSUMS: recorded}, indent=1)
     (directory / SUMMARY).write_text(summary + "\n", "utf-8")
     _refuse_other_numbers(dataset, directory)
     if tables:

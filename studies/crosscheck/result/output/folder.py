@@ -16,6 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 
 from .....meshes.errors import SceneError
+from ....tables.writing import json_text
 from ...problem.written import shown
 from .signals import signals_wait
 
@@ -81,7 +82,7 @@ class Folder:
             for command, names in _files_by_command(self.out).items()
         }
         files[self.command] = self.written
-        (self.hidden / MARKER).write_text(json.dumps(files) + "\n", "utf-8")
+        (self.hidden / MARKER).write_text(json_text(files) + "\n", "utf-8")
         self.hidden.rename(self.out / COMPLETE)
         put_in_place(self.out)
 
