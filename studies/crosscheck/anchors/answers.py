@@ -120,7 +120,9 @@ def check_time_to_full_contact(report: Reported) -> Rows:
         return
     error = float(report.tolerance(name))
     full = evolution.at(time * np.array([1 - error, 1 + error])).contact.all(axis=1)
-    yield Row(f"{name}: contact before and after", full.astype(float), np.array([0.0, 1.0]), 0.0, 1.0)
+    yield Row(
+        f"{name}: contact before and after", full.astype(float), np.array([0.0, 1.0]), 0.0, 1.0
+    )
 
 
 def check_repeated_numbers(report: Reported) -> Rows:
