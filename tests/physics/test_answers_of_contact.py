@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from ringwear import Scene, run
 
@@ -172,3 +173,57 @@ def test_the_steps_of_the_march_are_stored(worn):
     assert float(stored.step_indentation[0]) == pytest.approx(
         float(stored.indentation[0]), rel=1e-4
     )
+
+
+# a face that is worn flat over a radius c, and has lost the volume between its heights and h(c)
+FACES = {
+    "ball": ({"kind": "ball", "ball_radius": 5.0}, 0.0, lambda r: 5 - np.sqrt(25 - r**2)),
+    "cone": ({"kind": "cone", "slope": 0.1}, 0.0, lambda r: 0.1 * r),
+    "parabola": ({"kind": "parabola", "curvature_radius": 5.0}, 0.0, lambda r: r**2 / 10),
+    "hollow": ({"kind": "parabola", "curvature_radius": 5.0}, 0.6, lambda r: r**2 / 10),
+}
+RIM, WEAR, STIFF_FORCE = 1.5, 2e-8, 10.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize("name", FACES)
+def test_running_in_of_a_stiff_punch_until_shortly_after_full_contact(name, method):
+    profile, hole, height = FACES[name]
+
+    def worn(edge):
+        radii, weights = np.polynomial.legendre.leggauss(8)
+        radii = (hole + edge) / 2 + (edge - hole) / 2 * radii
+        depths = (height(edge) - height(radii)) * 2 * np.pi * radii
+        return depths @ weights * (edge - hole) / 2
+
+    def remaining(edge):
+        parts = [height(c) - worn(c) / np.pi / (RIM**2 - hole**2) for c in (edge, RIM, hole)]
+        return (parts[1] - parts[0]) / (parts[1] - parts[2])
+
+    full, *parts = (
+        worn(edge) / WEAR / STIFF_FORCE
+        for edge in (
+            RIM,
+            *(brentq(lambda c, p=p: remaining(c) - p, hole, RIM) for p in (0.1, 0.01)),
+        )
+    )
+    punch = {"radius": RIM, "inner_radius": hole, "wear_coefficient": WEAR, "profile": profile}
+    scene = Scene.from_table(
+        {
+            "punch": punch,
+            "half_space": {"plane_strain_modulus": 1e8},
+            "load": {"normal_force": STIFF_FORCE},
+            "wear": {"times": [0.0, full]},
+        }
+    )
+    for end in (0.99, 1.001, 1.1, 3.0):
+        result = run(scene.changed(wear__times=[0.0, end * full]), methods=[method])
+        answers, errors = result.answers[method], result.solutions[method].errors
+        for time, exact in zip(("full_contact", "90", "99"), (full, *parts), strict=True):
+            value = float(answers[f"time_to_{time}"])
+            if end < 1:
+                assert np.isnan(value)
+            else:
+                assert value == pytest.approx(exact, rel=1.5 * float(errors[f"time_to_{time}"]))
+                assert value == pytest.approx(exact, rel=3e-3)
