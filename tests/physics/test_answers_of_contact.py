@@ -201,29 +201,31 @@ def test_running_in_of_a_stiff_punch_until_shortly_after_full_contact(name, meth
         parts = [height(c) - worn(c) / np.pi / (RIM**2 - hole**2) for c in (edge, RIM, hole)]
         return (parts[1] - parts[0]) / (parts[1] - parts[2])
 
-    full, *parts = (
-        worn(edge) / WEAR / STIFF_FORCE
-        for edge in (
-            RIM,
-            *(brentq(lambda c, p=p: remaining(c) - p, hole, RIM) for p in (0.1, 0.01)),
+    edges = [brentq(lambda c, p=part: remaining(c) - p, hole, RIM) for part in (0.1, 0.01)]
+    times = {"time_to_full_contact": RIM, "time_to_90": edges[0], "time_to_99": edges[1]}
+    times = {name: worn(edge) / WEAR / STIFF_FORCE for name, edge in times.items()}
+    full = times["time_to_full_contact"]
+    for end in (0.999, 1.001, 1.1):
+        scene = Scene.from_table(
+            {
+                "punch": {
+                    "radius": RIM,
+                    "inner_radius": hole,
+                    "wear_coefficient": WEAR,
+                    "profile": profile,
+                },
+                "half_space": {"plane_strain_modulus": 1e7},
+                "load": {"normal_force": STIFF_FORCE},
+                "wear": {"times": [0.0, end * full]},
+                "accuracy": {"rtol": 1e-3},
+            }
         )
-    )
-    punch = {"radius": RIM, "inner_radius": hole, "wear_coefficient": WEAR, "profile": profile}
-    scene = Scene.from_table(
-        {
-            "punch": punch,
-            "half_space": {"plane_strain_modulus": 1e8},
-            "load": {"normal_force": STIFF_FORCE},
-            "wear": {"times": [0.0, full]},
-        }
-    )
-    for end in (0.99, 1.001, 1.1, 3.0):
-        result = run(scene.changed(wear__times=[0.0, end * full]), methods=[method])
-        answers, errors = result.answers[method], result.solutions[method].errors
-        for time, exact in zip(("full_contact", "90", "99"), (full, *parts), strict=True):
-            value = float(answers[f"time_to_{time}"])
-            if end < 1:
-                assert np.isnan(value)
-            else:
-                assert value == pytest.approx(exact, rel=1.5 * float(errors[f"time_to_{time}"]))
-                assert value == pytest.approx(exact, rel=3e-3)
+        result = run(scene, methods=[method])
+        answers = {time: float(result.answers[method][time]) for time in times}
+        if end < 1:
+            assert np.isnan(list(answers.values())).all()
+            continue
+        error = 1.5 * float(result.solutions[method].errors["time_to_full_contact"])
+        assert answers["time_to_full_contact"] == pytest.approx(full, rel=error)
+        # the elastic indentation at the start, which is left out above, is a few 1e-3 of the height
+        assert answers == pytest.approx(times, rel=5e-3)
