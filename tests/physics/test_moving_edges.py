@@ -156,6 +156,6 @@ def test_estimates_include_steps_that_are_too_long(name, monkeypatch):
     )
     loose = run(scene, methods=["mdr"]).solutions["mdr"]
     errors = differences(loose.compared, exact, scene.problem.face)
-    assert max(errors["time_to_90"], errors["mean_contact_radius"].max()) > 1e-3
+    assert max(errors.get("time_to_90", 0.0), errors["mean_contact_radius"].max()) > 1e-3
     for quantity, error in errors.items():
         assert not (error > 1.5 * loose.errors[quantity]).any(), quantity
