@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from ringwear import Scene, run
 
@@ -172,3 +173,59 @@ def test_the_steps_of_the_march_are_stored(worn):
     assert float(stored.step_indentation[0]) == pytest.approx(
         float(stored.indentation[0]), rel=1e-4
     )
+
+
+# a face that is worn flat over a radius c, and has lost the volume between its heights and h(c)
+FACES = {
+    "ball": ({"kind": "ball", "ball_radius": 5.0}, 0.0, lambda r: 5 - np.sqrt(25 - r**2)),
+    "cone": ({"kind": "cone", "slope": 0.1}, 0.0, lambda r: 0.1 * r),
+    "parabola": ({"kind": "parabola", "curvature_radius": 5.0}, 0.0, lambda r: r**2 / 10),
+    "hollow": ({"kind": "parabola", "curvature_radius": 5.0}, 0.6, lambda r: r**2 / 10),
+}
+RIM, WEAR, STIFF_FORCE = 1.5, 2e-8, 10.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize("name", FACES)
+def test_running_in_of_a_stiff_punch_until_shortly_after_full_contact(name, method):
+    profile, hole, height = FACES[name]
+
+    def worn(edge):
+        radii, weights = np.polynomial.legendre.leggauss(8)
+        radii = (hole + edge) / 2 + (edge - hole) / 2 * radii
+        depths = (height(edge) - height(radii)) * 2 * np.pi * radii
+        return depths @ weights * (edge - hole) / 2
+
+    def remaining(edge):
+        parts = [height(c) - worn(c) / np.pi / (RIM**2 - hole**2) for c in (edge, RIM, hole)]
+        return (parts[1] - parts[0]) / (parts[1] - parts[2])
+
+    edges = [brentq(lambda c, p=part: remaining(c) - p, hole, RIM) for part in (0.1, 0.01)]
+    times = {"time_to_full_contact": RIM, "time_to_90": edges[0], "time_to_99": edges[1]}
+    times = {name: worn(edge) / WEAR / STIFF_FORCE for name, edge in times.items()}
+    full = times["time_to_full_contact"]
+    for end in (0.999, 1.001, 1.1):
+        scene = Scene.from_table(
+            {
+                "punch": {
+                    "radius": RIM,
+                    "inner_radius": hole,
+                    "wear_coefficient": WEAR,
+                    "profile": profile,
+                },
+                "half_space": {"plane_strain_modulus": 1e7},
+                "load": {"normal_force": STIFF_FORCE},
+                "wear": {"times": [0.0, end * full]},
+                "accuracy": {"rtol": 1e-3},
+            }
+        )
+        result = run(scene, methods=[method])
+        answers = {time: float(result.answers[method][time]) for time in times}
+        if end < 1:
+            assert np.isnan(list(answers.values())).all()
+            continue
+        error = 1.5 * float(result.solutions[method].errors["time_to_full_contact"])
+        assert answers["time_to_full_contact"] == pytest.approx(full, rel=error)
+        # the elastic indentation at the start, which is left out above, is a few 1e-3 of the height
+        assert answers == pytest.approx(times, rel=5e-3)

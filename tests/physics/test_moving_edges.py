@@ -5,6 +5,9 @@ import pytest
 from independent_contact import WornPunch, graded_rings
 
 from ringwear import Scene, run
+from ringwear.studies.crosscheck.methods import moving_evaluation
+from ringwear.studies.crosscheck.problem.quantities import differences
+from ringwear.studies.crosscheck.wear.evolution import evolve
 
 METHODS = ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)]
 
@@ -139,3 +142,20 @@ def test_pressures_of_a_toroid():
         assert error <= solution.errors["pressure"][0], method
         depth = float(result.dataset.indentation.sel(solver=method)[0])
         assert abs(depth / state.indentation - 1) <= solution.errors["indentation"][0], method
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["sphere", "cone", "rounded_rim"])
+def test_estimates_include_steps_that_are_too_long(name, monkeypatch):
+    scene = Scene.load(name).changed(accuracy__rtol=1e-3)
+    exact = run(scene.changed(accuracy__rtol=1e-4), methods=["bem"]).solutions["bem"].compared
+    monkeypatch.setattr(
+        moving_evaluation,
+        "evolve",
+        lambda punch, last, tolerance, *others: evolve(punch, last, 1e4 * tolerance, *others),
+    )
+    loose = run(scene, methods=["mdr"]).solutions["mdr"]
+    errors = differences(loose.compared, exact, scene.problem.face)
+    assert max(errors.get("time_to_90", 0.0), errors["mean_contact_radius"].max()) > 1e-3
+    for quantity, error in errors.items():
+        assert not (error > 1.5 * loose.errors[quantity]).any(), quantity

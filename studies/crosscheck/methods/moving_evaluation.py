@@ -67,7 +67,7 @@ class MovingContact(Evaluation):
     ----------
     problem, compliance : the compliance on linear pressures over cells
     start : the initial contact of the unworn face, on a pressure space fitted to its edges
-    step_tolerance_factor : factor on the error that a step in time may add
+    step_length : factor on the lengths of steps in time
     in_layers : whether the contact covers the face from the start, so that steps in time must also
         resolve the slopes of the thin layers that wear makes at ring edges and at the rim
 
@@ -84,21 +84,24 @@ class MovingContact(Evaluation):
         problem: Problem,
         compliance: Compliance,
         start: FittedPress | None = None,
-        step_tolerance_factor: float = 1.0,
+        step_length: float = 1.0,
         in_layers: bool = False,
     ) -> None:
         super().__init__(problem, compliance)
-        self.start, self.in_layers = start, in_layers
+        self.start, self.in_layers, self.step_length = start, in_layers, step_length
         # Error that each step may add to the worn depth: a part of the tolerance. Above 1e-3 the
         # tolerance has no effect: cells get no coarser either, and longer steps would save nothing
         # but be too few to estimate their error.
-        rtol = step_tolerance_factor * min(problem.step_rtol or problem.rtol, 1e-3)
-        self._tolerance = 0.025 * rtol
+        rtol = min(problem.step_rtol or problem.rtol, 1e-3)
+        varies = np.ptp(problem.loading.forces) or problem.indentation is not None
+        # measured: the tolerance is relative to the indentation, but the worn depth is small while
+        # a force rises from zero, and at a given indentation the force becomes small
+        depth_rtol = 0.2 * rtol if varies else rtol
+        self._tolerance = 0.025 * depth_rtol
         self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
-        if np.ptp(problem.loading.forces) or problem.indentation is not None:
-            # measured: the tolerance is relative to the indentation, but the worn depth is small
-            # while a force rises from zero, and at a given indentation the force becomes small
-            self._tolerance *= 0.2
+        self._allowed_errors = np.array(
+            [error_factor("depth of a step") * depth_rtol, error_factor("slope of a step") * rtol]
+        )
         self._punch = WearingPunch(
             compliance,
             problem.merged.wear_coefficients,
@@ -120,7 +123,8 @@ class MovingContact(Evaluation):
     @cached_property
     def _adaptive(self) -> Evolution:
         last = float(self.problem.times[-1])
-        return evolve(self._punch, last, self._tolerance, self._slope_tolerance)
+        tolerances = self._tolerance, self._slope_tolerance
+        return evolve(self._punch, last, *tolerances, self.step_length)
 
     @property
     def exact_in_time(self) -> History:
@@ -201,7 +205,8 @@ class MovingContact(Evaluation):
         time_factor = (
             error_factor("time to full contact") if name == "time_to_full_contact" else 1.0
         )
-        return np.maximum(time_factor * self.safety_factor(name) * difference, floor)
+        error = np.maximum(time_factor * self.safety_factor(name) * difference, floor)
+        return self._excess_of_steps * error
 
     def times_near(self, remaining_part: float) -> Array:
         """Return the times at which about a part of the running-in remains, whose errors are alike.
@@ -218,6 +223,7 @@ class MovingContact(Evaluation):
           differences cross zero now and then. A start that is fitted to the edges of the contact is
           left out of this.
         - The error is at least the floor of the quantity.
+        - Steps that err by more than they may multiply the error.
         """
         times = self.estimate_times
         error = self.safety_factor(name) * difference
@@ -225,10 +231,21 @@ class MovingContact(Evaluation):
         nearby = greatest_in_ranges(np.where(later, error, 0.0), *self._nearby)
         error = np.where(later, nearby, error)
         error = np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
+        error = self._excess_of_steps * error
         if name == "rms_slope":
             # an infinite slope has no value, and no error either
             return np.where(np.isnan(self.results[name]), np.nan, error)
         return error
+
+    @property
+    def _excess_of_steps(self) -> float:
+        """Greatest error that a step added over the error that it may add; at least 1.
+
+        The errors of steps that are far too long have no order, so that two marches may agree by
+        chance.
+        """
+        excess = self.evolution.statistics.greatest_errors / self._allowed_errors
+        return max(1.0, float(excess.max()))
 
     @cached_property
     def _nearby(self) -> tuple[Indices, Indices]:

@@ -21,7 +21,7 @@ from ....meshes.radial import Array
 from .full_contact import RunningIn
 from .history import History, Instant
 from .relaxing import Relaxing
-from .stages import ContactStages
+from .stages import CONFORMING, ContactStages
 from .step_control import MOST_STEPS, StepControl, steps_between
 from .unilateral import Mask
 from .wearing_punch import WearingPunch
@@ -32,8 +32,6 @@ NEGLIGIBLE_FORCE = 1e-12
 ROUNDOFF = 1e-14
 # time, over that of tension, after which a contact that is still full may be continued by modes
 RETRY_AFTER = 2.0
-# halvings of the step in which contact becomes full
-HALVINGS = 10
 # time in full contact, over the slowest relaxation time, after which what edges of the contact have
 # left in the shape of the face has decayed to less than 1e-10
 SETTLED = 24.0
@@ -133,11 +131,15 @@ class Statistics(NamedTuple):
         Numbers of accepted and of rejected steps.
     iterations : tuple of int
         Number of active sets tried in each stage.
+    greatest_errors : (2,) array, optional
+        Greatest errors that an accepted step added to the worn depth and to its slope, relative as
+        the tolerances of `evolve` are. Zero for steps that follow no tolerance.
     """
 
     taken: int
     rejected: int
     iterations: tuple[int, ...]
+    greatest_errors: Array = np.zeros(2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,11 +173,13 @@ class Evolution:
 
         Times may be later than the last one if contact is full in the end.
         """
-        ends = np.array([piece.end.time for piece in self.pieces])
-        rows = np.minimum(np.searchsorted(ends, times), len(ends) - 1)
+        ends, pieces = np.array([piece.end.time for piece in self.pieces]), [*self.pieces]
+        if (times > self._states[-1].time).any() and self._later is not None:
+            pieces.append(self._later)
+        rows = np.minimum(np.searchsorted(ends, times), len(pieces) - 1)
         rows = np.where(times <= 0, -1, rows)
         parts = [
-            self.pieces[row].at(times[rows == row])
+            pieces[row].at(times[rows == row])
             if row >= 0
             else _history([self.first] * int(np.count_nonzero(rows < 0)), self.stages)
             for row in np.unique(rows).tolist()
@@ -206,14 +210,25 @@ class Evolution:
             for step in piece.steps
         )
 
+    @property
+    def _states(self) -> Sequence[Instant]:
+        """The state at the start, after each step, and after each other piece."""
+        states = [self.first]
+        for piece in self.pieces:
+            stepping = isinstance(piece, Stepping)
+            states += [step.end for step in piece.steps] if stepping else [piece.end]
+        return states
+
     @cached_property
-    def full_since(self) -> Relaxing | None:
-        """The piece from which on contact stays full under a constant load, if there is one."""
-        last = self.pieces[-1] if self.pieces else None
-        constant_from = self.punch.loading.times[-1]
-        if isinstance(last, Relaxing) and last.start.time >= constant_from:
+    def _later(self) -> Relaxing | None:
+        """Full contact after the end, by modes, if contact is full then and stays full."""
+        if self.pieces and isinstance(last := self.pieces[-1], Relaxing):
             return last
-        return None
+        end = self._states[-1]
+        if not self.stages.is_full(end):
+            return None
+        later = Relaxing(self.punch, end, end.time + SETTLED * self.punch.slowest_time)
+        return later if later.lasts else None
 
     @property
     def running_in(self) -> RunningIn | None:
@@ -223,21 +238,24 @@ class Evolution:
 
     @cached_property
     def time_of_full_contact(self) -> float:
-        """The time from which all of the face stays in contact; NaN if there is none."""
-        if self.full_since is None:
-            return np.nan
-        before = self.pieces[-2] if len(self.pieces) > 1 else None
-        if not isinstance(before, Stepping):
-            return self.full_since.start.time
-        *_, last = before.steps
-        partial, full = last.start.time, last.end.time
-        for _ in range(HALVINGS):
-            middle = (partial + full) / 2
-            if before.at(np.array([middle])).contact.all():
-                full = middle
-            else:
-                partial = middle
-        return full
+        """The time from which all of the face stays in contact; NaN if it is not in the end."""
+        full_at = np.nan
+        for state in reversed(self._states):
+            if not self.stages.is_full(state):
+                break
+            full_at = state.time
+        if not full_at > 0:
+            return full_at
+        from scipy.optimize import brentq  # few runs need it
+
+        def least_pressure_or_gap(time: float) -> float:
+            history = self.at(np.array([time]))
+            gaps = np.where(history.contact, 0.0, history.gap) / self.stages.weights
+            gap = float(gaps.max())
+            return -gap if gap > CONFORMING else max(float(history.pressure.min()), 0.0)
+
+        ends = state.time, full_at
+        return float(brentq(least_pressure_or_gap, *ends, xtol=ROOT * full_at, rtol=ROOT))
 
     def settled(self, times: Array) -> Mask:
         """Return at which times (T,) nothing is left of what edges of the contact did to the face.
@@ -264,7 +282,7 @@ class Evolution:
 
         It is NaN if contact does not become full, or if that time is later than the evolution.
         """
-        if self.full_since is None and self.punch.load.force is not None:
+        if np.isnan(self.time_of_full_contact) and self.punch.load.force is not None:
             # before full contact, the change that remains may cross zero more than once
             return np.nan
         times, remaining, greatest = self._changes
@@ -289,7 +307,7 @@ class Evolution:
     def _changes(self) -> tuple[Array, Array, float]:
         """Times (S,), the change that remains at each (S,), and the greatest at any time."""
         times = self.times
-        if self.full_since is not None:
+        if self._later is not None:
             # the change decays at least as fast as the slowest mode
             later = self.punch.slowest_time * np.geomspace(1e-3, 20, 400)
             times = np.append(times, times[-1] + later)
@@ -311,7 +329,11 @@ class Evolution:
 
 
 def evolve(
-    punch: WearingPunch, last: float, tolerance: float, slope_tolerance: float = np.inf
+    punch: WearingPunch,
+    last: float,
+    tolerance: float,
+    slope_tolerance: float = np.inf,
+    length: float = 1.0,
 ) -> Evolution:
     """Wear a punch until a time, in steps of second order that follow a tolerance.
 
@@ -327,6 +349,8 @@ def evolve(
     slope_tolerance : float
         Root mean square error of the slope of the face that a step may add, over that slope. It
         matters for the thin layers that wear makes at ring edges and at the rim.
+    length : float
+        Factor on the lengths of steps, for a march that is compared with one without it.
 
     Raises
     ------
@@ -337,7 +361,7 @@ def evolve(
     first = previous = current = stages.press_unworn()
     negligible_force = NEGLIGIBLE_FORCE * current.press.force if load.force is None else 0.0
     distance = min(stages.distance(last), stages.distance_to_wear(first.press))
-    control = StepControl(tolerance, distance, slope_tolerance)
+    control = StepControl(tolerance, distance, slope_tolerance, length)
     pieces, steps, iterations = list[Piece](), list[Step](), list[int]()
     # whether full contact may be continued by modes. After tension, it may again once contact has
     # been lost, or if it is still full at a later time
@@ -390,7 +414,8 @@ def evolve(
                 f"{current.distance:.3g}: give a larger rtol"
             )
     end_steps()
-    statistics = Statistics(control.taken, control.rejected, tuple(iterations))
+    counts = control.taken, control.rejected, tuple(iterations)
+    statistics = Statistics(*counts, control.greatest_errors)
     return Evolution(stages, first, tuple(pieces), statistics)
 
 

@@ -17,11 +17,11 @@ from ..problem.norms import LEAST_SLOPE
 MOST_STEPS = {True: 2_000_000, False: 200_000}
 # length of the first step over the distance in which a punch wears by its indentation, or over the
 # total sliding distance if that is shorter
-FIRST_STEP = 1e-6
+FIRST_STEP = 1e-5
 # length of the next step over that which would just meet the tolerance
 SAFETY = 0.8
 # greatest ratio of successive step lengths
-MOST_GROWTH = 4.0
+MOST_GROWTH = 2.0
 # lower bound on the error over the tolerance, from which the next length is computed
 LEAST_RELATIVE_ERROR = 1e-12
 
@@ -69,11 +69,23 @@ class StepControl:
         Sliding distance of which the first step is a small part.
     slope_tolerance : float
         Error of the slope of the worn face that a step may add, over that slope.
+    length : float
+        Factor on the lengths of all steps, whatever limits them. The tolerances are those of steps
+        without it.
     """
 
-    def __init__(self, tolerance: float, distance: float, slope_tolerance: float = np.inf) -> None:
-        self.tolerance, self.slope_tolerance = tolerance, slope_tolerance
-        self.step = _round_down(FIRST_STEP * distance) if distance else 1.0
+    def __init__(
+        self,
+        tolerance: float,
+        distance: float,
+        slope_tolerance: float = np.inf,
+        length: float = 1.0,
+    ) -> None:
+        # the error of a step is proportional to the third power of its length
+        self.tolerances = np.array([tolerance, slope_tolerance]) * length**3
+        self.greatest_errors = np.zeros(2)
+        self.step = _round_down(length * FIRST_STEP * distance) if distance else 1.0
+        self.most_growth = MOST_GROWTH**length
         self.greatest_indentation = float(np.finfo(float).tiny)
         self.taken = self.rejected = 0
 
@@ -87,17 +99,15 @@ class StepControl:
         """Judge a step by its error, count it, and choose the length of the next one."""
         self.greatest_indentation = max(self.greatest_indentation, abs(indentation))
         slope = max(error.slope_after, LEAST_SLOPE * self.greatest_indentation)
-        relative = max(
-            error.depth / (self.tolerance * self.greatest_indentation),
-            error.slope / (self.slope_tolerance * slope),
-        )
+        errors = np.array([error.depth / self.greatest_indentation, error.slope / slope])
+        relative = float((errors / self.tolerances).max())
         next_step = _round_down(
-            dt * min(MOST_GROWTH, SAFETY * max(relative, LEAST_RELATIVE_ERROR) ** (-1 / 3))
+            dt * min(self.most_growth, SAFETY * max(relative, LEAST_RELATIVE_ERROR) ** (-1 / 3))
         )
         if relative > 1:
             self.rejected, self.step = self.rejected + 1, next_step
             return False
-        self.taken += 1
+        self.taken, self.greatest_errors = self.taken + 1, np.maximum(self.greatest_errors, errors)
         # if a knot of the load cut this step short, keep the longer length planned before
         self.step = max(self.step, next_step) if dt < self.step else next_step
         return True

@@ -6,8 +6,8 @@ from ....fem import HalfSpace
 from ....meshes import Compliance
 from ...crosscheck import FullContact, MovingContact, Problem, Results, Solution, press_flat
 
-STEP_TOLERANCE_FACTOR = 0.2
-"""Factor on the tolerance of time steps in moving contact, so that cells dominate the error."""
+STEP_LENGTH = 0.6
+"""Factor on the lengths of time steps in moving contact, so that cells dominate the error."""
 
 
 def wear_on(
@@ -26,7 +26,7 @@ def wear_on(
     """
     size = unknowns or compliance.space.size
     if not problem.full_contact:
-        moving = MovingContact(problem, compliance, step_tolerance_factor=STEP_TOLERANCE_FACTOR)
+        moving = MovingContact(problem, compliance, step_length=STEP_LENGTH)
         return Solution(
             moving.results | moving.answers,
             moving.compared | moving.answers,

@@ -224,18 +224,18 @@ def pressures_of_marches(problem: Problem, fem: Solution) -> list[Array]:
     """Return the pressures (states, size) of a shaped punch by two marches, both on one space.
 
     The first march is that of a solution, unless it ends too early. The second one has every second
-    cell of its compliance, and a larger tolerance of its time steps.
+    cell of its compliance, and longer time steps.
     """
     assert fem.evolution is not None
     evolution, compliance = fem.evolution, fem.evolution.punch.compliance
     if problem.times[-1] > evolution.times[-1]:
         evolution = MovingContact(problem, compliance).evolution
     space, coarser = compliance.space, compliance.space.coarser()
-    tolerance = error_factor("steps of the coarser march")
+    length = error_factor("steps of the coarser march")
     restricted = compliance.restricted(coarser)
     marches = (
         evolution,
-        MovingContact(problem, restricted, step_tolerance_factor=tolerance).evolution,
+        MovingContact(problem, restricted, step_length=length).evolution,
     )
     return [
         _with_steady_state(problem, each.punch.running_in, each.at(problem.times).pressure)
