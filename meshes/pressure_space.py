@@ -31,6 +31,7 @@ from .radial import (
     from_axis,
     gauss,
     graded_breakpoints,
+    layers,
     ring_of,
     values_on_rings,
 )
@@ -400,7 +401,7 @@ class PressureSpace:
         """Return a coarser subspace.
 
         The degree is lower by 1 in every element, but not below 1, and there is one layer less on
-        each side of every ring edge except the axis. An element counts as a layer only if it is
+        each side of every ring edge and at the axis. An element counts as a layer only if it is
         narrower than half of the narrower ring at the edge. If the pressure is smooth at an edge
         there may be no layers, and the error of two merged elements of that width would be far
         larger than theirs. If this space has degree 1 only, neighbouring elements are merged in
@@ -413,12 +414,13 @@ class PressureSpace:
             # slightly less than half, so that roundoff does not decide about elements of exactly
             # half
             largest_layer = 0.499 * np.minimum(rings, np.append(rings[1:], rings[-1]))
-            at_edge = edges[self.ring_edges > 0]
-            # an edge has no inner side at a hole, and no outer side at the rim
-            inner, outer = at_edge > 0, at_edge < count - 1
-            inner &= widths[at_edge - 1] < largest_layer
-            outer[outer] = widths[at_edge[outer]] < largest_layer[outer]
-            dropped = np.concatenate([at_edge[inner] - 1, at_edge[outer] + 1])
+            if not self.inner_radius:
+                largest_layer = np.append(largest_layer[0], largest_layer)
+            # an edge has no inner side at the axis or a hole, and no outer side at the rim
+            inner, outer = edges > 0, edges < count - 1
+            inner &= widths[edges - 1] < largest_layer
+            outer[outer] = widths[edges[outer]] < largest_layer[outer]
+            dropped = np.concatenate([edges[inner] - 1, edges[outer] + 1])
         remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
         lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
         return PressureSpace(
@@ -452,6 +454,14 @@ class PressureSpace:
         """
         parent = np.searchsorted(self.sort_keys, (breakpoints + 1j * low_parts)[1:]) - 1
         return PressureSpace(breakpoints, self.degrees[parent], self.ring_edges, low_parts)
+
+    def with_layers_at_axis(self, smallest: float, factor: float) -> "PressureSpace":
+        """Return the space with its first element cut into layers that shrink towards the axis."""
+        cuts = layers(float(self.widths[0]), smallest, factor)[:0:-1]
+        first = np.ones(len(cuts), dtype=np.int64)
+        return self.divided(
+            np.insert(self.breakpoints, first, cuts), np.insert(self._low, first, 0.0)
+        )
 
     def no_wider(self, widest: float | Array) -> "PressureSpace":
         """Return the space with elements no wider than `widest`: wider ones are cut evenly.

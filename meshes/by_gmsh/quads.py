@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 from skfem import MeshQuad
 
@@ -64,6 +64,7 @@ class GradedQuads:
     lacking_degrees : difference between the highest degree that the amplitude requires and the
         highest degree available
     base : depth of a rigid base at which the mesh ends; infinite without one
+    axis_layers : number of layers round the origin
     """
 
     ring_edges: Array
@@ -74,6 +75,7 @@ class GradedQuads:
     edge_amplitude: Amplitude
     lacking_degrees: int = 0
     base: float = np.inf
+    axis_layers: int = 0
 
     @cached_property
     def mesh(self) -> MeshQuad:
@@ -89,9 +91,7 @@ class GradedQuads:
             if the mesh has a gap, a fold, a missing ring edge or a degenerate element
         """
         points, patch_low_parts, quadrilaterals, reductions = self._patches()
-        outside_points, between = self.between
-        # gmsh returns coordinates that should be zero with roundoff
-        outside_points = np.where(np.abs(outside_points) < 1e-14, 0.0, outside_points)
+        outside_points, between = _with_layers_at_axis(*self.between, self.axis_layers, self.factor)
         # corners on the outlines belong to the patches and to gmsh's part: keep each only once
         distance, nearest = cKDTree(outside_points.T).query(points.T)
         scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
@@ -113,11 +113,12 @@ class GradedQuads:
         return as_half_space(mesh.with_subdomains(subdomains), self.ring_edges, self.base)
 
     def coarser(self) -> "GradedQuads":
-        """Return the same quarter disc without the innermost layer of each patch.
+        """Return the same quarter disc without the innermost layer of each patch and at the axis.
 
         A patch that has only one layer keeps it.
         """
-        return replace(self, layers=np.maximum(self.layers - 1, 1))
+        at_axis = max(self.axis_layers - 1, 0)
+        return replace(self, layers=np.maximum(self.layers - 1, 1), axis_layers=at_axis)
 
     def _patches(self) -> tuple[Array, Array, Indices, Indices]:
         """Return the points and quadrilaterals of the patches, and the reductions of their degrees.
@@ -176,6 +177,7 @@ def graded(
     interfaces: tuple[float, ...] = (),
     rigid: bool = False,
     under_face: ArrayLike = np.inf,
+    axis_size: float | None = None,
 ) -> GradedQuads:
     """Mesh the quarter disc.
 
@@ -198,6 +200,7 @@ def graded(
         `outer`
     under_face : largest size of the elements of the first layer under each of the N rings, either
         one number or one for each
+    axis_size : largest size of the elements at the origin; without it, there are no layers round it
 
     Raises
     ------
@@ -238,16 +241,21 @@ def graded(
             break
         sizes_between = SizesBetween(growth, under_face, flatness)
         try:
-            between = _between(edges, widths, sizes_between, outline, algorithm_pair)
+            points, cells = _between(edges, widths, sizes_between, outline, algorithm_pair)
+            # gmsh returns coordinates that should be zero with roundoff
+            points = np.where(np.abs(points) < 1e-14, 0.0, points)
+            size = points[:, cells[:, _at_origin(points)[cells].any(axis=0)]].max()
+            axis_layers = max(0, int(np.ceil(np.log((axis_size or size) / size) / np.log(factor))))
             graded = GradedQuads(
                 ring_edges,
                 widths,
                 layers,
                 factor,
-                between,
+                (points, cells),
                 edge_amplitude,
                 lacking_degrees,
                 outline.base,
+                axis_layers,
             )
             candidates.append((quality(graded.mesh).min(), graded))
         except MeshError as error:
@@ -258,6 +266,34 @@ def graded(
     if not candidates:
         raise MeshError(f"no quadrilaterals between the rings: {reason}")
     return max(candidates, key=itemgetter(0))[1]
+
+
+def _at_origin(points: Array) -> NDArray[np.bool_]:
+    """Return which of the points (2, n) is the origin."""
+    return (points == 0).all(axis=0)
+
+
+def _with_layers_at_axis(
+    points: Array, cells: Indices, count: int, factor: float
+) -> tuple[Array, Indices]:
+    """Return the points and quadrilaterals (4, m) with layers in those that touch the origin.
+
+    Each layer is a copy of the next outer one, smaller by the factor, so that neighbours have the
+    same vertices on their common sides.
+    """
+    touching = _at_origin(points)[cells]
+    innermost, others = cells[:, touching.any(axis=0)], [cells[:, ~touching.any(axis=0)]]
+    # the origin is the first corner
+    shift = _at_origin(points)[innermost].argmax(axis=0)
+    innermost = np.take_along_axis(innermost, (np.arange(4)[:, None] + shift) % 4, axis=0)
+    for _ in range(count):
+        origin, *outer = innermost
+        moved, numbers = np.unique(outer, return_inverse=True)
+        inner = points.shape[1] + numbers.reshape(3, -1)
+        points = np.concatenate([points, factor * points[:, moved]], axis=1)
+        others += [np.stack([inner[i], outer[i], outer[i + 1], inner[i + 1]]) for i in (0, 1)]
+        innermost = np.stack([origin, *inner])
+    return points, np.concatenate([*others, innermost], axis=1)
 
 
 class SizesBetween(NamedTuple):

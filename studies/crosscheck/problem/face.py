@@ -78,8 +78,6 @@ class Rings(NamedTuple):
     def graded(cls, radii: Array, values: Array, ring_edges: Array) -> "Rings":
         """Return rings on which a table of wear coefficients is linear and at most doubles.
 
-        In the innermost ring of a full punch, it changes by a factor of at most 2^0.1.
-
         Parameters
         ----------
         radii : (M,) array
@@ -97,8 +95,7 @@ class Rings(NamedTuple):
             widths = np.diff(radii)
             # narrower intervals count as steps
             wide_enough = widths > NARROWEST_INTERVAL
-            # a slope on the axis is a conical point, near which the pressure is logarithmic
-            steep = np.abs(np.diff(np.log2(values))) > np.where(radii[:-1] > 0, 1.0, 0.1)
+            steep = np.abs(np.diff(np.log2(values))) > 1
             halves_are_wide_enough = widths > 2 * NARROWEST_INTERVAL
             new_edges = (radii[:-1] + widths / 2)[halves_are_wide_enough & steep]
             if not len(new_edges):
@@ -147,6 +144,12 @@ class Rings(NamedTuple):
         # square root: with layers chosen from it, the error estimate detects part of the effect
         strengths = self._at_edges(1.0, np.sqrt(np.minimum(np.append(changes, 1.0), 1.0)))
         return np.where(self.smooth, strengths, 1.0)
+
+    @property
+    def cone_at_axis(self) -> bool:
+        """Whether graded wear has a slope at the axis, so that pressures have a conical point."""
+        inner, outer = self.wear_coefficients[:, 0]
+        return bool(self.ring_edges[0] == 0 and inner != outer)
 
     @property
     def wear_gradients(self) -> Array:

@@ -19,7 +19,7 @@ from .degrees import (
     shortest_slow_waves,
     with_affordable_field_tolerance,
 )
-from .ring_edges import QUAD_GRADING, fem_smallest, rim_size, ring_sizes
+from .ring_edges import QUAD_GRADING, axis_size, fem_smallest, rim_size, ring_sizes
 from .triangles import size_at_rim, triangle_ring_sizes
 
 if TYPE_CHECKING:
@@ -76,6 +76,7 @@ def layered_quads(problem: Problem) -> "GradedQuads":
         interfaces=interfaces,
         rigid=problem.ground.rigid,
         under_face=largest_under_face(problem),
+        axis_size=axis_size(fields),
     )
 
 

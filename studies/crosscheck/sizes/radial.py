@@ -15,7 +15,7 @@ from ....meshes.sizes import degree_reduction
 from ..problem.problem import Problem
 from .degrees import degree_of_modes, pressure_degree, with_affordable_field_tolerance
 from .layers import narrowed_for_layers
-from .ring_edges import RADIAL_ROUNDOFF, rim_size, ring_sizes, smallest_size
+from .ring_edges import RADIAL_ROUNDOFF, axis_size, rim_size, ring_sizes, smallest_size
 
 # Size ratio of neighbouring elements. A larger ratio needs more elements to reach the same smallest
 # size, a smaller one a higher degree on each (physics/test_size_rules.py, `ringwear study
@@ -40,6 +40,7 @@ class RadialSizes:
     ring_size : wanted size at the other ring edges, one number or (M-1,), one for each
     grading : size ratio of neighbouring elements
     degree_of_modes : degree that smooth modes need on the largest elements
+    axis_size : wanted size at the axis; None if the solution is smooth there
     """
 
     degree: int
@@ -47,12 +48,14 @@ class RadialSizes:
     ring_size: float | Array
     grading: float
     degree_of_modes: int = 1
+    axis_size: float | None = None
 
     @property
     def summary(self) -> dict[str, float]:
         """The sizes by name; the smallest where each ring edge has its own."""
         sizes = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: np.min(size).item() for name, size in sizes.items() if np.size(size)}
+        chosen = {name: size for name, size in sizes.items() if size is not None and np.size(size)}
+        return {name: np.min(size).item() for name, size in chosen.items()}
 
     def space(self, problem: Problem) -> PressureSpace:
         """Return the space of a problem, whose degrees rise away from the singular points.
@@ -67,6 +70,8 @@ class RadialSizes:
         wanted = np.append(np.broadcast_to(self.ring_size, len(part_of_ring) - 1), self.rim_size)
         sizes = np.minimum(wanted, part_of_ring * rings.widths_at_edges)
         space = PressureSpace.graded(rings.ring_edges, sizes, self.grading, 1)
+        if self.axis_size:
+            space = space.with_layers_at_axis(self.axis_size, self.grading)
         space = narrowed_for_layers(space, problem.ground)
         degrees = _degrees(problem, space, self.degree, self.grading, self.degree_of_modes)
         return replace(space, degrees=degrees)
@@ -93,6 +98,7 @@ def radial_sizes(problem: Problem) -> RadialSizes:
         ring_size=scene_sizes.ring_size or at_edges,
         grading=grading,
         degree_of_modes=scene_sizes.degree or min(int(modes), HIGHEST_DEGREE),
+        axis_size=axis_size(fields_problem),
     )
 
 

@@ -34,6 +34,9 @@ START_SHARE = 0.03
 # Element size at a hole = size at the rim * this * width of the ring next to the hole, in a: the
 # singular pressure is confined to that ring (physics/test_hollow.py).
 HOLE_SIZE_PER_RING_WIDTH = 3
+# Square of the size of the elements at the axis over the width of the innermost ring, over rtol, if
+# the wear coefficient has a slope there (physics/test_graded.py).
+CONE_SHARE = 30
 # Relative error of the RMS slope by roundoff of finite elements, times the size of the smallest
 # elements, in a: slopes of elements of size h have the error FEM_ROUNDOFF / h. Measured on five
 # rings with elements of 1e-10 to 1e-24 a. It does not grow with the ratio of the wear coefficients:
@@ -102,6 +105,22 @@ def edge_sizes(problem: Problem) -> Array:
     sizes = np.minimum(sizes, pressure_sizes)
     kink_sizes = np.minimum(rtol**0.5 / np.maximum(problem.merged.kinks, rtol), 1.0) * widths
     return np.where(problem.merged.smooth, np.maximum(sizes, kink_sizes), sizes)
+
+
+def axis_size(problem: Problem) -> float | None:
+    """Return the wanted element size at the axis; None if the solution is smooth there.
+
+    Notes
+    -----
+    If the wear coefficient k has a slope at the axis, the steady pressure has a conical point, and
+    the displacement a term ``r^2 log r``. On the innermost ring, whose width is b, k changes by a
+    factor of at most 2. Elements of size h and degree p at the axis then cause a relative error of
+    about ``(h / b)^2 / p^4``. Hence the size is ``b sqrt(CONE_SHARE rtol)``. Shown by
+    physics/test_graded.py::test_steady_states_of_steep_wear_in_closed_form.
+    """
+    if not problem.merged.cone_at_axis:
+        return None
+    return float(problem.merged.widths[0] * np.sqrt(CONE_SHARE * problem.rtol))
 
 
 def rim_size(problem: Problem, fields: Problem) -> float:

@@ -56,7 +56,7 @@ def discretisation_key(problem: Problem) -> Hashable:
     kinds = bool(len(problem.times)), problem.full_contact
     rings = problem.merged
     edges = rings.ring_edges.tobytes(), rings.smooth.tobytes()
-    return *edges, *numbers, *kinds, *sizes
+    return *edges, rings.cone_at_axis, *numbers, *kinds, *sizes
 
 
 def groups(problems: Sequence[Problem]) -> list[list[int]]:

@@ -11,7 +11,7 @@ from ....meshes.sizes import FAR_TRUNCATION, REFERENCE_RTOL, SizeField
 from ..problem.problem import Problem
 from ..problem.sections import DEGREES
 from .degrees import with_affordable_field_tolerance
-from .ring_edges import edge_sizes
+from .ring_edges import axis_size, edge_sizes
 
 # Size of triangles at the rim, in a, over rtol. The initial indentation d0 has a relative error of
 # at most a tenth of it (physics/test_five_rings.py::test_rtol_bounds_the_indentation_by_fem).
@@ -120,6 +120,10 @@ def triangle_sizes(problem: Problem) -> SizeField:
         ring_size=scene_sizes.ring_size or tuple(at_rings.tolist()),
         growth=scene_sizes.growth or min(TRIANGLE_GROWTH * scale, MAX_TRIANGLE_GROWTH),
         truncation=scene_sizes.truncation or FAR_TRUNCATION,
-        centre_size=min(TRIANGLE_SIZE_AT_CENTRE * scale, MAX_TRIANGLE_SIZE_AT_CENTRE),
+        centre_size=min(
+            TRIANGLE_SIZE_AT_CENTRE * scale,
+            MAX_TRIANGLE_SIZE_AT_CENTRE,
+            axis_size(problem) or np.inf,
+        ),
         far_size=far_size,
     )

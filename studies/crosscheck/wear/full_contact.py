@@ -28,6 +28,8 @@ from ..problem.loading import Loading
 from .flat_contact import FittedPress, FlatStart, SteadyState, flat_start
 from .history import History
 from .modes import (
+    ACCURATE,
+    DECAYED,
     Modes,
     TooEarlyError,
     every_mode,
@@ -233,11 +235,14 @@ class RunningIn:
         pencil = self._force_weights, self._moments, self.earliest
         # with so many unknowns, the modes that the flat start does not excite are omitted
         if self.earliest and len(self._moments) > 700:
+            # singular values of larger matrices would take hours
+            too_many = len(self._moments) > 2500
             try:
-                return excited_modes(self._moments_of_rates, *pencil)
+                return excited_modes(
+                    self._moments_of_rates, *pencil, DECAYED if too_many else ACCURATE
+                )
             except TooEarlyError:
-                # singular values would take hours
-                if len(self._moments) > 2500:
+                if too_many:
                     raise
         return every_mode(self._energy, self._factor, *pencil)
 

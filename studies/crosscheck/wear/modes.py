@@ -21,6 +21,9 @@ from ..problem.loading import Loading, State
 
 # relative error of the history and of the slowest relaxation times by the Krylov projection
 KRYLOV_TOLERANCE = 1e-13
+# First time over the roundoff of relaxation times from which modes below roundoff have decayed, and
+# from which the others are accurate (physics/test_promise.py)
+DECAYED, ACCURATE = 40.0, 1e6
 # part of a vector that is left once it is orthogonal to others except for roundoff
 ENOUGH_IS_LEFT = 0.7
 # exponent of a decay from which on its mean is computed in closed form where the speed varies, and
@@ -31,7 +34,7 @@ SHOWN_RELAXATION_TIMES = 20
 
 
 class TooEarlyError(SolverError):
-    """The earliest time is so small that modes lost to roundoff still contribute."""
+    """The earliest time is so small that modes with much roundoff still contribute."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,9 +188,9 @@ def every_mode(
     energy : (n, n) array
         Compliance `A` in orthonormal wear rates.
     factor : callable
-        Returns the (m, n) factor H, ``A = H^T H``. It is needed if modes that roundoff removes from
-        the eigenvalues of `A` still contribute at `earliest`. The singular values of `H` preserve
-        these modes, in four times the computing time.
+        Returns the (m, n) factor H, ``A = H^T H``. It is needed if modes that have much roundoff as
+        eigenvectors of `A` still contribute at `earliest`. The singular vectors of `H` preserve
+        these modes, in ten times the computing time.
     weights : (n,) array or None
         Force that each wear rate carries; the modes then carry no force. None if modes may carry
         force.
@@ -201,7 +204,7 @@ def every_mode(
         relaxation, shapes = eigh(
             _forceless_compliance(energy, axis), driver="evd", check_finite=False
         )
-        above_roundoff = _modes_above_roundoff(relaxation, earliest)
+        above_roundoff = _modes_above_roundoff(relaxation, earliest, ACCURATE)
         relaxation, shapes = relaxation[above_roundoff][::-1], shapes[:, above_roundoff][:, ::-1]
     except TooEarlyError:
         mode_factor = factor()
@@ -256,19 +259,24 @@ def _forceless_compliance(energy: Array, axis: Array | None) -> Array:
 
 
 def excited_modes(
-    energy: Callable[[Array], Array], weights: Array | None, moments: Array, earliest: float
+    energy: Callable[[Array], Array],
+    weights: Array | None,
+    moments: Array,
+    earliest: float,
+    accurate: float = ACCURATE,
 ) -> Modes:
     """Return the modes that the flat start excites, by the Lanczos method.
 
     Modes below roundoff are omitted. They have decayed at `earliest`.
 
     The parameters are those of `every_mode`, but `energy` returns the product (n,) of the
-    compliance `A` with a vector (n,); `earliest` is positive.
+    compliance `A` with a vector (n,); `earliest` is positive, and over the roundoff of relaxation
+    times at least `accurate`.
 
     Raises
     ------
     TooEarlyError
-        if modes below roundoff still contribute at `earliest`
+        if `earliest` is smaller
     """
     size = len(moments)
     # rows take memory only once they are filled; the first row is the steady state
@@ -298,10 +306,12 @@ def excited_modes(
         if exhausted or k + 1 == next_check:
             relaxation, ritz_vectors = eigh_tridiagonal(diagonal[: k + 1], off_diagonal[:k])
             residuals = np.abs(off_diagonal[k] * ritz_vectors[-1])
-            if exhausted or _krylov_space_suffices(relaxation, ritz_vectors, residuals, earliest):
+            if exhausted or _krylov_space_suffices(
+                relaxation, ritz_vectors, residuals, earliest, accurate
+            ):
                 break
             next_check = min(int(1.2 * next_check), size)
-    above_roundoff = _modes_above_roundoff(relaxation, earliest)
+    above_roundoff = _modes_above_roundoff(relaxation, earliest, accurate)
     relaxation, ritz_vectors, residuals = (
         relaxation[above_roundoff][::-1],
         ritz_vectors[:, above_roundoff][:, ::-1],
@@ -314,7 +324,7 @@ def excited_modes(
 
 
 def _krylov_space_suffices(
-    relaxation: Array, ritz_vectors: Array, residuals: Array, earliest: float
+    relaxation: Array, ritz_vectors: Array, residuals: Array, earliest: float, accurate: float
 ) -> bool:
     """Return whether the Krylov space resolves the history and the slowest relaxation times.
 
@@ -330,8 +340,10 @@ def _krylov_space_suffices(
         Residual norms of the eigenpairs.
     earliest : float
         First sliding distance of the history.
+    accurate : float
+        As for `excited_modes`.
     """
-    above_roundoff = _modes_above_roundoff(relaxation, earliest)
+    above_roundoff = _modes_above_roundoff(relaxation, earliest, accurate)
     coefficients = ritz_vectors[:, above_roundoff] @ (
         ritz_vectors[0, above_roundoff]
         * np.exp(-earliest / relaxation[above_roundoff])
@@ -343,17 +355,17 @@ def _krylov_space_suffices(
     return bool(history_converged and (residuals[-5:] <= KRYLOV_TOLERANCE * relaxation[-1]).all())
 
 
-def _modes_above_roundoff(relaxation: Array, earliest: float) -> slice:
+def _modes_above_roundoff(relaxation: Array, earliest: float, accurate: float) -> slice:
     """Return the slice of the modes above roundoff; `relaxation` is ascending.
 
     Raises
     ------
     TooEarlyError
-        if modes below roundoff still contribute at the earliest sliding distance
+        if the earliest sliding distance is below `accurate` times the roundoff
     """
     roundoff = len(relaxation) * np.finfo(float).eps * relaxation[-1]
     count_below = int(np.searchsorted(relaxation, roundoff))
-    if count_below and earliest < 40 * roundoff:
+    if count_below and earliest < accurate * roundoff:
         raise TooEarlyError(
             f"the first of wear.times after the start is {earliest / relaxation[-1]:.1e} of the "
             "slowest relaxation time, "
