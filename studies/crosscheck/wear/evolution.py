@@ -215,8 +215,9 @@ class Evolution:
         """The state at the start, after each step, and after each other piece."""
         states = [self.first]
         for piece in self.pieces:
-            stepping = isinstance(piece, Stepping)
-            states += [step.end for step in piece.steps] if stepping else [piece.end]
+            states += (
+                [step.end for step in piece.steps] if isinstance(piece, Stepping) else [piece.end]
+            )
         return states
 
     @cached_property

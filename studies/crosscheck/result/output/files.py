@@ -1,5 +1,6 @@
 """Write the numbers of a run to files."""
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
