@@ -41,12 +41,12 @@ MOST_SECANTS, FIRST_STEP, RADIUS_TOLERANCE = 60, 1e-3, 1e-7
 SIZE_AT_CORNER, SIZE_AT_FREE_EDGE = 1e-10, 2.5e-7
 # the mesh is fitted to kinks of the face whose distance from a contact edge, over the width of that
 # part of the contact, is at least NEAREST_KINK; to none if there are more than MOST_KINKS
-NEAREST_KINK, MOST_KINKS = 1e-6, 120
+NEAREST_KINK, MOST_KINKS = 1e-6, 60
 # Number of layers of elements that all kinks share, and the size of a layer over that of the next
-# outer one. At a jump of the curvature, the pressure behaves as x log x, and two layers make forces
-# right to 1e-8; at a jump of the slope it is infinite as a logarithm, and needs all layers down to
-# SIZE_AT_FREE_EDGE, which few kinks get.
-LAYERS_AT_KINKS, LAYER_FACTOR = 120, 0.25
+# outer one (`fitted_space`). At a jump of the curvature, the pressure behaves as x log x, and two
+# layers make forces right to 1e-8; at a jump of the slope it is infinite as a logarithm, and needs
+# all layers down to SIZE_AT_FREE_EDGE, which few kinks get.
+LAYERS_AT_KINKS, LAYER_FACTOR = 60, 0.2
 
 
 def fit_presses(
