@@ -26,7 +26,9 @@ def test_a_sphere_under_any_indentation(depth):
 def test_any_punch_under_any_force(exponent, force):
     exact = PowerPunch(0.5, exponent)
     power = {"kind": "power", "coefficient": 0.5, "exponent": exponent}
-    scene = with_heights([0, 1], [0, 1], normal_force=force).changed(punch__profile=power)
+    wear = {"times": [0.0], "steady": False}
+    scene = with_heights([0, 1], [0, 1], normal_force=force)
+    scene = scene.changed(punch__profile=power, wear=wear)
     start = run(scene).dataset.isel(solver=0, time=0)
     radius = exact.contact_radius(force)
     assert float(start.indentation) == pytest.approx(exact.indentation(radius), rel=1e-7, abs=0)
