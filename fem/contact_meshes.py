@@ -29,7 +29,7 @@ NEGLIGIBLE_ENERGY = 1e-10
 
 def fitted_half_space(
     edges: tuple[float, ...],
-    infinite: tuple[bool, ...],
+    sizes: tuple[float, ...],
     degree: int,
     ground: Ground,
 ) -> HalfSpace:
@@ -38,7 +38,7 @@ def fitted_half_space(
     Parameters
     ----------
     edges : edges of the contact, from 0 to 1; the pressure space is broken at each
-    infinite : whether the pressure is infinite at each edge
+    sizes : largest size of the smallest elements at each edge but the first
     degree : degree of the displacement, two above that of the pressure
     ground : layers, with lengths over the radius of the contact
     """
@@ -49,21 +49,15 @@ def fitted_half_space(
         # inverse
         return np.sqrt(distance)
 
-    # Size at an edge where the pressure is infinite, and at one where it falls to zero. On smaller
-    # elements the stiffness would lose digits.
-    sizes = np.where(infinite, 1e-10, 2.5e-7)[1:]
     # layers near the axis, where the pressure under a cone has a logarithmic singularity
     axis_layer_radius = 1e-2
     if edges[1] > 4 * axis_layer_radius:
-        marks, sizes = (
-            np.insert(marks, 1, axis_layer_radius),
-            np.insert(sizes, 0, axis_layer_radius),
-        )
+        marks, sizes = np.insert(marks, 1, axis_layer_radius), (axis_layer_radius, *sizes)
     interfaces = tuple(ground.depths.tolist())
     mesh = graded(
         marks,
         sizes[:-1],
-        float(sizes[-1]),
+        sizes[-1],
         factor=0.25,
         growth=0.8,
         outer=truncation_with_interfaces(interfaces, NEAR_TRUNCATION),

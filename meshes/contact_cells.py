@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .pressure_space import PressureSpace
 from .radial import Array, from_axis, layer_degrees
@@ -146,21 +147,17 @@ class ContactCells:
         return PressureSpace(breakpoints, linear, np.array(self.ring_edges))
 
 
-def fitted_space(
-    edges: tuple[float, ...], infinite: tuple[bool, ...], degree: int, smallest: float = 1e-7
-) -> PressureSpace:
+def fitted_space(edges: tuple[float, ...], sizes: ArrayLike, degree: int) -> PressureSpace:
     """Return pressures of high degree on elements that are graded to the axis and to every edge.
 
     Parameters
     ----------
     edges : edges of the contact, from 0 to 1; pressures may jump at each
-    infinite : whether the pressure is infinite at each edge
+    sizes : approximate size of the smallest elements at each edge but the first
     degree : highest degree; the lowest, at the edges, is 2
-    smallest : element size at edges where the pressure is finite
     """
     # At an edge the pressure is infinite as 1/sqrt(distance) or falls to zero as sqrt(distance); at
     # the axis that of a cone is infinite as a logarithm.
-    sizes = smallest * np.where(infinite, 1e-3, 1.0)[1:]
     space = PressureSpace.graded(edges, sizes, 0.2, degree, axis_size=1e-5)
     degrees = layer_degrees(space.breakpoints, edges, degree, rise=1.0, lowest=2)
     # moments of the face are integrated between rounded radii, and so must the pressures be

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import TruncatedCone, TruncatedParaboloid
+from scipy.interpolate import PchipInterpolator
 
 from ringwear import Scene, SceneError, run
 
@@ -39,6 +40,65 @@ def test_starts_of_truncated_punches(name, method):
     tolerance = 1e-9 if method == "mdr" else 1e-8
     assert float(start.indentation) == pytest.approx(exact.indentation(radius), rel=tolerance)
     assert float(start.contact_radius) == pytest.approx(radius, rel=1e-6)
+
+
+def shares_of_rings(slope, kinks, force, edges):
+    """Return the force on each ring of a face in full contact (Galin; Sneddon).
+
+    The pressure has the line density ``q = d - g`` with ``g(x) = x int_0^x f'(r) / sqrt(x^2 - r^2)
+    dr``. Substitutions remove the roots at kinks and at the radius of each force.
+    """
+    node, weight = np.polynomial.legendre.leggauss(24)
+    kinks = np.union1d(0.0, kinks)
+
+    def gap(x):
+        angles = np.arcsin(np.minimum(kinks / x[:, None], 1.0))
+        half = np.diff(angles, append=np.pi / 2)[..., None] / 2
+        radii = x[:, None, None] * np.sin(angles[..., None] + half * (1 + node))
+        return x * ((slope(radii) * half) @ weight).sum(axis=1)
+
+    def integral(values, start):
+        cuts = np.union1d([start, 1.0], kinks[kinks > start])
+        part, widths = (1 + node) / 2, np.diff(cuts)[:, None]
+        x = (cuts[:-1, None] + widths * part**2).ravel()
+        return values(x) @ (widths * part * weight).ravel()
+
+    depth = force / 2 + integral(gap, 0.0)
+    outside = [
+        2 * integral(lambda x, b=b: (depth - gap(x)) * x / np.sqrt((x - b) * (x + b)), b)
+        for b in edges[:-1]
+    ]
+    return np.diff([0.0, *(force - np.array(outside)), force])
+
+
+# without gmsh, the start of finite elements is as accurate as the march
+@pytest.mark.slow
+@pytest.mark.gmsh
+@pytest.mark.parametrize(("points", "height"), [(16, 1e-2), (48, 1e-3), (150, 2e-4)])
+def test_starts_of_tables(points, height):
+    """Elements are fitted to up to 60 kinks; what they leave out beyond is stated as an error."""
+    heights = height * np.random.default_rng(3).uniform(0, 1, points)
+    heights[::2] = 0
+    radii, edges = np.linspace(0, 1, points), [0.25, 0.5, 0.75, 1.0]
+    scene = SCENE.changed(
+        methods=["mdr", "fem"],
+        load__normal_force=1.0,
+        punch={
+            "radius": 1.0,
+            "ring_edges": edges,
+            "wear_coefficients": [1.0, 2.0],
+            "profile": {"kind": "table", "radii": radii.tolist(), "heights": heights.tolist()},
+        },
+    )
+    slope = PchipInterpolator(radii, heights).derivative()
+    exact = shares_of_rings(slope, radii, 1.0, edges)
+    result = run(scene)
+    assert result.verdict != "disagree"
+    for method, solution in result.solutions.items():
+        errors = result.dataset.ring_force.sel(solver=method).isel(time=0) - exact
+        stated = float(solution.errors["ring_force"][0])
+        assert float(np.abs(errors).max()) <= 1.5 * stated
+        assert stated < (1e-5 if points < 60 else 2e-3)
 
 
 def kinks_of(face, edges=(1.0,)):

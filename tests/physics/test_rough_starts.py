@@ -3,6 +3,7 @@
 import time
 
 import pytest
+from closed_forms import PowerPunch
 from rough_faces import rough, with_heights
 
 from ringwear import run
@@ -17,6 +18,21 @@ def test_a_sphere_under_any_indentation(depth):
     result = run(hertz)
     assert float(result.dataset.normal_force[0, 0]) == pytest.approx(4 / 3 * depth**1.5, rel=1e-7)
     assert result.verdict != "disagree"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("force", [1e-30, 1e-22, 1e-12])
+@pytest.mark.parametrize("exponent", [1.0, 2.0, 4.0])
+def test_any_punch_under_any_force(exponent, force):
+    exact = PowerPunch(0.5, exponent)
+    power = {"kind": "power", "coefficient": 0.5, "exponent": exponent}
+    wear = {"times": [0.0], "steady": False}
+    scene = with_heights([0, 1], [0, 1], normal_force=force)
+    scene = scene.changed(punch__profile=power, wear=wear)
+    start = run(scene).dataset.isel(solver=0, time=0)
+    radius = exact.contact_radius(force)
+    assert float(start.indentation) == pytest.approx(exact.indentation(radius), rel=1e-7, abs=0)
+    assert float(start.contact_radius) == pytest.approx(radius, rel=1e-6, abs=0)
 
 
 @pytest.mark.slow

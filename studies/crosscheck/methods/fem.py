@@ -252,11 +252,11 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
 
     def fitted(
         edges: tuple[float, ...],
-        infinite: tuple[bool, ...],
+        sizes: tuple[float, ...],
         scaled_ground: "Ground",
         degree: int,
     ) -> "Compliance":
-        return fitted_half_space(edges, infinite, degree, scaled_ground).compliance()
+        return fitted_half_space(edges, sizes, degree, scaled_ground).compliance()
 
     def coarser() -> "Compliance":
         return even_half_space(

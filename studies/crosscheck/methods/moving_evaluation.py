@@ -31,6 +31,8 @@ REPEATED = {
 } | {"force_share": ("ring_force", 0)}
 # Quantities that converge with second or higher order in the cells of a face under one load.
 SECOND_ORDER = ENERGIES | {"ring_worn_volume"}
+# Quantities at the start that the heights of the face alone determine.
+OF_THE_FACE = frozenset({"profile", "rms_slope"})
 # Quantities that decay during wear at a fixed indentation.
 DECAYING = frozenset({"normal_force", "ring_force"})
 
@@ -291,6 +293,9 @@ class MovingContact(Evaluation):
             "contact_radius": "edge of a fitted start",
         }
         at_start = error_factor(kind_of_start.get(name, "fitted start"))
+        if self.start is not None and name not in OF_THE_FACE:
+            missed = self.start.unresolved_height / self.start.indentation
+            at_start = max(at_start, error_factor("kinks inside elements") * missed)
         floor = error_factor("floor of moving contact") * self.problem.rtol
         floors = np.where(later, floor, at_start)
         if name in ("profile", "displacement"):

@@ -188,11 +188,11 @@ class AnySpaceMethod(ComplianceMethod):
 
         def fitted(
             edges: tuple[float, ...],
-            infinite: tuple[bool, ...],
+            sizes: tuple[float, ...],
             scaled_ground: Ground,
             degree: int,
         ) -> Compliance:
-            space = fitted_space(edges, infinite, degree)
+            space = fitted_space(edges, sizes, degree)
             return self.compliance(narrowed_for_layers(space, scaled_ground), scaled_ground)
 
         def coarser() -> Compliance:

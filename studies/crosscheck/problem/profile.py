@@ -149,33 +149,40 @@ def moments(profile: InitialProfile, space: "PressureSpace", radius: float = 1.0
     return space.moments(points.element, points.local, areas * points.heights)
 
 
-def unresolved_height(profile: InitialProfile, space: "PressureSpace", depth: float) -> float:
-    """Return the greatest difference between the face and its best parabola on any element.
+def unresolved_height(
+    profile: InitialProfile, space: "PressureSpace", depth: float, radius: float = 1.0
+) -> float:
+    """Return the greatest difference between the face and its best polynomial on any element.
 
-    The parabolas are least-squares fits. The elements represent a face that is smooth in each. The
-    indentations of two faces under the same force differ by at most the difference of the faces, so
-    the result bounds the error of the indentation.
+    The polynomials are least-squares fits, of one degree more than the pressure. The elements
+    represent a face that is smooth in each. The indentations of two faces under the same force
+    differ by at most the difference of the faces, so the result bounds the error of the
+    indentation.
 
     Parameters
     ----------
     profile : InitialProfile
         Heights of the punch face.
     space : PressureSpace
-        Space on the face.
+        Space on the face, or on a smaller disc that is scaled to the unit disc.
     depth : float
         Elements on which all heights are greater than this indentation cannot touch and are
         ignored.
+    radius : float
+        Radius of that disc.
     """
-    points, count = _gauss_points(profile, space, 1.0), len(space.degrees)
-    legendre = legvander(points.local, 2)
+    points, count = _gauss_points(profile, space, radius), len(space.degrees)
+    degree = np.arange(space.top + 2)
+    legendre = legvander(points.local, space.top + 1)
     # in the local coordinate, elements have length 2
     lengths = np.diff(space.breakpoints)[points.element, None]
     parts = np.einsum(
-        "eq,eqj->ej", points.weights / lengths * points.heights, legendre * (2 * np.arange(3) + 1)
+        "eq,eqj->ej", points.weights / lengths * points.heights, legendre * (2 * degree + 1)
     )
-    parabolas = np.zeros((count, 3))
-    np.add.at(parabolas, points.element, parts)
-    missed = np.abs(points.heights - np.einsum("eqj,ej->eq", legendre, parabolas[points.element]))
+    fits = np.zeros((count, len(degree)))
+    np.add.at(fits, points.element, parts)
+    fits[degree > space.degrees[:, None] + 1] = 0
+    missed = np.abs(points.heights - np.einsum("eqj,ej->eq", legendre, fits[points.element]))
     least = np.full(count, np.inf)
     np.minimum.at(least, points.element, points.heights.min(axis=1))
     touched = least[points.element] <= depth

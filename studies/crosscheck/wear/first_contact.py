@@ -36,7 +36,8 @@ GROWTH_INSIDE, GROWTH_OUTSIDE = 0.4, 0.1
 # greatest number of free edges at which cells are refined; on rough faces, which have many, the
 # refinement would not end
 MOST_FREE_EDGES = 4
-# smallest size of cells on narrow parts of the contact, in punch radii
+# smallest size of cells on narrow parts of the contact, over their radius; at the axis they may be
+# as small as the contact is
 SMALLEST_REFINED_CELL = 1e-9
 # greatest number of refinements at free edges, each of which quarters the size, and greatest number
 # of cells after them, over that before
@@ -63,9 +64,13 @@ class UnwornPunch:
 
     def pressed_on(self, space: PressureSpace) -> tuple[Array, Press]:
         """Return the matrix (size, size) of the compliance on a space, and the contact there."""
-        matrix = self.compliance(space).matrix
-        contact = Contact(matrix, space.weights)
-        return matrix, contact.press(moments(self.profile, space), self.load)
+        matrix, weights = self.compliance(space).matrix, space.weights
+        heights = moments(self.profile, space)
+        # from the lowest node on: on cells that are far larger than the contact, a small force
+        # would be lost in the roundoff of heights
+        lowest = float((heights / weights).min()) if self.load.force else 0.0
+        press = Contact(matrix, weights).press(heights - lowest * weights, self.load)
+        return matrix, replace(press, indentation=press.indentation + lowest)
 
 
 def load_of(problem: Problem) -> Load:
@@ -295,7 +300,7 @@ def refinements_of(
         Inner and outer radius of each part.
     """
     return tuple(
-        (inner, outer, max(spread * (outer - inner), SMALLEST_REFINED_CELL))
+        (inner, outer, max(spread * (outer - inner), SMALLEST_REFINED_CELL * outer))
         for inner, outer in parts
     )
 

@@ -24,21 +24,29 @@ from ....meshes.compliance import Compliance
 from ....meshes.contact_cells import fitted_space
 from ....meshes.errors import SolverError
 from ....meshes.ground.ground import HALF_SPACE, Ground
-from ..problem.profile import InitialProfile, moments
+from ..problem.profile import InitialProfile, moments, unresolved_height
 from .flat_contact import FittedPress
 from .unilateral import Interval, Load
 
 Intervals = tuple[Interval, ...]
-# function of (edges from 0 to 1 at which every pressure space has breakpoints, whether the pressure
-# is infinite at each, layers in units of the outermost edge) that returns the compliance
-CompliancesOn = Callable[[tuple[float, ...], tuple[bool, ...], Ground], Compliance]
+# function of (edges from 0 to 1 at which every pressure space has breakpoints, size of the elements
+# at each but the first, layers in units of the outermost edge) that returns the compliance
+CompliancesOn = Callable[[tuple[float, ...], tuple[float, ...], Ground], Compliance]
 
 # secant search for the radius of a free edge: greatest number of steps, length of the first step
 # over the width of the bracket, and greatest length of the last step over the radius
 MOST_SECANTS, FIRST_STEP, RADIUS_TOLERANCE = 60, 1e-3, 1e-7
+# size of the elements, over the radius of the outermost edge, at edges where the pressure is
+# infinite, and at edges where it falls to zero; on smaller elements the stiffness loses digits
+SIZE_AT_CORNER, SIZE_AT_FREE_EDGE = 1e-10, 2.5e-7
 # the mesh is fitted to kinks of the face whose distance from a contact edge, over the width of that
-# part of the contact, is at least NEAREST_KINK; to none in a part with more than MOST_KINKS
-NEAREST_KINK, MOST_KINKS = 1e-6, 4
+# part of the contact, is at least NEAREST_KINK; to none if there are more than MOST_KINKS
+NEAREST_KINK, MOST_KINKS = 1e-6, 60
+# Number of layers of elements that all kinks share, and the size of a layer over that of the next
+# outer one (`fitted_space`). At a jump of the curvature, the pressure behaves as x log x, and two
+# layers make forces right to 1e-8; at a jump of the slope it is infinite as a logarithm, and needs
+# all layers down to SIZE_AT_FREE_EDGE, which few kinks get.
+LAYERS_AT_KINKS, LAYER_FACTOR = 60, 0.2
 
 
 def fit_presses(
@@ -80,8 +88,11 @@ def fit_presses(
     if outermost:
         rough, slope = fit_press(profile, load, intervals, _rough_compliance, ground)
         intervals = rough.intervals
-    # each search for the edge starts from the result of the previous one
-    coarse, slope = fit_press(profile, load, intervals, compliances[1], ground, slope)
+    # each search for the edge starts from the result of the previous one; elements at kinks have
+    # the lowest degree in both, and only a layer less shows the error there
+    coarse, slope = fit_press(
+        profile, load, intervals, compliances[1], ground, slope, fewer_layers=1
+    )
     fine, _ = fit_press(profile, load, coarse.intervals, compliances[0], ground, slope)
     for press in (fine, coarse):
         radii, _, _ = press.space.quadrature
@@ -93,11 +104,11 @@ def fit_presses(
 
 
 def _rough_compliance(
-    edges: tuple[float, ...], infinite: tuple[bool, ...], ground: Ground
+    edges: tuple[float, ...], sizes: tuple[float, ...], ground: Ground
 ) -> Compliance:
     """Return a cheap, inaccurate compliance for the first search for the edge."""
-    space = fitted_space(edges, infinite, 4, 1e-2 * min(np.diff(edges)))
-    return energy.compliance(space, ground)
+    rough = np.maximum(sizes, 1e-2 * min(np.diff(edges)))
+    return energy.compliance(fitted_space(edges, rough, 4), ground)
 
 
 def fit_press(
@@ -107,6 +118,7 @@ def fit_press(
     on_edges: CompliancesOn,
     ground: Ground = HALF_SPACE,
     slope: float | None = None,
+    fewer_layers: int = 0,
 ) -> tuple[FittedPress, float | None]:
     """Press an unworn punch; if the outermost edge is free, find its radius by secant steps.
 
@@ -118,6 +130,8 @@ def fit_press(
         Returns the compliance.
     slope : float, optional
         Derivative of the load error with respect to the radius, from a similar problem.
+    fewer_layers : int, optional
+        By how much the number of layers at each kink of the face is lower.
 
     Returns
     -------
@@ -135,7 +149,7 @@ def fit_press(
 
     def solve(outer: float, load: Load | None) -> FittedPress:
         parts = (*inner, replace(last, outer=float(outer)))
-        return _solve(profile, load, parts, compliance_on, ground)
+        return _solve(profile, load, parts, compliance_on, ground, fewer_layers)
 
     def load_error(outer: float) -> float:
         """Return the relative error of the load, in a power that is linear in a sphere's radius."""
@@ -178,6 +192,7 @@ def _solve(
     intervals: Intervals,
     compliance_on: CompliancesOn,
     ground: Ground,
+    fewer_layers: int,
 ) -> FittedPress:
     """Return the solution of the linear problem in which the contact has the given edges.
 
@@ -193,18 +208,26 @@ def _solve(
     radius = last.outer
     if not last.inner < radius <= 1:
         raise SolverError("the edges of the contact cross each other or leave the punch")
-    infinite = {edge: True for part in intervals for edge in (part.inner, part.outer)}
-    infinite |= {0.0: False, radius: not last.outer_free}
+    corners, kinks = {0.0}, list[float]()
     for part in intervals:
-        # at a kink the pressure behaves as x log x; unresolved, it changes ring forces by 2e-4
+        corners |= {part.inner, part.outer}
         margin = NEAREST_KINK * (part.outer - part.inner)
-        kinks = [kink for kink in profile.kinks if part.inner + margin < kink < part.outer - margin]
-        infinite |= dict.fromkeys(kinks if len(kinks) <= MOST_KINKS else (), False)
-    edges = sorted(infinite)
+        kinks += [
+            kink for kink in profile.kinks if part.inner + margin < kink < part.outer - margin
+        ]
+    all_fitted = len(kinks) <= MOST_KINKS
+    radii = np.union1d(list(corners), kinks if all_fitted else [])
+    sizes = np.full(len(radii) - 1, SIZE_AT_CORNER)
+    if kinks and all_fitted:
+        widths = np.diff(radii) / radius
+        layers = LAYERS_AT_KINKS // len(kinks) - fewer_layers
+        at_kinks = np.minimum(widths[:-1], widths[1:]) / 2 * LAYER_FACTOR**layers
+        is_kink = np.isin(radii[1:-1], kinks)
+        sizes[:-1][is_kink] = np.maximum(at_kinks, SIZE_AT_FREE_EDGE)[is_kink]
+    if last.outer_free:
+        sizes[-1] = SIZE_AT_FREE_EDGE
     compliance = compliance_on(
-        tuple(edge / radius for edge in edges),
-        tuple(infinite[edge] for edge in edges),
-        ground.in_units_of(radius),
+        tuple((radii / radius).tolist()), tuple(sizes.tolist()), ground.in_units_of(radius)
     )
     space = compliance.space
     middle = radius * (space.breakpoints[1:] + space.breakpoints[:-1]) / 2
@@ -230,4 +253,5 @@ def _solve(
     pressure = np.zeros(space.size)
     pressure[loaded] = indentation * weights_solution - moments_solution
     force = float(weights @ pressure[loaded])
-    return FittedPress(space, pressure, float(indentation), force, intervals)
+    unresolved = 0.0 if all_fitted else unresolved_height(profile, space, indentation, radius)
+    return FittedPress(space, pressure, float(indentation), force, intervals, unresolved)

@@ -154,6 +154,9 @@ class FittedPress:
         Indentation and force. The load prescribes one of them.
     intervals : tuple of Interval
         Parts of the contact, outwards.
+    unresolved_height : float
+        Largest difference of the face from what the elements resolve, if its kinks are too many to
+        fit the elements to them.
     """
 
     space: PressureSpace
@@ -161,6 +164,7 @@ class FittedPress:
     indentation: float
     force: float = 1.0
     intervals: tuple[Interval, ...] = (Interval(0.0, 1.0),)
+    unresolved_height: float = 0.0
 
     @property
     def radius(self) -> float:

@@ -31,11 +31,11 @@ ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
 @cache
-def compliance_on(method, degree, edges, infinite, _):
+def compliance_on(method, degree, edges, sizes, _):
     if method == "fem":
-        return fitted_half_space(edges, infinite, degree, HALF_SPACE).compliance()
+        return fitted_half_space(edges, sizes, degree, HALF_SPACE).compliance()
     make = energy.compliance if method == "mdr" else ring_kernel.compliance
-    return make(fitted_space(edges, infinite, degree))
+    return make(fitted_space(edges, sizes, degree))
 
 
 def rings(edges, recess, *heights):
