@@ -294,8 +294,8 @@ class MovingContact(Evaluation):
         }
         at_start = error_factor(kind_of_start.get(name, "fitted start"))
         if self.start is not None and name not in OF_THE_FACE:
-            missed = self.start.unresolved_height / self.start.indentation
-            at_start = max(at_start, error_factor("kinks inside elements") * missed)
+            unresolved = self.start.unresolved_height / self.start.indentation
+            at_start = max(at_start, error_factor("kinks inside elements") * unresolved)
         floor = error_factor("floor of moving contact") * self.problem.rtol
         floors = np.where(later, floor, at_start)
         if name in ("profile", "displacement"):
