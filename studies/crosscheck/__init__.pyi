@@ -115,6 +115,8 @@ from .result.load import (
 )
 from .result.output.checksums import (
     CHECKSUMS as CHECKSUMS,
+    RESULTS as RESULTS,
+    SUMMARY as SUMMARY,
 )
 from .result.output.files import (
     INSIDE as INSIDE,
@@ -128,10 +130,6 @@ from .result.output.folder import (
     named_folder as named_folder,
     output_folder as output_folder,
     refuse_foreign_folders as refuse_foreign_folders,
-)
-from .result.output.netcdf import (
-    RESULTS as RESULTS,
-    SUMMARY as SUMMARY,
 )
 from .result.output.one_file import (
     make as make,

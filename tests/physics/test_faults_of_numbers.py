@@ -147,11 +147,11 @@ def test_a_wrong_number_is_noticed(right, place):
 
 def test_other_numbers_in_the_files_are_refused(right, tmp_path):
     wrong = replace(right, answers=_with_answers(right, scaled("time_to_90"))).summary
-    with pytest.raises(RingwearError, match="time_to_90 of twin is not the result"):
+    with pytest.raises(RingwearError, match="time_to_90 is not the result"):
         write_numbers(right.dataset, wrong, tmp_path)
     write_numbers(right.dataset, right.summary, tmp_path)
     entries = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     entries["answer"]["mdr"]["time_to_full_contact"] *= 1 + SIZE
     (tmp_path / "summary.json").write_text(json.dumps(entries), "utf-8")
-    with pytest.raises(SceneError, match=r"'answer' of summary\.json does not match"):
+    with pytest.raises(SceneError, match=r"summary\.json is not as it was written"):
         load(tmp_path)

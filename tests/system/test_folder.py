@@ -15,8 +15,8 @@ import time
 
 import jinja2
 import meshio
-import netCDF4
 import pytest
+import xarray
 from matplotlib.figure import Figure
 
 from ringwear import Scene, main
@@ -56,8 +56,8 @@ def fail(patch, place, raised):
         ("output  writing", KeyboardInterrupt(), "stopped"),
         ((Figure, "savefig"), KeyboardInterrupt(), "stopped"),
         ((jinja2.Template, "render"), KeyboardInterrupt(), "stopped"),
-        ((netCDF4, "Dataset"), FULL_DISK, "could not be written"),
-        ((netCDF4, "Dataset"), RuntimeError("NetCDF: HDF error"), "could not be written"),
+        ((xarray.Dataset, "to_netcdf"), FULL_DISK, "could not be written"),
+        ((xarray.Dataset, "to_netcdf"), RuntimeError("NetCDF: HDF error"), "could not be written"),
     ],
 )
 def test_a_run_that_does_not_end_leaves_the_old_files(

@@ -75,7 +75,6 @@ class Result:
     compared_in_fields : methods that compute the same fields: the reference, the one that is drawn,
         and the others
     saved : the content of `summary.json`, if the results were read from a folder
-    about_files : warnings about the files that the results were read from
     """
 
     scene: Scene
@@ -93,7 +92,6 @@ class Result:
     about_others: tuple[str, ...] = ()
     compared_in_fields: tuple[str, ...] = ()
     saved: dict[str, Any] | None = None
-    about_files: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -123,7 +121,7 @@ class Result:
         """
         problem = self.scene.problem
         slowest = float(self.first("running_in_time")) / problem.units.time
-        return (*beyond_the_model(self.scene), *outside(problem, slowest), *self.about_files)
+        return (*beyond_the_model(self.scene), *outside(problem, slowest))
 
     @property
     def quantities(self) -> dict[str, str]:

@@ -26,8 +26,8 @@ from ..verdict.operators import (
     check_multipliers,
     difference,
 )
+from .answer import Answers
 from .judgement import Judged
-from .output.answer import Answers
 from .predictions.memory import refuse_beyond_memory
 from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse

@@ -1,27 +1,21 @@
 """Read the files of saved results, and compare them with their checksums.
 
-A damaged file can crash the netCDF library, and with it the process. If `results.nc` is not byte
-for byte the file that was written, a copy of this process reads it first.
+A damaged file can crash the netCDF library. It therefore reads only the file that was written.
 """
 
 import json
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .....meshes.errors import SceneError
 from ...problem.written import one_line
-from .checksums import CHECKSUMS, FILE, Json, digest_of_file, first_mismatch
+from .checksums import CHECKSUMS, RESULTS, SUMMARY, Json, checksums
+from .files import read_table
 from .folder import COMPLETE, MARKER
-from .netcdf import RESULTS, SUMMARY, read_netcdf
-from .other_process import text_from_copy
 
 if TYPE_CHECKING:
     import xarray
-
-LONGEST_EXAMINATION = 120.0
-"""Seconds after which a file that a copy of this process reads counts as damaged."""
 
 
 class Unreadable(Exception):
@@ -46,20 +40,13 @@ def has_checksums(path: Path) -> bool:
     return False
 
 
-def read_folder(path: Path) -> tuple["xarray.Dataset", Json, bool]:
-    """Read the files of results, and compare them with their checksums.
-
-    Returns
-    -------
-    dataset : content of `results.nc`
-    entries : content of `summary.json` without the checksums
-    has_checksums : whether the files have checksums
+def read_folder(path: Path) -> tuple["xarray.Dataset", Json]:
+    """Return the content of `results.nc`, and of `summary.json` without the checksums.
 
     Raises
     ------
     SceneError
-        if the files cannot be read or do not match their checksums; the message names what does
-        not match, and the remedy
+        if the files are not as they were written; the message names the one that has changed
     """
     try:
         if (path / COMPLETE / MARKER).exists():
@@ -67,48 +54,14 @@ def read_folder(path: Path) -> tuple["xarray.Dataset", Json, bool]:
                 f"a command was stopped while it put its files in place, and {COMPLETE} has the "
                 "rest"
             )
-        entries = _read_summary(path)
-        if not _is_as_written(path / RESULTS, entries.get(CHECKSUMS)):
-            fault = text_from_copy(partial(_fault, path, entries), LONGEST_EXAMINATION)
-            if fault is None:
-                raise Unreadable(f"{RESULTS} is damaged, so that the netCDF library cannot read it")
-            if fault:
-                raise Unreadable(fault)
-        return _read_both(path, entries)
+        entries = json.loads((path / SUMMARY).read_text("utf-8"))
+        recorded = entries.pop(CHECKSUMS, None) if isinstance(entries, dict) else None
+        if not isinstance(recorded, dict) or recorded.keys() != {RESULTS, SUMMARY}:
+            raise Unreadable(f"{SUMMARY} has no checksums of both files, as ringwear writes them")
+        for name, checksum in checksums(path, entries).items():
+            if recorded[name] != checksum:
+                raise Unreadable(f"{name} is not as it was written")
+        return read_table(path / RESULTS), entries
     # a RecursionError: JSON that is nested too deeply
     except (OSError, ValueError, RecursionError, Unreadable) as error:
         raise refused(path, error) from None
-
-
-def _read_summary(path: Path) -> Json:
-    entries = json.loads((path / SUMMARY).read_text("utf-8"))
-    if not isinstance(entries, dict):
-        raise Unreadable(f"{SUMMARY} has no entries")
-    return entries
-
-
-def _read_both(path: Path, entries: Json) -> tuple["xarray.Dataset", Json, bool]:
-    """Return dataset, entries without checksums, and whether there are any, if they match."""
-    dataset = read_netcdf(path / RESULTS)
-    expected = dataset.attrs.pop(CHECKSUMS, None)
-    others = {name: value for name, value in entries.items() if name != CHECKSUMS}
-    if CHECKSUMS in entries:
-        if reason := first_mismatch(entries[CHECKSUMS], dataset, others):
-            raise Unreadable(reason)
-    elif expected is not None:
-        raise Unreadable(f"{SUMMARY} has no checksums of {RESULTS}")
-    return dataset, others, CHECKSUMS in entries
-
-
-def _is_as_written(path: Path, recorded: object) -> bool:
-    """Return whether a file has the recorded digest; False if none is recorded."""
-    return isinstance(recorded, dict) and recorded.get(FILE) == digest_of_file(path)
-
-
-def _fault(path: Path, entries: Json) -> str:
-    """Return what is wrong with the files of results; empty if nothing is."""
-    try:
-        _read_both(path, entries)
-    except (OSError, ValueError, RecursionError, Unreadable) as error:
-        return one_line(error)
-    return ""

@@ -1,12 +1,11 @@
 """The answer of a run: the numbers that describe the punch, by each method."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .....meshes.radial import Array
-from ...problem.quantities import ANSWER, error_name
+from ....meshes.radial import Array
+from ..problem.quantities import ANSWER, error_name
 
 if TYPE_CHECKING:
     import xarray
@@ -32,36 +31,6 @@ class Answers(dict[str, dict[str, Array]]):
                 for row, solver in enumerate(dataset["solver"].values)
             }
         )
-
-    @classmethod
-    def read(cls, entries: Mapping[str, Mapping[str, Any]]) -> "Answers":
-        """Return the numbers that `summary.json` has; NaN for those that are not finite.
-
-        Raises
-        ------
-        ValueError
-            if the rows of a number have several lengths
-        """
-        return cls(
-            {
-                method: {name: np.array(value, dtype=float) for name, value in numbers.items()}
-                for method, numbers in entries.items()
-            }
-        )
-
-    def first_difference(self, dataset: "xarray.Dataset") -> str:
-        """Return the name and the method of a number that a dataset has not; empty if it has all.
-
-        Numbers that are not finite are left out.
-        """
-        solvers = dataset["solver"].values.tolist()
-        for method, numbers in self.items():
-            for name, value in numbers.items():
-                if name in dataset:
-                    row = dataset.variables[name].values[solvers.index(method)]
-                    if row.shape != value.shape or (row != value)[np.isfinite(value)].any():
-                        return f"{name} of {method}"
-        return ""
 
     def __missing__(self, key: object) -> dict[str, Array]:
         """Raise a KeyError that says what to write instead."""
