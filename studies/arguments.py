@@ -81,7 +81,6 @@ FLAGS: dict[str, Settings] = {
     "--degree": {"type": _whole, "metavar": "K"},
     "--density": {"metavar": "X"},
     "--cycle": {"metavar": "LENGTH"},
-    "--design": {"action": "store_true"},
     "--element": {"metavar": "NAME"},
     "--for": {
         "required": True,
@@ -153,12 +152,6 @@ OF_COMMANDS: dict[str, Settings] = {
         "help": "only print what the sweep will need, and what each method costs of it",
     },
     "--resume": {"action": "store_true", "help": "continue the study in the directory"},
-    "--template": {
-        "type": _directory,
-        "metavar": "DIR",
-        "help": "write files for another program: the table to fill in, a mesh, and the scene in "
-        "words",
-    },
     "--scheduler": {
         "metavar": "ADDRESS",
         "help": "the address of a Dask scheduler, to compute on its workers",
@@ -229,7 +222,6 @@ OTHER_COMMANDS = {
     **dict.fromkeys(("list", "ls", "examples", "show"), "ringwear scenes"),
     **dict.fromkeys(("init", "new", "create"), "ringwear scenes five_rings > mine.toml"),
     **dict.fromkeys(("validate", "verify", "estimate"), "ringwear plan"),
-    **dict.fromkeys(("template", "export"), "ringwear check SCENE --template DIR"),
     **dict.fromkeys(("plot", "report"), "ringwear run, which draws figures and writes a page"),
     "diff": "ringwear compare",
     "help": "ringwear --help",

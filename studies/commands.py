@@ -102,19 +102,8 @@ def _print_files(folder: Folder, failures: list[str]) -> None:
 
 def _check(options: argparse.Namespace) -> Status:
     scene = Scene.load(options.scene)
-    if options.template:
-        from .check.template import write_template
-
-        files = {"template.csv", "scene.txt", "unworn.csv", "mesh.msh"}
-        with output_folder(options.template, "template", files) as folder:
-            print_lines(write_template(scene, options.units, folder.hidden))
-        _print_files(folder, [])
-        return Status.DONE
     if not options.theirs:
-        raise SceneError(
-            "check compares results of other programs with ours: give their files, or --template "
-            "DIR to write a table for them to fill in"
-        )
+        raise SceneError("check compares results of other programs with ours: give their files")
     if repeated := [file for file in options.theirs if options.theirs.count(file) > 1]:
         raise SceneError(f"{repeated[0]} is given twice: give each file once")
     others = {Path(file).name: file for file in options.theirs}
@@ -428,7 +417,7 @@ COMMANDS = {
         _check,
         (
             *("scene", "theirs", "--out", "methods", "within", "columns", "units", "sizes"),
-            *("times", "--refinement", "--template", "element", "memory"),
+            *("times", "--refinement", "element", "memory"),
         ),
         ("scene", "theirs", "sizes"),
     ),
@@ -437,8 +426,7 @@ COMMANDS = {
         _fit,
         (
             *("scene", "data", "parameters", "noise", "density"),
-            *("design", "columns", "units", "cycle"),
-            "--out",
+            *("columns", "units", "cycle", "--out"),
         ),
         ("scene", "data", "parameters"),
     ),

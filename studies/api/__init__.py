@@ -314,7 +314,6 @@ _OTHER_NAMES = {
     **dict.fromkeys(("validate", "predict"), "ringwear.plan"),
     "mesh": "`ringwear mesh SCENE` on the command line",
     "challenge": "`ringwear challenge` on the command line",
-    "template": "`ringwear check SCENE --template DIR` on the command line",
     "cli": "`ringwear` on the command line",
     "plot": "ringwear.run(scene).plot()",
 }

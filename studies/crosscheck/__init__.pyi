@@ -44,7 +44,6 @@ from .problem.fields import (
     Height as Height,
     Parabola as Parabola,
     TomlTable as TomlTable,
-    over_time as over_time,
 )
 from .problem.loading import (
     Loading as Loading,

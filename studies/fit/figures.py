@@ -36,8 +36,6 @@ def draw_all(fit: Outcome) -> dict[str, Figure]:
     figures = {"fit": draw_fit(fit)}
     if fit.profiles.traces:
         figures["likelihood"] = draw_profiles(fit)
-    if len(fit.design):
-        figures["design"] = draw_design(fit)
     return figures
 
 
@@ -169,34 +167,6 @@ def draw_profiles(fit: Outcome) -> Figure:
         "profiles of the likelihood; dashed: by the curvature; dotted: threshold of the interval",
         fontsize=9,
     )
-    return figure
-
-
-def draw_design(fit: Outcome) -> Figure:
-    """Draw the half widths of all intervals with the data alone and with further measurements."""
-    table = fit.design
-    figure = new_figure(PAGE, 1.2 + 0.2 * len(table))
-    axes = figure.subplots()
-    names = [
-        f"half width of {each.parameter.name}"
-        for number, each in enumerate(fit.found)
-        if each.parameter.logarithmic and number in fit.likelihood.free
-    ]
-    heights = np.arange(1, len(table) + 1)
-    before = table.attrs["before"]
-    for number, name in enumerate(names):
-        look = curve(number) | {"linestyle": ""}
-        half_widths = np.append(before[name], table[name].to_numpy())
-        axes.plot(
-            half_widths, np.append(0, heights), **look, label=name.removeprefix("half width of ")
-        )
-    axes.set_yticks([0, *heights], ["the data alone", *table["measurement"]], fontsize=6)
-    axes.invert_yaxis()
-    set_logarithmic(axes, "x")
-    axes.set_xlabel("half width of the 95 % interval, of logarithms")
-    axes.grid(axis="x", color="0.9", linewidth=0.6)
-    figure.legend(loc="outside lower center", ncols=2, frameon=False, fontsize=7)
-    figure.suptitle("intervals with one further measurement", fontsize=9)
     return figure
 
 

@@ -52,7 +52,6 @@ def fit(
     parameters: Sequence[str] | str,
     noise: NoiseInput = None,
     density: float | str | None = None,
-    design: bool = False,
     columns: Mapping[str, str] | None = None,
     units: str = "",
     cycle: float | str | None = None,
@@ -79,7 +78,6 @@ def fit(
         the scene, or texts such as ``"0.2 um"`` or, relative to each value, ``"2 %"``; estimated
         from the residuals if none is given
     density : of the punch, for lost mass, such as ``"7.8 g/cm^3"``
-    design : whether to compute which further measurement would narrow the widest interval most
     columns : our column names by those of the data, ``{"depth": "indentation"}``
     units : of the data, such as ``"mm, N, MPa, s"``, if not those of the scene
     cycle : sliding distance of one cycle, for cycles in place of times, such as ``"20 mm"``
@@ -87,7 +85,7 @@ def fit(
     Returns
     -------
     fit : with `estimates` (value, low, high and identifiable by parameter), `correlations`,
-        `conclusions`, `chi_square`, `tests`, `design`, `figures` and `save(folder)`
+        `conclusions`, `chi_square`, `tests`, `figures` and `save(folder)`
 
     Raises
     ------
@@ -120,8 +118,7 @@ def fit(
     scene, fitted = find_parameters(scene, names)
     # the matrices are so small that several threads would only wait for each other
     with threadpool_limits(1):
-        result = fit_measurements(scene, _with_scales(fitted, measurements), measurements)
-        return result.with_design() if design else result
+        return fit_measurements(scene, _with_scales(fitted, measurements), measurements)
 
 
 def fit_measurements(

@@ -1,6 +1,6 @@
 """The results of a fit in numbers: estimates, intervals, correlations and residuals."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -78,8 +78,6 @@ class Outcome:
     rtol : tolerance of the model
     model_error : greatest numerical error of the model, over the noise, by the difference to a
         model with a finer tolerance
-    design : further measurements with the widest interval that each would leave, best first; empty
-        if the design was not computed
     """
 
     scene: Scene
@@ -91,7 +89,6 @@ class Outcome:
     tests: dict[str, float]
     rtol: float
     model_error: float
-    design: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
     def measurements(self) -> tuple[Measurement, ...]:

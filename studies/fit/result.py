@@ -1,6 +1,6 @@
 """The result of a fit, which is shown in print and in notebooks, and saved to a folder."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from html import escape
 from pathlib import Path
@@ -12,15 +12,14 @@ from ...meshes import RingwearError
 from ..crosscheck import AnswersGuesses, make, output_folder
 from ..report.study_page import write_study
 from ..tables.writing import write_csv
-from .design import design_table
 from .outcome import Outcome
 from .words import conclude
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-TABLES = ("estimates.csv", "residuals.csv", "tests.csv", "design.csv")
-FILES = (*TABLES, "fit.png", "likelihood.png", "design.png", "report.html")
+TABLES = ("estimates.csv", "residuals.csv", "tests.csv")
+FILES = (*TABLES, "fit.png", "likelihood.png", "report.html")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,10 +51,6 @@ class Fit(AnswersGuesses, Outcome):
 
         with in_style():
             return draw_all(self)
-
-    def with_design(self) -> "Fit":
-        """Return the fit with its design: further measurements, and intervals with each of them."""
-        return replace(self, design=design_table(self))
 
     def __repr__(self) -> str:
         """Return the conclusions."""
@@ -94,7 +89,6 @@ class Fit(AnswersGuesses, Outcome):
             "estimates": self.estimates.rename_axis("parameter").reset_index(),
             "residuals": self.residuals,
             "tests": pd.DataFrame({"test": self.tests.keys(), "probability": self.tests.values()}),
-            "design": self.design,
         }
         for name, table in tables.items():
             if len(table):

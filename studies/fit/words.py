@@ -217,10 +217,3 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
         f"{fit.model_error:.1g} times the noise, and shifts no parameter by more than "
         f"{max(shifts, default=0.0):.1g} times the half width of its interval"
     )
-    if len(fit.design):
-        row = fit.design.iloc[0]
-        yield (
-            f"the next measurement that would narrow the widest interval, of {row['parameter']}, "
-            f"most is: {row['measurement']}. It would reduce the half width, of the logarithm, "
-            f"from {row['before']:.2g} to {row['after']:.2g}"
-        )

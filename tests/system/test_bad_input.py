@@ -197,14 +197,12 @@ COMMANDS = [
     ("run five_rings -o out", "did you mean --out?"),
     ("run five_rings --tolerance 1e-3", "did you mean --rtol?"),
     ("list", "did you mean ringwear scenes?"),
-    ("template", "did you mean ringwear check SCENE --template DIR?"),
     ("help", "did you mean ringwear --help?"),
     ("deck five_rings --for calculix --size small", "give a number"),
     ("study march --steps 0", "--steps 0: give steps above 0, up to 2"),
     ("study march --steps -1", "--steps -1: give steps above 0"),
     ("study refinement --degree 3", "give --mesh FILE"),
     ("compare five_rings there", "it has no summary.json; give a folder"),
-    ("check five_rings --template bytes", "--template bytes is not a directory"),
     ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
     ("check five_rings a.csv a.csv", "a.csv is given twice: give each file once"),
 ]
@@ -258,7 +256,6 @@ FOLDERS = [
     "study truncation --quick --out {}",
     "fit flat_punch data.csv --parameters punch.wear_coefficients --out {}",
     "check flat_punch data.csv --out {}",
-    "check flat_punch --template {}",
     "sweep running_in --out {}",
     "run {}.toml",
 ]

@@ -300,38 +300,10 @@ def test_a_malformed_file_is_refused(content, words, tmp_path, capsys):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_template_is_filled_in_and_passes(tmp_path, capsys):
-    """The template is filled in with closed forms at the start, in other units than the scene's."""
-    scene = Scene.load("rubber").changed(wear__times=[0.0], methods=["mdr"])
-    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
-    call, units = ["check", str(tmp_path / "mine.toml")], ["--units", "mm, N, MPa, s"]
-    out = tmp_path / "template"
-    assert main([*call, "--template", str(out), *units]) == 0
-    output = capsys.readouterr().out
-    assert "k = 2e-10 1/MPa" in output
-    assert "E = 6 MPa" in output
-    assert output.startswith((out / "scene.txt").read_text("utf-8"))
-    mesh = meshio.read(out / "mesh.msh")
-    assert np.linalg.norm(mesh.points, axis=1).max() == pytest.approx(500.0)
-    table = pd.read_csv(out / "template.csv")
-    edges = scene.punch.ring_edges
-    assert np.isclose(table["radius"].to_numpy()[:, None], 1e3 * np.array(edges)).any(axis=0).all()
-    mean, modulus = scene.load_.mean_pressure / 1e6, scene.half_space.youngs_modulus / 1e6
-    inside = table["radius"] < 5
-    table["pressure"] = mean / 2 / np.sqrt(1 - (table["radius"] / 5)[inside] ** 2)
-    table["indentation"] = np.pi * 5 * mean * (1 - 0.4999**2) / (2 * modulus)
-    table["normal_force"] = mean * np.pi * 25
-    table.to_csv(tmp_path / "theirs.csv", index=False)
-    flags = [*units, "--out", str(tmp_path / "out"), "--within", "1e-5"]
-    assert main([*call, str(tmp_path / "theirs.csv"), *flags]) == 0
-    (tmp_path / "mine.toml").write_text(scene.changed(wear__times=[]).to_toml(), "utf-8")
-    assert main([*call, "--template", str(out)]) == 2
-
-
 @pytest.mark.parametrize(
     ("flags", "words"),
     [
-        ([], "--template DIR"),
+        ([], "give their files"),
         (["{}", "--columns", "q=pressure"], "no column 'q'"),
         (["{}", "--columns", "pressure"], "theirs=ours"),
         (["{}", "--units", "mm, N, MPa, s"], "the scene's numbers have none"),

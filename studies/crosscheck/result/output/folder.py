@@ -189,8 +189,7 @@ def output_folder(out: str | Path, command: str, names: Iterable[str] = ()) -> I
     """
     out = named_folder(out)
     if os.path.lexists(out) and not out.is_dir():
-        option = "--template" if command == "template" else "--out"
-        raise SceneError(f"{option} {out} is not a directory: give a directory")
+        raise SceneError(f"--out {out} is not a directory: give a directory")
     out = out.resolve()
     new_folders = [folder for folder in (out, *out.parents) if not folder.exists()]
     with lock_folder(out):

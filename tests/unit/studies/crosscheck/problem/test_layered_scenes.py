@@ -6,7 +6,6 @@ import pytest
 from ringwear import Scene, SceneError, method
 from ringwear.meshes.by_gmsh.outline import truncation_with_interfaces
 from ringwear.meshes.half_space import areas
-from ringwear.studies.check.template import write_template
 from ringwear.studies.crosscheck.anchors.reading import Reading
 from ringwear.studies.crosscheck.problem.unit_names import kind_of
 from ringwear.studies.crosscheck.sizes.finite_elements import fem_sizes
@@ -118,12 +117,6 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
 def test_studies_of_the_homogeneous_half_space_refuse_layers(name):
     with pytest.raises(SceneError, match=r"half_space\.layers"):
         STUDIES[name].load()(pad())
-
-
-def test_a_template_of_layers_is_refused(tmp_path):
-    with pytest.raises(SceneError, match=r"half_space\.layers"):
-        write_template(pad(), "", tmp_path)
-    assert not list(tmp_path.iterdir())
 
 
 def test_no_interface_nearly_touches_the_outer_boundary():
