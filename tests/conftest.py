@@ -25,9 +25,16 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_addoption(parser):
-    """Add options for the random scenes of `tests/physics/test_estimates.py`."""
-    for name, default in (("seed", 3), ("scenes", 6), ("rings", 3)):
-        parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
+    """Add the number of scenes that each test of random scenes draws."""
+    parser.addoption("--seeds", type=int, default=8, help="number of random scenes of each kind")
+
+
+def pytest_generate_tests(metafunc):
+    """Give tests that take a seed several ones, of which all but the first are for the night."""
+    if "seed" in metafunc.fixturenames:
+        count = metafunc.config.getoption("seeds")
+        nightly = [pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, count)]
+        metafunc.parametrize("seed", [0, *nightly])
 
 
 class Prepared(NamedTuple):

@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from closed_forms import PowerPunch, worn_sphere
+from independent import CONSTANT, Pieces, Punch
 from scipy.optimize import brentq
 from test_fixed_indentation import force_at
-from wear_reference import Reference
 
 from ringwear import Scene
 from ringwear.studies import challenge
@@ -39,15 +39,16 @@ def test_flat_starts_against_boussinesq(number):
 )
 def test_histories_against_an_independent_solution(number):
     problem = Scene.load(PROBLEMS[number]).problem
-    rings, unit, later = problem.merged, problem.units, problem.times[1:]
-    punch = Reference(
-        rings.ring_edges, rings.wear_coefficients[0], np.full(len(rings.widths), 1e-11), degree=20
-    )
-    for time, pressure, worn, depth in zip(later, *punch.at(later), strict=True):
+    pieces, unit, later = Pieces.of(problem), problem.units, problem.times[1:]
+    punch = Punch(pieces, np.append(np.inf, np.full(len(pieces.inner), 1e-11)), 20)
+    pressures = punch.pressures(CONSTANT, later)
+    depths = punch.depths(CONSTANT, later, pressures)
+    worn = punch.worn(depths, pressures)
+    for row, time in enumerate(later):
         exact = {
-            "pressure": lambda radii, of=pressure: punch.values(of[None], radii)[0] * unit.pressure,
-            "profile": lambda radii, of=worn: punch.worn(of[None], radii)[0] * unit.displacement,
-            "indentation": depth * unit.displacement,
+            "pressure": lambda at, row=row: punch.fields(at)[0] @ pressures[row] * unit.pressure,
+            "profile": lambda at, row=row: punch.fields(at)[1] @ worn[row] * unit.displacement,
+            "indentation": depths[row] * unit.displacement,
         }
         for quantity, values in exact.items():
             assert_certified(number, quantity, round(time * unit.time, 12), values)

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from wear_reference import true_errors
+from independent import true_errors
 
 from ringwear import Scene, run
 from ringwear.studies.crosscheck import ANSWER

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from closed_forms import FrettedSphere
 from faults.scenes import with_table
-from wear_reference import Reference
+from independent import CONSTANT, Pieces, Punch
 
 from ringwear import (
     ContactCells,
@@ -40,19 +40,17 @@ def result(request):
 
 
 @cache
-def decay(problem):
-    """Return singular values of an independent problem, and the initial force of each mode."""
-    edges, (wear, _) = problem.merged
-    punch = Reference(edges, wear, np.full(len(wear), 1e-9))
-    _, singular, shapes = np.linalg.svd(punch.triangle)
-    return singular, (shapes @ punch.weights.ravel()) ** 2 / singular**2
+def pressed(problem):
+    """Return an independent punch whose indentation is fixed."""
+    pieces = Pieces.of(problem)
+    smallest = np.append(np.inf, np.full(len(pieces.inner), 1e-9))
+    return Punch(pieces, smallest, 14, fixed_indentation=True)
 
 
 def force_at(problem, times):
     """Return the slowest relaxation time and the force (T,) at times > 0, independently."""
-    singular, carried = decay(problem)
-    force = np.exp(-times[:, None] / singular**2) @ carried * problem.indentation
-    return singular[0] ** 2, force
+    punch = pressed(problem)
+    return punch.times[0], punch.pressures(CONSTANT, times) @ punch.weights
 
 
 def test_mdr_grid_refuses_a_fixed_indentation():

@@ -58,7 +58,7 @@ def test_worn_depths_within_the_element_at_the_rim(mesher):
     """Before wear has crossed the element at the rim, the depth there is stated to be wrong.
 
     After a sliding distance s, the depth at the rim over the indentation is 2/pi sqrt(k s / a), by
-    the independent solution in `wear_reference.py` to four digits for 1e-10 < k s / a < 1e-5. Both
+    the independent solution in `independent.py` to four digits for 1e-10 < k s / a < 1e-5. Both
     the mesh and a coarser one have a depth that is far smaller.
     """
     times = [1e-8, 1e-7, 1e-6]

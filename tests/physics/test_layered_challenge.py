@@ -5,11 +5,11 @@ from importlib import import_module
 import numpy as np
 import pandas as pd
 import pytest
+from independent import CONSTANT, Pieces, Punch
 from independent_layer import kernel, start, wave_numbers
-from numpy.polynomial.legendre import leggauss, legvander
-from scipy.linalg import cholesky
+from numpy.polynomial.legendre import leggauss
+from scipy.linalg import cholesky, solve_triangular
 from scipy.special import j0
-from wear_reference import Reference
 
 from ringwear import Scene, run
 from ringwear.studies.challenge.answers import read_answers
@@ -128,21 +128,24 @@ def test_equal_layers_are_the_half_space_of_boussinesq():
         assert fields.displacement == pytest.approx(moved, rel=1e-12)
 
 
-class OnPad(Reference):
-    """The independent history of `wear_reference`, with the layer's compliance added."""
+class OnPad(Punch):
+    """The independent history of `independent`, with the layer's compliance added."""
 
-    def __init__(self, thickness, poisson_ratio, *punch, degree):
+    def __init__(self, thickness, poisson_ratio, *punch):
         self.pad = thickness, poisson_ratio
-        super().__init__(*punch, degree=degree)
+        super().__init__(*punch)
 
     def _triangular_energy(self):
         half_space = super()._triangular_energy()
         thickness, poisson_ratio = self.pad
         s, lengths = wave_numbers(thickness, 2.0)
-        functions = legvander(self.local, self.order[-1])
-        bessel = j0(np.sqrt(self.square)[..., None] * s) * self.integral[..., None] / 2
-        transforms = np.einsum("qn,eqk->enk", functions, bessel) * self.scale[..., None]
-        transforms = transforms.reshape(-1, len(s))
+        bessel = j0(np.outer(self.radius, s)) * self.length[:, None] / 2
+        transforms = np.zeros((self.first[-1], len(s)))
+        for number, lower in enumerate(self.orthogonal):
+            on = self.owner == number
+            moments = self._legendre(number, self.local[on]).T @ bessel[on]
+            columns = slice(self.first[number], self.first[number + 1])
+            transforms[columns] = solve_triangular(lower, moments, lower=True)
         weights = 4 * np.pi * lengths * (kernel(s * thickness, poisson_ratio) - 1)
         return cholesky(half_space.T @ half_space + (transforms * weights) @ transforms.T)
 
@@ -153,13 +156,19 @@ class OnPad(Reference):
 def test_rings_on_the_pad_against_an_independent_solution(degree, rtol):
     answers = ANSWERS[16].astype({"value": float})
     wear, force = np.array([1.0, 10.0, 1.0, 10.0, 1.0]), 2.0
-    punch = OnPad(0.1, 0.3, np.linspace(0, 1, 6), wear, np.full(5, 1e-6), degree=degree)
+    pieces = Pieces(np.linspace(0, 1, 6), wear, wear)
+    punch = OnPad(0.1, 0.3, pieces, np.append(np.inf, np.full(5, 1e-6)), degree)
     (slowest,) = answers[answers["quantity"] == "relaxation_time"]["value"]
-    assert slowest == pytest.approx(punch.relaxation_times[0], rel=1e-9)
+    assert slowest == pytest.approx(punch.times[0], rel=1e-9)
     later = answers[answers["time"] > 0]
     times, radii = later["time"].unique(), later["radius"].dropna().unique()
-    pressure, worn, indentation = punch.at(times)
-    fields = {"pressure": punch.values(pressure, radii), "profile": punch.worn(worn, radii)}
+    pressures = punch.pressures(CONSTANT, times)
+    indentation = punch.depths(CONSTANT, times, pressures)
+    of_pressures, of_heights, _ = punch.fields(radii)
+    fields = {
+        "pressure": pressures @ of_pressures.T,
+        "profile": punch.worn(indentation, pressures) @ of_heights.T,
+    }
     assert table_of(later, "indentation").ravel() == pytest.approx(force * indentation, rel=1e-9)
     for quantity, values in fields.items():
         assert table_of(later, quantity) == pytest.approx(force * values, rel=rtol)

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from wear_reference import random_scenes, true_errors
+from independent import true_errors
+from random_scenes import random_scenes
 
 from ringwear import Scene, SceneError, differences, run
 

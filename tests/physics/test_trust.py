@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from given import judge
-from wear_reference import random_scenes
+from random_scenes import random_scenes
 
 from ringwear import ComplianceMethod, Scene, energy, method as named, run
 
