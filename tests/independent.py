@@ -3,11 +3,12 @@
 It shares no code with any method. With ``s = 1 - r^2`` the line density of the MDR is Abel's
 integral of the pressure, which has a closed form for Legendre polynomials. The energy is the
 integral of its square, by Gauss's rule. Elements become smaller towards every ring edge, every kink
-of k(r) and the rim. Their degree rises with the distance from these, but is the highest one wherever k varies, because the steady pressure 1/k has a pole there
-beside the interval. Worn heights are projected without k: k times a polynomial cannot be constant,
-and has wrong slopes where k is steep. In the inner product with weight k, the law of wear is one
-singular value problem, so the history is exact in time: each mode decays exponentially, and a force
-that varies enters as an integral of its rate times this decay.
+of k(r) and the rim. Their degree rises with the distance from these, but is the highest one
+wherever k varies, because the steady pressure 1/k has a pole there beside the interval. Worn
+heights are projected without k: k times a polynomial cannot be constant, and has wrong slopes where
+k is steep. In the inner product with weight k, the law of wear is one singular value problem, so
+the history is exact in time: each mode decays exponentially, and a force that varies enters as an
+integral of its rate times this decay.
 
 The contact must stay full. `Punch.least_pressure` shows whether it does while a force falls.
 """

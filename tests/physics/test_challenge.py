@@ -54,14 +54,6 @@ def test_histories_against_an_independent_solution(number):
             assert_certified(number, quantity, round(time * unit.time, 12), values)
 
 
-@pytest.mark.parametrize(("row", "rtol"), [(1, 3e-5), (3, 2e-6), (5, 2e-6), (7, 2e-6)])
-def test_five_rings_against_the_stored_reference(reference, row, rtol):
-    state = reference["states"][row]
-    for quantity, error in (("indentation", 1e-9), ("pressure", rtol), ("profile", rtol)):
-        rows = CERTIFIED.xs(("03_five_rings", state["time"], quantity), level=[0, 1, 3])
-        np.testing.assert_allclose(rows.value, np.ravel(state[quantity]), rtol=error)
-
-
 @pytest.mark.slow
 def test_the_force_at_a_fixed_indentation_against_an_independent_solution():
     problem = Scene.load(PROBLEMS[10]).problem

@@ -5,7 +5,6 @@ from functools import cache
 import numpy as np
 import pytest
 from closed_forms import FrettedSphere
-from faults.scenes import with_table
 from independent import CONSTANT, Pieces, Punch
 
 from ringwear import (
@@ -13,7 +12,6 @@ from ringwear import (
     InitialProfile,
     Load,
     Scene,
-    SceneError,
     WearingPunch,
     energy,
     evolve,
@@ -51,11 +49,6 @@ def force_at(problem, times):
     """Return the slowest relaxation time and the force (T,) at times > 0, independently."""
     punch = pressed(problem)
     return punch.times[0], punch.pressures(CONSTANT, times) @ punch.weights
-
-
-def test_mdr_grid_refuses_a_fixed_indentation():
-    with pytest.raises(SceneError, match="mdr-grid solves only flat punches under a given force"):
-        run(scene_of().changed(methods=["mdr-grid"]))
 
 
 @pytest.mark.slow
@@ -116,15 +109,6 @@ def test_wear_ends_when_the_whole_overlap_is_worn_off(result):
     # the roundoff of the modes is 3e-12
     assert end.profile.values == pytest.approx(1.0, rel=1e-11)
     assert "steady state" in result.summary["left_out"]
-
-
-@pytest.mark.parametrize("quantity", ["normal_force", "ring_worn_volume", "ring_force"])
-def test_anchors_detect_a_wrong_quantity(result, quantity):
-    def change(table, _):
-        table[quantity][:, 3] *= 1.002
-
-    wrong = with_table(result, change)
-    assert {row.method for row in wrong.anchors if not row.holds} == {"mdr", "fem"}
 
 
 @pytest.mark.parametrize("march", ["implicit", "explicit"])

@@ -24,43 +24,12 @@ def module_of(number, name):
     return import_module(f"ringwear.studies.challenge.{name_of(PROBLEMS[number])}.{name}")
 
 
-def stiffnesses(poisson_ratio):
-    """Return the answers of problem 13 for a Poisson's ratio, by the radius over the thickness."""
-    rows = ANSWERS[13][ANSWERS[13]["poisson_ratio"] == poisson_ratio]
-    return rows.set_index("radius_over_thickness")["value"].astype(float)
-
-
 @pytest.mark.parametrize("poisson_ratio", ANSWERS[13]["poisson_ratio"].unique())
 def test_bonded_layers_against_an_independent_solution(poisson_ratio):
     answers = ANSWERS[13]
     for row in answers[answers["poisson_ratio"] == poisson_ratio].itertuples():
         exact = 0.5 / start(1 / row.radius_over_thickness, row.poisson_ratio)
         assert float(row.value) == pytest.approx(exact, rel=row.bound)
-
-
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.2, 0.3, 0.4, 0.45])
-def test_thin_compressible_layers_are_confined(poisson_ratio):
-    """The stiffness tends to pi a^2 E_c / h with the confined modulus, up to terms of h / a."""
-    confined = (1 - poisson_ratio) ** 2 / (1 - 2 * poisson_ratio)
-    values = stiffnesses(poisson_ratio)[[20.0, 50.0]]
-    off = values / (np.pi / 2 * confined * values.index) - 1
-    assert off[20.0] / off[50.0] == pytest.approx(2.5, rel=0.05)
-    assert abs(off[50.0]) < 0.03
-
-
-def test_thin_incompressible_layers_are_viscous_films():
-    values = stiffnesses(0.5)[[20.0, 50.0]]
-    off = values / (3 * np.pi / 64 * values.index**3) - 1
-    assert off[20.0] / off[50.0] == pytest.approx(2.5, rel=0.1)
-    assert 0 < off[50.0] < 0.15
-
-
-def test_thick_layers_are_half_spaces():
-    """The effect of the base falls as a / h."""
-    for poisson_ratio in (0.0, 0.3, 0.5):
-        effect = stiffnesses(poisson_ratio)[[0.1, 0.2]] - 1
-        assert effect[0.2] / effect[0.1] == pytest.approx(2.0, rel=0.15)
-        assert 0 < effect[0.1] < 0.15
 
 
 @pytest.mark.parametrize("poisson_ratio", [pytest.param(0.3, marks=pytest.mark.slow), 0.5])

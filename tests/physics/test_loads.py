@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.linalg import solve
 
 from ringwear import (
     ContactCells,
@@ -107,39 +106,6 @@ def test_a_force_added_at_a_stop_acts_as_a_second_flat_punch(prepare):
     check_same(punch.space, history, *exact)
 
 
-def implicit_euler(half_space, loading, steps):
-    """Return pressure and depth at the last knot by implicit steps of ``d b - A p = K int p``."""
-    matrix, weights = half_space.matrix, half_space.space.weights
-    mass = half_space.space.mass(FIVE.wear_coefficients).toarray()
-    worn, start = np.zeros(len(weights)), solve(matrix, weights, assume_a="pos")
-    pressure = start / (weights @ start)
-    for begin, end in zip(loading.times[:-1], loading.times[1:], strict=True):
-        ends = np.linspace(begin, end, steps + 1)
-        lengths = np.diff(loading.at(ends).distance)
-        for length, force in zip(lengths, loading.at(ends[1:]).force, strict=True):
-            both = np.column_stack([weights, mass @ worn])
-            flat, lost = solve(matrix + length * mass, both, assume_a="pos").T
-            depth = (force + weights @ lost) / (weights @ flat)
-            pressure = depth * flat - lost
-            worn += length * pressure
-    return pressure, depth
-
-
-def test_a_thousand_random_rises_against_implicit_steps():
-    half_space, loading = compliance(12, 1e-2), random_loading(1000, rising=True)
-    last = loading.times[-1:]
-    exact = wear_by_modes(half_space, loading).modal(last)
-    errors = []
-    for steps in (2, 4):
-        pressure, depth = implicit_euler(half_space, loading, steps)
-        wrong = np.abs(pressure - exact.pressure[0]).max() / exact.pressure[0].max()
-        errors.append((wrong, abs(depth / exact.indentation[0] - 1)))
-    (coarse, deep), (fine, less_deep) = errors
-    assert coarse < 1e-4
-    assert coarse / fine == pytest.approx(2, rel=0.05)
-    assert deep / less_deep == pytest.approx(2, rel=0.05)
-
-
 def test_steps_agree_with_the_modes_while_the_force_rises(monkeypatch):
     half_space, loading, times = compliance(), random_loading(20, True), np.linspace(0.1, 1.5, 8)
     exact = wear_by_modes(half_space, loading).modal(times)
@@ -190,23 +156,6 @@ def test_worn_volume_over_k_is_the_integral_of_the_force(height):
     gaps = history.gap[forces == 0] / half_space.space.weights
     assert gaps.min(axis=1) == pytest.approx([0], abs=1e-12)
     assert history.gap.min() >= -1e-12 * np.abs(history.indentation).max()
-
-
-@pytest.mark.gmsh
-def test_methods_agree_on_a_rising_force():
-    """The force rises during a stop, too, where pressures at the rim become infinite again."""
-    result = run(
-        Scene.load("five_rings").changed(
-            methods=["mdr", "fem"],
-            load__normal_force={"times": [0.0, 0.1, 0.5], "values": [0.0, 1.0, 2.0]},
-            load__sliding_speed={"times": [0.2, 0.3, 0.4], "values": [0.0, 0.0, 2.0]},
-            wear__times=[0.0, 0.25, 0.5, 2.0],
-            accuracy__rtol=1e-3,
-        )
-    )
-    assert result.verdict == "agree"
-    assert all(row.agrees for row in result.agreement)
-    assert result.dataset.normal_force[0].values == pytest.approx([0, 1.375, 2, 2], rel=1e-12)
 
 
 @pytest.mark.slow

@@ -78,37 +78,6 @@ def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-WAITING = """
-import logging, signal, sys, time
-from ringwear import main
-
-# where the tests themselves run in the background, the shell has told them to ignore it
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
-class Wait(logging.Handler):
-    def emit(self, record):
-        if "level 2" in record.getMessage():
-            print("waiting", flush=True)
-            time.sleep(60)
-
-logging.getLogger("ringwear").addHandler(Wait())
-sys.exit(main(["study", "march", "--out", sys.argv[1]]))
-"""
-
-
-@pytest.mark.slow
-def test_ctrl_c_in_a_study_keeps_rows_and_sets_the_exit_status(tmp_path):
-    arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout
-        assert process.stdout.readline() == "waiting\n"
-        process.send_signal(signal.SIGINT)
-        printed, _ = process.communicate(timeout=30)
-    assert process.returncode == 1
-    assert INTERRUPTED in printed
-    assert len(levels(tmp_path / "march.csv")) == 1
-
-
 def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkeypatch, capsys):
     write_text = Path.write_text
 
