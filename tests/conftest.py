@@ -30,11 +30,11 @@ def pytest_addoption(parser):
 
 
 def pytest_generate_tests(metafunc):
-    """Give tests that take a seed several ones, of which all but the first are for the night."""
-    if "seed" in metafunc.fixturenames:
+    """Give tests that take a `random_seed` several, of which all but the first are for the night."""
+    if "random_seed" in metafunc.fixturenames:
         count = metafunc.config.getoption("seeds")
         nightly = [pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, count)]
-        metafunc.parametrize("seed", [0, *nightly])
+        metafunc.parametrize("random_seed", [0, *nightly])
 
 
 class Prepared(NamedTuple):

@@ -32,7 +32,7 @@ def meshed():
         # layers are meshed in quadrilaterals; gmsh's triangles of 32 rings take two minutes, and
         # test_invariants.py has these
         if name not in (*ON_LAYERS, "many_rings"):
-            yield pytest.param(name, "gmsh", marks=[pytest.mark.gmsh, pytest.mark.slow])
+            yield pytest.param(name, "gmsh", marks=[pytest.mark.gmsh, pytest.mark.nightly])
         if name in ("five_rings", "rotating_pin", "rubber"):
             slow = [pytest.mark.slow] * (name != "rotating_pin")
             yield pytest.param(name, "bisection", marks=slow)

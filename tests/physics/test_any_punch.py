@@ -231,7 +231,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
         np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_tradeoff_study_of_a_sphere_reaches_its_tolerances():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
     results = study("tradeoff", scene, quick=True)

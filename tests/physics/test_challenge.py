@@ -35,7 +35,13 @@ def test_flat_starts_against_boussinesq(number):
 
 
 @pytest.mark.parametrize(
-    "number", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 4, 5)), 6]
+    "number",
+    [
+        2,
+        pytest.param(3, marks=pytest.mark.nightly),
+        *(pytest.param(n, marks=pytest.mark.slow) for n in (4, 5)),
+        6,
+    ],
 )
 def test_histories_against_an_independent_solution(number):
     problem = Scene.load(PROBLEMS[number]).problem
@@ -73,7 +79,7 @@ def test_the_sphere_against_hertz_and_the_worn_sphere_formula():
 
 @pytest.mark.parametrize(
     "number",
-    [pytest.param(n, marks=[pytest.mark.slow] * (n in (7, 8, 11))) for n in range(1, 13)],
+    [pytest.param(n, marks=[pytest.mark.nightly] * (n in (7, 8, 11))) for n in range(1, 13)],
 )
 @pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
 def test_coarse_runs_reach_the_certified_numbers(number, method):

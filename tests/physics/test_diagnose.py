@@ -86,7 +86,7 @@ FAULTS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", [pytest.param("five", marks=pytest.mark.nightly), "two"])
 def test_the_right_fault_of_the_model_is_named_first(scene):
     for name, (size, change) in FAULTS[scene].items():
         first = look(scene, solve(SCENES[scene], **change))[0]

@@ -136,7 +136,7 @@ def test_sizes_of_the_user_are_not_refined():
     assert "mdr" in result.short_of
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_no_locking_of_an_incompressible_half_space():
     """The estimate bounds the error for unequal rings.
 

@@ -80,8 +80,14 @@ def test_worn_depths_within_the_element_at_the_rim(mesher):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("poisson_ratio", [0.499, 0.5])
-@pytest.mark.parametrize("wear", [[1.0, 1.0], [1.0, 0.03]], ids=["one material", "slow rim"])
+@pytest.mark.parametrize("poisson_ratio", [pytest.param(0.499, marks=pytest.mark.nightly), 0.5])
+@pytest.mark.parametrize(
+    "wear",
+    [
+        pytest.param([1.0, 1.0], marks=pytest.mark.nightly, id="one material"),
+        pytest.param([1.0, 0.03], id="slow rim"),
+    ],
+)
 def test_slopes_of_thin_layers_near_incompressibility(wear, poisson_ratio):
     """The roundoff of finite elements in slopes of thin layers is stated, and not far too large.
 

@@ -142,8 +142,8 @@ def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone(
         assert shared.degrees.min() >= alone.degrees.min()
 
 
-# the others take several seconds each
-FAST = "a thousandfold slope"
+# the others take several seconds each, and all but three are for the night
+MARKS = {"a thousandfold slope": []} | dict.fromkeys(("from the rim", "hollow"), [pytest.mark.slow])
 STEEP = {
     "a thousandfold slope": ([0.0, 1.0], [1e-3, 1.0], 1e-2),
     "from the rim": ([0.0, 1.0], [1.0, 1e-4], 1e-5),
@@ -161,7 +161,7 @@ STEEP = {
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(each, marks=[pytest.mark.slow] * (each != FAST)) for each in STEEP],
+    [pytest.param(each, marks=MARKS.get(each, pytest.mark.nightly)) for each in STEEP],
 )
 def test_steady_states_of_steep_wear_in_closed_form(name):
     """The RMS slope was 30 times too large by finite elements, and the verdict could be wrong."""

@@ -8,11 +8,13 @@ from closed_forms import RoundedPunch
 from ringwear import Scene, run
 
 RADII, PRESSURES = (0.003, 0.01, 0.03, 0.1), (1e-5, 1e-4, 1e-3)
-# (radius, mean pressure) of usual punches that are solved quickly; the others are marked `slow`
+# (radius, mean pressure) of usual punches that are solved quickly; the others are for the night
 QUICK = {(0.01, 1e-4), (0.03, 1e-3)}
 PUNCHES = [
     pytest.param(
-        *both, marks=[] if both in QUICK else [pytest.mark.slow], id=f"R {both[0]:g}, p {both[1]:g}"
+        *both,
+        marks=[] if both in QUICK else [pytest.mark.nightly],
+        id=f"R {both[0]:g}, p {both[1]:g}",
     )
     for both in product(RADII, PRESSURES)
 ]

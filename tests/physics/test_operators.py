@@ -11,8 +11,8 @@ FIVE = Scene.load("five_rings")
 
 
 @pytest.mark.slow
-def test_the_operator_difference_bounds_the_error_of_histories(seed):
-    (*_, scene) = random_scenes(20, seed + 1, most_rings=3)
+def test_the_operator_difference_bounds_the_error_of_histories(random_seed):
+    (*_, scene) = random_scenes(20, random_seed + 1, most_rings=3)
     # a comparison on the pressure space does not include the error of that space, which is small
     # relative to rtol
     rtol = max(scene.accuracy.rtol, 1e-5)

@@ -78,9 +78,9 @@ def test_a_rising_load_is_a_sum_of_constant_loads():
     "kind",
     [pytest.param(kind, marks=[pytest.mark.nightly] * (kind == "steep")) for kind in KINDS],
 )
-def test_every_number_beyond_rtol_is_reported(kind, seed):
+def test_every_number_beyond_rtol_is_reported(kind, random_seed):
     """A method may overestimate its errors and be undecided."""
-    row = hold(draw(kind, 7, seed), ("mdr", "fem"))
+    row = hold(draw(kind, 7, random_seed), ("mdr", "fem"))
     assert not row.silent
     assert not row.first
     assert row.verdict in ("agree", "undecided")
@@ -96,9 +96,9 @@ FAMILIES = {
 @pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("family", FAMILIES)
-def test_methods_differ_by_at_most_their_estimates(family, seed):
+def test_methods_differ_by_at_most_their_estimates(family, random_seed):
     """Where a stiff layer bends away from a flat punch, contact moves and may be undecided."""
-    result = run(FAMILIES[family](seed))
+    result = run(FAMILIES[family](random_seed))
     assert all(anchor.holds for anchor in result.anchors)
     assert result.verdict != "disagree"
     assert result.verdict == "agree" or family == "hollow" or not result.scene.problem.full_contact

@@ -48,9 +48,9 @@ def test_mdr_on_thin_layers(thickness, ratio):
     ("thickness", "ratio", "rtol"),
     [
         (0.02, 0.45, 1e-2),
-        (0.02, 0.4999, 1e-4),
-        (0.01, 0.3, 1e-3),
-        (0.01, 0.4999, 1e-2),
+        pytest.param(0.02, 0.4999, 1e-4, marks=pytest.mark.nightly),
+        pytest.param(0.01, 0.3, 1e-3, marks=pytest.mark.nightly),
+        pytest.param(0.01, 0.4999, 1e-2, marks=pytest.mark.nightly),
     ],
 )
 def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
@@ -64,7 +64,14 @@ def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(("thickness", "rtol"), [(0.2, 1e-5), (0.05, 1e-2), (0.01, 1e-4)])
+@pytest.mark.parametrize(
+    ("thickness", "rtol"),
+    [
+        pytest.param(0.2, 1e-5, marks=pytest.mark.nightly),
+        (0.05, 1e-2),
+        pytest.param(0.01, 1e-4, marks=pytest.mark.nightly),
+    ],
+)
 def test_incompressible_layers(thickness, rtol):
     result = run(on_a_rigid_base(thickness, 0.5, accuracy={"rtol": rtol}))
     assert result.verdict == "agree"

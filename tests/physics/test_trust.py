@@ -47,11 +47,11 @@ def test_start_pressures_are_those_of_the_closed_form(rtol, first):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_start_pressures_of_random_scenes():
+def test_start_pressures_of_random_scenes(random_seed):
     """Up to 8 rings, first times from 1e-8 on, rtol from 1e-2 to 1e-8, by mdr and fem."""
-    for scene in random_scenes(2211, 4, 8, methods=["mdr", "fem"]):
-        times = [0.0, *(time for time in scene.wear.times if time)]
-        check_start(run(scene.changed(wear={"times": times})))
+    (*_, scene) = random_scenes(2211, random_seed + 1, 8, methods=["mdr", "fem"])
+    times = [0.0, *(time for time in scene.wear.times if time)]
+    check_start(run(scene.changed(wear={"times": times})))
 
 
 @pytest.mark.slow

@@ -69,9 +69,10 @@ def in_other_units(column, factor):
     ("column", "factor"),
     [
         ("indentation", 1e3),
-        ("displacement", 1e3),
-        ("profile", 1e6),
-        ("pressure", 1e-3),
+        *(
+            pytest.param(*each, marks=pytest.mark.nightly)
+            for each in (("displacement", 1e3), ("profile", 1e6), ("pressure", 1e-3))
+        ),
     ],
 )
 def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor):
@@ -153,7 +154,7 @@ QUICK = {"edges 5 % in", "two of three swapped"}
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in WRONG],
+    [pytest.param(name, marks=[pytest.mark.nightly] * (name not in QUICK)) for name in WRONG],
 )
 def test_a_single_wrong_input_is_named_and_no_other_is_sure(name):
     scene, changes, cause, size = WRONG[name]

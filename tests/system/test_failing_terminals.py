@@ -35,7 +35,10 @@ def shell(command, folder, **options):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("streams", "status", "words"), STREAMS)
+@pytest.mark.parametrize(
+    ("streams", "status", "words"),
+    [STREAMS[0], *(pytest.param(*each, marks=pytest.mark.nightly) for each in STREAMS[1:])],
+)
 def test_results_are_written_whatever_happens_to_the_streams(streams, status, words, tmp_path):
     done = shell(f"{RUN} {streams}", tmp_path)
     assert done.returncode == status
@@ -62,7 +65,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_command_loses_its_files(name, tmp_path, monkeypatch):
     command, files = COMMANDS[name]
@@ -112,7 +115,7 @@ sys.exit(main(["study", "march", "--quick", "--out", sys.argv[1]]))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ignored", [False, True])
+@pytest.mark.parametrize("ignored", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_a_study_keeps_its_rows_when_its_terminal_is_closed(ignored, tmp_path):
     """SIGHUP ends it like SIGTERM, unless `nohup` ignores the signal; the terminal is gone then."""
     out = tmp_path / "out"

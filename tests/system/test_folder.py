@@ -130,19 +130,19 @@ def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
     assert contents(tmp_path) == before
 
 
-# file that exists when the run is stopped: none, half-written numbers, numbers, a figure
+# the signal, and the file that exists when the run is stopped: none, numbers, or a figure
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "seen",
+    ("number", "seen"),
     [
-        "",
-        "results.nc",
-        pytest.param("summary.json", marks=pytest.mark.slow),
-        pytest.param("half_space.vtu", marks=pytest.mark.slow),
-        pytest.param("history.png", marks=pytest.mark.slow),
+        (signal.SIGTERM, ""),
+        (signal.SIGINT, "results.nc"),
+        *(
+            pytest.param(number, seen, marks=pytest.mark.nightly)
+            for number in (signal.SIGTERM, signal.SIGINT)
+            for seen in ("summary.json", "half_space.vtu", "history.png")
+        ),
     ],
-)
-@pytest.mark.parametrize(
-    "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
 )
 def test_signals_end_a_run_cleanly(number, seen, tmp_path):
     # where the tests themselves run in the background, the shell has told them to ignore SIGINT

@@ -22,15 +22,15 @@ from ringwear import main
 sys.exit(main(["run", "flat_punch", "--rtol", "1e-2", "--out", sys.argv[2]]))
 """
 MODULES = [
+    "numpy",
     *(
-        "pydantic",
-        "numpy",
-        "argparse",
-        "ringwear.studies.crosscheck.scene.scene",
-        "scipy.linalg",
-        "skfem",
+        pytest.param(module, marks=pytest.mark.nightly)
+        for module in (
+            *("pydantic", "argparse", "scipy.linalg", "skfem", "netCDF4", "matplotlib"),
+            "ringwear.studies.crosscheck.scene.scene",
+            "ringwear.studies.report.page",
+        )
     ),
-    *("netCDF4", "matplotlib", "ringwear.studies.report.page"),
 ]
 
 

@@ -57,8 +57,14 @@ def interrupted_at(line):
         LOG.removeHandler(handler)
 
 
-@pytest.mark.parametrize("line", [1, pytest.param(2, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", names_of_studies())
+@pytest.mark.parametrize("line", [1, pytest.param(2, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.nightly] * (name != "march"))
+        for name in names_of_studies()
+    ],
+)
 def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
     with interrupted_at(line):
         assert main(["study", name, "five_rings", "--quick", "--out", str(tmp_path)]) == 1
@@ -97,8 +103,12 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkey
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)]
+)
+@pytest.mark.parametrize(
+    "seconds", [0.0, *(pytest.param(later, marks=pytest.mark.nightly) for later in (1.3, 4.1))]
+)
 def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
     def finished_rows():
         return sum(len(levels(table)) for table in out.glob(".writing/extremes.csv"))

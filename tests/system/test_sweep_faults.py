@@ -359,7 +359,7 @@ def finish(directory, whole):
     assert len(set(computed)) == len(computed)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_sweep_killed_repeatedly_is_resumed(tmp_path, whole):
     """It is killed at random moments; its workers end with it."""
     generator = random.Random(4)
@@ -380,9 +380,16 @@ def test_a_sweep_killed_repeatedly_is_resumed(tmp_path, whole):
 @pytest.mark.parametrize(
     ("victim", "number", "workers"),
     [
-        *product(["command"], [signal.SIGTERM, signal.SIGKILL], ["1", "2"]),
-        *product(["terminal"], [signal.SIGINT], ["1", "2"]),
+        ("command", signal.SIGTERM, "2"),
         ("worker", signal.SIGKILL, "2"),
+        *(
+            pytest.param(*each, marks=pytest.mark.nightly)
+            for each in (
+                ("command", signal.SIGTERM, "1"),
+                *product(["command"], [signal.SIGKILL], ["1", "2"]),
+                *product(["terminal"], [signal.SIGINT], ["1", "2"]),
+            )
+        ),
     ],
 )
 def test_a_sweep_stopped_by_a_signal_is_resumed(tmp_path, whole, victim, number, workers):

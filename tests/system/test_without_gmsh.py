@@ -55,8 +55,14 @@ BROKEN_KVXOPT = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("reason", BROKEN_KVXOPT)
-@pytest.mark.parametrize("name", ["flat_punch", "cone"])
+@pytest.mark.parametrize(
+    "reason",
+    [
+        pytest.param(reason, marks=[pytest.mark.nightly] * (reason != "a library that is missing"))
+        for reason in BROKEN_KVXOPT
+    ],
+)
+@pytest.mark.parametrize("name", ["flat_punch", pytest.param("cone", marks=pytest.mark.nightly)])
 def test_cholmod_that_is_installed_but_cannot_be_loaded_is_replaced(
     name, reason, monkeypatch, tmp_path
 ):
