@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from groups import nightly
 from threadpoolctl import threadpool_limits
 
 from ringwear import Problem, RunningIn, Scene, Stages, method as find_method
@@ -30,11 +31,10 @@ def pytest_addoption(parser):
 
 
 def pytest_generate_tests(metafunc):
-    """Give tests that take a `random_seed` several, of which all but the first are for the night."""
+    """Give tests that take a `random_seed` several; all but the first are for the night."""
     if "random_seed" in metafunc.fixturenames:
         count = metafunc.config.getoption("seeds")
-        nightly = [pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, count)]
-        metafunc.parametrize("random_seed", [0, *nightly])
+        metafunc.parametrize("random_seed", [0, *nightly(*range(1, count))])
 
 
 class Prepared(NamedTuple):

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from closed_forms import PowerPunch, worn_sphere
+from groups import nightly, slow
 from independent import CONSTANT, Pieces, Punch
 from scipy.optimize import brentq
 from test_fixed_indentation import force_at
@@ -38,8 +39,8 @@ def test_flat_starts_against_boussinesq(number):
     "number",
     [
         2,
-        pytest.param(3, marks=pytest.mark.nightly),
-        *(pytest.param(n, marks=pytest.mark.slow) for n in (4, 5)),
+        *nightly(3),
+        *slow(4, 5),
         6,
     ],
 )

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas
 import pytest
+from groups import nightly
 from independent import true_errors
 from random_scenes import random_scenes
 
@@ -21,8 +22,8 @@ TWO_RINGS = {"punch__rings": 2}
     "fem",
     [
         pytest.param({"mesher": "quads"}, marks=pytest.mark.gmsh),
-        pytest.param({"mesher": "bisection"}, marks=pytest.mark.nightly),
-        pytest.param({"mesher": "bisection", "degree": 3}, marks=pytest.mark.nightly),
+        *nightly({"mesher": "bisection"}),
+        *nightly({"mesher": "bisection", "degree": 3}),
     ],
     ids=["quads", "triangles", "triangles of degree 3"],
 )

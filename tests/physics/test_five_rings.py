@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from groups import nightly, slow
 from independent import true_errors
 
 from ringwear import Scene, run
@@ -133,9 +134,9 @@ def test_rtol_bounds_the_indentation_by_mdr(solve, error, rtol):
             for each in product(("quads", "gmsh"), (1e-2, 1e-3))
         ),
         pytest.param("quads", 1e-8, marks=[pytest.mark.slow, pytest.mark.gmsh]),
-        pytest.param("bisection", 1e-3, marks=pytest.mark.slow),
+        *slow(("bisection", 1e-3)),
         pytest.param("gmsh", 1e-5, marks=[pytest.mark.nightly, pytest.mark.gmsh]),
-        pytest.param("bisection", 1e-5, marks=pytest.mark.nightly),
+        *nightly(("bisection", 1e-5)),
     ],
 )
 def test_rtol_bounds_the_indentation_by_fem(solve, error, rtol, mesher):
@@ -177,8 +178,8 @@ def test_errors_at_given_sizes_are_at_most_five_times_the_estimates(solve, error
     "rtol",
     [
         1e-2,
-        pytest.param(1e-4, marks=pytest.mark.slow),
-        pytest.param(1e-6, marks=pytest.mark.nightly),
+        *slow(1e-4),
+        *nightly(1e-6),
     ],
 )
 def test_rtol_bounds_the_error_of_every_quantity(reference, rtol):

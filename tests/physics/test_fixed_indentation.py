@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from closed_forms import FrettedSphere
+from groups import slow
 from independent import CONSTANT, Pieces, Punch
 
 from ringwear import (
@@ -221,7 +222,7 @@ def test_a_stick_zone_leads_to_popovs_limiting_shape(stick, rtol):
     ("depth", "rtol", "overlap", "tolerance"),
     [
         (0.8, 1e-2, np.pi * (0.8 - 0.25), 1e-12),
-        pytest.param(0.2, 1e-4, np.pi * 0.2**2, 2e-5, marks=pytest.mark.slow),
+        *slow((0.2, 1e-4, np.pi * 0.2**2, 2e-5)),
     ],
     ids=["of all of the face", "of a part"],
 )

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly
 
 from ringwear import Scene, Stages, method
 
@@ -80,7 +81,7 @@ def test_worn_depths_within_the_element_at_the_rim(mesher):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("poisson_ratio", [pytest.param(0.499, marks=pytest.mark.nightly), 0.5])
+@pytest.mark.parametrize("poisson_ratio", [*nightly(0.499), 0.5])
 @pytest.mark.parametrize(
     "wear",
     [

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import GradedSteadyState
+from groups import slow
 from independent import CONSTANT, Pieces, solved
 
 from ringwear import (
@@ -77,9 +78,7 @@ def test_many_rings_tend_to_wear_along_the_radius_at_second_order():
     assert (np.array(errors[-1]) < [3e-5, 2e-5]).all()
 
 
-@pytest.mark.parametrize(
-    ("last", "shape"), [(4.0, {}), (0.1, {}), pytest.param(4.0, SPHERE, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("last", "shape"), [(4.0, {}), (0.1, {}), *slow((4.0, SPHERE))])
 def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     result = run(scene("mdr fem", rings=2, **along(1.0, last), **shape))
     table, slope = result.dataset, last - 1
@@ -143,7 +142,8 @@ def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone(
 
 
 # the others take several seconds each, and all but three are for the night
-MARKS = {"a thousandfold slope": []} | dict.fromkeys(("from the rim", "hollow"), [pytest.mark.slow])
+MARKS = {name: [pytest.mark.slow] for name in ("from the rim", "hollow")}
+MARKS["a thousandfold slope"] = []
 STEEP = {
     "a thousandfold slope": ([0.0, 1.0], [1e-3, 1.0], 1e-2),
     "from the rim": ([0.0, 1.0], [1.0, 1e-4], 1e-5),

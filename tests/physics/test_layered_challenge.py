@@ -5,6 +5,7 @@ from importlib import import_module
 import numpy as np
 import pandas as pd
 import pytest
+from groups import slow
 from independent import CONSTANT, Pieces, Punch
 from independent_layer import kernel, start, wave_numbers
 from numpy.polynomial.legendre import leggauss
@@ -32,7 +33,7 @@ def test_bonded_layers_against_an_independent_solution(poisson_ratio):
         assert float(row.value) == pytest.approx(exact, rel=row.bound)
 
 
-@pytest.mark.parametrize("poisson_ratio", [pytest.param(0.3, marks=pytest.mark.slow), 0.5])
+@pytest.mark.parametrize("poisson_ratio", [*slow(0.3), 0.5])
 def test_the_ball_by_boundary_elements(poisson_ratio):
     scene = module_of(14, "make").case(1e-2, poisson_ratio)
     dataset = run(scene, methods=["bem"], rtol=1e-4).dataset
@@ -119,9 +120,7 @@ class OnPad(Punch):
         return cholesky(half_space.T @ half_space + (transforms * weights) @ transforms.T)
 
 
-@pytest.mark.parametrize(
-    ("degree", "rtol"), [(12, 2e-6), pytest.param(16, 2e-8, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("degree", "rtol"), [(12, 2e-6), *slow((16, 2e-8))])
 def test_rings_on_the_pad_against_an_independent_solution(degree, rtol):
     answers = ANSWERS[16].astype({"value": float})
     wear, force = np.array([1.0, 10.0, 1.0, 10.0, 1.0]), 2.0

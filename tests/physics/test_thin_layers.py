@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly
 from independent_layer import (
     fields_under_uniform_pressure,
     relaxation_times,
@@ -48,9 +49,9 @@ def test_mdr_on_thin_layers(thickness, ratio):
     ("thickness", "ratio", "rtol"),
     [
         (0.02, 0.45, 1e-2),
-        pytest.param(0.02, 0.4999, 1e-4, marks=pytest.mark.nightly),
-        pytest.param(0.01, 0.3, 1e-3, marks=pytest.mark.nightly),
-        pytest.param(0.01, 0.4999, 1e-2, marks=pytest.mark.nightly),
+        *nightly((0.02, 0.4999, 1e-4)),
+        *nightly((0.01, 0.3, 1e-3)),
+        *nightly((0.01, 0.4999, 1e-2)),
     ],
 )
 def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
@@ -67,9 +68,9 @@ def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
 @pytest.mark.parametrize(
     ("thickness", "rtol"),
     [
-        pytest.param(0.2, 1e-5, marks=pytest.mark.nightly),
+        *nightly((0.2, 1e-5)),
         (0.05, 1e-2),
-        pytest.param(0.01, 1e-4, marks=pytest.mark.nightly),
+        *nightly((0.01, 1e-4)),
     ],
 )
 def test_incompressible_layers(thickness, rtol):

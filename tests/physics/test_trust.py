@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from given import judge
+from groups import slow
 from random_scenes import random_scenes
 
 from ringwear import ComplianceMethod, Scene, energy, method as named, run
@@ -28,8 +29,8 @@ def check_start(result):
         1e-2,
         1e-4,
         1e-6,
-        pytest.param(1e-7, marks=pytest.mark.slow),
-        pytest.param(1e-8, marks=pytest.mark.slow),
+        *slow(1e-7),
+        *slow(1e-8),
     ],
 )
 @pytest.mark.parametrize("first", [1e-2, 1e-7])

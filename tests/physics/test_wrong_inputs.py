@@ -10,6 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 from checks import mistakes
+from groups import nightly
 from programs import finite_elements, input_of, ours, springs
 
 import ringwear
@@ -69,10 +70,7 @@ def in_other_units(column, factor):
     ("column", "factor"),
     [
         ("indentation", 1e3),
-        *(
-            pytest.param(*each, marks=pytest.mark.nightly)
-            for each in (("displacement", 1e3), ("profile", 1e6), ("pressure", 1e-3))
-        ),
+        *nightly(("displacement", 1e3), ("profile", 1e6), ("pressure", 1e-3)),
     ],
 )
 def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor):

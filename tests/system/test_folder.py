@@ -12,11 +12,13 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import product
 
 import jinja2
 import meshio
 import netCDF4
 import pytest
+from groups import nightly
 from matplotlib.figure import Figure
 
 from ringwear import Scene, main
@@ -137,10 +139,10 @@ def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
     [
         (signal.SIGTERM, ""),
         (signal.SIGINT, "results.nc"),
-        *(
-            pytest.param(number, seen, marks=pytest.mark.nightly)
-            for number in (signal.SIGTERM, signal.SIGINT)
-            for seen in ("summary.json", "half_space.vtu", "history.png")
+        *nightly(
+            *product(
+                (signal.SIGTERM, signal.SIGINT), ("summary.json", "half_space.vtu", "history.png")
+            )
         ),
     ],
 )

@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from groups import nightly
 
 # a process that is interrupted at the moment at which a module is about to be loaded
 INTERRUPTED_IMPORT = """
@@ -23,14 +24,8 @@ sys.exit(main(["run", "flat_punch", "--rtol", "1e-2", "--out", sys.argv[2]]))
 """
 MODULES = [
     "numpy",
-    *(
-        pytest.param(module, marks=pytest.mark.nightly)
-        for module in (
-            *("pydantic", "argparse", "scipy.linalg", "skfem", "netCDF4", "matplotlib"),
-            "ringwear.studies.crosscheck.scene.scene",
-            "ringwear.studies.report.page",
-        )
-    ),
+    *nightly("pydantic", "argparse", "scipy.linalg", "skfem", "netCDF4", "matplotlib"),
+    *nightly("ringwear.studies.crosscheck.scene.scene", "ringwear.studies.report.page"),
 ]
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from groups import nightly
 
 from ringwear import Scene, SceneError, main, study
 from ringwear.studies.named_studies import STUDIES
@@ -57,7 +58,7 @@ def interrupted_at(line):
         LOG.removeHandler(handler)
 
 
-@pytest.mark.parametrize("line", [1, pytest.param(2, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("line", [1, *nightly(2)])
 @pytest.mark.parametrize(
     "name",
     [
@@ -103,12 +104,8 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkey
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.nightly)]
-)
-@pytest.mark.parametrize(
-    "seconds", [0.0, *(pytest.param(later, marks=pytest.mark.nightly) for later in (1.3, 4.1))]
-)
+@pytest.mark.parametrize("number", [signal.SIGINT, *nightly(signal.SIGTERM)])
+@pytest.mark.parametrize("seconds", [0.0, *nightly(1.3, 4.1)])
 def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
     def finished_rows():
         return sum(len(levels(table)) for table in out.glob(".writing/extremes.csv"))

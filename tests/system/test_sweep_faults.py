@@ -19,6 +19,7 @@ import pytest
 import tomli_w
 import xarray
 import zarr
+from groups import nightly
 
 from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
 from ringwear.studies.sweep import blocks, cluster, compute, store, template
@@ -382,13 +383,10 @@ def test_a_sweep_killed_repeatedly_is_resumed(tmp_path, whole):
     [
         ("command", signal.SIGTERM, "2"),
         ("worker", signal.SIGKILL, "2"),
-        *(
-            pytest.param(*each, marks=pytest.mark.nightly)
-            for each in (
-                ("command", signal.SIGTERM, "1"),
-                *product(["command"], [signal.SIGKILL], ["1", "2"]),
-                *product(["terminal"], [signal.SIGINT], ["1", "2"]),
-            )
+        *nightly(
+            ("command", signal.SIGTERM, "1"),
+            *product(["command"], [signal.SIGKILL], ["1", "2"]),
+            *product(["terminal"], [signal.SIGINT], ["1", "2"]),
         ),
     ],
 )

@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from groups import nightly
 
 from ringwear import Scene, main, plan, run
 
@@ -62,7 +63,7 @@ BROKEN_KVXOPT = {
         for reason in BROKEN_KVXOPT
     ],
 )
-@pytest.mark.parametrize("name", ["flat_punch", pytest.param("cone", marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("name", ["flat_punch", *nightly("cone")])
 def test_cholmod_that_is_installed_but_cannot_be_loaded_is_replaced(
     name, reason, monkeypatch, tmp_path
 ):

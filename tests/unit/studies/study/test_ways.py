@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from groups import slow
 from scipy.linalg import expm
 
 from ringwear import (
@@ -131,7 +132,7 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
     assert abs(errors[-1]) <= cap
 
 
-@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("degree", [2, 3, *slow(4)])
 def test_adaptive_energy_errors_fall_at_the_best_order_and_are_indicated(degree, exact):
     fem = FIVE.problem.fem.model_copy(update={"degree": degree})
     case = replace(FIVE, problem=replace(FIVE.problem, fem=fem))
