@@ -13,6 +13,11 @@ def nightly(*values):
     return marked("nightly", values)
 
 
+def nightly_but(chosen, values):
+    """Return all values as parameters, of which those that are not chosen are run at night only."""
+    return [value if value in chosen else nightly(value)[0] for value in values]
+
+
 def marked(group, values):
     mark = getattr(pytest.mark, group)
     return [

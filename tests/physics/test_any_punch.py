@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import PowerPunch
+from groups import nightly_but
 
 from ringwear import Scene, SceneError, plan, run, study, sweep
 
@@ -254,12 +255,10 @@ DEGENERATE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "face",
-    [
-        pytest.param(face, marks=[pytest.mark.slow] * (face in ("no width", "one point", "noise")))
-        for face in DEGENERATE
-    ],
+    nightly_but(("one point", "noise"), DEGENERATE),
 )
 def test_degenerate_faces_converge(face):
     data = run(DEGENERATE[face].changed(wear__steady=False)).dataset

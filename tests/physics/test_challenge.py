@@ -82,7 +82,9 @@ def test_the_sphere_against_hertz_and_the_worn_sphere_formula():
     "number",
     [pytest.param(n, marks=[pytest.mark.nightly] * (n in (7, 8, 11))) for n in range(1, 13)],
 )
-@pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize(
+    "method", ["mdr", pytest.param("fem", marks=[pytest.mark.gmsh, pytest.mark.slow])]
+)
 def test_coarse_runs_reach_the_certified_numbers(number, method):
     """At rtol 1e-3, numbers agree to 2e-3, and pressures to 2e-2 in the root mean square.
 

@@ -79,6 +79,7 @@ def error_of_naive(panel, x):
     return np.nanmax(sizes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", IN_PANELS)
 def test_the_naive_choice_fails_where_its_panel_says_so(name):
     panel = IN_PANELS[name]

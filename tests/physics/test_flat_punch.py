@@ -13,13 +13,13 @@ def indentation_error(prepare, method_name, **changes):
 
 @pytest.mark.parametrize("mesher", ["quads", "gmsh", "bisection"])
 @pytest.mark.parametrize("poisson_ratio", [-0.9, 0.0, 0.3, 0.45, 0.4999, 0.5])
-@pytest.mark.parametrize("rtol", [1e-4, 1e-5])
+@pytest.mark.parametrize("rtol", [1e-4, *nightly(1e-5)])
 def test_indentation(prepare, rtol, poisson_ratio, mesher):
     changes = {"accuracy__rtol": rtol, "half_space__poisson_ratio": poisson_ratio}
     assert indentation_error(prepare, mesher, **changes) <= rtol
 
 
-@pytest.mark.parametrize("poisson_ratio", [-0.9, -0.5, 0.0, 0.3, 0.45, 0.49, 0.4999, 0.5])
+@pytest.mark.parametrize("poisson_ratio", [*nightly(-0.9, -0.5, 0.0, 0.45, 0.49, 0.4999), 0.3, 0.5])
 def test_indentation_on_quadrilaterals(prepare, poisson_ratio):
     changes = {"accuracy__rtol": 1e-6, "half_space__poisson_ratio": poisson_ratio}
     assert indentation_error(prepare, "quads", **changes) <= 2e-8

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import GradedSteadyState
-from groups import slow
+from groups import nightly_but, slow
 from independent import CONSTANT, Pieces, solved
 
 from ringwear import (
@@ -142,8 +142,7 @@ def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone(
 
 
 # the others take several seconds each, and all but three are for the night
-MARKS = {name: [pytest.mark.slow] for name in ("from the rim", "hollow")}
-MARKS["a thousandfold slope"] = []
+SLOW = ("a thousandfold slope", "from the rim", "hollow")
 STEEP = {
     "a thousandfold slope": ([0.0, 1.0], [1e-3, 1.0], 1e-2),
     "from the rim": ([0.0, 1.0], [1.0, 1e-4], 1e-5),
@@ -159,10 +158,8 @@ STEEP = {
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(each, marks=MARKS.get(each, pytest.mark.nightly)) for each in STEEP],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", nightly_but(SLOW, STEEP))
 def test_steady_states_of_steep_wear_in_closed_form(name):
     """The RMS slope was 30 times too large by finite elements, and the verdict could be wrong."""
     radii, values, rtol = STEEP[name]
@@ -208,6 +205,7 @@ def test_early_pressures_in_a_steep_ramp():
             assert (error <= np.maximum(stated, rtol)).all(), name
 
 
+@pytest.mark.slow
 def test_the_anchor_of_pressures_reads_the_least_coefficient_of_a_narrow_dip():
     """At a distance of 1e-12 from the dip, the coefficient is 1.3e-6 greater."""
     table = along(1.0, 1e-3, 1.0, radii=(0.394, 0.39438, 0.3948))

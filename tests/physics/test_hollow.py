@@ -39,7 +39,9 @@ def random_hollow(seed):
     return hollow(inner_radius, rtol=float(10 ** rng.uniform(-6, -2)), times=times, **punch)
 
 
-@pytest.mark.parametrize("method", ["mdr", "bem", pytest.param("fem", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize(
+    "method", ["mdr", "bem", pytest.param("fem", marks=[pytest.mark.gmsh, pytest.mark.slow])]
+)
 @pytest.mark.parametrize("inner_radius", [0.1, 0.6, 0.99])
 def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
     """The indentation errs by at most 1e-9 by mdr and bem, and 0.1 rtol by finite elements.
@@ -135,6 +137,7 @@ FACES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize("load", LOADS)
 def test_methods_agree_under_any_load(load):

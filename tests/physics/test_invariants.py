@@ -103,6 +103,7 @@ def dimensionless(a, modulus, force, speed, wear):
     return {name: data[name].to_numpy() / unit for name, unit in units.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "units",
     [

@@ -203,6 +203,7 @@ def rms_slope(radii, heights):
     return np.sqrt((np.diff(heights) ** 2 / np.diff(radii)).sum(axis=-1))
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("jump", "later"), [(0.8, 1e-5), (0.8, 1e-3), (0.05, 1e-5)])
 def test_a_jump_of_the_force_acts_as_a_second_flat_punch(jump, later):

@@ -76,6 +76,7 @@ def test_times_of_the_states(five):
     assert completed.item() == pytest.approx(LAST_FRACTION, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_methods_agree_in_every_state(five):
     assert five.states.solver.values.tolist() == ["mdr", "fem", "bem"]
     for name in ("f_over_d0", "g_over_d0"):

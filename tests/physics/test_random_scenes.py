@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly_but
 from independent import CONSTANT, Load, Pieces, Punch, solved
 from random_layers import random_layers
 from random_scenes import KINDS, draw, hold
@@ -74,10 +75,7 @@ def test_a_rising_load_is_a_sum_of_constant_loads():
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, marks=[pytest.mark.nightly] * (kind == "steep")) for kind in KINDS],
-)
+@pytest.mark.parametrize("kind", nightly_but(("flat", "graded", "load", "held"), KINDS))
 def test_every_number_beyond_rtol_is_reported(kind, random_seed):
     """A method may overestimate its errors and be undecided."""
     row = hold(draw(kind, 7, random_seed), ("mdr", "fem"))

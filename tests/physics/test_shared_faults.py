@@ -19,7 +19,9 @@ MARKS = {"flat": [], "sphere": [pytest.mark.slow]}
 NAMES = [f"{kind}, {place}: {name}" for kind, place, name, _ in FAULTS]
 
 
-@pytest.mark.parametrize("kind", SCENES)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=MARKS.get(kind, pytest.mark.nightly)) for kind in SCENES]
+)
 def test_anchors_hold_without_a_fault(kind):
     result = healthy(kind)
     assert [anchor for anchor in result.anchors if not anchor.holds] == []

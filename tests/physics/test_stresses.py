@@ -244,6 +244,7 @@ def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
 
 
 # at 0.49 the mesh is refined, and the displacement is more accurate than its estimate shows
+@pytest.mark.slow
 @pytest.mark.parametrize(("poisson_ratio", "most"), [(0.0, 50), (0.3, 50), (0.49, 80), (0.5, 50)])
 @pytest.mark.parametrize("mesher", MESHERS[1:])
 def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio, most):

@@ -28,9 +28,7 @@ def check_start(result):
     [
         1e-2,
         1e-4,
-        1e-6,
-        *slow(1e-7),
-        *slow(1e-8),
+        *slow(1e-6, 1e-7, 1e-8),
     ],
 )
 @pytest.mark.parametrize("first", [1e-2, 1e-7])

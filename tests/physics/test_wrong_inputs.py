@@ -10,7 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 from checks import mistakes
-from groups import nightly
+from groups import nightly, nightly_but
 from programs import finite_elements, input_of, ours, springs
 
 import ringwear
@@ -147,13 +147,10 @@ WRONG = {
     ),
     "load of a ball": (BALL, {"load__normal_force": 56.0}, "normal force", 1.4),
 }
-QUICK = {"edges 5 % in", "two of three swapped"}
+QUICK = {"two of three swapped"}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.nightly] * (name not in QUICK)) for name in WRONG],
-)
+@pytest.mark.parametrize("name", nightly_but(QUICK, WRONG))
 def test_a_single_wrong_input_is_named_and_no_other_is_sure(name):
     scene, changes, cause, size = WRONG[name]
     first, *others = looks(scene, ours(scene, **changes))

@@ -152,6 +152,7 @@ class Mine(Mdr):
 """
 
 
+@pytest.mark.slow
 def test_a_method_from_the_command_line(tmp_path):
     (tmp_path / "own.py").write_text(OWN_METHOD, "utf-8")
     out, methods = tmp_path / "out", f"mdr,{tmp_path / 'own.py'}:Mine"

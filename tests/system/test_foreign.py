@@ -11,6 +11,7 @@ import sys
 import netCDF4
 import pytest
 import tomli_w
+from groups import nightly
 
 from ringwear import Scene, compare, main
 
@@ -146,7 +147,9 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize("command", ["run scene.toml", "sweep sweep.toml", "run /dev/zero"])
+@pytest.mark.parametrize(
+    "command", ["run scene.toml", *nightly("sweep sweep.toml", "run /dev/zero")]
+)
 def test_an_endless_file_is_refused(tmp_path, command):
     """It is refused before it is read."""
     scene = Scene.load("flat_punch").table()

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from groups import nightly
+from groups import nightly, nightly_but
 
 from ringwear import Scene, SceneError, main, study
 from ringwear.studies.named_studies import STUDIES
@@ -59,13 +59,7 @@ def interrupted_at(line):
 
 
 @pytest.mark.parametrize("line", [1, *nightly(2)])
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=[pytest.mark.nightly] * (name != "march"))
-        for name in names_of_studies()
-    ],
-)
+@pytest.mark.parametrize("name", nightly_but(["march"], names_of_studies()))
 def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
     with interrupted_at(line):
         assert main(["study", name, "five_rings", "--quick", "--out", str(tmp_path)]) == 1

@@ -41,6 +41,7 @@ def test_orders_of_one_ring_are_those_of_theory(tmp_path):
     assert {"mdr", "bem", "fem"} == set(written["method"])
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_orders_of_far_fields_are_those_of_theory(tmp_path):
     fits = conduct("truncation", tmp_path).orders
@@ -48,6 +49,7 @@ def test_orders_of_far_fields_are_those_of_theory(tmp_path):
     assert fits["expected"].tolist() == [1, 5, 9, 13]
 
 
+@pytest.mark.slow
 def test_the_stability_limit_of_the_papers_grid_is_listed(tmp_path):
     results = conduct("march", tmp_path)
     assert (results.tables["paper_grid"]["relative difference from 4/(pi n k)"].abs() <= 0.15).all()
