@@ -131,20 +131,6 @@ def test_wrong_data_and_options_are_refused_in_one_line(
     assert not (tmp_path / "out").exists()
 
 
-def test_a_file_given_twice_is_refused(measured, capsys):
-    data = str(measured / "data.csv")
-    command = [
-        "fit",
-        str(measured / "pin.toml"),
-        data,
-        data,
-        "--parameters",
-        "punch.wear_coefficient",
-    ]
-    assert main(command) == 2
-    assert f"{data} and {data} are one file: give each table once" in capsys.readouterr().err
-
-
 def test_a_parameter_without_effect_is_named_in_plain_words(measured):
     """Worn volumes do not depend on the zero of the displacement sensor."""
     weighed = pd.DataFrame({"time": [1e3, 5e3, 9e3], "worn_volume": [1e-12, 5e-12, 9e-12]})

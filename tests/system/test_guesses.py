@@ -203,22 +203,3 @@ def test_an_error_within_a_property_is_reported(result, monkeypatch):
     monkeypatch.setattr(type(result), "plots", property(lambda _: [].nothing))
     with pytest.raises(AttributeError, match="'list' object has no attribute 'nothing'"):
         _ = result.plots
-
-
-def test_columns_of_a_table_are_results_of_another_program():
-    checked = check("flat_punch", {"time": [0.0], "indentation": [1.0]}, methods=["mdr"])
-    assert checked.passes
-
-
-def test_a_comparison_has_a_table_a_verdict_and_figures(result, tmp_path):
-    """At the start everything is linear in the force."""
-    twice = result.scene.changed({"load.normal_force": 4.0})
-    comparison = compare(result, twice)
-    assert not comparison.same
-    change = comparison.table.set_index("quantity")["B against A"]
-    assert change["indentation_start"] == "+100 %"
-    assert comparison.scenes.values.tolist() == [["load.normal_force", "2.0", "4.0"]]
-    assert "by more than their error estimates" in repr(comparison)
-    assert {"scenes.csv", "answers.csv", "comparison.png"} <= {*comparison.save(tmp_path / "out")}
-    with pytest.raises(RingwearError, match="did you mean 'comparison'"):
-        comparison.plot("comparision")

@@ -4,7 +4,6 @@ import doctest
 import importlib
 from html import unescape
 
-import numpy as np
 import pytest
 
 import ringwear
@@ -23,13 +22,6 @@ SCENE = {
 @pytest.fixture(scope="module")
 def result():
     return run("five_rings", methods=["mdr", "direct"], rtol=1e-3)
-
-
-@pytest.fixture(scope="module")
-def folder(result, tmp_path_factory):
-    out = tmp_path_factory.mktemp("saved") / "five"
-    assert {"results.nc", "summary.json", "report.html", "history.png"} <= set(result.save(out))
-    return out
 
 
 @pytest.mark.parametrize(
@@ -68,21 +60,6 @@ def test_results_display_themselves(result):
     assert "data:image/png;base64" in result._repr_html_()
 
 
-def test_a_loaded_result_equals_the_saved_one(result, folder):
-    again = load(folder)
-    assert again.dataset.identical(result.dataset.load())
-    assert (again.verdict, again.anchors) == (result.verdict, result.anchors)
-    assert again.scene == result.scene
-    assert repr(again) == repr(result)
-    assert again.error("pressure") == result.error("pressure")
-    for name, values in result.answers["mdr"].items():
-        finite = np.where(np.isfinite(values), values, np.nan)
-        np.testing.assert_array_equal(again.answers["mdr"][name], finite)
-    assert again.plot("history").axes
-    with pytest.raises(SceneError, match="steady_state"):
-        again.plot("mesh")
-
-
 def test_a_bundled_scene_is_printed_to_start_from(tmp_path, capsys):
     assert main(["scenes", "sphere"]) == 0
     mine = tmp_path / "mine.toml"
@@ -90,15 +67,6 @@ def test_a_bundled_scene_is_printed_to_start_from(tmp_path, capsys):
     mine.write_text(capsys.readouterr().out, "utf-8-sig")
     assert Scene.load(mine) == Scene.load("sphere")
     assert main(["scenes", "spher"]) == 2
-
-
-def test_strains_that_are_not_small_give_a_warning(capsys, tmp_path):
-    for force, warned in ((1e9, True), (10.0, False)):
-        scene = Scene(**SCENE).changed(load__normal_force=force, methods=["direct"])
-        (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
-        out = ["--no-figures", "--out", str(tmp_path / "out")]
-        assert main(["run", str(tmp_path / "mine.toml"), *out]) == 0
-        assert ("strains are not small" in capsys.readouterr().out) == warned
 
 
 @pytest.mark.slow
@@ -139,16 +107,6 @@ def test_one_method_alone_has_one_wording(tmp_path, capsys):
         assert "0 of 0" not in text
         assert "one method" not in text.replace(sentence, "").lower()
     assert '<p class="verdict undecided">' in page
-
-
-@pytest.mark.parametrize(
-    ("flags", "named"), [([], True), (["--no-report"], False), (["--no-figures"], False)]
-)
-def test_the_page_is_named_only_if_it_is_written(flags, named, tmp_path, capsys):
-    command = ["run", "flat_punch", "--methods", "direct", "--out", str(tmp_path / "out"), *flags]
-    assert main(command) == 0
-    assert ("report.html" in capsys.readouterr().out) == named
-    assert (tmp_path / "out" / "report.html").exists() == named
 
 
 @pytest.mark.parametrize(

@@ -124,7 +124,7 @@ def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds,
     assert not list(out.glob(".writing"))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_study_that_is_killed_is_resumed(tmp_path, capsys):
     """The rows of a process that was killed are kept, and the others are added to them."""
     out = tmp_path / "out"
