@@ -132,6 +132,22 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
     assert abs(errors[-1]) <= cap
 
 
+@pytest.mark.nightly
+@pytest.mark.gmsh
+def test_rings_on_quadrilaterals_by_the_degree():
+    """Degrees 4 to 8 against MDR; the study continues up to roundoff."""
+    case = Case.of(Scene.load("five_rings").changed(wear__times=[1.0]))
+    table = measure(
+        [case], [layered(range(4, 9), rings=5)], ("indentation", "running_in_time"), Record()
+    )
+    for name, when in (("indentation", "later"), ("running_in_time", ALL)):
+        rows = table[(table["quantity"] == name) & (table["when"] == when)]
+        errors = rows["error"].abs().to_numpy()
+        assert (errors[:-2] / errors[2:]).min() >= 20
+        assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * 9
+        assert errors[-1] <= 2e-9
+
+
 @pytest.mark.parametrize("degree", [2, 3, *slow(4)])
 def test_adaptive_energy_errors_fall_at_the_best_order_and_are_indicated(degree, exact):
     fem = FIVE.problem.fem.model_copy(update={"degree": degree})
