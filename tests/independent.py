@@ -486,10 +486,11 @@ def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array
 
 
 def exact_results(problem, finer: float = 0.01) -> dict[str, Array]:
-    """Return the results of rings under a constant load, with errors of about `finer` rtol."""
+    """Return results and answer of rings under a constant load, with errors of `finer` rtol."""
     error, roundoff = finer * problem.rtol, finer * 1e-12
     average = problem.gradient_average
-    return solved(problem, Pieces.of(problem), CONSTANT, error, average, roundoff)[0]
+    results, answer, _ = solved(problem, Pieces.of(problem), CONSTANT, error, average, roundoff)
+    return results | answer
 
 
 def true_errors(result) -> dict[str, dict[str, tuple[Array, Array]]]:

@@ -52,7 +52,9 @@ def test_the_flat_start_by_linear_elements(mesher):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize(
+    "mesher", [*nightly("bisection"), pytest.param("quads", marks=pytest.mark.gmsh)]
+)
 def test_estimates_of_linear_elements_on_random_scenes(mesher):
     """No error is above rtol with an estimate below, and few errors exceed their estimate.
 

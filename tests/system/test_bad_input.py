@@ -217,7 +217,7 @@ COMMANDS = [
     ("run five_rings --methods mdr,fdm", "'fdm'"),
     ("run five_rings --memory 0.1", "punch.rings"),
     ("", "COMMAND"),
-    ("plan", "SCENE"),
+    ("plan", "scene"),
     ("compare five_rings", "B"),
     ("study refinement --mesh none.msh --out new", "--mesh none.msh: no such file"),
     ("study refinement --mesh bytes --out new", "--mesh bytes"),
