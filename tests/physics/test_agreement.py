@@ -23,19 +23,20 @@ def undecided(result):
 
 
 def meshed():
-    """Yield flat scenes with a mesher; triangles by bisection for one scene of each kind."""
+    """Yield flat scenes with a mesher; triangles are for the night, but for one scene."""
     for name in FLAT:
         # its 32 rings take as long as all other scenes together, and those on layers longer than
         # most
-        slow = [pytest.mark.slow] * (name in ("many_rings", "rubber", "polishing_pad"))
-        yield pytest.param(name, "quads", marks=[pytest.mark.gmsh, *slow])
+        slow = [pytest.mark.slow] * (name in ("rubber", "polishing_pad"))
+        night = [pytest.mark.nightly] * (name == "many_rings")
+        yield pytest.param(name, "quads", marks=[pytest.mark.gmsh, *slow, *night])
         # layers are meshed in quadrilaterals; gmsh's triangles of 32 rings take two minutes, and
         # test_invariants.py has these
         if name not in (*ON_LAYERS, "many_rings"):
             yield pytest.param(name, "gmsh", marks=[pytest.mark.gmsh, pytest.mark.nightly])
         if name in ("five_rings", "rotating_pin", "rubber"):
-            slow = [pytest.mark.slow] * (name != "rotating_pin")
-            yield pytest.param(name, "bisection", marks=slow)
+            night = [pytest.mark.nightly] * (name != "rotating_pin")
+            yield pytest.param(name, "bisection", marks=night)
 
 
 @pytest.mark.parametrize(("name", "mesher"), [*meshed()])
@@ -70,11 +71,13 @@ def test_bundled_scenes_of_any_punch_agree(name):
     [
         {"ring_edges": [0.5, 0.51, 1.0], "wear_coefficients": [10.0, 1.0]},
         {"ring_edges": [0.5, 0.501, 1.0], "wear_coefficients": [1.0, 10.0]},
-        {"ring_edges": [0.01, 1.0], "wear_coefficients": [1.0, 10.0]},
-        {"ring_edges": [0.99, 1.0], "wear_coefficients": [10.0, 1.0]},
-        {"rings": 2, "wear_coefficients": [1.0, 1e4]},
-        {"rings": 2, "wear_coefficients": [1e4, 1.0]},
-        {"rings": 9, "width_ratio": 10.0, "wear_coefficients": [1.0, 1.001]},
+        *nightly(
+            {"ring_edges": [0.01, 1.0], "wear_coefficients": [1.0, 10.0]},
+            {"ring_edges": [0.99, 1.0], "wear_coefficients": [10.0, 1.0]},
+            {"rings": 2, "wear_coefficients": [1.0, 1e4]},
+            {"rings": 2, "wear_coefficients": [1e4, 1.0]},
+            {"rings": 9, "width_ratio": 10.0, "wear_coefficients": [1.0, 1.001]},
+        ),
     ],
     ids=str,
 )

@@ -23,7 +23,7 @@ def under(values, times=(0.0, 1.0), **changes):
     return FIVE.changed(methods=["mdr"], load__normal_force=force, **changes)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_prediction_agrees_with_the_independent_solution():
     kept = []
     for number in range(25):

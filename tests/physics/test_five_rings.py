@@ -101,7 +101,7 @@ def test_fem_on_triangles(solve, error, mesher):
         assert error(data, name) <= tolerance, name
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_nothing_is_undecided_without_gmsh():
     result = run(Scene.load("five_rings").changed(accuracy__fem={"mesher": "bisection"}))
     assert result.verdict == "agree"
@@ -133,7 +133,7 @@ def test_rtol_bounds_the_indentation_by_mdr(solve, error, rtol):
             pytest.param(*each, marks=pytest.mark.gmsh)
             for each in product(("quads", "gmsh"), (1e-2, 1e-3))
         ),
-        pytest.param("quads", 1e-8, marks=[pytest.mark.slow, pytest.mark.gmsh]),
+        pytest.param("quads", 1e-8, marks=[pytest.mark.nightly, pytest.mark.gmsh]),
         *slow(("bisection", 1e-3)),
         pytest.param("gmsh", 1e-5, marks=[pytest.mark.nightly, pytest.mark.gmsh]),
         *nightly(("bisection", 1e-5)),

@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from groups import slow
+from groups import nightly, slow
 from matplotlib.text import Text
 from scipy.spatial import ConvexHull
 
@@ -232,7 +232,8 @@ def assert_estimated(fields, errors, least=1.0, most=50):
     ("rtol", "poisson_ratio"),
     [
         *((1e-2, 0.3), (1e-4, 0.0), (1e-4, 0.3)),
-        *slow((1e-2, 0.5), (1e-4, 0.49), *product((1e-6,), (0.0, 0.3, 0.49, 0.5))),
+        *slow((1e-2, 0.5), (1e-6, 0.49)),
+        *nightly((1e-4, 0.49), *product((1e-6,), (0.0, 0.3, 0.5))),
     ],
 )
 def test_stresses_under_the_flat_punch(rtol, poisson_ratio):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from given import judge
-from groups import slow
+from groups import nightly, slow
 from random_scenes import random_scenes
 
 from ringwear import ComplianceMethod, Scene, energy, method as named, run
@@ -120,7 +120,7 @@ def truth():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rtol", [1e-3, 1e-4])
+@pytest.mark.parametrize("rtol", [1e-3, *nightly(1e-4)])
 def test_estimates_bound_the_errors_of_a_worn_sphere(truth, rtol):
     """Errors, in their norms, are below the estimates."""
     result, _ = worn_sphere(rtol, truth.time.values.tolist())

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import skfem
+from groups import nightly
 
 from ringwear import Method, Scene, SceneError, SizeField, bisection, main, method, study
 
@@ -208,7 +209,7 @@ def test_the_force_of_a_fixed_indentation_is_measured():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", ["sphere", "duty_cycle"])
+@pytest.mark.parametrize("scene", ["sphere", *nightly("duty_cycle")])
 def test_punches_whose_contact_moves_have_all_quantities(scene):
     results = study("convergence", scene, quick=True)
     table = results.table
