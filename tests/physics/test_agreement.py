@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from groups import nightly
 from given import judge
 
 from ringwear import Scene, Solution, run
