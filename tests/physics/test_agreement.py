@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from groups import nightly
 from given import judge
+from groups import nightly
 
 from ringwear import Scene, Solution, run
 
