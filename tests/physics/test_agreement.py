@@ -28,7 +28,7 @@ def meshed():
     for name in FLAT:
         # its 32 rings take as long as all other scenes together, and those on layers longer than
         # most
-        slow = [pytest.mark.slow] * (name in ("rubber", "polishing_pad"))
+        slow = [pytest.mark.slow] * (name in (*ON_LAYERS, "washer"))
         night = [pytest.mark.nightly] * (name == "many_rings")
         yield pytest.param(name, "quads", marks=[pytest.mark.gmsh, *slow, *night])
         # layers are meshed in quadrilaterals; gmsh's triangles of 32 rings take two minutes, and

@@ -33,7 +33,7 @@ def scene_of(name="flat_punch", **changes):
     return scene.changed(methods=["mdr", "fem"], **changes)
 
 
-@pytest.fixture(scope="module", params=["flat_punch", "five_rings"])
+@pytest.fixture(scope="module", params=["flat_punch", *slow("five_rings")])
 def result(request):
     return run(scene_of(request.param))
 

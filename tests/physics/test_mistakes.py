@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from checks import mistakes
+from groups import nightly_but
 from programs import Input, finite_elements, input_of, of_tamaas, springs
 
 from ringwear import Scene, check
@@ -177,24 +178,11 @@ FILES = {
 }
 
 
-QUICK = "k 1.1, pressures"
 # one of each kind of mistake; all others are for the night
-SLOW = (
-    "k 2",
-    "box 10",
-    "sign",
-    "metres",
-    "plane",
-    "per rim",
-    "stiff layer",
-    "diameter",
-    "k 0.5, box 10",
+CHOSEN = (
+    *("k 2", "k 1.1, pressures", "box 10", "sign", "metres", "plane", "per rim", "stiff layer"),
+    *("diameter", "k 0.5, box 10"),
 )
-
-
-def mark(name):
-    """Return the marks of a file."""
-    return [] if name == QUICK else [pytest.mark.slow if name in SLOW else pytest.mark.nightly]
 
 
 @cache
@@ -203,7 +191,8 @@ def looks(scene, table):
     return mistakes(check(SCENES[scene], table()), "theirs")
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=mark(name)) for name in FILES])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", nightly_but(CHOSEN, FILES))
 def test_the_right_cause_is_named_first_and_wrong_ones_are_unsure(name):
     scene, table, right = FILES[name]
     first, *others = looks(scene, table)
@@ -211,6 +200,7 @@ def test_the_right_cause_is_named_first_and_wrong_ones_are_unsure(name):
     assert all(other.name in right or other.share <= 0.7 for other in others)
 
 
+@pytest.mark.slow
 def test_causes_with_the_same_pressures_explain_them_equally_well():
     """k and E* both scale the time; only lengths, which are not given, distinguish them."""
     first, second = looks(*FILES["k 1.1, pressures"][:2])
