@@ -65,8 +65,13 @@ WITHOUT_GMSH = unavailable()
 
 
 def pytest_collection_modifyitems(items):
-    """Skip tests marked `gmsh`, with the reason, if gmsh cannot be loaded."""
+    """Skip tests marked `gmsh`, with the reason, if gmsh cannot be loaded.
+
+    A nightly case of a slow test is not slow, so that `-m slow` leaves it out.
+    """
     for item in items:
+        if "nightly" in item.keywords:
+            item.own_markers = [mark for mark in item.own_markers if mark.name != "slow"]
         if WITHOUT_GMSH and "gmsh" in item.keywords:
             item.add_marker(pytest.mark.skip(reason=WITHOUT_GMSH))
 
