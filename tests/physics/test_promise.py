@@ -96,22 +96,6 @@ def test_steps_of_a_table_need_not_be_ring_edges():
     np.testing.assert_allclose(one.dataset.indentation, two.dataset.indentation, rtol=1e-7)
 
 
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_a_narrow_ring_on_the_axis_gives_no_false_disagreement():
-    """Once, slopes of the methods differed by 3.8e-4, with estimates of 2.5e-5."""
-    punch = {"ring_edges": [1e-8, 1.0], "wear_coefficients": [0.001, 1.0]}
-    result = run(flat(punch, [0.0, 0.01, 1.0]))
-    assert result.verdict != "disagree"
-    exact = direct.rms_slope(
-        np.array([0.0, 1e-8, 1.0]),
-        direct.steady_pressures(np.array([0.0, 1e-8, 1.0]), np.array([0.001, 1.0])),
-    )
-    for answer in result.answers.values():
-        error = abs(answer["steady_rms_slope"] / exact - 1)
-        assert error <= answer["steady_rms_slope_error"]
-
-
 @pytest.mark.gmsh
 def test_an_indentation_alone_reaches_a_fine_accuracy():
     punch = {"rings": 1, "wear_coefficients": [1.0, 1.0]}
@@ -122,45 +106,6 @@ def test_an_indentation_alone_reaches_a_fine_accuracy():
         assert solution.greatest_error("indentation") <= 1e-8
     start = result.dataset.indentation.isel(time=0)
     assert float(np.abs(start / 0.5 - 1).max()) <= 1e-8
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_layers_thinner_than_the_roundoff_of_radii_are_resolved():
-    """At t = 1e-11, layers at ring edges are 1e-11 a thin, and elements 1e-16 a or smaller."""
-    punch = {"rings": 3, "wear_coefficients": [1.0, 0.5]}
-    result = run(flat(punch, [1e-11, 0.1]))
-    assert result.verdict == "agree"
-    assert not result.left_out_of_promise
-    widths = result.solutions["mdr"].wear.compliance.space.widths
-    assert widths.min() < 2e-16
-    # the methods agree in the slope
-    slopes = result.dataset.rms_slope.isel(time=0).to_numpy()
-    assert float(np.ptp(slopes) / slopes.mean()) <= 2e-4
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_finite_elements_resolve_layers_of_slow_rings():
-    """Layers on a ring that wears 3e5 times more slowly are 1e-11 a thin and are resolved."""
-    punch = {"ring_edges": [0.42, 1.0], "wear_coefficients": [1.0, 3e-6]}
-    result = run(flat(punch, [5e-5, 1e-3], rtol=1e-5))
-    assert result.summary.get("left_out_of_promise", []) == []
-    exact = run(flat(punch, [5e-5, 1e-3], rtol=1e-7, methods="mdr")).dataset.rms_slope[0]
-    np.testing.assert_allclose(result.dataset.rms_slope.sel(solver="fem"), exact, rtol=1e-5)
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_roundoff_near_incompressibility_is_no_disagreement():
-    """Once, elements of 6e-16 a caused errors of slopes of 7e-5, with estimates of 1e-6."""
-    scene = Scene.load("flat_punch").changed(half_space__poisson_ratio=0.5, methods=["mdr", "fem"])
-    result = run(scene.changed(accuracy__rtol=1e-6, wear__times=[1e-10, 0.1]))
-    assert result.verdict == "agree"
-    assert {row["quantity"] for row in result.summary["left_out_of_promise"]} <= {
-        "pressure",
-        "rms_slope",
-    }
 
 
 def test_weak_kinks_of_a_table_get_no_layers():

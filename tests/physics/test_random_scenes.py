@@ -84,6 +84,39 @@ def test_every_number_beyond_rtol_is_reported(kind, random_seed):
     assert row.verdict in ("agree", "undecided")
 
 
+SLOPES, LATER = {"rms_slope", "steady_rms_slope"}, [0.0, 0.01, 0.1, 0.5, 2.0]
+# ring edges, wear coefficients, times, rtol, Poisson's ratio, and what need not be promised
+EXTREMES = {
+    "a narrow ring on the axis": ([1e-8, 1], [1e-3, 1], [0.0, 0.01, 1.0], 1e-4, 0.3, SLOPES),
+    "a narrow ring": ([0.5, 0.501, 1], [1, 10], LATER, 1e-3, 0.3, set()),
+    "a rim that wears fast": ([0.99, 1], [1, 10], LATER, 1e-3, 0.3, set()),
+    "a rim that hardly wears": ([0.5, 1], [1e4, 1], LATER, 1e-3, 0.3, set()),
+    "layers thinner than roundoff": ([1 / 3, 2 / 3, 1], [1, 0.5], [1e-11, 0.1], 1e-4, 0.3, set()),
+    "layers of a slow ring": ([0.42, 1], [1, 3e-6], [5e-5, 1e-3], 1e-5, 0.3, set()),
+    "roundoff of early wear": ([0.02, 1], [1, 6e4], [1.5e-11, 1e-9, 1e-8], 1e-5, 0.3, set()),
+    "incompressible": ([1], [1, 1], [1e-10, 0.1], 1e-6, 0.5, {"pressure", "rms_slope"}),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+@pytest.mark.parametrize("name", nightly_but([*EXTREMES][::2], EXTREMES))
+def test_numbers_at_extremes_are_right_or_left_out(name):
+    edges, wear, times, rtol, ratio, left_out = EXTREMES[name]
+    table = {
+        "punch": {"radius": 1.0, "ring_edges": edges, "wear_coefficients": wear},
+        "half_space": {"plane_strain_modulus": 1.0, "poisson_ratio": ratio},
+        "load": {"normal_force": 1.0, "sliding_speed": 1.0},
+        "wear": {"times": times},
+        "accuracy": {"rtol": rtol},
+        "output": {"gradient_average": "line"},
+    }
+    row = hold(table, ("mdr", "fem"))
+    assert not row.silent
+    assert row.excluded.keys() <= left_out
+    assert row.verdict == ("undecided" if left_out is SLOPES else "agree")
+
+
 FAMILIES = {
     "hollow": random_hollow,
     "layers": random_layers,
