@@ -52,41 +52,6 @@ def force_at(problem, times):
     return punch.times[0], punch.pressures(CONSTANT, times) @ punch.weights
 
 
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_the_force_decays_as_in_an_independent_solution(result):
-    problem, later = result.scene.problem, slice(1, None)
-    slowest, force = force_at(problem, problem.times[later])
-    if len(problem.rings.widths) == 1:
-        assert slowest == pytest.approx(TAU, rel=1e-4)
-    for method in ("mdr", "fem"):
-        table = result.dataset.sel(solver=method)
-        assert table.relaxation_time[0] == pytest.approx(slowest * problem.units.time, rel=1e-8)
-        forces = table.normal_force / problem.units.force
-        assert forces[0] == pytest.approx(1.0, rel=1e-7)
-        wrong = np.abs(forces[later] / force - 1)
-        assert (wrong <= table.normal_force_error[later] + 1e-9).all()
-        assert wrong.max() < 1e-6
-        assert table.ring_force.sum("ring").values == pytest.approx(table.normal_force.values)
-        assert (table.indentation == pytest.approx(1.0, rel=1e-12)).all()
-
-
-@pytest.mark.gmsh
-def test_the_slope_of_a_face_that_has_worn_evenly_is_zero():
-    """Wear has removed the whole indentation everywhere, so that the face is flat again.
-
-    Slopes are compared relative to a thousandth of the indentation at least. Once, the roundoff of
-    finite elements was above rtol times that, and the methods disagreed.
-    """
-    rtol = 1e-7
-    result = run(scene_of(wear={"times": [0.1, 100 * TAU]}, accuracy__rtol=rtol))
-    assert result.verdict == "agree"
-    for method in ("mdr", "fem"):
-        slopes = result.dataset.rms_slope.sel(solver=method).to_numpy()
-        assert slopes[0] > 0.1
-        assert slopes[1] <= 1e-3 * rtol
-
-
 def test_the_answer_reports_forces_and_the_time_to_half_force(result):
     problem, answers = result.scene.problem, result.answers["mdr"]
     slowest, _ = force_at(problem, problem.times[1:])
@@ -233,17 +198,9 @@ def test_full_slip_wears_off_the_whole_overlap(depth, rtol, overlap, tolerance):
     np.testing.assert_allclose(worn, overlap, rtol=tolerance)
 
 
-@pytest.mark.parametrize(
-    ("wear", "times"),
-    [
-        # the volume of a ring that hardly wears errs by a fraction of that of the other ring
-        ([1.0, 3.6e-6], [5e-5, 1.5e-4, 5e-4, 1.5e-3]),
-        # squares of the pressures underflow
-        ([1.0, 1.0], [2.0, 40.0, 700.0]),
-    ],
-)
-def test_anchors_hold_at_negligible_wear_and_vanishing_pressure(wear, times):
-    punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": wear}
+def test_anchors_hold_at_vanishing_pressure():
+    """Squares of the pressures underflow."""
+    punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": [1.0, 1.0]}
     scene = scene_of(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
-    result = run(scene.changed(wear={"times": times}))
+    result = run(scene.changed(wear={"times": [2.0, 40.0, 700.0]}))
     assert [anchor for anchor in result.anchors if not anchor.holds] == []

@@ -24,37 +24,6 @@ def flat(punch, times, rtol=1e-4, methods="mdr fem", **tables):
     )
 
 
-TWELVE = {"rings": 12, "width_ratio": 0.5, "wear_coefficients": [1.0, 0.01]}
-SIX = {
-    "ring_edges": [0.1077, 0.233, 0.52, 0.7571, 0.9116, 1.0],
-    "wear_coefficients": [0.996, 0.609, 1.0, 0.887, 0.531, 0.671],
-}
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scene", "more", "names"),
-    [
-        (flat(TWELVE, [50.0], 1e-4), [1e-6, 1.0, 50.0], ("time_to_90", "time_to_99")),
-        (
-            flat(SIX, [0.66, 16.3], 1e-6, load={"indentation": 0.1355}),
-            [1e-5, 0.66, 16.3],
-            ("time_to_half_force", "force_end"),
-        ),
-    ],
-    ids=["a force", "an indentation"],
-)
-def test_the_answer_does_not_depend_on_the_times(scene, more, names):
-    rtol = scene.accuracy.rtol
-    first, second = (run(each) for each in (scene, scene.changed(wear__times=more)))
-    for method in ("mdr", "fem"):
-        for name in names:
-            one, other = (result.answers[method][name] for result in (first, second))
-            assert abs(one / other - 1) <= 2 * rtol, (method, name)
-            for result in (first, second):
-                assert result.answers[method][f"{name}_error"] <= rtol
-
-
 @pytest.mark.parametrize("times", [[0.0, 1e-3, 1.0], [5.0], [1e3]])
 @pytest.mark.gmsh
 def test_every_number_of_the_answer_has_an_estimate_that_bounds_its_error(times):
