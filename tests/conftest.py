@@ -27,7 +27,7 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 def pytest_addoption(parser):
     """Add the number of scenes that each test of random scenes draws."""
-    parser.addoption("--seeds", type=int, default=8, help="number of random scenes of each kind")
+    parser.addoption("--seeds", type=int, default=6, help="number of random scenes of each kind")
 
 
 def pytest_generate_tests(metafunc):
