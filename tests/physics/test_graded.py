@@ -209,7 +209,7 @@ def test_steady_states_of_steep_wear_in_closed_form(name):
             assert error.max() <= max(rtol, stated), (quantity, method)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.gmsh
 def test_early_pressures_in_a_steep_ramp():
     """Elements overlapped in a small part of the mesh; pressures there were 20 % off."""
