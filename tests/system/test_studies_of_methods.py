@@ -72,7 +72,7 @@ def test_tradeoff_measures_every_method_and_group(tmp_path):
     assert (promised["seconds"] <= promised["greatest seconds"]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.gmsh
 def test_a_scene_varies_the_keys_that_it_has(tmp_path):
     """Every run of our methods keeps its tolerance or states that it does not."""
