@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from groups import nightly
 from threadpoolctl import threadpool_limits
 
 from ringwear import Problem, RunningIn, Scene, Stages, method as find_method
@@ -25,9 +26,15 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def pytest_addoption(parser):
-    """Add options for the random scenes of `tests/physics/test_estimates.py`."""
-    for name, default in (("seed", 3), ("scenes", 6), ("rings", 3)):
-        parser.addoption(f"--{name}", type=int, default=default, help="of scenes drawn at random")
+    """Add the number of scenes that each test of random scenes draws."""
+    parser.addoption("--seeds", type=int, default=6, help="number of random scenes of each kind")
+
+
+def pytest_generate_tests(metafunc):
+    """Give tests that take a `random_seed` several; all but the first are for the night."""
+    if "random_seed" in metafunc.fixturenames:
+        count = metafunc.config.getoption("seeds")
+        metafunc.parametrize("random_seed", [0, *nightly(*range(1, count))])
 
 
 class Prepared(NamedTuple):
@@ -58,8 +65,13 @@ WITHOUT_GMSH = unavailable()
 
 
 def pytest_collection_modifyitems(items):
-    """Skip tests marked `gmsh`, with the reason, if gmsh cannot be loaded."""
+    """Skip tests marked `gmsh`, with the reason, if gmsh cannot be loaded.
+
+    A nightly case of a slow test is not slow, so that `-m slow` leaves it out.
+    """
     for item in items:
+        if "nightly" in item.keywords:
+            item.own_markers = [mark for mark in item.own_markers if mark.name != "slow"]
         if WITHOUT_GMSH and "gmsh" in item.keywords:
             item.add_marker(pytest.mark.skip(reason=WITHOUT_GMSH))
 

@@ -1,12 +1,9 @@
 """Synthetic experiments: how often intervals contain the truth and wrong laws are detected.
 
-``python tests/fit_experiments.py CASE COUNT [FIRST]`` prints a line on experiments with
-the random seeds FIRST, FIRST + 1, ... The true parameters are drawn around the values of the scene,
-and the data come from a model with a finer tolerance than that of the fits.
+The true parameters are drawn around the values of the scene, and the data come from a model with a
+finer tolerance than that of the fits.
 """
 
-import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -132,36 +129,6 @@ class Experiments:
             return truth, fit_measurements(scene, parameters, tuple(measurements), self._model)
 
 
-def report(name: str, experiments: Experiments, count: int, first: int = 0) -> str:
-    """Return a line on experiments: coverage, identifiable parameters, and rejected models.
-
-    Parameters
-    ----------
-    name : of the case
-    count : number of experiments
-    first : first seed
-    """
-    covered_rows, identifiable_rows, alarms, widths = [], [], [], []
-    start = time.process_time()
-    for seed in range(first, first + count):
-        truth, result = experiments.conduct(seed)
-        estimates = result.found
-        covered_rows.append(
-            [each.low <= true <= each.high for each, true in zip(estimates, truth, strict=True)]
-        )
-        identifiable_rows.append([each.identifiable for each in estimates])
-        widths.append([(each.high - each.low) / 2 for each in estimates])
-        alarms.append(not result.fits)
-    seconds = (time.process_time() - start) / count
-    covered, identifiable = np.array(covered_rows), np.array(identifiable_rows)
-    wrong = (identifiable & ~covered).sum(axis=0).tolist()
-    return (
-        f"{name} {count} from seed {first}: covered {covered.sum(axis=0).tolist()}, identifiable "
-        f"{identifiable.sum(axis=0).tolist()} (wrong {wrong}), half widths "
-        f"{np.median(widths, axis=0).round(4).tolist()}, alarms {sum(alarms)}, {seconds:.2f} s each"
-    )
-
-
 TIMES = np.geomspace(1e-3, 5.0, 40)
 RADII = np.linspace(0.005, 0.995, 60)
 INDENTATION = ("indentation", TIMES, None, 1e-3, None)
@@ -212,18 +179,11 @@ def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array
 
 
 def cases() -> dict[str, Experiments]:
-    """Return the kinds of experiments whose coverage is reported in the README, by name."""
+    """Return kinds of experiments by name."""
     two_materials = Scene.load("five_rings")
     five_rings = two_materials.changed({WEAR: [1.0, 10.0, 1.0, 10.0, 1.0]})
-    modulus = "half_space.plane_strain_modulus"
     ball = Scene.load("sphere").changed({WEAR: [1.0]})
-    two_material_ball = Scene.load("sphere").table()
-    two_material_ball["punch"] |= {"ring_edges": [0.4, 1.0], WEAR.rpartition(".")[2]: [1.0, 3.0]}
-    del two_material_ball["punch"]["rings"]
-    weighings, late = np.array([0.1, 0.3, 1.0, 3.0, 10.0]), np.array([5.0, 10.0, 20.0])
-    thickness, layer_modulus = (
-        f"half_space.layers[0].{key}" for key in ("thickness", "youngs_modulus")
-    )
+    weighings = np.array([0.1, 0.3, 1.0, 3.0, 10.0])
     flat_on_layer = Scene(
         punch={"radius": 1.0, "wear_coefficient": 1e-9},
         half_space={
@@ -233,52 +193,20 @@ def cases() -> dict[str, Experiments]:
         },
         load={"normal_force": {"times": [0.0, 1.0], "values": [3e-4, 0.15]}, "sliding_speed": 1.0},
     )
-    on_layer = flat_on_layer.changed({"punch.profile": {"kind": "ball", "ball_radius": 5.0}})
-    two_forces = (
-        ("indentation", np.array([0.0]), None, 2e-5, None),
-        ("indentation", np.array([1.0]), None, 1e-3, None),
-    )
     return {
-        "layer under a ball": Experiments(on_layer, (thickness, layer_modulus), two_forces),
         "layer under a flat punch": Experiments(
             flat_on_layer,
-            (thickness, layer_modulus),
+            ("half_space.layers[0].thickness", "half_space.layers[0].youngs_modulus"),
             (
                 ("indentation", np.array([0.0]), None, 1e-6, None),
                 ("indentation", np.array([1.0]), None, 5e-4, None),
             ),
         ),
         "two": Experiments(two_materials, (WEAR,), (INDENTATION,)),
-        "two, noise unknown": Experiments(
-            two_materials, (WEAR,), (INDENTATION,), noise_known=False
-        ),
-        "two, offset and modulus": Experiments(
-            two_materials, (WEAR, modulus, "sensor_offset"), (INDENTATION,)
-        ),
-        "two, offset and compliance": Experiments(
-            two_materials, (WEAR, "sensor_offset", "machine_compliance"), (INDENTATION,)
-        ),
         "five": Experiments(five_rings, (WEAR,), (INDENTATION, EARLY_PROFILE)),
-        "five, d(t) alone": Experiments(five_rings, (WEAR,), (INDENTATION,)),
         "ball": Experiments(ball, (WEAR,), (("worn_volume", weighings, None, 0.02, None),)),
-        "ball of two materials": Experiments(
-            Scene.from_table(two_material_ball),
-            (WEAR,),
-            (
-                ("worn_volume", weighings, None, 0.02, 0),
-                ("worn_volume", late, None, 0.02, 1),
-            ),
-        ),
         "k falls": Experiments(two_materials, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
         "k goes as p": Experiments(
             two_materials, (WEAR,), (INDENTATION,), depths=depths_if_wear_goes_as_pressure_squared
         ),
-        "k falls, noise unknown": Experiments(
-            two_materials, (WEAR,), (INDENTATION,), noise_known=False, law=falls_by_30_percent
-        ),
     }
-
-
-if __name__ == "__main__":
-    case, count, *first_seed = sys.argv[1:]
-    print(report(case, cases()[case], int(count), *map(int, first_seed)))

@@ -1,14 +1,14 @@
 """An independent solution of flat punches: rings or k(r), loads that vary, a given indentation.
 
-It extends `physics/wear_reference.py` and shares no code with any method. With ``s = 1 - r^2`` the
-line density of the MDR is Abel's integral of the pressure, which has a closed form for Legendre
-polynomials. The energy is the integral of its square, by Gauss's rule. Elements become smaller
-towards every ring edge, every kink of k(r) and the rim. Their degree rises with the distance from
-these, but is the highest one wherever k varies, because the steady pressure 1/k has a pole there
-beside the interval. Worn heights are projected without k: k times a polynomial cannot be constant,
-and has wrong slopes where k is steep. In the inner product with weight k, the law of wear is one
-singular value problem, so the history is exact in time: each mode decays exponentially, and a force
-that varies enters as an integral of its rate times this decay.
+It shares no code with any method. With ``s = 1 - r^2`` the line density of the MDR is Abel's
+integral of the pressure, which has a closed form for Legendre polynomials. The energy is the
+integral of its square, by Gauss's rule. Elements become smaller towards every ring edge, every kink
+of k(r) and the rim. Their degree rises with the distance from these, but is the highest one
+wherever k varies, because the steady pressure 1/k has a pole there beside the interval. Worn
+heights are projected without k: k times a polynomial cannot be constant, and has wrong slopes where
+k is steep. In the inner product with weight k, the law of wear is one singular value problem, so
+the history is exact in time: each mode decays exponentially, and a force that varies enters as an
+integral of its rate times this decay.
 
 The contact must stay full. `Punch.least_pressure` shows whether it does while a force falls.
 """
@@ -21,6 +21,8 @@ from numpy.polynomial.legendre import legder, leggauss, legroots, legval
 from scipy.linalg import solve_triangular, svd
 from scipy.optimize import brentq
 
+from ringwear import differences
+
 Array = np.ndarray
 # ratio of the sizes of neighbouring elements
 FACTOR = 0.2
@@ -28,6 +30,8 @@ FACTOR = 0.2
 LEAST_DEGREE = 14
 # smallest element at a step of k, in s = 1 - r^2
 ROUNDOFF = 1e-14
+# a force and a speed that do not vary
+CONSTANT = Load(np.zeros(1), np.ones(1), np.ones(1))
 
 
 class Pieces:
@@ -42,6 +46,12 @@ class Pieces:
     def __init__(self, edges: Array, inner: Array, outer: Array) -> None:
         self.edges, self.inner, self.outer = edges, inner, outer
         self.slope = (outer - inner) / np.diff(edges)
+
+    @classmethod
+    def of(cls, problem) -> "Pieces":
+        """Return the pieces of a problem without a hole."""
+        rings = problem.merged
+        return cls(rings.ring_edges, *rings.wear_coefficients)
 
     def at(self, piece: Array, radii: Array) -> Array:
         """Return k at radii, each in the interval of the given number."""
@@ -473,3 +483,35 @@ def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array
     elif not np.ptp(load.forces) and not np.ptp(load.speeds):
         answer["time_to_90"], answer["time_to_99"] = punch.time_left(0.1), punch.time_left(0.01)
     return {name: np.asarray(value, float) for name, value in answer.items()}
+
+
+def exact_results(problem, finer: float = 0.01) -> dict[str, Array]:
+    """Return results and answer of rings under a constant load, with errors of `finer` rtol."""
+    error, roundoff = finer * problem.rtol, finer * 1e-12
+    average = problem.gradient_average
+    results, answer, _ = solved(problem, Pieces.of(problem), CONSTANT, error, average, roundoff)
+    return results | answer
+
+
+def true_errors(result) -> dict[str, dict[str, tuple[Array, Array]]]:
+    """Return errors and estimates at the compared times, for each method and quantity of a run.
+
+    Twice the uncertainty of the independent solution, its difference to a coarser one, is
+    subtracted from the errors. Three relaxation times, the slowest, are compared.
+    """
+    problem = result.scene.problem
+    exact = exact_results(problem)
+    doubts = differences(exact_results(problem, 0.03), exact, problem.face)
+    errors: dict = {}
+    for method, solution in result.solutions.items():
+        errors[method] = {}
+        for name, error in differences(solution.compared, exact, problem.face).items():
+            if name in solution.errors:
+                estimate = solution.compared_error(problem, name)
+                parts = [np.atleast_1d(part) for part in (error, estimate, doubts[name])]
+                shown = min(3 if name == "relaxation_time" else np.inf, *map(len, parts))
+                # a number of the answer has NaN where the method does not give it
+                given = ~np.isnan(parts[0][:shown])
+                error, estimate, doubt = (part[:shown][given] for part in parts)
+                errors[method][name] = np.maximum(error - 2 * doubt, 0.0), estimate
+    return errors

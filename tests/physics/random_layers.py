@@ -1,19 +1,8 @@
-"""Random scenes on layered ground. To run many of them:
-
-    python -m tests.physics.random_layers --count 30 --seed 1
-    python -m tests.physics.random_layers --count 10 --seed 1 --shaped
-
-This prints a line for each scene, then how often each verdict occurred, and how many scenes left a
-quantity out of the promise.
-"""
-
-import argparse
-import time
-from collections import Counter
+"""Random scenes on layered ground."""
 
 import numpy as np
 
-from ringwear import RingwearError, Scene, run
+from ringwear import Scene
 
 
 def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
@@ -56,36 +45,3 @@ def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
             "accuracy": {"rtol": rtol},
         }
     )
-
-
-def main() -> None:
-    """Run scenes, and print their verdicts."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=30)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--shaped", action="store_true")
-    chosen = parser.parse_args()
-    verdicts, excluding = Counter[str](), 0
-    for number in range(chosen.count):
-        scene, began = random_layers(1000 * chosen.seed + number, chosen.shaped), time.time()
-        try:
-            result = run(scene)
-        except RingwearError as error:
-            verdicts["refused"] += 1
-            print(number, "refused:", error, flush=True)
-            continue
-        verdicts[result.verdict] += 1
-        left_out = sorted({row["quantity"] for row in result.summary["left_out_of_promise"]})
-        excluding += bool(left_out)
-        failed = [anchor.name for anchor in result.anchors if not anchor.holds]
-        undecided = {row.quantity for row in result.agreement if not row.agrees} - set(left_out)
-        print(
-            f"{number} {result.verdict} {time.time() - began:.1f} s; left out {left_out}; "
-            f"undecided {sorted(undecided)}; anchors that fail {failed}",
-            flush=True,
-        )
-    print(dict(verdicts), "exclude anything:", excluding)
-
-
-if __name__ == "__main__":
-    main()

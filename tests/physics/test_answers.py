@@ -1,50 +1,9 @@
-"""Answers for flat punches against closed forms, balances and an independent history."""
+"""Worn volumes in the answers of flat punches, against a balance and between methods."""
 
 import numpy as np
 import pytest
-from closed_forms import disc_energies
 
-from ringwear import Scene, alternating_edges, direct, ring_areas, run
-
-EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
-
-
-@pytest.fixture(scope="module")
-def five():
-    return run(Scene.load("five_rings").changed(methods=["mdr", "direct"]))
-
-
-def test_running_in_against_an_independent_history(five, reference):
-    """`time_until` at the completed fraction of each reference state returns the state's time."""
-    wear = five.solutions["mdr"].wear
-    assert wear is not None
-    slowest = reference["slowest_relaxation_times"][0]
-    assert five.answers["mdr"]["running_in_time"] == pytest.approx(slowest, rel=1e-9)
-    # final value of d(t) minus the steady wear, under the force F = 2: d F = int u p dA
-    pressures = 2 * direct.steady_pressures(EDGES, K)
-    rate, (discs, steps) = K[0] * pressures[0], direct.pressure_steps(EDGES, pressures)
-    end = steps @ disc_energies(discs) @ steps / 2.0
-    for state in reference["states"]:
-        way = (state["indentation"] - rate * state["time"] - 1.0) / (end - 1.0)
-        # the unit of time belongs to the greatest wear coefficient, which is 10
-        time = wear.time_until(1 - way) * five.scene.problem.units.time
-        assert time == pytest.approx(state["time"], rel=1e-6)
-
-
-def test_start_and_steady_state_in_closed_form(five):
-    close, answer, root = np.testing.assert_allclose, five.answers["mdr"], np.sqrt(1 - EDGES**2)
-    with np.errstate(divide="ignore"):
-        pressures = 1 / np.pi / root
-    close(answer["indentation_start"], 1.0, rtol=1e-8)
-    close(answer["pressure_min"][0], pressures[:-1], rtol=1e-4)
-    close(answer["pressure_max"][0], pressures[1:], rtol=1e-4)
-    close(answer["force_share"][0], -np.diff(root), rtol=0, atol=1e-8)
-    steady = 2 * direct.steady_pressures(EDGES, K)
-    for answer in five.answers.values():
-        close(answer["pressure_min"][1], steady, rtol=1e-10)
-        close(answer["pressure_max"][1], steady, rtol=1e-10)
-        close(answer["force_share"][1], steady * ring_areas(EDGES) / 2, rtol=1e-10)
-        close(answer["steady_wear_rate"], steady[0], rtol=1e-10)
+from ringwear import Scene, run
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from closed_forms import PowerPunch
+from groups import nightly_but
 
 from ringwear import Scene, SceneError, plan, run, study, sweep
 
@@ -231,7 +232,7 @@ def test_a_sweep_takes_flat_and_recessed_punches():
         np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_tradeoff_study_of_a_sphere_reaches_its_tolerances():
     scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
     results = study("tradeoff", scene, quick=True)
@@ -254,12 +255,10 @@ DEGENERATE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "face",
-    [
-        pytest.param(face, marks=[pytest.mark.slow] * (face in ("no width", "one point", "noise")))
-        for face in DEGENERATE
-    ],
+    nightly_but(("one point", "noise"), DEGENERATE),
 )
 def test_degenerate_faces_converge(face):
     data = run(DEGENERATE[face].changed(wear__steady=False)).dataset

@@ -6,9 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from closed_forms import PowerPunch, worn_sphere
+from groups import nightly, slow
+from independent import CONSTANT, Pieces, Punch
 from scipy.optimize import brentq
 from test_fixed_indentation import force_at
-from wear_reference import Reference
 
 from ringwear import Scene
 from ringwear.studies import challenge
@@ -35,30 +36,29 @@ def test_flat_starts_against_boussinesq(number):
 
 
 @pytest.mark.parametrize(
-    "number", [2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 4, 5)), 6]
+    "number",
+    [
+        2,
+        *nightly(3),
+        *slow(4, 5),
+        6,
+    ],
 )
 def test_histories_against_an_independent_solution(number):
     problem = Scene.load(PROBLEMS[number]).problem
-    rings, unit, later = problem.merged, problem.units, problem.times[1:]
-    punch = Reference(
-        rings.ring_edges, rings.wear_coefficients[0], np.full(len(rings.widths), 1e-11), degree=20
-    )
-    for time, pressure, worn, depth in zip(later, *punch.at(later), strict=True):
+    pieces, unit, later = Pieces.of(problem), problem.units, problem.times[1:]
+    punch = Punch(pieces, np.append(np.inf, np.full(len(pieces.inner), 1e-11)), 20)
+    pressures = punch.pressures(CONSTANT, later)
+    depths = punch.depths(CONSTANT, later, pressures)
+    worn = punch.worn(depths, pressures)
+    for row, time in enumerate(later):
         exact = {
-            "pressure": lambda radii, of=pressure: punch.values(of[None], radii)[0] * unit.pressure,
-            "profile": lambda radii, of=worn: punch.worn(of[None], radii)[0] * unit.displacement,
-            "indentation": depth * unit.displacement,
+            "pressure": lambda at, row=row: punch.fields(at)[0] @ pressures[row] * unit.pressure,
+            "profile": lambda at, row=row: punch.fields(at)[1] @ worn[row] * unit.displacement,
+            "indentation": depths[row] * unit.displacement,
         }
         for quantity, values in exact.items():
             assert_certified(number, quantity, round(time * unit.time, 12), values)
-
-
-@pytest.mark.parametrize(("row", "rtol"), [(1, 3e-5), (3, 2e-6), (5, 2e-6), (7, 2e-6)])
-def test_five_rings_against_the_stored_reference(reference, row, rtol):
-    state = reference["states"][row]
-    for quantity, error in (("indentation", 1e-9), ("pressure", rtol), ("profile", rtol)):
-        rows = CERTIFIED.xs(("03_five_rings", state["time"], quantity), level=[0, 1, 3])
-        np.testing.assert_allclose(rows.value, np.ravel(state[quantity]), rtol=error)
 
 
 @pytest.mark.slow
@@ -80,9 +80,11 @@ def test_the_sphere_against_hertz_and_the_worn_sphere_formula():
 
 @pytest.mark.parametrize(
     "number",
-    [pytest.param(n, marks=[pytest.mark.slow] * (n in (7, 8, 11))) for n in range(1, 13)],
+    [pytest.param(n, marks=[pytest.mark.nightly] * (n in (7, 8, 11))) for n in range(1, 13)],
 )
-@pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize(
+    "method", ["mdr", pytest.param("fem", marks=[pytest.mark.gmsh, pytest.mark.slow])]
+)
 def test_coarse_runs_reach_the_certified_numbers(number, method):
     """At rtol 1e-3, numbers agree to 2e-3, and pressures to 2e-2 in the root mean square.
 

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from groups import nightly
 
 from ringwear import Scene, run
 from ringwear.studies.estimate.compared import Comparison
@@ -86,7 +87,7 @@ FAULTS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", [*nightly("five"), "two"])
 def test_the_right_fault_of_the_model_is_named_first(scene):
     for name, (size, change) in FAULTS[scene].items():
         first = look(scene, solve(SCENES[scene], **change))[0]

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pandas
 import pytest
-from wear_reference import random_scenes, true_errors
+from groups import nightly
+from independent import true_errors
+from random_scenes import random_scenes
 
 from ringwear import ComplianceMethod, Scene, SceneError, method as named, run
 
@@ -20,20 +22,19 @@ TWO_RINGS = {"punch__rings": 2}
     "fem",
     [
         pytest.param({"mesher": "quads"}, marks=pytest.mark.gmsh),
-        {"mesher": "bisection"},
-        {"mesher": "bisection", "degree": 3},
+        *nightly({"mesher": "bisection"}),
+        *nightly({"mesher": "bisection", "degree": 3}),
     ],
     ids=["quads", "triangles", "triangles of degree 3"],
 )
-def test_random_scenes(fem, pytestconfig):
+def test_random_scenes(fem):
     """No method disagrees, and in 99 % of all cases rtol is reached or reported as missed.
 
     At most 1.5 % of the errors exceed their estimates, and the estimates are not far above. The
     test prints the tables of the README of `crosscheck`.
     """
-    seed, count, rings = (pytestconfig.getoption(name) for name in ("seed", "scenes", "rings"))
     verdicts, rows = Counter(), []
-    for scene in random_scenes(seed, count, rings, accuracy__fem=fem):
+    for scene in random_scenes(3, 6, 3, accuracy__fem=fem):
         result, rtol = run(scene), scene.accuracy.rtol
         verdicts[result.verdict] += 1
         for method, errors in true_errors(result).items():
@@ -136,7 +137,7 @@ def test_sizes_of_the_user_are_not_refined():
     assert "mdr" in result.short_of
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_no_locking_of_an_incompressible_half_space():
     """The estimate bounds the error for unequal rings.
 

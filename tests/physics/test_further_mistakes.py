@@ -16,7 +16,7 @@ from programs import finite_elements, input_of, ours, springs
 from ringwear import Scene, check
 from ringwear.studies.estimate.diagnose import EXPLAINS
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 SEEDS = 20261127, 20261128
 LENGTHS = ("displacement", "profile", "indentation")

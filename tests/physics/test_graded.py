@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import GradedSteadyState
-from independent import Load, Pieces, solved
+from groups import nightly, nightly_but, slow
+from independent import CONSTANT, Pieces, solved
 
 from ringwear import (
     RunningIn,
@@ -81,7 +82,10 @@ def test_many_rings_tend_to_wear_along_the_radius_at_second_order():
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     "table",
-    [along(1.0, 4.0), along(1.0, 0.01), along(1.0, 2.0, 0.5, 1.0, radii=(0.3, 0.4, 0.4, 1))],
+    [
+        along(1.0, 4.0),
+        *nightly(along(1.0, 0.01), along(1.0, 2.0, 0.5, 1.0, radii=(0.3, 0.4, 0.4, 1))),
+    ],
 )
 def test_methods_agree_and_estimates_bound_their_errors(table):
     given = scene("mdr fem bem", **table)
@@ -95,9 +99,7 @@ def test_methods_agree_and_estimates_bound_their_errors(table):
             assert (error <= stated).all(), name
 
 
-@pytest.mark.parametrize(
-    ("last", "shape"), [(4.0, {}), (0.1, {}), pytest.param(4.0, SPHERE, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize(("last", "shape"), [(4.0, {}), (0.1, {}), *slow((4.0, SPHERE))])
 def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     result = run(scene("mdr fem", rings=2, **along(1.0, last), **shape))
     table, slope = result.dataset, last - 1
@@ -160,8 +162,8 @@ def test_scenes_that_share_a_discretisation_resolve_steep_wear_as_well_as_alone(
         assert shared.degrees.min() >= alone.degrees.min()
 
 
-# the others take several seconds each
-FAST = "a thousandfold slope", "a conical point"
+# the others take several seconds each, and all but four are for the night
+SLOW = ("a conical point", "a thousandfold slope", "from the rim", "hollow")
 STEEP = {
     "a conical point": ([0.0, 1.0], [0.9, 1.0], 3e-7),
     "a finer conical point": ([0.0, 1.0], [0.958473, 1.0], 1e-7),
@@ -179,10 +181,8 @@ STEEP = {
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(each, marks=[pytest.mark.slow] * (each not in FAST)) for each in STEEP],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", nightly_but(SLOW, STEEP))
 def test_steady_states_of_steep_wear_in_closed_form(name):
     """The RMS slope was 30 times too large by finite elements, and the verdict could be wrong."""
     radii, values, rtol = STEEP[name]
@@ -211,7 +211,7 @@ def test_steady_states_of_steep_wear_in_closed_form(name):
             assert error.max() <= max(rtol, stated), (quantity, method)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.gmsh
 def test_early_pressures_in_a_steep_ramp():
     """Elements overlapped in a small part of the mesh; pressures there were 20 % off."""
@@ -221,15 +221,14 @@ def test_early_pressures_in_a_steep_ramp():
     given = given.changed(output__quantities=["pressure", "rms_slope", "profile", "indentation"])
     result, problem = run(given), given.problem
     assert result.verdict == "agree"
-    radii, values = (np.array(table["wear_coefficient"][key]) for key in ("radii", "values"))
-    load = Load(np.zeros(1), np.ones(1), np.ones(1))
-    exact, _, _ = solved(problem, Pieces(radii, values[:-1], values[1:]), load, rtol / 5, "line")
+    exact, _, _ = solved(problem, Pieces.of(problem), CONSTANT, rtol / 5, "line")
     for solution in result.solutions.values():
         for name, error in differences(solution.compared, exact, problem.face).items():
             stated = solution.compared_error(problem, name)
             assert (error <= np.maximum(stated, rtol)).all(), name
 
 
+@pytest.mark.slow
 def test_the_anchor_of_pressures_reads_the_least_coefficient_of_a_narrow_dip():
     """At a distance of 1e-12 from the dip, the coefficient is 1.3e-6 greater."""
     table = along(1.0, 1e-3, 1.0, radii=(0.394, 0.39438, 0.3948))

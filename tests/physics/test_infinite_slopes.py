@@ -51,6 +51,7 @@ def test_a_ball_as_wide_as_the_punch_has_no_rms_slope(tmp_path):
     assert left_out.reason == row["reason"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("average", ["line", "area"])
 @pytest.mark.parametrize("excess", [1e-7, 1e-3, 1.0])
 def test_unworn_balls_have_the_slope_in_closed_form(excess, average):

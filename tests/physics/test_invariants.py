@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from groups import slow
 
 from ringwear import Scene, run
 
@@ -14,7 +15,7 @@ TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
 
 @pytest.mark.parametrize(
     "scene",
-    ["flat_punch", "five_rings", "rubber", pytest.param("many_rings", marks=pytest.mark.slow)],
+    ["flat_punch", "five_rings", "rubber", *slow("many_rings")],
 )
 def test_flat_punches_balance_forces_and_stay_in_full_contact(prepare, scene, method):
     punch = prepare(scene, method)
@@ -102,6 +103,7 @@ def dimensionless(a, modulus, force, speed, wear):
     return {name: data[name].to_numpy() / unit for name, unit in units.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "units",
     [

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.linalg import solve
 
 from ringwear import (
     ContactCells,
@@ -107,39 +106,6 @@ def test_a_force_added_at_a_stop_acts_as_a_second_flat_punch(prepare):
     check_same(punch.space, history, *exact)
 
 
-def implicit_euler(half_space, loading, steps):
-    """Return pressure and depth at the last knot by implicit steps of ``d b - A p = K int p``."""
-    matrix, weights = half_space.matrix, half_space.space.weights
-    mass = half_space.space.mass(FIVE.wear_coefficients).toarray()
-    worn, start = np.zeros(len(weights)), solve(matrix, weights, assume_a="pos")
-    pressure = start / (weights @ start)
-    for begin, end in zip(loading.times[:-1], loading.times[1:], strict=True):
-        ends = np.linspace(begin, end, steps + 1)
-        lengths = np.diff(loading.at(ends).distance)
-        for length, force in zip(lengths, loading.at(ends[1:]).force, strict=True):
-            both = np.column_stack([weights, mass @ worn])
-            flat, lost = solve(matrix + length * mass, both, assume_a="pos").T
-            depth = (force + weights @ lost) / (weights @ flat)
-            pressure = depth * flat - lost
-            worn += length * pressure
-    return pressure, depth
-
-
-def test_a_thousand_random_rises_against_implicit_steps():
-    half_space, loading = compliance(12, 1e-2), random_loading(1000, rising=True)
-    last = loading.times[-1:]
-    exact = wear_by_modes(half_space, loading).modal(last)
-    errors = []
-    for steps in (2, 4):
-        pressure, depth = implicit_euler(half_space, loading, steps)
-        wrong = np.abs(pressure - exact.pressure[0]).max() / exact.pressure[0].max()
-        errors.append((wrong, abs(depth / exact.indentation[0] - 1)))
-    (coarse, deep), (fine, less_deep) = errors
-    assert coarse < 1e-4
-    assert coarse / fine == pytest.approx(2, rel=0.05)
-    assert deep / less_deep == pytest.approx(2, rel=0.05)
-
-
 def test_steps_agree_with_the_modes_while_the_force_rises(monkeypatch):
     half_space, loading, times = compliance(), random_loading(20, True), np.linspace(0.1, 1.5, 8)
     exact = wear_by_modes(half_space, loading).modal(times)
@@ -192,23 +158,6 @@ def test_worn_volume_over_k_is_the_integral_of_the_force(height):
     assert history.gap.min() >= -1e-12 * np.abs(history.indentation).max()
 
 
-@pytest.mark.gmsh
-def test_methods_agree_on_a_rising_force():
-    """The force rises during a stop, too, where pressures at the rim become infinite again."""
-    result = run(
-        Scene.load("five_rings").changed(
-            methods=["mdr", "fem"],
-            load__normal_force={"times": [0.0, 0.1, 0.5], "values": [0.0, 1.0, 2.0]},
-            load__sliding_speed={"times": [0.2, 0.3, 0.4], "values": [0.0, 0.0, 2.0]},
-            wear__times=[0.0, 0.25, 0.5, 2.0],
-            accuracy__rtol=1e-3,
-        )
-    )
-    assert result.verdict == "agree"
-    assert all(row.agrees for row in result.agreement)
-    assert result.dataset.normal_force[0].values == pytest.approx([0, 1.375, 2, 2], rel=1e-12)
-
-
 @pytest.mark.slow
 def test_methods_agree_on_a_duty_cycle():
     result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr", "fem"])
@@ -237,55 +186,3 @@ def test_stored_steps_follow_a_varying_load():
     assert stored.step_normal_force.to_numpy() == pytest.approx(forces, rel=1e-9, abs=1e-9)
     # the ends of contact, the next application of the brake, and the last stop are among the steps
     assert {4.5, 10.0, 14.5} <= set(times)
-
-
-EDGES = np.array([0.0, 1 / 3, 2 / 3, 1.0])
-
-
-def radii_in_layers():
-    """Return radii that resolve layers of 1e-6 at every ring edge, on both sides."""
-    near = np.geomspace(1e-9, 1 / 6, 500)
-    sides = [*(edge - near for edge in EDGES[1:]), *(edge + near for edge in EDGES[:-1])]
-    return np.unique(np.concatenate([*sides, EDGES]))
-
-
-def rms_slope(radii, heights):
-    """Return the root mean square over the line of the slopes of heights (..., R)."""
-    return np.sqrt((np.diff(heights) ** 2 / np.diff(radii)).sum(axis=-1))
-
-
-@pytest.mark.gmsh
-@pytest.mark.parametrize(("jump", "later"), [(0.8, 1e-5), (0.8, 1e-3), (0.05, 1e-5)])
-def test_a_jump_of_the_force_acts_as_a_second_flat_punch(jump, later):
-    """After a jump, the worn face is the sum of those of two constant forces (superposition)."""
-    radii, first = radii_in_layers(), 1 - jump
-    three = Scene.of(
-        {
-            "punch": {"radius": 1.0, "rings": 3, "wear_coefficients": [1.0, 0.1]},
-            "half_space": {"plane_strain_modulus": 1.0, "poisson_ratio": 0.3},
-            "load": {"normal_force": 1.0},
-            "wear": {"times": [later, 0.5 + later]},
-            "accuracy": {"rtol": 1e-6},
-            "output": {"radii": radii.tolist(), "quantities": ["pressure", "profile", "rms_slope"]},
-        }
-    )
-    constant = run(three, methods=["mdr"]).dataset.sel(solver="mdr")
-    assert rms_slope(radii, constant.profile.values) == pytest.approx(
-        constant.rms_slope.values, rel=1e-3
-    )
-    profile, pressure = (
-        first * constant[name].values[1] + jump * constant[name].values[0]
-        for name in ("profile", "pressure")
-    )
-    force = {"times": [0.0, 0.5, 0.5 + 1e-9], "values": [first, first, 1.0]}
-    jumping = three.changed(
-        load__normal_force=force, wear__times=[0.5 + later], accuracy__rtol=1e-3
-    )
-    result = run(jumping, methods=["mdr", "fem"])
-    assert result.verdict == "agree"
-    inside = np.abs(radii[:, None] - EDGES[1:]).min(axis=1) > 1e-4
-    for values in result.dataset.isel(time=0).transpose("solver", ...).groupby("solver"):
-        data = values[1].squeeze()
-        slope = rms_slope(radii, profile)
-        assert float(data.rms_slope) == pytest.approx(slope, rel=2e-3)
-        np.testing.assert_allclose(data.pressure[inside], pressure[inside], rtol=5e-3)

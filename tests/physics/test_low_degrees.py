@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
-from wear_reference import random_scenes, true_errors
+from groups import nightly
+from independent import true_errors
+from random_scenes import random_scenes
 
 from ringwear import Scene, SceneError, differences, run
 
@@ -20,7 +22,7 @@ def exact():
     return run(FIVE.changed(accuracy__rtol=1e-7), methods=["mdr"]).solutions["mdr"]
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.45, 0.49])
+@pytest.mark.parametrize("poisson_ratio", [*nightly(0.0, 0.45), 0.49])
 @pytest.mark.parametrize(("mesher", "degree"), LOW)
 def test_estimates_bound_the_errors_of_low_degrees(exact, mesher, degree, poisson_ratio):
     """This includes a ratio near incompressibility, where linear elements begin to lock."""
@@ -50,7 +52,9 @@ def test_the_flat_start_by_linear_elements(mesher):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
+@pytest.mark.parametrize(
+    "mesher", [*nightly("bisection"), pytest.param("quads", marks=pytest.mark.gmsh)]
+)
 def test_estimates_of_linear_elements_on_random_scenes(mesher):
     """No error is above rtol with an estimate below, and few errors exceed their estimate.
 

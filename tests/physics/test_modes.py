@@ -7,22 +7,6 @@ import xarray
 from ringwear import Scene, differences, run
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("ratio", [1e-6, 1e-12])
-def test_slow_rings_do_not_change_early_times(ratio):
-    """Rings that hardly wear relax far more slowly, but do not affect the others."""
-    scene = Scene.load("five_rings").changed(
-        methods=["mdr"], wear__times=[0.0, 1e-6, 1e-4], accuracy__rtol=1e-3
-    )
-    result, limit = (
-        run(scene.changed(punch__wear_coefficients=[1.0, slow])).dataset.isel(solver=0)
-        for slow in (ratio, 1e-14)
-    )
-    for name in ("indentation", "rms_slope", "ring_force"):
-        # to within rtol
-        np.testing.assert_allclose(result[name], limit[name], rtol=1e-3)
-
-
 def test_results_with_different_numbers_of_modes_are_compared():
     times = np.array([1.0, 0.5, 0.25])
     three, two = (

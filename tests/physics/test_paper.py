@@ -76,6 +76,7 @@ def test_times_of_the_states(five):
     assert completed.item() == pytest.approx(LAST_FRACTION, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_methods_agree_in_every_state(five):
     assert five.states.solver.values.tolist() == ["mdr", "fem", "bem"]
     for name in ("f_over_d0", "g_over_d0"):
@@ -86,6 +87,7 @@ def test_methods_agree_in_every_state(five):
     np.testing.assert_allclose(later, later[:, [0, 0, 0]], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_line_profile_is_equation_three(five):
     """Eq. 3 with its missing f(0), applied to the profile; the study integrates the pressure."""
     radii, states = five.states.radius.values, five.states.sel(solver="mdr")
@@ -99,6 +101,7 @@ def test_line_profile_is_equation_three(five):
     np.testing.assert_allclose(by_pressure[1:-1], by_profile[1:-1], atol=1e-2)
 
 
+@pytest.mark.slow
 def test_steady_state_in_units_of_the_paper(five):
     """Of 25 equal areas, 15 wear slowly and 10 ten times faster.
 

@@ -101,19 +101,6 @@ def test_a_ball_narrower_than_the_punch_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("kind", "words"),
-    [
-        ("sphere", "'parabola'.*'ball'"),
-        ("bal", "did you mean 'ball'"),
-        ("annulus", "inner_radius"),
-    ],
-)
-def test_an_unknown_kind_is_refused_with_a_suggestion(kind, words):
-    with pytest.raises(SceneError, match=words):
-        pressed({"kind": kind, "ball_radius": 1.0})
-
-
-@pytest.mark.parametrize(
     ("key", "word"),
     [
         ("load__friction_coefficient", "no friction"),

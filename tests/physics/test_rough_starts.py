@@ -4,13 +4,14 @@ import time
 
 import pytest
 from closed_forms import PowerPunch
+from groups import nightly
 from rough_faces import rough, with_heights
 
 from ringwear import run
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("depth", [1e-12, 1e-9, 1e-3])
+@pytest.mark.parametrize("depth", [1e-12, *nightly(1e-9, 1e-3)])
 def test_a_sphere_under_any_indentation(depth):
     """Hertz: ``F = 4/3 sqrt(R) d^1.5``."""
     sphere = {"kind": "parabola", "curvature_radius": 1.0}

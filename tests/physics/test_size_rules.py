@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from wear_reference import exact_results
+from independent import exact_results
 
 from ringwear import Scene, Stages, differences, method
 from ringwear.meshes import sizes

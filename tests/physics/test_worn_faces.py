@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly
 
 from ringwear import Scene, direct, run
 
@@ -53,7 +54,7 @@ HUMP = Scene.from_table(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["mdr", "fem"])
+@pytest.mark.parametrize("method", [*nightly("mdr"), "fem"])
 def test_a_run_in_face_has_the_steady_slope(method):
     # slopes are not promised while edges of the contact move, and a finer march has finer slopes
     result = run(RIPPLES.changed(accuracy__rtol=2e-4), methods=[method])
@@ -71,7 +72,7 @@ def test_a_run_in_face_has_the_steady_slope(method):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["mdr", "fem"])
+@pytest.mark.parametrize("method", [*nightly("mdr"), "fem"])
 def test_displacements_where_wear_varies_along_the_radius(method):
     data = run(HUMP, methods=[method]).dataset.isel(solver=0, time=-1)
     edges = np.union1d(np.linspace(0, 1, 801), [0.4])

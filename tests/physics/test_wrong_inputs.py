@@ -10,6 +10,7 @@ import subprocess
 import numpy as np
 import pytest
 from checks import mistakes
+from groups import nightly, nightly_but
 from programs import finite_elements, input_of, ours, springs
 
 import ringwear
@@ -69,9 +70,7 @@ def in_other_units(column, factor):
     ("column", "factor"),
     [
         ("indentation", 1e3),
-        ("displacement", 1e3),
-        ("profile", 1e6),
-        ("pressure", 1e-3),
+        *nightly(("displacement", 1e3), ("profile", 1e6), ("pressure", 1e-3)),
     ],
 )
 def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor):
@@ -148,13 +147,10 @@ WRONG = {
     ),
     "load of a ball": (BALL, {"load__normal_force": 56.0}, "normal force", 1.4),
 }
-QUICK = {"edges 5 % in", "two of three swapped"}
+QUICK = {"two of three swapped"}
 
 
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in WRONG],
-)
+@pytest.mark.parametrize("name", nightly_but(QUICK, WRONG))
 def test_a_single_wrong_input_is_named_and_no_other_is_sure(name):
     scene, changes, cause, size = WRONG[name]
     first, *others = looks(scene, ours(scene, **changes))

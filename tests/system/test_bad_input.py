@@ -205,6 +205,22 @@ COMMANDS = [
     ("compare five_rings there", "it has no summary.json; give a folder"),
     ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
     ("check five_rings a.csv a.csv", "a.csv is given twice: give each file once"),
+    ("run /dev/null", "missing keys punch, half_space, load"),
+    ("run five_rings --out ''", "give a directory"),
+    ("run five_rings --out bytes", "bytes is not a directory"),
+    ("run five_rings --out bytes/below", "another directory"),
+    ("run five_rings --out dangling", "directory"),
+    ("run five_rings --out /dev/null/nothing", "written"),
+    ("run five_rings --rtol nan", "1e-9 to 0.1"),
+    ("run five_rings --methods mdr,fdm", "'fdm'"),
+    ("run five_rings --memory 0.1", "punch.rings"),
+    ("", "COMMAND"),
+    ("plan", "scene"),
+    ("compare five_rings", "B"),
+    ("study refinement --mesh none.msh --out new", "--mesh none.msh: no such file"),
+    ("study refinement --mesh bytes --out new", "--mesh bytes"),
+    ("study refinement --mesh there --out new", "directory"),
+    ("study refinement --mesh '' --out new", "--mesh"),
 ]
 
 
@@ -213,11 +229,12 @@ def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
+    (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
     line = refused(call, capsys)
     assert words in line
     # the line has no path of the installation
     assert "studies/" not in line
-    assert {file.name for file in tmp_path.iterdir()} == {"there", "bytes"}
+    assert {file.name for file in tmp_path.rglob("*")} == {"there", "bytes", "dangling"}
 
 
 SWEEP = 'base = "flat_punch"\nkeep = ["indentation"]\n'

@@ -69,11 +69,6 @@ def test_field_times_without_a_history_are_refused_before_anything_is_computed(t
     assert not (tmp_path / "out").exists()
 
 
-def test_a_study_of_flat_punches_refuses_a_sphere(capsys):
-    assert main(["study", "truncation", "sphere"]) == 2
-    assert "flat punches" in capsys.readouterr().err
-
-
 @pytest.mark.slow
 def test_a_face_too_rough_for_the_cells_ends_with_status_3(tmp_path):
     heights = np.random.default_rng(200).uniform(0, 0.5, 200)

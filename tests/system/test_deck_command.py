@@ -7,6 +7,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from groups import slow
 
 import ringwear
 from ringwear import Scene, main
@@ -75,7 +76,7 @@ def written(folder, job):
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize("scene", ["polishing_pad", "hard_film"])
+@pytest.mark.parametrize("scene", ["polishing_pad", *slow("hard_film")])
 def test_the_layers_of_a_deck_are_sets_of_elements(scene, tmp_path):
     """Each element belongs to one set, whose material is that of the layer at its depth."""
     scene = Scene.load(scene)

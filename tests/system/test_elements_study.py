@@ -49,6 +49,7 @@ STABLE = [
 
 
 # meshes by bisection are not of one shape at all levels
+@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(("pressure", "degree"), STABLE)
 def test_eigenvalues_of_stable_pairs_stay_bounded(results, pressure, degree):
@@ -61,6 +62,7 @@ def test_eigenvalues_of_stable_pairs_stay_bounded(results, pressure, degree):
     assert (np.diff(errors["pressure start"]) < 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_checkerboards_lose_the_pressure_but_not_the_indentation(results):
     errors = levels_of(results, "broken everywhere", 1)
@@ -76,6 +78,7 @@ def test_checkerboards_lose_the_pressure_but_not_the_indentation(results):
     assert errors["pressure later"][-1] < 2 * stable["pressure later"][-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pressure", ["broken at ring edges", "broken everywhere"])
 def test_singular_pairs_are_refused(results, pressure):
     table = results.table
@@ -86,6 +89,7 @@ def test_singular_pairs_are_refused(results, pressure):
     assert "is singular" in row["message"]
 
 
+@pytest.mark.slow
 def test_the_choice_table_classifies_all_pairs(results):
     choice = results.tables["choice"].set_index(["pressure", "pressure degree"])
     assert {key for key, row in choice.iterrows() if row["stable"] == "yes"} == set(STABLE)
@@ -97,6 +101,7 @@ def test_the_choice_table_classifies_all_pairs(results):
     assert {"elements", "start_pressure", "locking", "checkerboards"} <= set(results.figures)
 
 
+@pytest.mark.slow
 def test_quadratic_triangles_lock(results):
     locking = results.table[results.table["case"] == "towards nu = 1/2"]
     errors = locking["error"].abs().to_numpy()

@@ -10,6 +10,7 @@ import time
 import pandas as pd
 import pytest
 import tomli_w
+from groups import nightly
 
 from ringwear import Scene, load, main
 
@@ -35,7 +36,10 @@ def shell(command, folder, **options):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("streams", "status", "words"), STREAMS)
+@pytest.mark.parametrize(
+    ("streams", "status", "words"),
+    [STREAMS[0], *nightly(*STREAMS[1:])],
+)
 def test_results_are_written_whatever_happens_to_the_streams(streams, status, words, tmp_path):
     done = shell(f"{RUN} {streams}", tmp_path)
     assert done.returncode == status
@@ -61,7 +65,7 @@ COMMANDS = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", COMMANDS)
 def test_no_command_loses_its_files(name, tmp_path, monkeypatch):
     command, files = COMMANDS[name]
@@ -110,7 +114,7 @@ sys.exit(main(["study", "march", "--quick", "--out", sys.argv[1]]))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ignored", [False, True])
+@pytest.mark.parametrize("ignored", [False, *nightly(True)])
 def test_a_study_keeps_its_rows_when_its_terminal_is_closed(ignored, tmp_path):
     """SIGHUP ends it like SIGTERM, unless `nohup` ignores the signal; the terminal is gone then."""
     out = tmp_path / "out"

@@ -182,6 +182,7 @@ def test_differences_over_time_look_like_their_method(worn):
     assert len(fem) == len(mdr) == len(fem | mdr) - 1 == 1
 
 
+@pytest.mark.slow
 def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(grooved):
     figure = grooved.plot("stress")
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]

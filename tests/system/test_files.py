@@ -101,6 +101,7 @@ def test_the_dataset_of_a_run_is_that_of_xarray(done):
         xarray.testing.assert_identical(data[name].variable, read[name].variable)
 
 
+@pytest.mark.slow
 def test_results_nc_has_all_quantities(results):
     dims = {name: ("solver", *dims) for name, dims in (VARIABLES | ANSWER).items()}
     assert {name: results[name].dims for name in results} == dims
@@ -199,6 +200,7 @@ def test_a_run_writes_all_its_files(done):
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in done.glob("*.png"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "figures"),
     [
@@ -248,6 +250,7 @@ def test_an_accuracy_that_is_not_reached_ends_with_status_3(tmp_path, capsys):
     assert any("undecided: " in line and "indentation" in line for line in lines)
 
 
+@pytest.mark.slow
 def test_the_inside_is_written_as_a_series(tmp_path):
     """ParaView opens one file for each time, with the same numbers as the file of all times."""
     scene = Scene.load("flat_punch").changed(

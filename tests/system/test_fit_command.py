@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from groups import nightly
 
 import ringwear
 from ringwear import Scene, main
@@ -81,8 +82,8 @@ def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path,
     assert "THE MODEL DOES NOT FIT" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("count", [5, 7, 9, 30])
-@pytest.mark.parametrize("noise", [None, "1 %"])
+@pytest.mark.parametrize("count", [5, *nightly(7, 9, 30)])
+@pytest.mark.parametrize("noise", [None, *nightly("1 %")])
 def test_few_values_are_tested_against_archards_law(measured, tmp_path, capsys, count, noise):
     """The worn volume is k F v t; one that grows faster than the time contradicts the law."""
     times = np.geomspace(60.0, 40_000.0, count)
@@ -126,20 +127,6 @@ def test_wrong_data_and_options_are_refused_in_one_line(
     assert main(command) == 2
     assert words in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
-
-
-def test_a_file_given_twice_is_refused(measured, capsys):
-    data = str(measured / "data.csv")
-    command = [
-        "fit",
-        str(measured / "pin.toml"),
-        data,
-        data,
-        "--parameters",
-        "punch.wear_coefficient",
-    ]
-    assert main(command) == 2
-    assert f"{data} and {data} are one file: give each table once" in capsys.readouterr().err
 
 
 def test_a_parameter_without_effect_is_named_in_plain_words(measured):

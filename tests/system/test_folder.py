@@ -12,11 +12,13 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import product
 
 import jinja2
 import meshio
 import pytest
 import xarray
+from groups import nightly
 from matplotlib.figure import Figure
 
 from ringwear import Scene, main
@@ -130,19 +132,19 @@ def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
     assert contents(tmp_path) == before
 
 
-# file that exists when the run is stopped: none, half-written numbers, numbers, a figure
+# the signal, and the file that exists when the run is stopped: none, numbers, or a figure
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    "seen",
+    ("number", "seen"),
     [
-        "",
-        "results.nc",
-        pytest.param("summary.json", marks=pytest.mark.slow),
-        pytest.param("half_space.vtu", marks=pytest.mark.slow),
-        pytest.param("history.png", marks=pytest.mark.slow),
+        (signal.SIGTERM, ""),
+        (signal.SIGINT, "results.nc"),
+        *nightly(
+            *product(
+                (signal.SIGTERM, signal.SIGINT), ("summary.json", "half_space.vtu", "history.png")
+            )
+        ),
     ],
-)
-@pytest.mark.parametrize(
-    "number", [signal.SIGTERM, pytest.param(signal.SIGINT, marks=pytest.mark.slow)]
 )
 def test_signals_end_a_run_cleanly(number, seen, tmp_path):
     # where the tests themselves run in the background, the shell has told them to ignore SIGINT

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 import subprocess
@@ -11,8 +10,9 @@ import sys
 import netCDF4
 import pytest
 import tomli_w
+from groups import nightly
 
-from ringwear import Scene, compare, main
+from ringwear import Scene, main
 
 # list of the files in a folder that ringwear has written
 MARKER = ".ringwear.json"
@@ -87,17 +87,6 @@ def test_foreign_folders_with_names_of_ringwear_stay(tmp_path, capsys, name, kin
     assert {"results.nc", "summary.json", MARKER} == set(os.listdir(out))
 
 
-@pytest.mark.parametrize("marker", [["results.nc"], {"run": "results.nc"}, {"run": [3]}, 3, None])
-def test_a_malformed_marker_is_ignored(tmp_path, capsys, marker):
-    """It claims no file for ringwear."""
-    (tmp_path / MARKER).write_text(json.dumps(marker))
-    (tmp_path / "results.nc").write_text("mine")
-    assert main([*DIRECT, str(tmp_path)]) == 2
-    assert "results.nc" in error_line(capsys)
-    (tmp_path / "results.nc").unlink()
-    assert main([*DIRECT, str(tmp_path)]) == 0
-
-
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
     tmp_path, monkeypatch, capsys, number
@@ -114,19 +103,6 @@ def test_a_stop_while_files_are_moved_reports_that_they_are_in_place(
     assert "in place" in line
     assert "no incomplete files" not in line
     assert (tmp_path / "out" / "results.nc").exists()
-
-
-@pytest.mark.slow
-def test_csv_cells_are_not_formulas(tmp_path, monkeypatch):
-    """Titles of scenes and names of other programs that a spreadsheet would compute are texts."""
-    monkeypatch.chdir(tmp_path)
-    flat = Scene.load("flat_punch").changed(methods=["direct"])
-    compare(*(flat.changed(title=title) for title in ("=1+1", "plain"))).save("compared")
-    assert "title,'=1+1,plain" in (tmp_path / "compared" / "scenes.csv").read_text()
-    (tmp_path / "=cmd.csv").write_text("time,indentation\n0,1\n")
-    assert main(["check", "flat_punch", "=cmd.csv", "--out", "checked"]) == 0
-    head, row, *_ = (tmp_path / "checked" / "check.csv").read_text().splitlines()
-    assert dict(zip(head.split(","), row.split(","), strict=True))["solver"] == "'=cmd.csv"
 
 
 def test_a_small_file_that_declares_huge_arrays_is_refused(tmp_path, capsys):
@@ -146,7 +122,9 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize("command", ["run scene.toml", "sweep sweep.toml", "run /dev/zero"])
+@pytest.mark.parametrize(
+    "command", ["run scene.toml", *nightly("sweep sweep.toml", "run /dev/zero")]
+)
 def test_an_endless_file_is_refused(tmp_path, command):
     """It is refused before it is read."""
     scene = Scene.load("flat_punch").table()

@@ -1,11 +1,8 @@
 """First guesses of users of numpy and xarray: they work, or a line states what to write."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
-import xarray
 
 import ringwear
 from ringwear import (
@@ -42,15 +39,7 @@ def set_radius(_):
 WORKING = [
     (lambda of: of["indentation"], lambda got: got.sizes["solver"] == 2),
     (lambda of: of["time"], lambda got: got.ndim == 1),
-    (lambda of: of.dataset["indentation"].sel(solver="mdr"), lambda got: got.ndim == 1),
-    (lambda _: SCENE.load.normal_force, lambda got: got == 2.0),
     (lambda _: SCENE.changed({"punch.rings": 3}), lambda got: got.punch.rings == 3),
-    (lambda _: SCENE.changed(punch__rings=3), lambda got: got.punch.rings == 3),
-    (lambda _: SCENE.changed(**{"punch.rings": 3}), lambda got: got.punch.rings == 3),
-    (
-        lambda _: SCENE.changed({"load.mean_pressure": 3.0}),
-        lambda got: got.load.normal_force is None and got.load.mean_pressure == 3.0,
-    ),
     (
         lambda _: SCENE.changed(wear__times=np.linspace(0, 1, 3)),
         lambda got: got.wear.times == [0.0, 0.5, 1.0],
@@ -73,7 +62,6 @@ WORKING = [
         lambda of: compare(of, of),
         lambda got: got.same and len(got.table) and not len(got.scenes),
     ),
-    (lambda _: dir(ringwear), lambda got: {"SceneError", "Result", "compare"} <= {*got}),
     (
         lambda of: fit(SCENE, of.dataset.sel(solver="mdr"), "load.sliding_speed", noise=1e-3),
         lambda got: got.estimates.low.iloc[0] < 1.0 < got.estimates.high.iloc[0],
@@ -91,14 +79,6 @@ WORKING = [
         lambda got: got.wear_ratio.values.tolist() == [1.0, 10.0],
     ),
     (
-        lambda _: sweep(
-            "five_rings",
-            {"punch.wear_ratio": xarray.DataArray([1.0, 2.0])},
-            keep="steady_wear_rate",
-        ),
-        lambda got: got.wear_ratio.values.tolist() == [1.0, 2.0],
-    ),
-    (
         # a constant height leaves the whole face in contact
         lambda _: run(SCENE.with_heights(lambda _: 0.1), methods="mdr", rtol=0.1),
         lambda got: abs(float(got.answers["mdr"]["contact_radius_start"]) - 1.0) < 1e-6,
@@ -114,41 +94,28 @@ def test_guesses_that_work(guess, wanted, result):
 # the guess, and words of the line that states what to write
 TOLD = [
     (lambda of: of.pressure, "write result.dataset.pressure"),
-    (lambda of: of.d, "write result.dataset.indentation"),
-    (lambda of: of.times, "write result.dataset.time"),
     (lambda of: of.sel(solver="mdr"), "write result.dataset.sel"),
     (lambda of: of.answer, "did you mean result.answers?"),
-    (lambda of: of["d"], "did you mean 'indentation'?"),
-    (lambda of: of["indentatoin"], "did you mean 'indentation'?"),
     (lambda of: of.error("indentatoin"), "did you mean 'indentation'?"),
     (lambda of: of.plot("histroy"), "did you mean 'history'?"),
     (set_radius, "write scene.changed({'punch.radius': 2.0})"),
     (lambda _: SCENE.radius, "write scene.punch.radius"),
-    (lambda _: SCENE.rtol, "write scene.accuracy.rtol"),
     (lambda _: SCENE.run(), "write ringwear.run(scene)"),
     (lambda _: SCENE.to_dict(), "write scene.table()"),
     (lambda _: SCENE.changed(rings=3), "write changed({'punch.rings': 3})"),
-    (lambda _: SCENE.changed("punch.rings"), "write changed({'punch.rings': 3})"),
     (lambda _: SCENE.changed(punch__radios=2.0), "did you mean radius?"),
     (lambda _: Scene("five_rings"), "write Scene.load('five_rings')"),
     (lambda _: Scene.from_dict({}), "write Scene.from_table({...})"),
-    (lambda _: Scene.load("five_ring"), "did you mean five_rings?"),
     (lambda _: Scene.load(None), "give a Scene, the name of a bundled one"),
-    (lambda _: run(pd.DataFrame()), "give a Scene, the name of a bundled one"),
     (lambda _: run("five_rings", method="fem"), "write methods='fem'"),
-    (lambda _: run("five_rings", tol=1e-3), "write rtol=0.001"),
     (lambda _: run("five_rings", rings=3), "write run(scene.changed({'punch.rings': 3}))"),
     (lambda _: run("five_rings", out="here"), "write run(...).save('here')"),
     (lambda _: run("five_rings", methods=["FEM"]), "did you mean 'fem'?"),
     (lambda _: run("five_rings", methods=3), "write ['mdr', 'fem']"),
-    (lambda _: run("five_rings", rtol="small"), "give the relative accuracy"),
     (lambda _: run("five_rings", quantities="presure"), "did you mean 'pressure'?"),
     (lambda _: load(3), "give one that `ringwear run` has written"),
     (lambda _: check("five_rings", {}), "{'abaqus': 'abaqus.csv'}"),
-    (lambda _: check("five_rings", np.zeros(3)), "{'abaqus': 'abaqus.csv'}"),
     (lambda _: check("five_rings", TABLE, method="mdr"), "write methods='mdr'"),
-    (lambda _: check("five_rings", TABLE, within=-1), "give a positive number"),
-    (lambda _: plan("five_ring"), "did you mean five_rings?"),
     (lambda _: study("convergance"), "did you mean convergence?"),
     (lambda _: sweep("five_rings", {"rings": [1, 2]}), "did you mean punch.rings?"),
     (lambda _: sweep("five_rings", rings=[1]), "write sweep(scene, {'punch.rings': [1]})"),
@@ -160,61 +127,42 @@ TOLD = [
     (lambda _: compare("five_rings"), "missing 1 required positional argument: 'b'"),
     (lambda _: ringwear.solve("five_rings"), "write ringwear.run"),
     (lambda _: ringwear.Rusult, "did you mean Result?"),
-    (lambda _: ringwear.run_scene, "write ringwear.run"),
     (lambda _: ringwear.list_scenes, "`ringwear scenes`"),
     (lambda of: of["mdr"], "write result.dataset.sel(solver='mdr')"),
-    (lambda of: of.mdr, "write result.dataset.sel(solver='mdr')"),
-    (lambda of: of.df, "write result.dataset"),
     (lambda of: of.to_csv("x"), "write result.save(folder)"),
     (lambda of: of.figures, "write result.plot('history')"),
     (lambda of: of.answers["time_to_90"], "write answers['mdr']['time_to_90']"),
     (lambda of: of.save(3), "3 is no folder: give its name"),
     (lambda _: SCENE["punch"], "write scene.punch"),
-    (lambda _: SCENE["rings"], "write scene.punch.rings"),
-    (lambda _: SCENE.check(), "write ringwear.plan(scene)"),
     (lambda _: SCENE.changed("punch.rings", 3), "write changed({'punch.rings': 3})"),
     (lambda _: Scene.list(), "`ringwear scenes`"),
     (lambda _: Scene.from_toml("five_rings.toml"), "write Scene.load(file)"),
-    (lambda _: Scene.from_toml(Path("five_rings.toml")), "write Scene.load(file)"),
     (lambda _: Scene.from_table("five_rings"), "write Scene.load(file)"),
     (
         lambda _: run(SCENE.with_heights(lambda _: [1.0, 2.0]), methods="mdr"),
         "return one height for each radius",
     ),
-    (lambda _: run("five_rings", punch__rings=3), "write run(scene.changed({'punch.rings': 3}))"),
     (lambda _: run("five_rings", verbose=True), "logging.getLogger('ringwear')"),
     (lambda _: plan("five_rings", rtol=0.1), "plan(scene.changed({'accuracy.rtol': 0.1}))"),
-    (lambda _: check("five_rings", TABLE, sizes=0.1), "give two or more results"),
     (lambda _: check("five_rings", TABLE, columns=["p"]), "such as {'p': 'pressure'}"),
     (lambda _: check("five_rings", TABLE, tol=0.1), "has no argument 'tol'"),
     (lambda _: study(["march"]), "give one of paper, convergence"),
-    (lambda _: study("march", steps=0), "give steps above 0, up to 2"),
     (lambda _: study("march", steps=["a"]), "give numbers, such as [0.1, 0.05]"),
     (lambda _: study("convergence", quantities="depth"), "give functions of the result of a run"),
-    (lambda _: study("convergence", quantities=[3]), "give functions of the result of a run"),
-    (lambda _: study("refinement", meshes="none.msh"), "--mesh none.msh: no such file"),
     (lambda _: study("refinement", meshes=[3]), "meshes has 3: give mesh files"),
     (lambda _: study("elements", elements="Tri2"), "--element Tri2: is not an element"),
-    (lambda _: sweep(SCENE, punch__rings=[2]), "write sweep(scene, {'punch.rings': [2]})"),
     (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, workers=0), "give a whole number, 1 or more"),
-    (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, store=3), "3 is no folder"),
     (lambda _: deck(SCENE, "calculx", "x"), "did you mean 'calculix'?"),
     (lambda _: deck(SCENE, "calculix", "x", size="a"), "size = ['a']: give numbers"),
-    (lambda _: deck(SCENE, "calculix", "x", times=["a"]), "times = ['a']: give numbers"),
-    (lambda _: deck(SCENE, "calculix", 3), "3 is no folder"),
     (lambda _: fit(SCENE, TABLE, "load.sliding_speed", sigma=1.0), "write noise=1.0"),
     (lambda _: fit(SCENE, TABLE, "load.sliding_speed", noise=[1]), "or a text such as '2 um'"),
     (lambda _: fit(SCENE, TABLE, 3, noise=1.0), "3 is not a list of names"),
-    (lambda _: fit(SCENE, TABLE, [3], noise=1.0), "give names, such as 'punch.wear_coefficients'"),
     (lambda _: fit(SCENE, {"a": np.zeros((2, 2))}, "k"), "is no table: give files"),
     (lambda _: STUDY.df, "write study.table"),
-    (lambda _: STUDY.plot(), "write study.figures"),
-    (lambda _: STUDY.to_csv("x"), "write study.save(folder)"),
     (lambda _: STUDY.conclusion, "did you mean study.conclusions?"),
     (lambda _: STUDY["march"], "write study.table"),
     (lambda of: compare(of, of).to_csv("x"), "write comparison.save(folder)"),
     (lambda _: fit(SCENE, TABLE, "load.sliding_speed", 1e-3).params, "write fit.estimates"),
-    (lambda _: fit(SCENE, TABLE, "load.sliding_speed", 1e-3).plot(), "write fit.figures"),
 ]
 
 
@@ -231,25 +179,13 @@ NUMBER = np.float64(-2.0)
 # guesses with numbers, texts and arrays of numpy, which messages show as plain ones
 OF_NUMPY = [
     (lambda _: check("five_rings", TABLE.assign(indentation=np.inf)), "'indentation': inf;"),
-    (lambda _: check("five_rings", TABLE.assign(time=-0.1)), "'time': -0.1;"),
     (lambda _: check("five_rings", TABLE, within=NUMBER), "within = -2.0:"),
-    (lambda _: SCENE.changed(rings=np.int64(3)), "write changed({'punch.rings': 3})"),
     (lambda _: SCENE.changed(times=np.array([0.0, 1.0])), "changed({'wear.times': [0.0, 1.0]})"),
     (lambda _: SCENE.changed({NUMBER: 1.0}), "unknown key -2"),
     (lambda _: setattr(SCENE.punch, "radius", -NUMBER), "changed({'punch.radius': 2.0})"),
     (lambda _: run("five_rings", tol=np.float32(0.5)), "write rtol=0.5"),
-    (
-        lambda _: run("five_rings", rings=np.int64(3)),
-        "write run(scene.changed({'punch.rings': 3}))",
-    ),
     (lambda _: run("five_rings", methods=np.array(["mdr", "fen"])), "did you mean 'fem'?"),
     (lambda of: of.error(NUMBER), "no error estimate of -2.0"),
-    (lambda of: of[NUMBER], "no -2.0 in these results"),
-    (lambda of: of.plot(NUMBER), "no figure -2.0"),
-    (lambda _: load(NUMBER), "-2.0 is no folder"),
-    (lambda _: Scene(NUMBER), "Scene.load(-2.0)"),
-    (lambda _: study(NUMBER), "no study -2.0"),
-    (lambda _: study("refinement", degree=np.int64(3)), "give --mesh FILE"),
 ]
 
 
@@ -267,22 +203,3 @@ def test_an_error_within_a_property_is_reported(result, monkeypatch):
     monkeypatch.setattr(type(result), "plots", property(lambda _: [].nothing))
     with pytest.raises(AttributeError, match="'list' object has no attribute 'nothing'"):
         _ = result.plots
-
-
-def test_columns_of_a_table_are_results_of_another_program():
-    checked = check("flat_punch", {"time": [0.0], "indentation": [1.0]}, methods=["mdr"])
-    assert checked.passes
-
-
-def test_a_comparison_has_a_table_a_verdict_and_figures(result, tmp_path):
-    """At the start everything is linear in the force."""
-    twice = result.scene.changed({"load.normal_force": 4.0})
-    comparison = compare(result, twice)
-    assert not comparison.same
-    change = comparison.table.set_index("quantity")["B against A"]
-    assert change["indentation_start"] == "+100 %"
-    assert comparison.scenes.values.tolist() == [["load.normal_force", "2.0", "4.0"]]
-    assert "by more than their error estimates" in repr(comparison)
-    assert {"scenes.csv", "answers.csv", "comparison.png"} <= {*comparison.save(tmp_path / "out")}
-    with pytest.raises(RingwearError, match="did you mean 'comparison'"):
-        comparison.plot("comparision")

@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from groups import nightly
 
 # a process that is interrupted at the moment at which a module is about to be loaded
 INTERRUPTED_IMPORT = """
@@ -22,15 +23,9 @@ from ringwear import main
 sys.exit(main(["run", "flat_punch", "--rtol", "1e-2", "--out", sys.argv[2]]))
 """
 MODULES = [
-    *(
-        "pydantic",
-        "numpy",
-        "argparse",
-        "ringwear.studies.crosscheck.scene.scene",
-        "scipy.linalg",
-        "skfem",
-    ),
-    *("netCDF4", "matplotlib", "ringwear.studies.report.page"),
+    "numpy",
+    *nightly("pydantic", "argparse", "scipy.linalg", "skfem", "netCDF4", "matplotlib"),
+    *nightly("ringwear.studies.crosscheck.scene.scene", "ringwear.studies.report.page"),
 ]
 
 

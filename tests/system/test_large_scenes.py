@@ -142,6 +142,7 @@ def test_a_table_of_a_million_times_is_refused_with_the_number_that_fits(kind):
     assert ("tables without fields" in str(error.value)) == (kind != "depths")
 
 
+@pytest.mark.slow
 def test_our_fields_are_left_out_of_a_check_that_does_not_need_them(caplog):
     depths = pd.DataFrame({"time": np.linspace(0, 2, 4000)})
     depths["indentation"] = run(with_times(FIVE, 4000)).dataset.indentation.values[0]

@@ -47,6 +47,7 @@ def run_direct_alone(out):
     assert "matplotlib.pyplot" not in sys.modules
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("job", [load_step_by_step, run_direct_alone])
 def test_a_job_loads_only_the_libraries_that_it_needs(tmp_path, job):
     with ProcessPoolExecutor(1, get_context("spawn")) as fresh:

@@ -6,19 +6,17 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from groups import nightly_but
 
 from ringwear import Scene, SceneError, Stages, main, method, plan
 from ringwear.meshes import structured
 
-SLOW = {"many_rings", "recessed_binder", "rounded_rim", "sphere"}
 BUNDLED = sorted(file.stem for file in (Path(__file__).parents[2] / "studies/scenes").iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "name",
-    [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in BUNDLED],
-)
+@pytest.mark.parametrize("name", nightly_but(("five_rings", "sphere"), BUNDLED))
 def test_unknowns_are_those_of_the_run(name):
     """They are those of the run before a refinement."""
     scene = Scene.load(name)

@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import pytest
 import tomli_w
+from groups import nightly
 
 from ringwear import Scene, SceneError, main, method, run, sweep
 
@@ -51,7 +52,7 @@ COMMANDS = [
 ]
 
 
-@pytest.mark.parametrize(("name", "feature", "words"), REFUSED)
+@pytest.mark.parametrize(("name", "feature", "words"), [REFUSED[0], *nightly(*REFUSED[1:])])
 def test_all_commands_refuse_a_scene_in_the_same_words(
     name, feature, words, tmp_path, monkeypatch, capsys
 ):
@@ -86,6 +87,11 @@ def test_a_sweep_without_anything_to_compute_is_refused_like_its_scene(tmp_path,
         messages.add(capsys.readouterr().err)
     (message,) = messages
     assert "with load.indentation the pressure vanishes in the steady state" in message
+
+
+@pytest.mark.parametrize(("name", "feature", "words"), REFUSED)
+def test_a_method_refuses_a_scene_with_a_reason(name, feature, words):
+    assert words in method(name).refusal(SCENE.changed(FEATURES[feature]).problem)
 
 
 @pytest.mark.parametrize("feature", FEATURES)

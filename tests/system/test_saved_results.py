@@ -214,7 +214,7 @@ def test_commands_refuse_altered_results(command, copied, tmp_path, monkeypatch,
     assert not (tmp_path / "results").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_process_that_is_killed_while_it_moves_files_leaves_no_mixture(
     of_twice_the_force, tmp_path
 ):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from groups import nightly, nightly_but
 
 from ringwear import Scene, SceneError, main, study
 from ringwear.studies.named_studies import STUDIES
@@ -57,8 +58,8 @@ def interrupted_at(line):
         LOG.removeHandler(handler)
 
 
-@pytest.mark.parametrize("line", [1, pytest.param(2, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", names_of_studies())
+@pytest.mark.parametrize("line", [1, *nightly(2)])
+@pytest.mark.parametrize("name", nightly_but(["march"], names_of_studies()))
 def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
     with interrupted_at(line):
         assert main(["study", name, "five_rings", "--quick", "--out", str(tmp_path)]) == 1
@@ -76,37 +77,6 @@ def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
     monkeypatch.setitem(STUDIES, "march", replace(STUDIES["march"], load=lambda: march))
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert list(tmp_path.iterdir()) == []
-
-
-WAITING = """
-import logging, signal, sys, time
-from ringwear import main
-
-# where the tests themselves run in the background, the shell has told them to ignore it
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
-class Wait(logging.Handler):
-    def emit(self, record):
-        if "level 2" in record.getMessage():
-            print("waiting", flush=True)
-            time.sleep(60)
-
-logging.getLogger("ringwear").addHandler(Wait())
-sys.exit(main(["study", "march", "--out", sys.argv[1]]))
-"""
-
-
-@pytest.mark.slow
-def test_ctrl_c_in_a_study_keeps_rows_and_sets_the_exit_status(tmp_path):
-    arguments = [sys.executable, "-c", WAITING, str(tmp_path)]
-    with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
-        assert process.stdout
-        assert process.stdout.readline() == "waiting\n"
-        process.send_signal(signal.SIGINT)
-        printed, _ = process.communicate(timeout=30)
-    assert process.returncode == 1
-    assert INTERRUPTED in printed
-    assert len(levels(tmp_path / "march.csv")) == 1
 
 
 def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkeypatch, capsys):
@@ -128,8 +98,8 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkey
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("seconds", [0.0, 1.3, 4.1])
+@pytest.mark.parametrize("number", [signal.SIGINT, *nightly(signal.SIGTERM)])
+@pytest.mark.parametrize("seconds", [0.0, *nightly(1.3, 4.1)])
 def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
     def finished_rows():
         return sum(len(levels(table)) for table in out.glob(".writing/extremes.csv"))
@@ -154,7 +124,7 @@ def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds,
     assert not list(out.glob(".writing"))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_study_that_is_killed_is_resumed(tmp_path, capsys):
     """The rows of a process that was killed are kept, and the others are added to them."""
     out = tmp_path / "out"

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, SceneError, main, study
+from ringwear import Scene, SceneError, study
 
 
 def conduct(name, out):
@@ -41,6 +41,7 @@ def test_orders_of_one_ring_are_those_of_theory(tmp_path):
     assert {"mdr", "bem", "fem"} == set(written["method"])
 
 
+@pytest.mark.slow
 @pytest.mark.gmsh
 def test_orders_of_far_fields_are_those_of_theory(tmp_path):
     fits = conduct("truncation", tmp_path).orders
@@ -48,41 +49,10 @@ def test_orders_of_far_fields_are_those_of_theory(tmp_path):
     assert fits["expected"].tolist() == [1, 5, 9, 13]
 
 
+@pytest.mark.slow
 def test_the_stability_limit_of_the_papers_grid_is_listed(tmp_path):
     results = conduct("march", tmp_path)
     assert (results.tables["paper_grid"]["relative difference from 4/(pi n k)"].abs() <= 0.15).all()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scene", "load", "quantity"),
-    [
-        ("cone", {"normal_force": 1.0}, "indentation"),
-        ("sphere", {"indentation": 0.1}, "normal_force"),
-    ],
-)
-def test_errors_of_shaped_punches_fall_with_finer_cells(scene, load, quantity, tmp_path):
-    shaped = Scene.load(scene).changed(load=load, wear__times=[0.0, 0.03, 0.3])
-    (tmp_path / "scene.toml").write_text(shaped.to_toml(), "utf-8")
-    out = tmp_path / "out"
-    arguments = [str(tmp_path / "scene.toml"), "--quick", "--out", str(out)]
-    assert main(["study", "convergence", *arguments]) == 0
-    rows = pd.read_csv(out / "convergence.csv")
-    elements = [f"{name} below cells" for name in ("P1", "P2", "P3", "P4", "Q1", "Q2")]
-    assert rows["way"].unique().tolist() == ["MDR", "BEM", *elements]
-    later = rows[rows["when"] == "later"]
-    for way, levels in later.groupby("way"):
-        assert levels["unknowns"].is_monotonic_increasing
-        errors, profiles = (
-            levels[levels["quantity"] == name]["error"].abs().to_numpy()
-            for name in (quantity, "profile")
-        )
-        # errors of elements of degree 1 and 2 below the surface exceed the gain of smaller cells
-        least = 1.0 if way[:2] in ("P1", "P2", "Q1", "Q2") else 1.5
-        assert errors[0] > least * errors[-1] > 0, way
-        assert profiles[0] > profiles[-1], way
-        assert errors[-1] < (0.03 if way[1] == "1" else 1e-3), way
-    assert main(["study", "refinement", *arguments]) == 2
 
 
 @pytest.mark.slow
@@ -102,7 +72,7 @@ def test_tradeoff_measures_every_method_and_group(tmp_path):
     assert (promised["seconds"] <= promised["greatest seconds"]).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.gmsh
 def test_a_scene_varies_the_keys_that_it_has(tmp_path):
     """Every run of our methods keeps its tolerance or states that it does not."""
@@ -112,3 +82,30 @@ def test_a_scene_varies_the_keys_that_it_has(tmp_path):
     ours = table[table["method"] != "naive"]
     assert not {"wrong", "crashed"} & set(ours["verdict"])
     assert "wrong" in set(table[table["method"] == "naive"]["verdict"])
+
+
+@pytest.mark.slow
+def test_a_user_quantity_replaces_the_groups():
+    # Boussinesq: F / (2 a E*) for a flat punch
+    def first_depth(result):
+        return float(result.dataset.indentation[0, 0])
+
+    scene = Scene.load("flat_punch").changed(wear__times=[0.0, 0.1])
+    results = study("tradeoff", scene, quick=True, quantities=[first_depth], methods=["mdr"])
+    assert results.table["quantity"].unique().tolist() == ["first_depth"]
+    assert (results.table["error"].abs() <= results.table["tolerance"]).all()
+    assert results.table["estimate"].isna().all()
+    assert set(results.tables) == {"digit_price"}
+
+
+@pytest.mark.slow
+def test_direct_integration_is_timed_for_the_steady_state():
+    scene = Scene.load("five_rings").changed(wear__times=[])
+    results = study("tradeoff", scene, quick=True, methods=["mdr", "direct"])
+    table = results.table[results.table["case"] == "steady state"]
+    by_mdr = table[table["method"] == "mdr"]
+    assert by_mdr["tolerance"].unique().tolist() == [1e-1, 1e-2, 1e-3]
+    # true errors are within the tolerance and within the estimate
+    assert (by_mdr["error"].abs() <= by_mdr["tolerance"]).all()
+    assert (by_mdr["estimate"] >= by_mdr["error"].abs()).all()
+    assert table[table["method"] == "direct"]["tolerance"].isna().all()

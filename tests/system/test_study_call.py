@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-import ringwear
 from ringwear import Scene, SceneError, study
 
 
@@ -102,7 +101,3 @@ def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
 def test_an_unknown_table_is_refused(march):
     with pytest.raises(SceneError, match="give one of"):
         march.to_markdown("order")
-
-
-def test_a_study_is_a_public_name():
-    assert "study" in dir(ringwear)

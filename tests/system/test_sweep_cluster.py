@@ -20,7 +20,7 @@ from test_sweep_faults import contents, statuses
 
 from ringwear import main
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 # six blocks of eight scenes
 FILE = """

@@ -129,6 +129,7 @@ print(before == code())
     assert process.stdout == f"{imported}\n", process.stderr
 
 
+@pytest.mark.slow
 def test_code_edited_between_loading_and_hashing_has_a_hash_of_its_own(tmp_path):
     """The process has loaded a file, and hashes it only after the file was edited."""
     finder = copy_package(tmp_path / "copy")

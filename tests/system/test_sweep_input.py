@@ -79,6 +79,7 @@ PROFILES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", PROFILES)
 def test_an_edited_profile_makes_another_sweep(tmp_path, monkeypatch, given):
     """The store has the heights, not the name of a file that may change."""

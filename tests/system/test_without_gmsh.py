@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from groups import nightly, nightly_but
 
 from ringwear import Scene, main, plan, run
 
@@ -55,8 +56,8 @@ BROKEN_KVXOPT = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("reason", BROKEN_KVXOPT)
-@pytest.mark.parametrize("name", ["flat_punch", "cone"])
+@pytest.mark.parametrize("reason", nightly_but(["a library that is missing"], BROKEN_KVXOPT))
+@pytest.mark.parametrize("name", ["flat_punch", *nightly("cone")])
 def test_cholmod_that_is_installed_but_cannot_be_loaded_is_replaced(
     name, reason, monkeypatch, tmp_path
 ):

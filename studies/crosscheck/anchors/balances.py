@@ -8,7 +8,7 @@ from .anchor import Row, Rows
 from .reported import REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
 
 # roundoff of the worn depth, over the unit of displacements: up to 2e-14 by some hundred modes
-# (physics/test_agreement.py::test_roundoff_of_early_wear_fails_no_anchor)
+# (physics/test_random_scenes.py::test_numbers_at_extremes_are_right_or_left_out)
 ROUNDOFF_OF_DEPTHS = 5e-14
 
 

@@ -176,7 +176,7 @@ def smallest_size(problem: Problem, roundoff: float) -> float:
     ``ROUNDOFF_MARGIN roundoff / rtol``. If the first time is below ``MODE_ROUNDOFF_TIME``
     relaxation times, the roundoff of the modes matters, which also grows in small elements; the
     size is then MAX_ROUNDOFF_SIZE. Shown by
-    physics/test_promise.py::test_layers_thinner_than_the_roundoff_of_radii_are_resolved.
+    physics/test_random_scenes.py::test_numbers_at_extremes_are_right_or_left_out.
     """
     slowest_rate = float(problem.merged.wear_coefficients.min())
     if 0 < problem.earliest * slowest_rate < MODE_ROUNDOFF_TIME:
@@ -196,7 +196,7 @@ def fem_smallest(problem: Problem) -> float:
     -----
     It is `smallest_size` with the maximum of FEM_ROUNDOFF and ``INCOMPRESSIBLE_ROUNDOFF / (1 - 2
     nu)^2``, because the stiffness against a change of volume multiplies roundoff. Shown by
-    physics/test_promise.py::test_finite_elements_resolve_layers_of_slow_rings.
+    physics/test_random_scenes.py::test_numbers_at_extremes_are_right_or_left_out.
     """
     roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility(problem) ** 2)
     return smallest_size(problem, roundoff)

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from conftest import WITHOUT_GMSH
+from groups import nightly
 from scipy.sparse import bmat, coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
@@ -58,7 +59,7 @@ def saddle_point(half_space, force):
 
 
 @pytest.mark.usefixtures("solver")
-@pytest.mark.parametrize("poles", [(), (0, 2, 4)], ids=str)
+@pytest.mark.parametrize("poles", [(), *nightly(((0, 2, 4),))], ids=str)
 @each_solid
 def test_the_condensed_compliance_agrees_with_the_saddle_point(solid, poles):
     whole = half_space(solid, poles=poles)

@@ -6,7 +6,7 @@ from mpmath import mp, mpf
 
 from ringwear import Ground
 from ringwear.meshes.ground.ground import relative_compliance
-from ringwear.meshes.ground.line_energy import flat_series, line_energy, relative_stiffness
+from ringwear.meshes.ground.line_energy import line_energy, relative_stiffness
 
 WAVE_NUMBERS = np.geomspace(1e-4, 40, 60)
 
@@ -106,14 +106,6 @@ def test_displacement_potentials_in_fifty_digits(ground):
     assert relative_compliance(ground, at) == pytest.approx(exact, rel=2e-12)
 
 
-def test_equal_layers_are_a_half_space():
-    ground = Ground((0.1, 0.001, 0.4), (0.35,) * 4, (0.3,) * 4)
-    assert relative_compliance(ground, WAVE_NUMBERS) == pytest.approx(1.0, abs=1e-13)
-    assert relative_stiffness(ground) == pytest.approx(1.0, abs=1e-12)
-    # the pressure of the flat punch is that of Eq. 10
-    assert flat_series(ground) == (1.0,)
-
-
 def test_a_layer_that_is_split_stays_the_same():
     whole = Ground((0.6,), (0.35, 7.0), (0.3, 0.2))
     split = Ground((0.1, 0.2, 0.3), (0.35, 0.35, 0.35, 7.0), (0.3, 0.3, 0.3, 0.2))
@@ -135,19 +127,6 @@ def test_thick_and_thin_layers():
 
 def replace_thickness(ground, thickness):
     return Ground((thickness,), ground.shear_moduli, ground.poisson_ratios)
-
-
-def test_printed_stiffnesses_of_hayes():
-    """Hayes, Keer, Herrmann and Mockros (J. Biomech. 5, 1972, 541), nu = 0.3, a rigid base.
-
-    Their values are less accurate than their last digit for thin layers: they are off by 4e-3 at
-    a/h = 2, as the two derivations above and finite elements show.
-    """
-    printed = {0.2: 1.207, 0.4: 1.472, 0.6: 1.784, 0.8: 2.124, 1.0: 2.480, 1.5: 3.400, 2.0: 4.336}
-    for ratio, stiffness in printed.items():
-        ground = Ground.from_youngs_moduli([1 / ratio], [1.0, np.inf], [0.3, 0.0])
-        within = 1e-3 if ratio < 1 else 4e-3
-        assert relative_stiffness(ground) == pytest.approx(stiffness, rel=within)
 
 
 def test_a_thin_compressible_layer_is_a_foundation_of_springs():

@@ -105,7 +105,7 @@ def test_a_table_of_wear_along_the_radius_is_fitted():
     assert moved.punch.table.values == pytest.approx(result.estimates.value.tolist())
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("name", "count", "least"), [("two", 25, 20), ("ball", 30, 25)])
 def test_intervals_contain_the_true_values(name, count, least):
     """At least `least` of `count` 95 % intervals contain the true value, for fixed seeds.

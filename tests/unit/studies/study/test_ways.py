@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from groups import nightly, slow
 from scipy.linalg import expm
 
 from ringwear import (
@@ -19,7 +20,7 @@ from ringwear import (
 )
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.half_space import contact_radii, quality
-from ringwear.studies.convergence import GRADINGS_OF_ONE_RING, explain_start, ways_of_one_ring
+from ringwear.studies.convergence import GRADINGS_OF_ONE_RING, explain_start
 from ringwear.studies.study.errors import STRESS, error
 from ringwear.studies.study.measure import measure
 from ringwear.studies.study.record import Record
@@ -79,15 +80,6 @@ def test_elements_of_degree_one_have_the_order_two_in_every_energy(exact, quads,
         assert fits[part]["finest error"] < 0.01
 
 
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_elements_of_degree_two_have_the_order_four_in_every_energy(exact):
-    fits = fits_of(FIVE, graded_to_edges(2, (2, 3)), exact, *{name for name, _ in ENERGIES})
-    for part in ENERGIES:
-        assert fits[part]["last order"] == pytest.approx(4, abs=0.3), part
-        assert fits[part]["finest error"] < 1e-4
-
-
 @pytest.mark.parametrize(("method", "degree"), [("mdr", 1), ("mdr", 2), ("bem", 1)])
 def test_cells_of_one_size_have_the_orders_of_the_singular_rim(exact, method, degree):
     way = uniform_radii(method, degree, (16, 32))
@@ -109,34 +101,6 @@ def test_pressures_of_mdr_have_the_order_of_their_mean_square(exact):
     assert fits["indentation", "later"]["order"] == pytest.approx(6, abs=0.3)
 
 
-@pytest.mark.slow
-def test_steady_slopes_of_mdr_of_degree_one_have_the_order_two(exact):
-    fits = fits_of(FIVE, graded_radii("mdr", 1, (0.6, 0.7, 0.78)), exact, "steady_rms_slope")
-    assert fits["steady_rms_slope", ALL]["agrees"] == "yes"
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_starts_of_one_ring_have_the_orders_of_theory():
-    """Of similar ways, only the fastest are solved."""
-    slow = {"P2, graded", "P3, uniform", "P4, uniform"}
-    ways = [way for way in ways_of_one_ring(quick=True) if way.name not in slow]
-    table = measure(
-        [ONE], ways, ("indentation",), Record(), exact=lambda of: exact_start(of.problem)
-    )
-    fits = observed_orders(table, ways)
-    assert set(fits["agrees"]) == {"yes"}
-    assert fits["theory"].str.endswith(".").all()
-    assert dict(zip(fits["way"], fits["expected"], strict=True)) == {
-        "P3, graded": 6,
-        "P4, graded": 8,
-        "P2, uniform": 1,
-        "MDR degree 1, graded": 5,
-        "MDR degree 2, graded": 7,
-        "quadrilaterals in layers": pytest.approx(np.log10(9)),
-    }
-
-
 @pytest.mark.parametrize(("degree", "cap"), [(1, 2e-8), (2, 2e-12), (3, 5e-11), (4, 2e-13)])
 def test_indentation_by_mdr_on_cells_graded_to_the_rim(degree, cap):
     """The orders are 2 degree + 3; with degree 4, the order approaches 11 until roundoff."""
@@ -154,7 +118,9 @@ def test_indentation_by_mdr_on_cells_graded_to_the_rim(degree, cap):
 
 
 @pytest.mark.gmsh
-@pytest.mark.parametrize(("ratio", "cap"), [(0.0, 3e-12), (0.3, 3e-12), (0.45, 5e-12)])
+@pytest.mark.parametrize(
+    ("ratio", "cap"), [*nightly((0.0, 3e-12)), (0.3, 3e-12), *nightly((0.45, 5e-12))]
+)
 def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
     """Two more degrees reduce the error by 20 or more, towards a factor of 9 for each."""
     case = replace(ONE, problem=replace(ONE.problem, ground=Ground.half_space(ratio)))
@@ -168,7 +134,7 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
     assert abs(errors[-1]) <= cap
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.gmsh
 def test_rings_on_quadrilaterals_by_the_degree():
     """Degrees 4 to 8 against MDR; the study continues up to roundoff."""
@@ -184,7 +150,7 @@ def test_rings_on_quadrilaterals_by_the_degree():
         assert errors[-1] <= 2e-9
 
 
-@pytest.mark.parametrize("degree", [2, 3, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("degree", [2, 3, *slow(4)])
 def test_adaptive_energy_errors_fall_at_the_best_order_and_are_indicated(degree, exact):
     fem = FIVE.problem.fem.model_copy(update={"degree": degree})
     case = replace(FIVE, problem=replace(FIVE.problem, fem=fem))
@@ -237,23 +203,6 @@ def test_parts_of_opposite_signs_explain_an_order_that_differs():
     (sentence,) = explain_start(fits, table)
     assert "+2.5e-03 due to the pressures (order 1.00)" in sentence
     assert "-3.4e-03 due to the displacements (order 0.90)" in sentence
-
-
-@pytest.mark.parametrize(("exponent", "cap"), [(1, 2e-3), (3, 2e-6)])
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_indentation_by_radii_of_a_power(degree, exponent, cap):
-    """Radii ``1 - (1 - i/n)^m`` make the energy converge as ``n^-m``, from above.
-
-    The reason is the root singularity of the pressure at the rim.
-    """
-    counts, errors = np.array([8, 16, 32]), []
-    for count in counts:
-        radii = 1 - (1 - np.arange(count + 1) / count) ** exponent
-        space = PressureSpace(radii, np.full(count, degree), np.array([0.0, 1.0]))
-        errors.append(press_flat(energy.compliance(space)).indentation / 0.5 - 1)
-    assert min(errors) > 0
-    assert order(1 / counts, errors) == pytest.approx(exponent, abs=0.05)
-    assert errors[-1] <= cap
 
 
 def paper_grid(count):

@@ -3,7 +3,7 @@
 import pytest
 from loads import LOADS, pressed_by
 
-from ringwear import Scene, SceneError, method
+from ringwear import Scene, SceneError
 from ringwear.studies.crosscheck.methods.moving_evaluation import DECAYING, REPEATED
 from ringwear.studies.crosscheck.problem.quantities import ANSWER, DESCRIBED, HISTORIES, QUANTITIES
 
@@ -49,10 +49,3 @@ def test_a_punch_that_loses_contact_has_no_relaxation_times():
     with pytest.raises(SceneError, match="has none of them"):
         problem.with_quantities(frozenset({"relaxation_time"}))
     assert problem.with_quantities(frozenset(DESCRIBED)).quantities >= HISTORIES
-
-
-def test_methods_refuse_the_features_of_their_tables():
-    varying, fixed = (pressed_by(**LOADS[name]).problem for name in ("rising", "indentation"))
-    assert "constant force" in method("mdr-grid").refusal(varying)
-    assert "nothing presses in the end" in method("direct").refusal(fixed)
-    assert not method("mdr").refusal(varying)

@@ -88,12 +88,6 @@ def test_too_thin_a_layer_is_refused():
         _ = pad(half_space__layers__0__thickness=1e-5).problem
 
 
-def test_only_mdr_grid_refuses_layers():
-    assert "half_space.layers" in method("mdr-grid").refusal(pad().problem)
-    for name in ("mdr", "bem", "direct", "fem"):
-        assert method(name).refusal(pad().problem) == "", name
-
-
 def test_finite_elements_refuse_layers_that_they_cannot_mesh():
     fem = method("fem")
     for changes, words in (

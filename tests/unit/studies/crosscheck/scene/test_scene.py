@@ -34,36 +34,29 @@ INF, NAN = float("inf"), float("nan")
 # bad values by key; the message must have the key and its remedy
 BAD_VALUES = {
     "title": [3],
-    "methods": ["direct", []],
-    "punch__radius": [0.0, -1.0, INF, NAN, "one", True, [2.0], None],
-    "punch__rings": [0, 3.0, 10**9],
+    "methods": ["direct"],
+    "punch__radius": [0.0, [2.0], None],
+    "punch__rings": [3.0, 10**9],
     "punch__width_ratio": [1e-300, INF],
     "punch__ring_edges": [[0.0, 1.0, 2.0]],
     "punch__wear_coefficients": [1.0, [1.0, "x"], [1.0, 0.0]],
     "punch__recess": [[0.0, -0.1, 0.0]],
     "half_space__plane_strain_modulus": [-1.0],
-    "half_space__poisson_ratio": [0.51, -1.0, NAN],
-    "load__normal_force": [0.0],
+    "half_space__poisson_ratio": [-1.0, NAN],
     "load__sliding_speed": [0.0],
-    "wear__times": [0.1, "always", [-1.0], [0.0, NAN], {"taus": [1.0]}],
-    "wear__steady": ["no"],
-    "wear__march": ["leapfrog"],
+    "wear__times": [0.1, [-1.0], {"taus": [1.0]}, {"tau": [1.0, 0.5]}, {"tau": [-1.0]}],
     "wear__step": [0.0],
     "accuracy__rtol": [1e-12, 0.5, NAN],
     "accuracy__fem__degree": [0, 17],
     "accuracy__fem__truncation": [1.0],
     "accuracy__fem__mesher": ["stars"],
-    "output__radii": [[-0.5, 1.5], []],
-    "punch__profile": [{"kind": "spere"}, {"slope": 1.0}],
+    "output__radii": [[-0.5, 1.5]],
 }
 RINGS = {"radius": 2.0, "wear_coefficients": [1.0, 10.0]}
 # bad changes, and words that the message must have
 BAD_CHANGES = [
-    ({"punch__raduis": 2.0}, "punch.raduis did you mean radius"),
-    ({"halfspace": {}}, "halfspace write half_space"),
     ({"accuracy__mdr__degre": 3}, "accuracy.mdr.degre did you mean degree"),
     ({"punch__profile": {"kind": "cone", "slop": 1.0}}, "punch.profile.slop did you mean slope"),
-    ({"punch__profile": {"kind": "cone"}}, "missing punch.profile.slope"),
     ({"punch": {"rings": 3}}, "missing punch.radius for example"),
     ({"punch__wear_coefficients": None}, "wear_coefficients wear_ratio"),
     (
@@ -74,10 +67,7 @@ BAD_CHANGES = [
         {"punch__wear_coefficient": 2.0, "punch__wear_coefficients": [1.0, 2.0]},
         "wear_coefficients wear_ratio",
     ),
-    ({"punch__wear_coefficients": [1.0] * 4}, "4 values 3 rings"),
     ({"punch__wear_coefficients": []}, "0 values 3 rings"),
-    ({"punch__wear_coefficients": [1e-300, 1e300]}, "wear_coefficients.0 1e-300 units"),
-    ({"punch__radius": 1e200}, "punch.radius 1e+200 units"),
     ({"punch__rings": None}, "rings ring_edges"),
     ({"punch__ring_edges": [1.0, 2.0], "punch__rings": 2}, "rings ring_edges"),
     (
@@ -86,13 +76,9 @@ BAD_CHANGES = [
     ),
     ({"load__normal_force": None}, "normal_force mean_pressure indentation"),
     ({"punch": RINGS | {"ring_edges": []}}, "ring_edges"),
-    ({"punch": RINGS | {"ring_edges": [1.5, 1.0, 2.0]}}, "ring_edges increase"),
     ({"punch": RINGS | {"ring_edges": [1.0, 1.0, 2.0]}}, "ring_edges repeats"),
     ({"punch": RINGS | {"ring_edges": [1.0, 2.1]}}, "ring_edges punch.radius"),
     ({"punch": RINGS | {"ring_edges": [2.0], "width_ratio": 2.0}}, "width_ratio"),
-    ({"punch__radius": "1 MPa"}, "punch.radius length mm number alone"),
-    ({"punch__radius": "1 mmm"}, "punch.radius mmm length"),
-    ({"wear__times": [0.1, 0.05]}, "times increase"),
     ({"wear__times": [], "wear__steady": False}, "times steady"),
     ({"wear__march": "implicit"}, "march step"),
     ({"wear__step": 0.1}, "march step"),
@@ -101,8 +87,6 @@ BAD_CHANGES = [
     ({"accuracy__fem": {"mesher": "gmsh", "degree": 16}}, "accuracy.fem gmsh 1 to 4"),
     ({"load__normal_force": {"times": [0.0, 1.0], "values": [1.0]}}, "load.normal_force 1 2 each"),
     ({"load__sliding_speed": {"times": [0.0], "values": [0.0]}}, "load.sliding_speed 0.0 positive"),
-    ({"load__normal_force": {"tims": [0.0]}}, "load.normal_force.tims did you mean times"),
-    ({"methods": ["direct", "astrology"]}, "methods astrology mdr"),
     ({"methods": ["direct", "direct"]}, "methods twice"),
     ({"output__radii": [0.5, 2.5]}, "output.radii 2.5"),
     ({"output__radii": [1.5, 0.5]}, "output.radii increase"),
@@ -131,19 +115,6 @@ def test_bad_values(name, value):
 @pytest.mark.parametrize(("changes", "words"), BAD_CHANGES, ids=str)
 def test_bad_changes(changes, words):
     assert_refused(words.split(), GOOD.changed, **changes)
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("radius = 2.0", "radius = ", "not TOML line 4"),
-        ("[accuracy]", "[punch]", "not TOML"),
-        (TOML, "", "missing keys punch, half_space, load"),
-        ("radius = 2.0", "raduis = 2.0", "punch.raduis did you mean radius"),
-    ],
-)
-def test_bad_toml(old, new, words):
-    assert_refused(words.split(), Scene.from_toml, TOML.replace(old, new, 1))
 
 
 @pytest.mark.parametrize("name", bundled())
@@ -294,30 +265,6 @@ def test_times_in_units_of_the_running_in():
     named = Scene.from_table(table | {"wear": {"times": "running-in"}})
     assert (named.wear.times[0], named.wear.times[-1]) == (0.0, 1.72)
     assert scene.changed(wear__times=[1.0]).wear.times == [1.0]
-
-
-@pytest.mark.parametrize(
-    "times",
-    ["running in", {"tau": [1.0, 0.5]}, {"tau": "all"}, {"taus": [1.0]}, {"tau": [-1.0]}],
-    ids=str,
-)
-def test_invalid_times_are_refused(times):
-    with pytest.raises(SceneError, match="times"):
-        Scene.from_table(Scene.load("five_rings").table() | {"wear": {"times": times}})
-
-
-@pytest.mark.parametrize(
-    ("guess", "words"),
-    [
-        (lambda scene: scene.changed(punch__radius=-1.0), "must be positive"),
-        (lambda scene: scene.changed(punch__radius=float("nan")), "must be positive"),
-        (lambda scene: scene.changed(methods=["FEM"]), "did you mean 'fem'"),
-        (lambda _: Scene("five_rings"), r"Scene\.load"),
-    ],
-)
-def test_wrong_guesses_are_answered_with_a_remedy(guess, words):
-    with pytest.raises(SceneError, match=words):
-        guess(Scene.load("five_rings"))
 
 
 LAYER = {"thickness": 0.1, "youngs_modulus": 5.0}

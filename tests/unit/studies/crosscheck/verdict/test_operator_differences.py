@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from groups import slow
 
 from ringwear import RunningIn, Scene, SolverError, Stages, energy, method
 from ringwear.studies.crosscheck.sizes.quads import quad_degree
@@ -29,7 +30,7 @@ def against_mdr(problem, compliance):
     ("rings", "rtol"),
     [
         *((1, 1e-4), (5, 1e-4), (2, 1e-6)),
-        pytest.param(32, 1e-3, marks=pytest.mark.slow),
+        *slow((32, 1e-3)),
     ],
 )
 def test_finite_elements_agree_with_mdr_for_every_steady_state(rings, rtol):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import slow
 from scipy.integrate import quad
 from scipy.sparse import csr_matrix, diags
 
@@ -32,7 +33,7 @@ def many_rings(prepare):
     return wear, modes_of(wear)
 
 
-@pytest.mark.parametrize("earliest", [pytest.param(1e-4, marks=pytest.mark.slow), 1e-2, 1.0, 1e12])
+@pytest.mark.parametrize("earliest", [*slow(1e-4), 1e-2, 1.0, 1e12])
 def test_the_flat_start_excites_few_modes(many_rings, earliest):
     """A few modes give the history from the earliest time on, and the slowest relaxation times."""
     wear, whole = many_rings

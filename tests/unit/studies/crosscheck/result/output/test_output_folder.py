@@ -14,7 +14,6 @@ import pytest
 from ringwear import SceneError
 from ringwear.studies.crosscheck.result.output import folder as folder_module
 from ringwear.studies.crosscheck.result.output.folder import MARKER, output_folder
-from ringwear.studies.crosscheck.result.output.signals import ending_on_signals
 
 
 def contents(out):
@@ -111,18 +110,3 @@ def test_what_was_complete_stays_if_the_rest_is_stopped(tmp_path):
     assert contents(out) == dict.fromkeys("ab", b"newer")
     write(out, "c", "newest")
     assert contents(out) == {"c": b"newest"}
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
-def test_a_signal_waits_until_files_are_in_place(number, tmp_path, monkeypatch):
-    publish = folder_module.Folder.publish
-
-    def interrupt(folder):
-        signal.raise_signal(number)
-        publish(folder)
-
-    monkeypatch.setattr(folder_module.Folder, "publish", interrupt)
-    with ending_on_signals(), pytest.raises(KeyboardInterrupt):
-        write(tmp_path / "out", "abc", "new")
-    assert contents(tmp_path / "out") == dict.fromkeys("abc", b"new")
-    assert [entry.name for entry in tmp_path.iterdir()] == ["out"]
