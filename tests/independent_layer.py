@@ -80,16 +80,17 @@ def wave_numbers(thickness, reach, least_depth=None):
     end = 36 / (least_depth or 2 * thickness)
     edges = np.linspace(0, end, int(np.ceil(end * reach / 10)) + 1)
     edges = np.concatenate([[0.0], edges[1] * 0.5 ** np.arange(12, 0, -1), edges[1:]])
-    return _gauss(edges, 16)
+    return gauss(edges, 16)
 
 
 def _graded(thickness, points):
     """Return Gauss points and weights on the radius, with panels of at most the thickness."""
     count = max(int(np.ceil(1 / thickness)), 8)
-    return _gauss(np.linspace(0, 1, count + 1), max(points // count, 8))
+    return gauss(np.linspace(0, 1, count + 1), max(points // count, 8))
 
 
-def _gauss(edges, count):
+def gauss(edges, count):
+    """Return Gauss points and weights on the panels between edges."""
     node, weight = np.polynomial.legendre.leggauss(count)
     half = np.diff(edges)[:, None] / 2
     return (edges[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()

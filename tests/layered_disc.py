@@ -17,9 +17,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from independent_layer import gauss
 from scipy.special import j1
-
-from ....meshes import Array, gauss
 
 NEGLIGIBLE_EXPONENT = 40.0
 """Exponent at which ``exp(-x)`` counts as zero."""
@@ -65,10 +64,8 @@ def fields_on_axis(layers: Sequence[Layer], layer: int, depth: float) -> OnAxis:
     # all waves that the first layer's lower side reflects decay as exp(-s h)
     even = np.linspace(0.0, NEGLIGIBLE_EXPONENT / layers[0].thickness, PANELS + 1)
     panels = np.concatenate([[0.0], even[1] * 0.5 ** np.arange(HALVINGS, 0, -1), even[1:]])
-    local, weights = gauss(POINTS)
-    half = np.diff(panels)[:, None] / 2
-    s = (panels[:-1, None] + half * (1 + local)).ravel()
-    pressure = j1(s) * (half * weights).ravel()
+    s, weights = gauss(panels, POINTS)
+    pressure = j1(s) * weights
     amplitudes = _amplitudes(layers, s)
     if layer == 0:
         amplitudes[:, :2] -= _half_space_amplitudes(layers[0].poisson_ratio, s)
@@ -86,7 +83,7 @@ def fields_on_axis(layers: Sequence[Layer], layer: int, depth: float) -> OnAxis:
     return OnAxis(displacement, stress, (modulus * strain + nu * stress) / (1 - nu))
 
 
-def _states(layer: Layer, s: Array, depth: float) -> Array:
+def _states(layer: Layer, s: np.ndarray, depth: float) -> np.ndarray:
     """Return u_r, u_z, t_rz and s_zz (k, 4, 2 or 4) of each potential, at a depth below the top.
 
     The potentials are phi and psi that decay downwards and, unless the layer is a half-space, phi
@@ -111,7 +108,7 @@ def _states(layer: Layer, s: Array, depth: float) -> Array:
     return states
 
 
-def _amplitudes(layers: Sequence[Layer], s: Array) -> Array:
+def _amplitudes(layers: Sequence[Layer], s: np.ndarray) -> np.ndarray:
     """Return the amplitudes (k, m) of all potentials under the pressure ``J_0(s r)``."""
     size = 4 * len(layers) - 2
     system, load = np.zeros((len(s), size, size)), np.zeros((len(s), size, 1))
@@ -130,12 +127,12 @@ def _amplitudes(layers: Sequence[Layer], s: Array) -> Array:
     return scaled[..., 0] / columns_scale[:, 0]
 
 
-def _half_space_amplitudes(poisson_ratio: float, s: Array) -> Array:
+def _half_space_amplitudes(poisson_ratio: float, s: np.ndarray) -> np.ndarray:
     """Return the amplitudes (k, 2) of phi and psi for a half-space without layers."""
     return np.stack([(1 - 2 * poisson_ratio) / s**2, -1 / s], axis=1)
 
 
-def _under_disc_on_half_space(layer: Layer, depth: float) -> Array:
+def _under_disc_on_half_space(layer: Layer, depth: float) -> np.ndarray:
     """Return u_z, s_zz and the radial strain on the axis of a half-space of the layer's material.
 
     Notes
