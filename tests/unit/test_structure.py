@@ -77,7 +77,11 @@ LOADED_LATE = {
     "studies.crosscheck.methods.base": "methods, of which a scene needs some",
 }
 # packages without a module, whose files are installed as data
-ONLY_DATA = {"ringwear.studies.scenes", "ringwear.studies.sweep.files"}
+ONLY_DATA = {
+    "ringwear.studies.challenge.others",
+    "ringwear.studies.scenes",
+    "ringwear.studies.sweep.files",
+}
 FILES = {
     file.relative_to(ROOT).with_suffix("").as_posix().replace("/", "."): file
     for floor in ("meshes", "mdr", "fem", "studies")
