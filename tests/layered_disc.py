@@ -1,89 +1,71 @@
-"""Displacements and stresses on the axis under a uniform pressure on layers, by Hankel's transform.
+"""Displacements and stresses under a uniform pressure on elastic layers, by Hankel's transform.
 
 The derivation and the formulas are independent of those of ringwear's methods. In each layer, with
-the depth z below its top,
+the depth z below its top, the potentials of Papkovich and Neuber are
 
     2 G u = grad(phi + z psi) - 4 (1 - nu) psi e_z,
 
-where the harmonic potentials phi and psi are sums of ``exp(-s z)`` and ``exp(-s (h - z))`` times
-``J_0(s r)``. For each wave number s one system of linear equations determines the amplitudes in all
-layers: the pressure acts on the surface, and displacements and tractions are continuous at
-interfaces. The pressure 1 on ``r < 1`` is ``int J_1(s) J_0(s r) ds``. Close to the surface the
-integrals converge slowly, so the solution for a half-space of the first layer's material, in closed
-form, is subtracted.
+where the harmonic phi and psi are sums of ``exp(-s z)`` and ``exp(-s (h - z))`` times ``J_0(s r)``.
+For each wave number s one system of linear equations determines the amplitudes in all layers: the
+pressure acts on the surface, displacements and tractions are continuous at interfaces, and
+displacements are zero on a rigid base. The pressure 1 on ``r < 1`` is ``int J_1(s) J_0(s r) ds``.
 """
 
-from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from independent_layer import gauss
-from scipy.special import j1
-
-NEGLIGIBLE_EXPONENT = 40.0
-"""Exponent at which ``exp(-x)`` counts as zero."""
-PANELS, HALVINGS, POINTS = 40, 16, 20
-"""Number of equal panels of the quadrature in s; how often the first one is halved towards zero,
-because long waves in a stiff layer depend strongly on s; and number of Gauss points on each."""
+from independent_layer import wave_numbers
+from scipy.special import j0, j1
 
 
 class Layer(NamedTuple):
-    """Describe an elastic layer; the lowest one is a half-space and has an infinite thickness."""
+    """Describe an elastic layer; one with an infinite thickness is a half-space."""
 
     thickness: float
     youngs_modulus: float
     poisson_ratio: float
 
-    @property
-    def shear_modulus(self) -> float:
-        """Shear modulus."""
-        return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
 
-
-class OnAxis(NamedTuple):
-    """Contain the fields at a point on the axis."""
-
-    displacement: float
-    stress_zz: float
-    stress_rr: float
-
-
-def fields_on_axis(layers: Sequence[Layer], layer: int, depth: float) -> OnAxis:
-    """Return the fields at a depth on the axis under the pressure 1 on the disc of radius 1.
+def fields_under_uniform_pressure(layers, number, r, z):
+    """Return displacements (n, 2) and stresses (n, 4: rr, zz, rz, hoop) in one of the layers.
 
     Parameters
     ----------
-    layers : from the surface down; the last one is a half-space
-    layer : index of the layer that contains the point, which matters at an interface
-    depth : below the surface, in radii of the disc
-
-    Returns
-    -------
-    fields : displacement into the ground, and stresses, positive in tension
+    layers : from the surface down; below the last one is a rigid base, unless it is a half-space
+    number : of the layer that contains the points, which matters at an interface
+    r, z : (n,) radii and depths; at the surface, the centre alone
     """
-    # all waves that the first layer's lower side reflects decay as exp(-s h)
-    even = np.linspace(0.0, NEGLIGIBLE_EXPONENT / layers[0].thickness, PANELS + 1)
-    panels = np.concatenate([[0.0], even[1] * 0.5 ** np.arange(HALVINGS, 0, -1), even[1:]])
-    s, weights = gauss(panels, POINTS)
-    pressure = j1(s) * weights
-    amplitudes = _amplitudes(layers, s)
-    if layer == 0:
-        amplitudes[:, :2] -= _half_space_amplitudes(layers[0].poisson_ratio, s)
-    top = float(sum(each.thickness for each in layers[:layer]))
-    here = layers[layer]
-    states = _states(here, s, depth - top)
-    columns = slice(4 * layer, 4 * layer + states.shape[2])
-    u_r, u_z, _, s_zz = (states * amplitudes[:, None, columns]).sum(axis=2).T
-    # the radial and the hoop strain are equal on the axis: J_1(s r) / r tends to s / 2
-    displacement, stress, strain = u_z @ pressure, s_zz @ pressure, (u_r * s / 2) @ pressure
-    if layer == 0:
-        added = _under_disc_on_half_space(here, depth)
-        displacement, stress, strain = np.array([displacement, stress, strain]) + added
-    nu, modulus = here.poisson_ratio, here.youngs_modulus
-    return OnAxis(displacement, stress, (modulus * strain + nu * stress) / (1 - nu))
+    layer, top = layers[number], sum(each.thickness for each in layers[:number])
+    modulus, nu = layer.youngs_modulus, layer.poisson_ratio
+    surface = z.min() == 0
+    # reflected waves decay over the first layer's thickness
+    least_depth = layers[0].thickness if surface else z.min()
+    s, lengths = wave_numbers(layers[0].thickness, 1 + r.max(), least_depth)
+    amplitudes = _amplitudes(layers, s)[:, None, 4 * number : 4 * number + 4]
+    if surface:
+        # integrals converge slowly there: a half-space is subtracted, and added in closed form
+        # (Johnson, Contact Mechanics, 1985, section 3.4)
+        amplitudes[:, 0, :2] -= np.stack([(1 - 2 * nu) / s**2, -1 / s], axis=1)
+    displacement, stress = [], []
+    for radius, depth in zip(r, z, strict=True):
+        waves = (_states(layer, s, depth - top) * amplitudes).sum(axis=2).T * lengths * j1(s)
+        bessel0, bessel1 = j0(s * radius), j1(s * radius)
+        hoop = waves[0] @ (bessel1 / radius if radius else s / 2)
+        u_r, u_z = waves[0] @ bessel1, waves[1] @ bessel0
+        radial, zz = waves[0] @ (s * bessel0) - hoop, waves[3] @ bessel0
+        if surface:
+            u_z, zz = u_z + 2 * (1 - nu**2) / modulus, zz - 1
+            strain = (nu - (1 - nu) * (1 + 2 * nu) / 2) / modulus
+            radial, hoop = radial + strain, hoop + strain
+        plane, pressed = modulus / (1 - nu**2), nu / (1 - nu) * zz
+        displacement.append([u_r, u_z])
+        rr, tt = plane * (radial + nu * hoop) + pressed, plane * (hoop + nu * radial) + pressed
+        stress.append([rr, zz, waves[2] @ bessel1, tt])
+    return np.array(displacement), np.array(stress)
 
 
-def _states(layer: Layer, s: np.ndarray, depth: float) -> np.ndarray:
+def _states(layer, s, depth):
     """Return u_r, u_z, t_rz and s_zz (k, 4, 2 or 4) of each potential, at a depth below the top.
 
     The potentials are phi and psi that decay downwards and, unless the layer is a half-space, phi
@@ -104,44 +86,27 @@ def _states(layer: Layer, s: np.ndarray, depth: float) -> np.ndarray:
             ]
         )
     states = np.moveaxis(np.array(columns), 2, 0).swapaxes(1, 2)
-    states[:, :2] /= 2 * layer.shear_modulus
+    # 2 G
+    states[:, :2] /= layer.youngs_modulus / (1 + nu)
     return states
 
 
-def _amplitudes(layers: Sequence[Layer], s: np.ndarray) -> np.ndarray:
+def _amplitudes(layers, s):
     """Return the amplitudes (k, m) of all potentials under the pressure ``J_0(s r)``."""
-    size = 4 * len(layers) - 2
+    base = layers[-1].thickness
+    size = 4 * len(layers) - 2 * np.isinf(base)
     system, load = np.zeros((len(s), size, size)), np.zeros((len(s), size, 1))
     system[:, :2, :4] = _states(layers[0], s, 0.0)[:, 2:]
     load[:, 1] = -1.0
-    for number, layer in enumerate(layers[:-1]):
-        rows = slice(2 + 4 * number, 6 + 4 * number)
-        below = _states(layers[number + 1], s, 0.0)
-        start = 4 * number
-        system[:, rows, start : start + 4] = _states(layer, s, layer.thickness)
-        system[:, rows, start + 4 : start + 4 + below.shape[2]] = -below
+    for number, (above, below) in enumerate(pairwise(layers)):
+        column = 4 * number
+        rows = slice(column + 2, column + 6)
+        system[:, rows, column : column + 4] = _states(above, s, above.thickness)
+        system[:, rows, column + 4 : column + 8] = -_states(below, s, 0.0)
+    if np.isfinite(base):
+        system[:, -2:, -4:] = _states(layers[-1], s, base)[:, :2]
     # rows and columns are scaled, because displacements, tractions and potentials differ in size
     rows_scale = np.abs(system).max(axis=2, keepdims=True)
     columns_scale = np.abs(system / rows_scale).max(axis=1, keepdims=True)
     scaled = np.linalg.solve(system / rows_scale / columns_scale, load / rows_scale)
     return scaled[..., 0] / columns_scale[:, 0]
-
-
-def _half_space_amplitudes(poisson_ratio: float, s: np.ndarray) -> np.ndarray:
-    """Return the amplitudes (k, 2) of phi and psi for a half-space without layers."""
-    return np.stack([(1 - 2 * poisson_ratio) / s**2, -1 / s], axis=1)
-
-
-def _under_disc_on_half_space(layer: Layer, depth: float) -> np.ndarray:
-    """Return u_z, s_zz and the radial strain on the axis of a half-space of the layer's material.
-
-    Notes
-    -----
-    The formulas are those of Johnson (Contact Mechanics, 1985, section 3.4) for the pressure 1 on
-    the disc of radius 1.
-    """
-    nu, modulus, distance = layer.poisson_ratio, layer.youngs_modulus, np.hypot(1.0, depth)
-    s_zz = (depth / distance) ** 3 - 1
-    s_rr = -(1 + 2 * nu) / 2 + (1 + nu) * depth / distance - (depth / distance) ** 3 / 2
-    u_z = (1 + nu) / modulus * (1 / distance + (1 - 2 * nu) * (distance - depth))
-    return np.array([u_z, s_zz, ((1 - nu) * s_rr - nu * s_zz) / modulus])

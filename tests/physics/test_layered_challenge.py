@@ -1,11 +1,11 @@
 """Answers of the challenge on layered ground, against limits and independent solutions."""
 
 import ball_on_pad
-import layered_disc
 import numpy as np
 import pandas as pd
 import pytest
 from independent_layer import kernel, start, wave_numbers
+from layered_disc import Layer, fields_under_uniform_pressure
 from numpy.polynomial.legendre import legvander
 from scipy.linalg import cholesky
 from scipy.special import j0
@@ -82,15 +82,17 @@ def test_the_ball_by_boundary_elements(poisson_ratio):
 
 
 def test_the_road_by_the_transform_of_hankel():
-    layers = [
-        layered_disc.Layer(thickness / 5.99, modulus, ratio)
-        for thickness, modulus, ratio in ((6, 5e5, 0.35), (10, 4e4, 0.4), (np.inf, 1e4, 0.45))
-    ]
-    for (depth, layer), rows in ANSWERS[15].groupby(["depth", "layer"]):
-        fields = layered_disc.fields_on_axis(layers, int(layer) - 1, depth / 5.99)
+    radius, pressure = 5.99, 100.0
+    road = ((6, 5e5, 0.35), (10, 4e4, 0.4), (np.inf, 1e4, 0.45))
+    layers = [Layer(thickness / radius, *material) for thickness, *material in road]
+    for (depth, number), rows in ANSWERS[15].groupby(["depth", "layer"]):
+        fields = fields_under_uniform_pressure(
+            layers, number - 1, np.zeros(1), np.array([depth / radius])
+        )
+        ((_, displacement),), ((radial, axial, _, _),) = fields
+        exact = {"displacement": displacement * radius, "stress_zz": axial, "stress_rr": radial}
         for row in rows.itertuples():
-            unit = 100 * 5.99 if row.quantity == "displacement" else 100
-            value = unit * getattr(fields, row.quantity)
+            value = exact[row.quantity] * pressure
             assert float(row.value) == pytest.approx(value, rel=row.bound)
 
 
