@@ -91,7 +91,7 @@ def test_the_sphere_against_hertz_and_the_worn_sphere_formula():
 
 @pytest.mark.parametrize(
     "number",
-    [pytest.param(n, marks=[pytest.mark.slow] * (n in (7, 8, 11))) for n in range(1, 13)],
+    [pytest.param(n, marks=[pytest.mark.slow] * (n in (8, 11))) for n in range(1, 13)],
 )
 @pytest.mark.parametrize("method", ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)])
 def test_coarse_runs_reach_the_certified_numbers(number, method):

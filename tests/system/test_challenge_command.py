@@ -52,7 +52,6 @@ def test_a_table_of_cases(tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
-@pytest.mark.slow
 def test_the_contact_of_the_ball_over_the_radius(tmp_path, capsys):
     """A table without Poisson's ratios belongs to the case of the scene."""
     (tmp_path / "14_mine.csv").write_text("time,indentation\n0,0.008\n", "utf-8")
