@@ -80,70 +80,17 @@ def wave_numbers(thickness, reach, least_depth=None):
     end = 36 / (least_depth or 2 * thickness)
     edges = np.linspace(0, end, int(np.ceil(end * reach / 10)) + 1)
     edges = np.concatenate([[0.0], edges[1] * 0.5 ** np.arange(12, 0, -1), edges[1:]])
-    return _gauss(edges, 16)
+    return gauss(edges, 16)
 
 
 def _graded(thickness, points):
     """Return Gauss points and weights on the radius, with panels of at most the thickness."""
     count = max(int(np.ceil(1 / thickness)), 8)
-    return _gauss(np.linspace(0, 1, count + 1), max(points // count, 8))
+    return gauss(np.linspace(0, 1, count + 1), max(points // count, 8))
 
 
-def _gauss(edges, count):
+def gauss(edges, count):
+    """Return Gauss points and weights on the panels between edges."""
     node, weight = np.polynomial.legendre.leggauss(count)
     half = np.diff(edges)[:, None] / 2
     return (edges[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
-
-
-def fields_under_uniform_pressure(r, z, thickness, poisson_ratio):
-    """Return displacements (n, 2) and stresses (n, 4: rr, zz, rz, hoop) inside a bonded layer.
-
-    The pressure is 1 / pi on the disc of radius 1, so that the force is 1. In ``2 G u = grad(phi +
-    z psi) - 4 (1 - nu) psi e_z``, the potentials of Papkovich and Neuber are sums of ``exp(-s z)``
-    and ``exp(-s (h - z))`` times ``J_0(s r)``. Four equations for each wave number s determine
-    their amplitudes.
-
-    Parameters
-    ----------
-    r, z : (n,) radii and depths, which are positive
-    """
-    nu, shear = poisson_ratio, (1 - poisson_ratio) / 2
-    s, lengths = wave_numbers(thickness, 1 + r.max(), least_depth=z.min())
-
-    def waves(depth):
-        """Return u_r, u_z, t_rz, s_zz and lambda div u (5, ..., 4) of the four potentials."""
-        down, up = np.exp(-s * depth), np.exp(-s * (thickness - depth))
-        rows = []
-        for sign, e in ((-1, down), (1, up)):
-            d = sign * s
-            rows.append([-s * e, d * e, -s * d * e, d * d * e, 0 * e])
-            rows.append(
-                [
-                    -s * depth * e,
-                    (depth * d - (3 - 4 * nu)) * e,
-                    -s * (depth * d - (1 - 2 * nu)) * e,
-                    (depth * d * d - 2 * (1 - nu) * d) * e,
-                    -2 * nu * d * e,
-                ]
-            )
-        return np.moveaxis(np.array(rows), 0, -1)
-
-    top, bottom = waves(np.zeros_like(s)), waves(np.full_like(s, thickness))
-    system = np.stack([top[2], top[3], bottom[0], bottom[1]], axis=1)
-    scale = np.abs(system).max(axis=1, keepdims=True)
-    load = np.zeros((len(s), 4, 1))
-    load[:, 1] = -1.0
-    amplitudes = np.linalg.solve(system / scale, load) / scale.swapaxes(1, 2)
-    # the Hankel transform of the pressure, times s ds
-    spectrum = lengths * jv(1, s) / np.pi
-    displacement, stress = [], []
-    for radius, depth in zip(r, z, strict=True):
-        state = (waves(np.full_like(s, depth)) * amplitudes[..., 0]).sum(axis=-1) * spectrum
-        bessel0, bessel1 = jv(0, s * radius), jv(1, s * radius)
-        over_radius = s / 2 if radius == 0 else bessel1 / radius
-        u_r, hoop, u_z = state[0] @ bessel1, state[0] @ over_radius, state[1] @ bessel0
-        zz, rz, dilatation = state[3] @ bessel0, state[2] @ bessel1, state[4] @ bessel0
-        radial = state[0] @ (s * bessel0) - hoop
-        displacement.append([u_r / (2 * shear), u_z / (2 * shear)])
-        stress.append([dilatation + radial, zz, rz, dilatation + hoop])
-    return np.array(displacement), np.array(stress)

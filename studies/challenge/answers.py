@@ -1,10 +1,9 @@
-"""Answers of the problems on layered ground: certify them, and compare other tables with them.
+"""Answers of the problems on layered ground, and other tables compared with them.
 
 The file `answers.csv` of a problem has a row for each value. Its first columns are those of the
-case, such as `poisson_ratio`; the others are `COLUMNS`.
+case, such as `poisson_ratio`.
 """
 
-from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -14,51 +13,12 @@ from ...meshes import Array, SceneError
 from ..tables.text import read_texts, split_heading, text_of_file
 from .problems import answers_of, name_of
 
-COLUMNS = ("quantity", "value", "unit", "digits", "difference", "bound", "methods")
-"""Columns of `answers.csv` behind those of the case."""
-MOST_DIGITS = 10
-"""Greatest number of digits to which a value is given."""
 PLACE = {"time", "radius"}
 """Columns of a case that `ringwear check` compares at any times and radii."""
 NO_TEXT = (".nc", ".vtu")
 """Ends of files that are not text, which `ringwear check` compares."""
 SAME_CASE = 1e-6
 """Relative difference of numbers of a case below which they are the same."""
-
-
-def certified(values: Iterable[Mapping[str, object]]) -> pd.DataFrame:
-    """Return each value to the digits in which two methods agree.
-
-    Parameters
-    ----------
-    values : for each value a row with the columns of its case, and `quantity`, `unit`, `methods`,
-        and the values by both methods, `first` and `second`
-
-    Returns
-    -------
-    table : rows of `answers.csv`. The value is the first one, rounded to `digits` digits; the
-        difference of both values, relative to it, is at most half a unit of its last digit. The
-        bound of its error, also relative to it, is a unit of its last digit.
-    """
-    table = pd.DataFrame(list(values))
-    first, second = table.pop("first"), table.pop("second")
-    difference = np.abs(second / first - 1)
-    digits = -np.log10(2 * difference.clip(lower=10.0**-MOST_DIGITS / 2)).round(12)
-    table["digits"] = np.floor(digits).astype(int)
-    table["value"] = [
-        f"{value:.{count - 1}e}" for value, count in zip(first, table["digits"], strict=True)
-    ]
-    table["difference"] = [f"{value:.1e}" for value in difference]
-    table["bound"] = [
-        _rounded_up(_last_unit(value) / abs(float(value))) for value in table["value"]
-    ]
-    cases = [name for name in table if name not in COLUMNS]
-    return table[[*cases, *COLUMNS]]
-
-
-def write_answers(folder: Path, values: Iterable[Mapping[str, object]]) -> None:
-    """Write `answers.csv` of a problem; see `certified` for the values."""
-    certified(values).to_csv(folder / "answers.csv", index=False)
 
 
 def read_answers(problem: Path) -> pd.DataFrame:
@@ -129,17 +89,3 @@ def _relative_errors(
     value = answers["value"].to_numpy(dtype=float)
     of_case = theirs[quantity].to_numpy(dtype=float)[same.argmax(axis=1)]
     return np.where(same.any(axis=1), np.abs(of_case / value - 1), np.nan)
-
-
-def _last_unit(value: str) -> float:
-    """Return a unit of the last digit of a number such as 1.083e+00."""
-    mantissa, _, exponent = value.partition("e")
-    decimals = len(mantissa.partition(".")[2])
-    return float(f"1e{int(exponent) - decimals}")
-
-
-def _rounded_up(number: float) -> str:
-    """Return a positive number, rounded up to one digit."""
-    exponent = int(np.floor(np.log10(number)))
-    # a number that has one digit is not rounded up because of roundoff
-    return f"{np.ceil(number / 10.0**exponent - 1e-9) * 10.0**exponent:.0e}"

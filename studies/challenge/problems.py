@@ -10,7 +10,6 @@ from pathlib import Path
 from ...meshes import SceneError
 
 FOLDER = Path(__file__).parent
-OTHERS = FOLDER / "others"
 SCENE = "scene.toml"
 """Name of the scene file in the folder of a problem."""
 
@@ -39,11 +38,6 @@ def number_of(problem: Path) -> int:
 def answers_of(problem: Path) -> Path:
     """Return the table of answers of a problem, which only problems on layered ground have."""
     return problem.with_name("answers.csv")
-
-
-def difficulty(problem: Path) -> str:
-    """Return the difficulty of a problem: the comment in the first line of its scene file."""
-    return problem.read_text("utf-8").partition("\n")[0].removeprefix("# ").rstrip(".")
 
 
 def problem_named(name: str) -> Path:

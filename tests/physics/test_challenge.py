@@ -11,14 +11,25 @@ from independent import CONSTANT, Pieces, Punch
 from scipy.optimize import brentq
 from test_fixed_indentation import force_at
 
-from ringwear import Scene
+from ringwear import Scene, run
 from ringwear.studies import challenge
-from ringwear.studies.challenge.certify import sample
 
 FOLDER = Path(challenge.__file__).parent
 INDEX = ["problem", "time", "radius", "quantity"]
 CERTIFIED = pd.read_csv(FOLDER / "certified.csv").set_index(INDEX)
 PROBLEMS = dict(enumerate(sorted(FOLDER.glob("[0-9]*.toml")), 1))
+
+
+def sample(scene, method, rtol):
+    """Return the values of a run at the times and radii of a scene, indexed as certified ones."""
+    quantities = ["pressure", "profile", "displacement", "indentation", "normal_force"]
+    dataset = run(Scene.of(scene, [method], rtol, quantities)).dataset
+    tables = (
+        dataset[name].to_dataframe("value").reset_index().assign(quantity=name)
+        for name in quantities
+        if name in dataset
+    )
+    return pd.concat(tables).set_index(INDEX[1:])["value"]
 
 
 def assert_certified(number, quantity, time, exact):
@@ -80,7 +91,7 @@ def test_the_sphere_against_hertz_and_the_worn_sphere_formula():
 
 @pytest.mark.parametrize(
     "number",
-    [pytest.param(n, marks=[pytest.mark.nightly] * (n in (7, 8, 11))) for n in range(1, 13)],
+    [pytest.param(n, marks=[pytest.mark.nightly] * (n in (8, 11))) for n in range(1, 13)],
 )
 @pytest.mark.parametrize(
     "method", ["mdr", pytest.param("fem", marks=[pytest.mark.gmsh, pytest.mark.slow])]

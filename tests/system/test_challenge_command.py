@@ -3,7 +3,6 @@
 import os
 import shutil
 import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -53,26 +52,11 @@ def test_a_table_of_cases(tmp_path, capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
-@pytest.mark.slow
 def test_the_contact_of_the_ball_over_the_radius(tmp_path, capsys):
     """A table without Poisson's ratios belongs to the case of the scene."""
     (tmp_path / "14_mine.csv").write_text("time,indentation\n0,0.008\n", "utf-8")
     assert main(["challenge", str(tmp_path / "14_mine.csv")]) == 0
     assert "| 14 | 14_mine | 6.6e-3 | not given | unknown |" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("problem", layered_problems(), ids=name_of)
-def test_scripts_of_scikit_fem(problem, tmp_path, capsys):
-    """They write files that the command accepts, with errors below a fifth."""
-    subprocess.run(
-        [sys.executable, problem.with_name("scikit_fem.py")], cwd=tmp_path, check=True, timeout=100
-    )
-    (file,) = tmp_path.iterdir()
-    assert main(["challenge", str(file)]) == 0
-    head, _, *rows = capsys.readouterr().out.splitlines()
-    columns = [i for i, name in enumerate(head.split("|")) if "error" in name]
-    assert all(float(row.split("|")[i]) < 0.2 for row in rows for i in columns)
 
 
 @pytest.mark.gmsh

@@ -52,11 +52,6 @@ ROOMS: tuple[dict[str, str], ...] = (
     {
         "studies": "commands, studies, and comparisons of results",
         "studies.challenge": "problems for other programs, and their results",
-        "studies.challenge.others": "other programs' solutions of these problems",
-        "studies.challenge.13_bonded_layer": "a problem, its answers and solutions",
-        "studies.challenge.14_ball_on_pad": "a problem, its answers and solutions",
-        "studies.challenge.15_three_layers": "a problem, its answers and solutions",
-        "studies.challenge.16_rings_on_pad": "a problem, its answers and solutions",
         "studies.check": "results of other programs against ours",
         "studies.decks": "input files for other programs",
         "studies.examples": "scripts as users write them",
@@ -82,7 +77,11 @@ LOADED_LATE = {
     "studies.crosscheck.methods.base": "methods, of which a scene needs some",
 }
 # packages without a module, whose files are installed as data
-ONLY_DATA = {"ringwear.studies.scenes", "ringwear.studies.sweep.files"}
+ONLY_DATA = {
+    "ringwear.studies.challenge.others",
+    "ringwear.studies.scenes",
+    "ringwear.studies.sweep.files",
+}
 FILES = {
     file.relative_to(ROOT).with_suffix("").as_posix().replace("/", "."): file
     for floor in ("meshes", "mdr", "fem", "studies")
@@ -197,15 +196,13 @@ def test_every_folder_is_installed():
     """Folders of problems have names that are no names of packages, and are installed as data."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
     setuptools = project["tool"]["setuptools"]
-    rooms = {name.rpartition(".")[0] for name in FILES}
-    data = {room for room in rooms if not all(map(str.isidentifier, room.split(".")))}
-    packages = {f"ringwear.{room}" for room in rooms - data}
+    packages = {f"ringwear.{name.rpartition('.')[0]}" for name in FILES}
     assert set(setuptools["packages"]) == {"ringwear"} | packages | ONLY_DATA
     patterns = setuptools["package-data"]["ringwear.studies.challenge"]
     challenge = ROOT / "studies" / "challenge"
     installed = {file for pattern in patterns for file in challenge.glob(pattern)}
-    for room in data:
-        files = (ROOT / room.replace(".", "/")).iterdir()
+    for problem in challenge.glob("[0-9]*"):
+        files = {problem} if problem.is_file() else set(problem.iterdir())
         assert installed >= {file for file in files if file.is_file()}
 
 

@@ -1,55 +1,132 @@
-"""Tables of the challenge: generated READMEs, names of problems, and answers on layered ground."""
+"""Tables of the challenge: its pages, names of problems, and answers on layered ground."""
+
+from decimal import Decimal
 
 import pandas as pd
 import pytest
 
 from ringwear import SceneError
 from ringwear.studies.challenge.answers import (
-    COLUMNS,
-    certified,
     columns_of_case,
     errors_in,
     read_answers,
 )
-from ringwear.studies.challenge.printed import FILE, printed_values
 from ringwear.studies.challenge.problems import (
     FOLDER,
-    OTHERS,
     layered_problems,
     name_of,
     problem_named,
     problems,
 )
-from ringwear.studies.challenge.rows import (
-    answers_table,
-    differences_table,
-    errors_table,
-    printed_table,
-    problems_table,
-)
 
 LAYERED = layered_problems()
+OTHERS = FOLDER / "others"
+PROGRAMS = {
+    "ContactMechanics": "contact_mechanics",
+    "Tamaas": "tamaas",
+    "scikit-fem": "scikit_fem",
+    "CalculiX": "calculix",
+}
+"""Programs, and their names in those of their files."""
 
 
-@pytest.mark.parametrize(
-    ("page", "table"),
-    [
-        (FOLDER / "README.md", problems_table()),
-        (FOLDER / "README.md", differences_table()),
-        (FOLDER / "reference_values.md", printed_table()),
-        (OTHERS / "README.md", errors_table()),
-        *((path.with_name("README.md"), answers_table(path)) for path in LAYERED),
-    ],
-)
-def test_pages_have_the_generated_tables(page, table):
-    assert "\n".join(table) in page.read_text("utf-8")
+def rows_of(page):
+    """Return the rows of all tables of a page, cell by cell."""
+    lines = page.read_text("utf-8").splitlines()
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line[:1] == "|"]
+
+
+def plain(value):
+    """Return a number such as 1.20e+01 without an exponent, with all of its digits."""
+    return f"{Decimal(value):f}"
+
+
+@pytest.mark.parametrize("problem", LAYERED, ids=name_of)
+def test_the_page_of_a_problem_has_its_answers(problem):
+    answers = read_answers(problem)
+    case = columns_of_case(answers)
+    if len({*answers["quantity"]}) == 1:
+        *case, last = case
+        answers["quantity"] = [f"{last} = {number:g}" for number in answers[last]]
+    rows = rows_of(problem.with_name("README.md"))
+    (start,) = (number for number, row in enumerate(rows) if row[0] == case[0])
+    head, _, *rows = rows[start:]
+    written = {
+        (*row[: len(case)], heading): value
+        for row in rows
+        for heading, value in zip(head[len(case) :], row[len(case) :], strict=True)
+        if value
+    }
+    places = [
+        ["" if number != number else f"{number:g}" for number in numbers]
+        for numbers in answers[case].to_numpy(dtype=float)
+    ]
+    assert written == {
+        (*place, quantity): plain(value)
+        for place, quantity, value in zip(
+            places, answers["quantity"], answers["value"], strict=True
+        )
+    }
+
+
+def test_the_page_of_the_challenge_has_all_problems_and_methods():
+    rows = rows_of(FOLDER / "README.md")
+    for problem in problems():
+        name = name_of(problem)
+        address = f"{name}/README.md" if problem in LAYERED else f"{name}.toml"
+        first = problem.read_text("utf-8").partition("\n")[0]
+        assert [f"[`{name}`]({address})", first.removeprefix("# ").rstrip(".")] in rows
+    for problem in LAYERED:
+        for methods, answers in read_answers(problem).groupby("methods"):
+            numbers = f"{len(answers)} {answers['difference'].max():.1e} {answers['digits'].min()}"
+            assert [name_of(problem)[:2], methods, *numbers.split()] in rows
 
 
 def test_printed_values_are_compared_with_the_answers():
-    table = pd.read_csv(FILE, dtype=str)
-    pd.testing.assert_frame_equal(table, printed_values().astype(str), check_dtype=False)
-    errors = table["printed"].astype(float) / table["right"].astype(float) - 1
-    assert table["error"].astype(float).to_numpy() == pytest.approx(errors.to_numpy(), rel=0.06)
+    rows = rows_of(FOLDER / "reference_values.md")
+    printed = pd.read_csv(FOLDER / "printed_values.csv", dtype=str)
+    assert len(printed) == len(rows) - 2
+    for row in printed.itertuples():
+        answers = read_answers(problem_named(row.problem))
+        of_case = answers.query(f"quantity == '{row.quantity}' and {where(row)}")
+        assert row.right == of_case["value"].item()
+        assert row.methods == of_case["methods"].item()
+        assert float(row.difference) == pytest.approx(of_case["difference"].item())
+        error = float(row.printed) / float(row.right) - 1
+        assert float(row.error) == pytest.approx(error, rel=0.06)
+        place = f"{row.quantity}, {row.where}"
+        assert [row.source, place, row.printed, plain(row.right), row.error] in rows
+
+
+def where(row):
+    """Return the case of a printed value as an expression."""
+    return row.where.replace(" = ", " == ").replace(", ", " and ")
+
+
+def test_the_errors_of_other_programs_are_written_as_in_their_file():
+    rows = rows_of(OTHERS / "README.md")
+    errors = pd.read_csv(OTHERS / "errors.csv", dtype=str, keep_default_na=False)
+    columns = ["error of d", "error of p", "seconds"]
+    for (problem, program), group in errors.query("bound == ''").groupby(["problem", "program"]):
+        counts, units = zip(*group["setting"].str.split(" "), strict=True)
+        name = f"{program}, {', '.join(counts)} {units[0]}"
+        if program not in PROGRAMS:
+            name = f"ringwear, {program.upper()}"
+        assert [problem, name, *(", ".join(group[column]) for column in columns)] in rows
+    bounds = errors.query("bound != ''")
+    (of_d,), (of_p,) = ({*bounds[column]} for column in columns[:2])
+    seconds = f"{' and '.join(bounds['seconds'])}, at 1e-1"
+    assert ["7", "ringwear, MDR and FEM", f"below {of_d}", f"below {of_p}", seconds] in rows
+
+
+def test_the_seconds_of_other_programs_are_those_of_their_files():
+    errors = pd.read_csv(OTHERS / "errors.csv").query("program in @PROGRAMS")
+    assert len(errors) == len([*OTHERS.glob("[0-9]*.csv")])
+    for row in errors.itertuples():
+        count = int(row.setting.split()[0])
+        file = OTHERS / f"{row.problem:02}_{PROGRAMS[row.program]}_{count:03}.csv"
+        seconds = float(file.read_text("utf-8").split()[1])
+        assert row.seconds == pytest.approx(seconds, rel=0.05)
 
 
 def test_problems_have_names_and_numbers():
@@ -71,16 +148,6 @@ def test_two_methods_agree_in_each_answer(problem):
     assert not answers.duplicated([*columns_of_case(answers), "quantity"]).any()
     digits = answers["value"].str.partition("e")[0].str.count("[0-9]")
     assert (digits == answers["digits"]).all()
-
-
-def test_a_value_is_given_to_the_digits_in_which_two_methods_agree():
-    labels = {"nu": 0.3, "quantity": "stiffness", "unit": "1", "methods": "a and b"}
-    pairs = ((2.0, 2.0), (1.23456789, 1.23456789 * (1 + 4e-8)), (-9.9e-5, -9.9e-5 * (1 - 6e-8)))
-    table = certified(labels | {"first": first, "second": second} for first, second in pairs)
-    assert [*table] == ["nu", *COLUMNS]
-    assert [*table["value"]] == ["2.000000000e+00", "1.234568e+00", "-9.90000e-05"]
-    assert [*table["digits"]] == [10, 7, 6]
-    assert [*table["bound"]] == ["5e-10", "9e-07", "2e-06"]
 
 
 def test_a_table_of_cases_is_compared_with_the_answers(tmp_path):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -17,7 +15,6 @@ from ringwear.studies.tradeoff import (
     list_prices,
 )
 
-OTHERS = Path(__file__).parents[4] / "studies" / "challenge" / "others"
 ERRORS = 10.0 ** -np.arange(1.0, 7.0)
 SCATTER = np.array([1.1, 0.9, 1.05, 0.95, 1.1, 0.9])
 
@@ -84,32 +81,6 @@ def test_effectivities_count_tolerances_that_are_missed():
     # an error below that of the reference says nothing about the estimate
     hidden = list_effectivities(levels().assign(reference=1e-4))
     assert hidden["levels"].tolist() == [3, 3]
-
-
-def read_challenge():
-    return pd.read_csv(OTHERS / "errors.csv", keep_default_na=True)
-
-
-def test_the_challenge_is_listed_as_its_readme_says():
-    text = (OTHERS / "README.md").read_text("utf-8")
-    lines = [line.strip("| \n").split(" | ") for line in text.splitlines() if line[:1] == "|"]
-    written = {}
-    for problem, program, *numbers in lines[2:]:
-        name = program.split(",")[-1].strip().lower() if "ringwear" in program else program
-        name = name.split(",")[0]
-        if numbers[0].startswith("below"):
-            continue
-        values = [[float(of) for of in number.split(", ")] for number in numbers]
-        written[int(problem), name] = values
-    challenge = read_challenge()
-    for (problem, program), rows in challenge[challenge.bound.isna()].groupby(
-        ["problem", "program"]
-    ):
-        listed = rows[["error of d", "error of p", "seconds"]].to_numpy().T.tolist()
-        assert listed == written[problem, program]
-    bounds = challenge[challenge.bound.notna()]
-    assert {*bounds.problem} == {7}
-    assert "below 2e-11 | below 1e-5 | 0.15 and 0.83, at 1e-1" in text
 
 
 RUN = {"case": "k = 1", "way": "MDR", "method": "mdr", "quantity": "indentation", "when": "later"}

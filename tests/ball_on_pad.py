@@ -16,21 +16,11 @@ sqrt(x^2 - r^2) dx`` from r to c. Nystroem's method with Gauss's quadrature solv
 from typing import NamedTuple
 
 import numpy as np
+from independent_layer import gauss, kernel, wave_numbers
 from scipy.optimize import brentq
-from scipy.special import factorial
 
-from ....meshes import Array, gauss
-
-NEGLIGIBLE_EXPONENT = 36.0
-"""Exponent at which ``exp(-x)`` counts as zero."""
-HALVINGS = 12
-"""How often the first panel in s is halved towards zero."""
 POINTS = 24
 """Number of Gauss points on each panel."""
-MAX_PHASE = 10.0
-"""Largest phase of the oscillating integrand on one panel in s, in radians."""
-LONG_WAVE = 0.3
-"""Wave number times thickness below which the numerator of the kernel is expanded in a series."""
 
 
 class Ball(NamedTuple):
@@ -50,32 +40,12 @@ class Pressed(NamedTuple):
     pressure: float
 
 
-def kernel(x: Array, poisson_ratio: float) -> Array:
-    """Return the compliance of a bonded layer to waves, relative to a half-space.
-
-    Parameters
-    ----------
-    x : wave number times thickness, positive
-    poisson_ratio : up to and including 1/2
-    """
-    kappa, e = 3 - 4 * poisson_ratio, np.exp(-2 * x)
-    # sinh(2 x) and cosh(2 x) times 2 exp(-2 x), so that they do not overflow
-    above = kappa * (1 - e**2) - 4 * x * e
-    below = kappa * (1 + e**2) + (4 * x**2 + 1 + kappa**2) * e
-    # 2 kappa sinh(2 x) - 4 x cancels for long waves
-    long = x < LONG_WAVE
-    y = 2 * x[long]
-    remainder = sum(y**n / factorial(n) for n in range(3, 24, 2))
-    above[long] = (2 * (kappa - 1) * y + 2 * kappa * remainder) * e[long]
-    return above / below
-
-
 def pressed_to(ball: Ball, contact_radius: float, radius: float) -> Pressed:
     """Return the force and the indentation at a contact radius, and the pressure at a radius."""
     panels = max(int(np.ceil(contact_radius / ball.thickness)), 4)
     edges = np.linspace(0.0, contact_radius, panels + 1)
-    x, lengths = _points_on(edges)
-    s, widths = _wave_numbers(ball.thickness, 2 * contact_radius)
+    x, lengths = gauss(edges, POINTS)
+    s, widths = wave_numbers(ball.thickness, 2 * contact_radius)
     spectrum = widths * (1 - kernel(s * ball.thickness, ball.poisson_ratio))
     cosines = np.cos(np.outer(x, s))
     added = 2 / np.pi * (cosines * spectrum) @ cosines.T * lengths
@@ -88,7 +58,7 @@ def pressed_to(ball: Ball, contact_radius: float, radius: float) -> Pressed:
     indentation = (height / np.pi + at_edge @ shape) / (1 / np.pi + at_edge @ unit)
     density = (indentation * unit - shape) * lengths
     # x^2 = r^2 + y^2, so that dx / sqrt(x^2 - r^2) = dy / x
-    y, steps = _points_on(edges * np.sqrt(1 - (radius / contact_radius) ** 2))
+    y, steps = gauss(edges * np.sqrt(1 - (radius / contact_radius) ** 2), POINTS)
     x = np.hypot(radius, y)
     _, slope = _profile(x, ball.ball_radius)
     derivative = slope + 2 * (np.sin(np.outer(x, s)) * s * spectrum) @ (cosines.T @ density)
@@ -109,23 +79,7 @@ def pressed_by(ball: Ball, normal_force: float, radius: float) -> Pressed:
     return pressed_to(ball, contact_radius, radius)
 
 
-def _profile(x: Array, ball_radius: float) -> tuple[Array, Array]:
+def _profile(x: np.ndarray, ball_radius: float) -> tuple[np.ndarray, np.ndarray]:
     """Return g(x), and its derivative."""
     logarithm = np.log((ball_radius + x) / (ball_radius - x)) / 2
     return x * logarithm, logarithm + x * ball_radius / (ball_radius**2 - x**2)
-
-
-def _wave_numbers(thickness: float, reach: float) -> tuple[Array, Array]:
-    """Return points and weights in s; the integrand decays as exp(-2 s h)."""
-    end = NEGLIGIBLE_EXPONENT / (2 * thickness)
-    even = np.linspace(0.0, end, int(np.ceil(end * reach / MAX_PHASE)) + 2)
-    return _points_on(
-        np.concatenate([[0.0], even[1] * 0.5 ** np.arange(HALVINGS, 0, -1), even[1:]])
-    )
-
-
-def _points_on(edges: Array) -> tuple[Array, Array]:
-    """Return Gauss points and weights on the panels between edges."""
-    local, weights = gauss(POINTS)
-    half = np.diff(edges)[:, None] / 2
-    return (edges[:-1, None] + half * (1 + local)).ravel(), (half * weights).ravel()
