@@ -21,9 +21,6 @@ from .half_space import (
     contact_breakpoints as contact_breakpoints,
     pressure_space as pressure_space,
 )
-from .stability import (
-    refuse_singular as refuse_singular,
-)
 from .stresses import (
     stresses_in as stresses_in,
 )

@@ -44,7 +44,6 @@ from .radial import (
     graded_breakpoints as graded_breakpoints,
     ring_areas as ring_areas,
     ring_of as ring_of,
-    values_on_rings as values_on_rings,
 )
 from .sizes import (
     FAR_TRUNCATION as FAR_TRUNCATION,

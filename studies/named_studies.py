@@ -63,12 +63,6 @@ def _refinement() -> "Callable[..., Study]":
     return refinement
 
 
-def _elements() -> "Callable[..., Study]":
-    from .elements import elements
-
-    return elements
-
-
 def _truncation() -> "Callable[..., Study]":
     from .truncation import truncation
 
@@ -97,7 +91,6 @@ STUDIES: dict[str, NamedStudy] = {
     "paper": NamedStudy(_paper, "paper.study:paper", 30),
     "convergence": NamedStudy(_convergence, "convergence:convergence", 20),
     "refinement": NamedStudy(_refinement, "refinement:refinement", 10),
-    "elements": NamedStudy(_elements, "elements:elements", 7),
     "truncation": NamedStudy(_truncation, "truncation:truncation", 3),
     "march": NamedStudy(_march, "march:march", 2),
     "extremes": NamedStudy(_extremes, "extremes:extremes", 20),
@@ -121,8 +114,8 @@ def study(
 
     Parameters
     ----------
-    name : ``"convergence"``, ``"refinement"``, ``"elements"``, ``"extremes"``, ``"tradeoff"``,
-        ``"truncation"``, ``"march"`` or ``"paper"``
+    name : ``"convergence"``, ``"refinement"``, ``"extremes"``, ``"tradeoff"``, ``"truncation"``,
+        ``"march"`` or ``"paper"``
     scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
         study's own scene
     quick : whether to conduct a smaller version of the study
@@ -138,7 +131,7 @@ def study(
             elements on them, and the unit of lengths in the files, if it is not that of the scene
             (`convergence`, `refinement`)
         elements
-            elements of scikit-fem, by name, or your own (`convergence`, `elements`)
+            elements of scikit-fem, by name, or your own (`convergence`)
         steps
             time steps in the units of the scene, from coarse to fine (`convergence`, `march`)
         radii

@@ -229,20 +229,6 @@ def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
     return 0.13 + 0.15 * -(-len(handles) // columns) + 0.125 * len(note_lines)
 
 
-def legend_below(axes: Axes) -> None:
-    """Add a legend below the axes, where it covers nothing.
-
-    Without curves, for example after an early interruption, there is no legend.
-    """
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.14),
-            frameon=False,
-            fontsize=8,
-        )
-
-
 def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
     """Make axes logarithmic, with up to `most` ticks at powers of ten.
 

@@ -12,9 +12,9 @@ column `when`:
 
 Some quantities belong to finite elements only, and are not in results.nc: `energy`, the error of
 the displacement in the energy norm, `stress_on_axis`, `least_eigenvalue`, the least ratio of the
-energies of a pressure by finite elements and by MDR, `condition_number`, of the compliance, and
-`indentation_by_pressures`, the error of the start if the pressures of a level act on the exact
-half-space. A function of a result that the user defines is a quantity, too.
+energies of a pressure by finite elements and by MDR, and `indentation_by_pressures`, the error of
+the start if the pressures of a level act on the exact half-space. A function of a result that the
+user defines is a quantity, too.
 
 The error of a single number has a sign. All other errors are norms.
 """
@@ -45,9 +45,9 @@ from .way import ALL, LATER, START, Case, Part
 from .ways.axis_stresses import element_stresses
 
 ENERGY, STRESS, EIGENVALUE = "energy", "stress_on_axis", "least_eigenvalue"
-CONDITION, BY_PRESSURES = "condition_number", "indentation_by_pressures"
+BY_PRESSURES = "indentation_by_pressures"
 """Quantities of finite elements that are not in results.nc."""
-ITSELF = (ENERGY, EIGENVALUE, CONDITION, BY_PRESSURES)
+ITSELF = (ENERGY, EIGENVALUE, BY_PRESSURES)
 """Quantities whose entry in the column `error` is the value itself."""
 DEFAULT = (
     *("indentation", "normal_force", "pressure", "profile", "ring_force", "rms_slope"),

@@ -37,8 +37,7 @@ before, which shows whether the levels are in the asymptotic range.
 RADIUS = "radius"
 """Column that makes the other columns fields."""
 COLUMNS = ("quantity", "order", "low", "high", "limit", "index", "asymptotic")
-SHEET = ("computed", "target", "ratio", "tolerance", "within")
-"""Columns of the table, and those that a right value or a tolerance adds."""
+"""Columns of the table, to which a right value and a tolerance add others."""
 KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
 """Columns of a study that tell its sequences of levels apart."""
 

@@ -150,7 +150,7 @@ TOLD = [
     (lambda _: study("march", steps=["a"]), "give numbers, such as [0.1, 0.05]"),
     (lambda _: study("convergence", quantities="depth"), "give functions of the result of a run"),
     (lambda _: study("refinement", meshes=[3]), "meshes has 3: give mesh files"),
-    (lambda _: study("elements", elements="Tri2"), "--element Tri2: is not an element"),
+    (lambda _: study("convergence", elements="Tri2"), "--element Tri2: is not an element"),
     (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, workers=0), "give a whole number, 1 or more"),
     (lambda _: deck(SCENE, "calculx", "x"), "did you mean 'calculix'?"),
     (lambda _: deck(SCENE, "calculix", "x", size="a"), "size = ['a']: give numbers"),

@@ -80,7 +80,6 @@ def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
     [
         (lambda: study("convergance"), "give one of paper, convergence"),
         (lambda: study("march", "sphere"), "flat punches under a force"),
-        (lambda: study("elements", "rotating_pin"), "one wear coefficient"),
         (lambda: study("march", meshes=["a.msh"]), "does not accept meshes"),
     ],
 )

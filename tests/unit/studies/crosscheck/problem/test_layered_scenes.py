@@ -107,7 +107,7 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
         fem_sizes(pad(accuracy__fem={"mesher": "gmsh"}).problem)
 
 
-@pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "elements", "march"])
+@pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "march"])
 def test_studies_of_the_homogeneous_half_space_refuse_layers(name):
     with pytest.raises(SceneError, match=r"half_space\.layers"):
         STUDIES[name].load()(pad())
