@@ -1,7 +1,6 @@
 """The arguments of commands: parameters of functions as flags, and their docstrings as help."""
 
 import re
-import sys
 from argparse import ArgumentParser, ArgumentTypeError, RawDescriptionHelpFormatter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -209,33 +208,6 @@ POSITIONAL: dict[str, Settings] = {
     },
 }
 """Arguments that have no flag: files where their functions accept other things, too."""
-OLD_FLAGS = {
-    ("fit", "--for"): "--parameters",
-    ("deck", "--elements"): "--element",
-}
-"""Flags of commands that had other names in the last release, which still work."""
-OLD_VALUES = {"linear": "Q1", "quadratic": "Q2S"}
-"""Elements of decks by their names in the last release."""
-
-OTHER_COMMANDS = {
-    **dict.fromkeys(("solve", "simulate", "compute", "calculate", "start"), "ringwear run"),
-    **dict.fromkeys(("list", "ls", "examples", "show"), "ringwear scenes"),
-    **dict.fromkeys(("init", "new", "create"), "ringwear scenes five_rings > mine.toml"),
-    **dict.fromkeys(("validate", "verify", "estimate"), "ringwear plan"),
-    **dict.fromkeys(("plot", "report"), "ringwear run, which draws figures and writes a page"),
-    "diff": "ringwear compare",
-    "help": "ringwear --help",
-    "version": "ringwear --version",
-}
-"""Commands by other names that users may write."""
-OTHER_FLAGS = {
-    **dict.fromkeys(("-o", "--output", "--folder", "--directory", "--dir"), "--out"),
-    **dict.fromkeys(("--tol", "--tolerance", "--accuracy"), "--rtol"),
-    **dict.fromkeys(("--method", "--solver", "-m"), "--methods"),
-    **dict.fromkeys(("-v", "--version"), "--verbose"),
-    **dict.fromkeys(("-j", "--jobs", "--threads", "--processes"), "--workers"),
-}
-"""Options by other names that users may write."""
 
 
 class Parser(ArgumentParser):
@@ -245,16 +217,14 @@ class Parser(ArgumentParser):
         """Print the usage of the command and the error, and exit with status 2."""
         suggestion = ""
         if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
-            suggestion = OTHER_COMMANDS.get(choice[1], "") if "COMMAND" in message else ""
-            suggestion = suggestion or nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
+            suggestion = nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
             if choice[1] in bundled() or choice[1].endswith(".toml"):
                 suggestion = f"ringwear run {choice[1]}"
         elif unknown := re.search(r"unrecognized arguments: (-[\w-]+)", message):
             # compare without dashes, which are common to all flags
             without_dashes = {re.sub(r"\W", "", flag): flag for flag in (*FLAGS, *OF_COMMANDS)}
-            suggestion = OTHER_FLAGS.get(unknown[1], "") or without_dashes.get(
-                nearest(re.sub(r"\W", "", unknown[1]), without_dashes), ""
-            )
+            near = nearest(re.sub(r"\W", "", unknown[1]), without_dashes)
+            suggestion = without_dashes.get(near, "")
             if suggestion == unknown[1]:
                 # an option of another command
                 super().error(f"{message}; this command does not have it: --help lists its options")
@@ -310,26 +280,6 @@ def _add_flag(parser: ArgumentParser, name: str, text: str, default: object) -> 
     # argparse replaces %(...) in help
     help = f"{text[:1].lower()}{text[1:]}".replace("%", "%%")
     parser.add_argument(flag_of(name), help=help, **settings)
-
-
-def with_new_flags(arguments: list[str]) -> list[str]:
-    """Return arguments with the names that flags have now; print what to write instead."""
-    command, new, renamed = next(iter(arguments), ""), list[str](), False
-    for argument in arguments:
-        flag, equals, value = argument.partition("=")
-        if renamed and not equals:
-            argument = OLD_VALUES.get(argument, argument)
-        flag_now = OLD_FLAGS.get((command, flag), "")
-        renamed = bool(flag_now)
-        if renamed:
-            print(
-                f"ringwear: {flag} of `ringwear {command}` is now {flag_now}: write that, because "
-                "the next release does not know the old name",
-                file=sys.stderr,
-            )
-            argument = f"{flag_now}{equals}{OLD_VALUES.get(value, value)}"
-        new.append(argument)
-    return new
 
 
 def new_parser(prog: str, description: str = "", examples: str = "") -> Parser:

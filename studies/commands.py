@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
-from .arguments import FLAGS, add_arguments, flag_of, new_parser, with_new_flags
+from .arguments import FLAGS, add_arguments, flag_of, new_parser
 from .crosscheck import (
     Folder,
     Scene,
@@ -45,7 +45,7 @@ def conduct(arguments: list[str] | None) -> Status:
     """Conduct the command of the command line; return the exit status."""
     # skip the garbage collection at exit, which takes as long as drawing a figure
     atexit.register(gc.freeze)
-    options = _read(with_new_flags(sys.argv[1:] if arguments is None else arguments))
+    options = _read(sys.argv[1:] if arguments is None else arguments)
     if arguments is None and options.command != "sweep":
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]

@@ -303,27 +303,9 @@ def __getattr__(name: str) -> object:
     raise AttributeError(_has_no(name))
 
 
-# what to write instead of names that other packages use
-_OTHER_NAMES = {
-    **dict.fromkeys(("solve", "simulate", "compute", "Run"), "ringwear.run"),
-    **dict.fromkeys(("open", "read", "Results"), "ringwear.load"),
-    **dict.fromkeys(("Punch", "Model", "Simulation"), "ringwear.Scene"),
-    **dict.fromkeys(("scenes", "examples", "bundled"), "`ringwear scenes` on the command line"),
-    **dict.fromkeys(("list_scenes", "bundled_scenes"), "`ringwear scenes` on the command line"),
-    **dict.fromkeys(("run_scene", "run_file"), "ringwear.run"),
-    **dict.fromkeys(("validate", "predict"), "ringwear.plan"),
-    "mesh": "`ringwear mesh SCENE` on the command line",
-    "challenge": "`ringwear challenge` on the command line",
-    "cli": "`ringwear` on the command line",
-    "plot": "ringwear.run(scene).plot()",
-}
-
-
 def _has_no(name: str) -> str:
     """Return the error message for a name that the package does not have."""
     from ringwear.studies.crosscheck import did_you_mean
 
     hint = did_you_mean(name, __all__, f"it has {', '.join(_FIRST)}", "")
-    if name in _OTHER_NAMES:
-        hint = f": write {_OTHER_NAMES[name]}; it has {', '.join(_FIRST)}"
     return f"module 'ringwear' has no attribute {name!r}{hint}"

@@ -17,7 +17,7 @@ seal = {
     "load": {"mean_pressure": "0.3 MPa", "sliding_speed": "4 m/s"},
     "wear": {"times": "running-in"},
 }
-result = run(seal, methods=["mdr", "direct"], rtol=1e-2)
+result = run(seal, methods=["mdr", "bem"], rtol=1e-2)
 hours = result.answers["mdr"]["time_to_90"].item() / 3600
 print(f"90 % of the running-in take {hours:.1f} h.")
 print(result.verdict)

@@ -36,7 +36,7 @@ def check_inputs(report: Reported) -> Rows:
         _numbers(problem.ground), _numbers(reading.ground), rtol=COPIED, atol=0
     )
     yield Row("layers as in the scene", float(same_layers), 1.0, 0.0)
-    if len(reading.times):
+    if len(problem.times):
         solved, times = problem.times * reading.units.time, reading.times
         yield Row("times as in the scene", solved, times, COPIED, np.maximum(times, TINY))
         state, of_load = problem.loading.at(problem.times), reading.load(problem.times)

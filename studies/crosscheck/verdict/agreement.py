@@ -201,9 +201,7 @@ def unchecked(problem: Problem, solutions: Mapping[str, Solution]) -> list[Agree
     for quantity in sorted(due(problem)) if len(solutions) > 1 else ():
         methods = tuple(name for name, each in solutions.items() if quantity in each.compared)
         if len(methods) == 1:
-            error = solutions[methods[0]].errors.get(quantity, np.inf)
-            row = Agreement(quantity, methods, np.inf, float(np.max(error)), UNDECIDED, ONE_METHOD)
-            rows.append(row)
+            rows.append(Agreement(quantity, methods, np.inf, np.inf, UNDECIDED, ONE_METHOD))
     return rows
 
 

@@ -5,7 +5,7 @@ import inspect
 import pytest
 
 import ringwear
-from ringwear.studies.arguments import FLAGS, OF_COMMANDS, POSITIONAL, flag_of, with_new_flags
+from ringwear.studies.arguments import FLAGS, OF_COMMANDS, POSITIONAL, flag_of
 from ringwear.studies.commands import COMMANDS
 from ringwear.studies.documented import documented
 from ringwear.studies.named_studies import STUDIES
@@ -40,13 +40,3 @@ def test_every_option_of_a_study_has_a_text(name):
     row = STUDIES[name]
     assert row.purpose
     assert all(documented(row.place).parameters[option].text for option in row.options)
-
-
-def test_flags_of_the_last_release_work_and_say_what_to_write(capsys):
-    given = ["fit", "pin.toml", "data.csv", "--for", "punch.wear_coefficient", "--noise=1"]
-    assert with_new_flags(given)[3:5] == ["--parameters", "punch.wear_coefficient"]
-    assert "--for of `ringwear fit` is now --parameters" in capsys.readouterr().err
-    given = ["deck", "five_rings", "--for", "calculix", "--elements", "linear"]
-    assert with_new_flags(given)[2:] == ["--for", "calculix", "--element", "Q1"]
-    assert with_new_flags(["deck", "a", "--elements=quadratic"])[2:] == ["--element=Q2S"]
-    assert "is now --element" in capsys.readouterr().err
