@@ -64,20 +64,7 @@ class Compliance:
     @cached_property
     def matrix(self) -> Array:
         """The compliance `A` (size, size) itself."""
-        size = self.space.size
-        out = np.empty((size, size))
-        # Rows and columns are both ordered along the radius, and for every method the factor is
-        # zero on one side of the diagonal. Products of the nonzero rows of two blocks of columns
-        # take a third of the work, and each is written to its place without a copy.
-        blocks = [slice(start, start + 512) for start in range(0, size, 512)]
-        spans = [_nonzero_rows(self.factor[:, block]) for block in blocks]
-        for i, columns in enumerate(blocks):
-            for j, earlier in enumerate(blocks[: i + 1]):
-                rows = slice(max(spans[i][0], spans[j][0]), min(spans[i][1], spans[j][1]))
-                below = out[columns, earlier]
-                np.matmul(self.factor[rows, columns].T, self.factor[rows, earlier], out=below)
-                out[earlier, columns] = below.T
-        return out
+        return self.factor.T @ self.factor
 
     def restricted(self, space: PressureSpace) -> "Compliance":
         """Return the compliance of the same half-space on a subspace of its pressure space."""
@@ -88,12 +75,6 @@ class Compliance:
             rows = slice(start, start + 256)
             factor[rows] = (to_subspace @ self.factor[rows].T).T
         return RestrictedCompliance(space, factor, self.ground, full=self)
-
-
-def _nonzero_rows(columns: Array) -> tuple[int, int]:
-    """Return the first row that is not zero, and the end of the last one."""
-    rows = np.flatnonzero(columns.any(axis=1))
-    return (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 0)
 
 
 @dataclass(frozen=True, eq=False)

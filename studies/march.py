@@ -3,8 +3,7 @@
 Steps and relaxation modes use the same coarse space. The modes are exact in time, so that the
 difference is the error of the time steps alone. The explicit march is stable for steps below
 2 / (greatest relaxation rate). This limit is lower on finer elements: on the uniform grid of the
-paper with n springs, it is about ``4/(pi n k)``. A map shows it for the elements of other programs,
-by their size.
+paper with n springs, it is about ``4/(pi n k)``.
 """
 
 from collections.abc import Iterator, Sequence
@@ -26,7 +25,6 @@ from .study.study import Study, choose_parts, remarks
 from .study.theory import conclude_orders, observed_orders
 from .study.way import Case, Part
 from .study.ways.runs import coarse_stability_limit, on_coarse_space, steps_on_coarse_space
-from .wear_step.step_map import conclude_map, draw_map, step_map
 
 PARTS = tuple(0.5 / 2**n for n in range(1, 9))
 """Steps of the implicit march whose order is fitted, over the earliest time after the start."""
@@ -107,20 +105,14 @@ def march(
             xlabel=xlabel,
         )
     }
-    updates = pd.DataFrame()
-    if not problem.ground.layered:
-        updates = step_map(problem, quick)
-        heading = titled(scene.title, "explicit updates on linear quadrilaterals")
-        figures["map"] = draw_map(updates, scene, heading)
     sentences = (
         *conclude_steps(needed, limit * unit, scene),
-        *([conclude_map(updates, scene)] if len(updates) else []),
         *left_out_steps(given, limit, unit, scene),
         *conclude_orders(fits),
         *([] if len(limits) else [NO_GRID]),
         *remarks(record, quick),
     )
-    tables = {"longest_steps": needed, "paper_grid": limits, "explicit_updates": updates}
+    tables = {"longest_steps": needed, "paper_grid": limits}
     kept = {name: rows for name, rows in tables.items() if len(rows)}
     return Study("march", scene, table, fits, sentences, figures, kept)
 

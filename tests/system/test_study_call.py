@@ -34,7 +34,7 @@ def test_a_study_has_a_row_for_each_level_and_an_order_for_each_sequence(march):
     eulers = march.orders[march.orders["expected"] == 1]
     assert len(eulers) == 4
     assert (eulers["low"] < eulers["high"]).all()
-    assert set(march.figures) == {"march", "map"}
+    assert set(march.figures) == {"march"}
 
 
 def test_a_march_says_which_step_is_needed(march):

@@ -77,7 +77,7 @@ class Direct(Method):
 
 @dataclass(frozen=True, eq=False)
 class ClosedForm:
-    """The steady state in closed form: `problem.quantities.SteadyState`.
+    """The steady state in closed form: the attributes of `SampledSteadyState`.
 
     Parameters
     ----------

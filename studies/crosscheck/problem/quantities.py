@@ -3,12 +3,15 @@
 The decorators `over_time`, `in_steady_state`, `in_modes`, `in_answer` and `at_steps` declare a
 quantity with its name, which is that of the function, its dimensions, its unit, its definition for
 users, and the norm in which two of its values are compared. The function computes its value from
-what a method provides (`State`, `SteadyState`, `Modes`, `Run`, `Path`).
+what a method provides, as attributes: the state of the punch at its times
+(`methods.sampling.sampler.SampledState`) or in the steady state (`SampledSteadyState`), its
+relaxation modes (`wear.full_contact.RunningIn`), its run as a whole
+(`methods.sampling.answers.SteadyRun`), or the steps of a march (`result.table.StepsOfMarch`).
 """
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -83,163 +86,6 @@ class Units:
         return self.displacement / self.time
 
 
-class State(Protocol):
-    """A punch at T times, with fields at R radii, as methods provide it. Non-dimensional.
-
-    Heights and depths are measured from the first touch, and leave out the even wear.
-    """
-
-    @property
-    def pressure(self) -> Array:
-        """(T, R) contact pressure."""
-
-    @property
-    def shape(self) -> Array:
-        """(T, R) worn profile."""
-
-    @property
-    def depth(self) -> Array:
-        """(T,) indentation."""
-
-    @property
-    def even_wear(self) -> Array:
-        """(T,) depth by which the whole face has worn at the steady rate."""
-
-    @property
-    def standoff(self) -> float:
-        """Height of the face plane above the first touch."""
-
-    @property
-    def displacement(self) -> Array:
-        """(T, R) displacement of the half-space."""
-
-    @property
-    def displacement_centre(self) -> Array:
-        """(T,) displacement at the centre, or at the inner edge of a hollow punch."""
-
-    @property
-    def displacement_max(self) -> Array:
-        """(T,) greatest displacement under the punch."""
-
-    @property
-    def rms_slope(self) -> Array:
-        """(T,) root mean square slope of the face."""
-
-    @property
-    def ring_forces(self) -> Array:
-        """(T, N) force on each ring."""
-
-    @property
-    def worn_volumes(self) -> Array:
-        """(T, N) worn volume of each ring."""
-
-    @property
-    def contact(self) -> Array:
-        """(T, R) 1 in contact, 0 outside."""
-
-    @property
-    def contact_edges(self) -> Array:
-        """(T, E) inner and outer radius of each part of the contact in turn; NaN beyond."""
-
-    @property
-    def moment(self) -> Array:
-        """(T,) integral of the radius times the pressure over the face."""
-
-
-class SteadyState(Protocol):
-    """The steady state of a punch under its last load, with fields at R radii."""
-
-    @property
-    def pressure(self) -> Array:
-        """(R,) contact pressure."""
-
-    @property
-    def displacement(self) -> Array:
-        """(R,) displacement of the half-space."""
-
-    @property
-    def displacement_max(self) -> Array:
-        """() greatest displacement under the punch."""
-
-    @property
-    def rms_slope(self) -> Array:
-        """() root mean square slope."""
-
-    @property
-    def wear_rate(self) -> Array:
-        """() rate at which height is lost."""
-
-
-class Modes(Protocol):
-    """The relaxation modes of a punch in full contact."""
-
-    @property
-    def relaxation_times(self) -> Array:
-        """(m,) relaxation times, the slowest first."""
-
-
-class Run(Protocol):
-    """The start, the running-in and the steady state of a punch with N rings.
-
-    What a method does not compute, or what does not exist, is NaN.
-    """
-
-    @property
-    def indentation_at_start(self) -> float:
-        """Indentation at the time 0."""
-
-    @property
-    def pressures(self) -> Array:
-        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring."""
-
-    @property
-    def force_shares(self) -> Array:
-        """(2, N) share of the force at the start and in the steady state, by ring."""
-
-    @property
-    def forces(self) -> Array:
-        """(2,) force at the time 0 and at the last time."""
-
-    @property
-    def worn_volumes(self) -> Array:
-        """(N,) worn volume of each ring at the last time."""
-
-    @property
-    def greatest_steady_displacement(self) -> float:
-        """Greatest displacement in the steady state."""
-
-    @property
-    def slowest_time(self) -> float:
-        """Slowest relaxation time of the full face."""
-
-    def time_until(self, remaining_part: float) -> float:
-        """Return the time after which a given part of the running-in remains."""
-
-    @property
-    def contact_radius_at_start(self) -> float:
-        """Outermost radius of the first contact."""
-
-    @property
-    def peak_at_start(self) -> float:
-        """Greatest pressure of the first contact."""
-
-    @property
-    def time_to_full_contact(self) -> float:
-        """Time from which all of the face is in contact."""
-
-
-class Path(Protocol):
-    """The start and each of the S steps of a march."""
-
-    @property
-    def path(self) -> Array:
-        """(S, 4) time, indentation from the first touch, force and relative contact area."""
-
-    @property
-    def standoff(self) -> float:
-        """Height of the face plane above the first touch."""
-
-
 @dataclass(frozen=True, eq=False)
 class Quantity:
     """A quantity.
@@ -312,33 +158,33 @@ def _declare(
 
 def over_time(
     dims: str, unit: str, definition: str, norm: Norm = VALUE, **more: Any
-) -> Callable[[Callable[[State], Array]], Quantity]:
+) -> Callable[[Value], Quantity]:
     """Return a decorator for a quantity of a history, with dimensions in addition to the time."""
     return _declare(QUANTITIES, f"time {dims}", unit, definition, norm=norm, **more)
 
 
 def in_steady_state(
     dims: str, unit: str, definition: str, norm: Norm = VALUE, **more: Any
-) -> Callable[[Callable[[SteadyState], Array]], Quantity]:
+) -> Callable[[Value], Quantity]:
     """Return a decorator for a quantity of the steady state; its name begins with `steady_`."""
     return _declare(QUANTITIES, dims, unit, definition, norm=norm, **more)
 
 
 def in_modes(
     unit: str, definition: str, norm: Norm = VALUE, **more: Any
-) -> Callable[[Callable[[Modes], Array]], Quantity]:
+) -> Callable[[Value], Quantity]:
     """Return a decorator for a quantity of relaxation modes."""
     return _declare(QUANTITIES, "mode", unit, definition, norm=norm, **more)
 
 
-def at_steps(unit: str, definition: str) -> Callable[[Callable[[Path], Array]], Quantity]:
+def at_steps(unit: str, definition: str) -> Callable[[Value], Quantity]:
     """Return a decorator for a quantity of the steps of a march, which is not compared."""
     return _declare(STEPS, "step", unit, definition)
 
 
 def in_answer(
     dims: str, unit: str, definition: str, norm: Norm = VALUE, **more: Any
-) -> Callable[[Callable[[Run], Array | float]], Quantity]:
+) -> Callable[[Value], Quantity]:
     """Return a decorator for a number of the answer."""
     return _declare(ANSWER, dims, unit, definition, norm=norm, **more)
 
@@ -368,7 +214,7 @@ def _time_of_running_in(
     in_thin_layers=True,
     cells="unresolved",
 )
-def pressure(state: State) -> Array:
+def pressure(state: Any) -> Array:
     """Return the contact pressure (T, R)."""
     return state.pressure
 
@@ -380,7 +226,7 @@ def pressure(state: State) -> Array:
     DEPTH,
     cells="unresolved",
 )
-def profile(state: State) -> Array:
+def profile(state: Any) -> Array:
     """Return the worn height (T, R), from the plane of the unworn face."""
     return state.shape + state.even_wear[:, None] + state.standoff
 
@@ -392,7 +238,7 @@ def profile(state: State) -> Array:
     DEPTH,
     cells="unresolved",
 )
-def displacement(state: State) -> Array:
+def displacement(state: Any) -> Array:
     """Return the displacement (T, R) of the half-space."""
     return state.displacement
 
@@ -400,7 +246,7 @@ def displacement(state: State) -> Array:
 @over_time(
     "", "displacement", "indentation d(t) of the unworn face plane of the punch", DEPTH, order=2
 )
-def indentation(state: State) -> Array:
+def indentation(state: Any) -> Array:
     """Return the indentation (T,) of the plane of the unworn face."""
     return state.depth + state.even_wear + state.standoff
 
@@ -412,13 +258,13 @@ def indentation(state: State) -> Array:
     DEPTH,
     cells="unresolved",
 )
-def displacement_centre(state: State) -> Array:
+def displacement_centre(state: Any) -> Array:
     """Return the displacement (T,) at the centre."""
     return state.displacement_centre
 
 
 @over_time("", "displacement", "greatest u_z under the punch", DEPTH, cells="unresolved")
-def displacement_max(state: State) -> Array:
+def displacement_max(state: Any) -> Array:
     """Return the greatest displacement (T,) under the punch."""
     return state.displacement_max
 
@@ -431,7 +277,7 @@ def displacement_max(state: State) -> Array:
     in_thin_layers=True,
     cells="unresolved",
 )
-def rms_slope(state: State) -> Array:
+def rms_slope(state: Any) -> Array:
     """Return the root mean square slope (T,) of the face."""
     return state.rms_slope
 
@@ -444,19 +290,19 @@ def rms_slope(state: State) -> Array:
     order=2,
     cells="refined",
 )
-def ring_force(state: State) -> Array:
+def ring_force(state: Any) -> Array:
     """Return the force (T, N) on each ring."""
     return state.ring_forces
 
 
 @in_modes("time", "relaxation times of the wear modes, slowest first", order=2)
-def relaxation_time(modes: Modes) -> Array:
+def relaxation_time(modes: Any) -> Array:
     """Return the relaxation times (m,)."""
     return modes.relaxation_times
 
 
 @over_time("", "force", "normal force on the punch", FORCE, order=2)
-def normal_force(state: State) -> Array:
+def normal_force(state: Any) -> Array:
     """Return the normal force (T,)."""
     return state.ring_forces.sum(axis=1)
 
@@ -468,13 +314,13 @@ def normal_force(state: State) -> Array:
     VOLUME_SO_FAR,
     cells="refined",
 )
-def ring_worn_volume(state: State) -> Array:
+def ring_worn_volume(state: Any) -> Array:
     """Return the worn volume (T, N) of each ring."""
     return state.worn_volumes
 
 
 @over_time("", "length", "outermost radius of contact", RADIUS, cells="unresolved")
-def contact_radius(state: State) -> Array:
+def contact_radius(state: Any) -> Array:
     """Return the outermost radius (T,) of contact; 0 without contact."""
     return np.nanmax(state.contact_edges, axis=1, initial=0.0)
 
@@ -486,26 +332,26 @@ def contact_radius(state: State) -> Array:
     RADIUS,
     cells="unresolved",
 )
-def mean_contact_radius(state: State) -> Array:
+def mean_contact_radius(state: Any) -> Array:
     """Return the mean radius (T,) at which the force acts; 0 without a force."""
     force = state.ring_forces.sum(axis=1)
     return np.divide(state.moment, force, out=np.zeros(len(force)), where=force > 0)
 
 
 @over_time("radius", "number", "1 in contact, 0 outside")
-def contact(state: State) -> Array:
+def contact(state: Any) -> Array:
     """Return where (T, R) the punch is in contact."""
     return state.contact
 
 
 @over_time("edge", "length", "inner and outer radius of each part of the contact in turn")
-def contact_edge(state: State) -> Array:
+def contact_edge(state: Any) -> Array:
     """Return the edges (T, E) of the contact."""
     return state.contact_edges
 
 
 @in_steady_state("radius", "pressure", "contact pressure in the steady state (Eq. 24)", PRESSURE)
-def steady_pressure(steady: SteadyState) -> Array:
+def steady_pressure(steady: Any) -> Array:
     """Return the steady pressure (R,)."""
     return steady.pressure
 
@@ -513,49 +359,49 @@ def steady_pressure(steady: SteadyState) -> Array:
 @in_steady_state(
     "radius", "displacement", "limiting profile, its minimum at zero (Eq. 27)", STEADY_DEPTH
 )
-def steady_profile(steady: SteadyState) -> Array:
+def steady_profile(steady: Any) -> Array:
     """Return the limiting profile (R,), zero at the point that has worn least."""
     return np.maximum(steady.displacement_max - steady.displacement, 0.0)
 
 
 @in_steady_state("", "displacement", "greatest u_z in the steady state, u_max of Eq. 27")
-def steady_displacement_max(steady: SteadyState) -> Array:
+def steady_displacement_max(steady: Any) -> Array:
     """Return the greatest steady displacement."""
     return steady.displacement_max
 
 
 @in_steady_state("", "slope", "root mean square slope of the limiting profile (Eq. 18)")
-def steady_rms_slope(steady: SteadyState) -> Array:
+def steady_rms_slope(steady: Any) -> Array:
     """Return the root mean square slope of the limiting profile."""
     return steady.rms_slope
 
 
 @in_steady_state("", "wear_rate", "rate at which height is lost, the same on every ring (Eq. 23)")
-def steady_wear_rate(steady: SteadyState) -> Array:
+def steady_wear_rate(steady: Any) -> Array:
     """Return the steady wear rate."""
     return steady.wear_rate
 
 
 @at_steps("time", "time of each step of the march, the start first")
-def step_time(march: Path) -> Array:
+def step_time(march: Any) -> Array:
     """Return the time (S,) of each step."""
     return march.path[:, 0]
 
 
 @at_steps("displacement", "indentation at each step")
-def step_indentation(march: Path) -> Array:
+def step_indentation(march: Any) -> Array:
     """Return the indentation (S,) at each step."""
     return march.path[:, 1] + march.standoff
 
 
 @at_steps("force", "normal force at each step")
-def step_normal_force(march: Path) -> Array:
+def step_normal_force(march: Any) -> Array:
     """Return the force (S,) at each step."""
     return march.path[:, 2]
 
 
 @at_steps("number", "contact area at each step, relative to the area of the face")
-def step_contact_area(march: Path) -> Array:
+def step_contact_area(march: Any) -> Array:
     """Return the contact area (S,) at each step."""
     return march.path[:, 3]
 
@@ -567,13 +413,13 @@ def step_contact_area(march: Path) -> Array:
     order=2,
     at=("indentation", 0),
 )
-def indentation_start(run: Run) -> float:
+def indentation_start(run: Any) -> float:
     """Return the indentation at the start."""
     return run.indentation_at_start
 
 
 @in_answer("", "displacement", "depth of the foremost point of the worn punch, u_max of Eq. 27")
-def indentation_steady(run: Run) -> float:
+def indentation_steady(run: Any) -> float:
     """Return the depth of the foremost point in the steady state."""
     return run.greatest_steady_displacement
 
@@ -586,7 +432,7 @@ def indentation_steady(run: Run) -> float:
     order=2,
     cells="unresolved",
 )
-def running_in_time(run: Run) -> float:
+def running_in_time(run: Any) -> float:
     """Return the slowest relaxation time."""
     return run.slowest_time
 
@@ -606,7 +452,7 @@ time_to_99 = _time_of_running_in(
 
 
 @in_answer("state ring", "pressure", "least contact pressure on each ring", EACH)
-def pressure_min(run: Run) -> Array:
+def pressure_min(run: Any) -> Array:
     """Return the least pressure (2, N) on each ring."""
     return run.pressures[0]
 
@@ -617,7 +463,7 @@ def pressure_min(run: Run) -> Array:
     "greatest contact pressure on each ring; infinite at the edges of an unworn flat punch",
     EACH,
 )
-def pressure_max(run: Run) -> Array:
+def pressure_max(run: Any) -> Array:
     """Return the greatest pressure (2, N) on each ring."""
     return run.pressures[1]
 
@@ -625,7 +471,7 @@ def pressure_max(run: Run) -> Array:
 @in_answer(
     "state ring", "share", "fraction of the normal force on each ring", SHARE, cells="refined"
 )
-def force_share(run: Run) -> Array:
+def force_share(run: Any) -> Array:
     """Return the share of the force (2, N) on each ring."""
     return run.force_shares
 
@@ -638,13 +484,13 @@ def force_share(run: Run) -> Array:
     cells="refined",
     at=("ring_worn_volume", -1),
 )
-def worn_volume(run: Run) -> Array:
+def worn_volume(run: Any) -> Array:
     """Return the worn volume (N,) of each ring at the last time."""
     return run.worn_volumes
 
 
 @in_answer("", "force", "normal force at the start", order=2, at=("normal_force", 0))
-def force_start(run: Run) -> float:
+def force_start(run: Any) -> float:
     """Return the force at the start."""
     return float(run.forces[0])
 
@@ -657,7 +503,7 @@ def force_start(run: Run) -> float:
     order=2,
     at=("normal_force", -1),
 )
-def force_end(run: Run) -> float:
+def force_end(run: Any) -> float:
     """Return the force at the last time."""
     return float(run.forces[1])
 
@@ -670,13 +516,13 @@ time_to_half_force = _time_of_running_in(
 
 
 @in_answer("", "length", "outermost radius of contact at the start", at=("contact_radius", 0))
-def contact_radius_start(run: Run) -> float:
+def contact_radius_start(run: Any) -> float:
     """Return the outermost radius of contact at the start."""
     return run.contact_radius_at_start
 
 
 @in_answer("", "pressure", "greatest contact pressure at the start, if finite")
-def pressure_peak_start(run: Run) -> float:
+def pressure_peak_start(run: Any) -> float:
     """Return the greatest pressure at the start."""
     return run.peak_at_start
 
@@ -687,7 +533,7 @@ def pressure_peak_start(run: Run) -> float:
     "time from which all of the face is in contact, to within a step",
     cells="unresolved",
 )
-def time_to_full_contact(run: Run) -> float:
+def time_to_full_contact(run: Any) -> float:
     """Return the time from which all of the face is in contact."""
     return run.time_to_full_contact
 

@@ -36,7 +36,7 @@ COUNTED = ("mode", "edge", "step")
 
 
 class StepsOfMarch(NamedTuple):
-    """The steps of a march: `problem.quantities.Path`.
+    """The steps of a march.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class SteadyRun:
-    """What a method knows that computes only the steady state: `problem.quantities.Run`.
+    """What a method knows that computes only the steady state.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Sampling of all quantities of a problem from a wear history. Non-dimensional.
 
-Quantities take their values from the state of a punch (`problem.quantities.State`): `FullFace`
+Quantities take their values from the state of a punch (`problem/quantities.py`): `FullFace`
 provides it in full contact, and `OnCells` on the cells of a contact that may change.
 `SampledSteadyState` provides the steady state.
 """
