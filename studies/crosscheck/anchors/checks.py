@@ -26,7 +26,7 @@ from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
 from ..scene.scene import Scene
-from . import answers, balances, contact, fields, identities, inputs, modes, start, steady, wear
+from . import answers, balances, fields, flat, identities, inputs, modes, steady
 from .anchor import Anchor, Rows, judge
 from .reading import Reading
 from .reported import Reported
@@ -71,12 +71,12 @@ CHECKS = (
     Check(balances.check_forces, "ring_force pressure"),
     Check(balances.check_mean_contact_radius, "mean_contact_radius normal_force pressure"),
     Check(balances.check_worn_volumes, "ring_worn_volume"),
-    Check(start.check_start, "indentation", _full_contact),
-    Check(start.check_start_pressures, "pressure ring_force", _full_contact),
+    Check(flat.check_start, "indentation", _full_contact),
+    Check(flat.check_start_pressures, "pressure ring_force", _full_contact),
     Check(modes.check_relaxation_times, "running_in_time"),
     Check(modes.check_modes_of_history, "", _full_contact),
     Check(fields.check_output, "indentation pressure profile displacement", _sliding),
-    Check(wear.check_wear, "indentation pressure profile", _given_force_and_sliding),
+    Check(flat.check_wear, "indentation pressure profile", _given_force_and_sliding),
     Check(answers.check_times_of_running_in, "indentation", _has_times),
     Check(answers.check_time_to_full_contact, "time_to_full_contact"),
     Check(answers.check_repeated_numbers),
@@ -90,7 +90,7 @@ CHECKS = (
         _has_times,
     ),
     Check(identities.check_slope, f"{FIELDS_OF_CONTACT} rms_slope", _has_times),
-    Check(contact.check_contact, f"{FIELDS_OF_CONTACT} contact_radius", _has_times),
+    Check(fields.check_contact, f"{FIELDS_OF_CONTACT} contact_radius", _has_times),
 )
 
 # names of the anchors that every report of a kind must have; the verdict is undecided without them
