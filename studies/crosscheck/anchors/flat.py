@@ -3,7 +3,7 @@
 import numpy as np
 
 from .anchor import Row, Rows
-from .reported import HEIGHT_ROUNDOFF, REFERENCE_ERROR_FACTOR, ROUNDOFF_TOLERANCE, Reported
+from .reported import HEIGHT_ROUNDOFF, ROUNDOFF_TOLERANCE, Reported
 
 
 def check_start(report: Reported) -> Rows:

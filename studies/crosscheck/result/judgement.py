@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ....meshes.radial import Array
 from ..anchors.anchor import Anchor
@@ -16,22 +16,6 @@ from .table import report
 
 if TYPE_CHECKING:
     import xarray
-
-
-class Judgement(Protocol):
-    """What is known about the accuracy of results: computed, or read from a file."""
-
-    @property
-    def verdict(self) -> str:
-        """``"agree"``, ``"disagree"`` or ``"undecided"``."""
-
-    @property
-    def anchors(self) -> tuple[Anchor, ...]:
-        """Closed forms and conservation laws that the report of each method is checked against."""
-
-    @property
-    def left_out_of_promise(self) -> tuple[LeftOut, ...]:
-        """Quantities that cannot be promised, with the times and the reason."""
 
 
 @dataclass(frozen=True, eq=False)

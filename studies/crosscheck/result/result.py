@@ -46,7 +46,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...figures.style import Picture
-    from .judgement import Judgement
+    from .judgement import Judged
+    from .load import Summary
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -82,7 +83,7 @@ class Result:
     dataset: "xarray.Dataset"
     answers: Mapping[str, Mapping[str, Array]]
     agreement: tuple[Agreement, ...]
-    judgement: "Judgement"
+    judgement: "Judged | Summary"
     notes: tuple[str, ...]
     solutions: Mapping[str, Solution] = field(default_factory=dict)
     stages: Mapping[str, Stages] = field(default_factory=dict)

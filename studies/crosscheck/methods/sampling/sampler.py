@@ -5,7 +5,6 @@ provides it in full contact, and `OnCells` on the cells of a contact that may ch
 `SampledSteadyState` provides the steady state.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Set
 from functools import cached_property, lru_cache, partial
 
@@ -38,7 +37,7 @@ def _unworn_slopes(
     return slope_integrals(profile, space.breakpoints, weight)
 
 
-class SampledState(ABC):
+class SampledState:
     """A punch at the T times of a history, with fields at R radii.
 
     Parameters
@@ -73,41 +72,6 @@ class SampledState(ABC):
     def worn_volumes(self) -> Array:
         """(T, N) worn volume of each ring."""
         return self._functions.worn_volumes(self._history)
-
-    @cached_property
-    @abstractmethod
-    def shape(self) -> Array:
-        """(T, R) worn profile from the first touch, less the even wear."""
-
-    @property
-    @abstractmethod
-    def displacement(self) -> Array:
-        """(T, R) displacement of the half-space."""
-
-    @property
-    @abstractmethod
-    def displacement_centre(self) -> Array:
-        """(T,) displacement at the centre, or at the inner edge of a hollow punch."""
-
-    @property
-    @abstractmethod
-    def displacement_max(self) -> Array:
-        """(T,) greatest displacement under the punch."""
-
-    @property
-    @abstractmethod
-    def rms_slope(self) -> Array:
-        """(T,) root mean square slope of the face."""
-
-    @property
-    @abstractmethod
-    def contact(self) -> Array:
-        """(T, R) 1 in contact, 0 outside."""
-
-    @property
-    @abstractmethod
-    def contact_edges(self) -> Array:
-        """(T, E) inner and outer radius of each part of the contact in turn; NaN beyond."""
 
 
 class FullFace(SampledState):
