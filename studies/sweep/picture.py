@@ -1,4 +1,4 @@
-"""The figure of a sweep: each kept number over the two longest axes, by xarray."""
+"""The figure of a sweep: kept numbers over the two longest axes, by xarray."""
 
 from pathlib import Path
 
@@ -15,22 +15,40 @@ LOGARITHMIC = 20.0
 
 
 def draw(dataset: xarray.Dataset, sweep: Sweep, file: Path) -> None:
-    """Draw up to `MOST_QUANTITIES` quantities over the numerical axes of a sweep."""
-    names = {column.dim: column.name for column in sweep.columns.values()}
-    numerical = {dim: name for dim, name in names.items() if dataset[name].dtype.kind in "fi"}
-    dims = sorted(numerical, key=lambda dim: -sweep.sizes[dim])[:2]
-    shown = [name for name in sweep.keep if not {"radius", "ring", "state"} & {*dataset[name].dims}]
+    """Draw up to `MOST_QUANTITIES` quantities over the two numerical axes with most values.
+
+    The figure shows the first method that has the quantity, at the last time; other axes are held
+    at their first values.
+    """
+    numerical = [
+        column
+        for column in sweep.columns.values()
+        if dataset[column.name].dtype.kind in "fi" and sweep.sizes[column.dim] > 1
+    ]
+    # of the keys that vary together, the first is drawn
+    keys = {column.dim: column.name for column in reversed(numerical)}
+    dims = sorted(keys, key=lambda dim: -sweep.sizes[dim])[:2]
+    places = dict(zip("xy", (keys[dim] for dim in dims), strict=False))
+    style = {"marker": ".", "linestyle": "" if "draw" in dims else "-"} if len(dims) == 1 else {}
+    shown = [
+        name
+        for name in sweep.keep
+        if not {"radius", "ring", "state"} & {*dataset[name].dims}
+        and dims
+        and dataset[name].notnull().any()
+    ][:MOST_QUANTITIES]
     with in_style():
-        figure = Figure((5.0, 0.6 + 3.4 * max(len(shown[:MOST_QUANTITIES]), 1)))
-        for number, name in enumerate(shown[:MOST_QUANTITIES] if dims else (), 1):
+        figure = Figure((5.0, 0.6 + 3.4 * max(len(shown), 1)))
+        for number, name in enumerate(shown, 1):
             values = dataset[name].dropna("solver", how="all")
             values = values.isel({dim: -(dim == "time") for dim in values.dims if dim not in dims})
-            axes = figure.add_subplot(len(shown[:MOST_QUANTITIES]), 1, number)
             scales = {
                 f"{which}scale": "log"
-                for which, dim in zip("xy", dims, strict=False)
-                if 0 < LOGARITHMIC * values[numerical[dim]].min() < values[numerical[dim]].max()
+                for which, key in places.items()
+                if 0 < LOGARITHMIC * values[key].min() < values[key].max()
             }
-            places = {which: numerical[dim] for which, dim in zip("xy", dims, strict=False)}
-            values.sortby([numerical[dim] for dim in dims]).plot(ax=axes, **places, **scales)
+            axes = figure.add_subplot(len(shown), 1, number)
+            values.sortby([*places.values()]).plot(ax=axes, **places, **scales, **style)
+        if not shown:
+            figure.text(0.1, 0.5, "no kept quantity is a number over a numerical key")
         figure.savefig(file)

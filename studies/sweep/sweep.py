@@ -142,16 +142,17 @@ def estimate(plan: Sweep, workers: int | None) -> list[str]:
     """Return what a sweep will need, by a probe of its first scene."""
     blank, count = template(plan), workers or cores()
     probe = plan.part({dim: slice(0, 1) for dim in plan.sizes})
-    seconds = 0.0
-    for _ in range(2):  # the first one also loads libraries
+    # the first time, libraries are loaded
+    for _ in range(2):
         start = time.perf_counter()
-        compute_block(probe.by(plan.methods), one_scene(plan, blank))
+        values = compute_block(probe, one_scene(plan, blank))
         seconds = time.perf_counter() - start
     return [
         f"{plan.count} scenes; a store of {blank.nbytes / 2**20:.3g} MiB before compression",
         f"a probe, the first scene alone, took {seconds:.2g} s; if every scene took as long, the "
         f"sweep would take {seconds * plan.count / count:.3g} s by {count} processes; scenes that "
         "share a discretisation take less",
+        *(f"the first scene fails: {reason}" for reason in values["reason"].ravel() if reason),
     ]
 
 
