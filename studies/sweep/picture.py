@@ -1,10 +1,12 @@
 """The figure of a sweep: kept numbers over the two longest axes, by xarray."""
 
 from pathlib import Path
+from typing import Any
 
 import xarray
 from matplotlib.figure import Figure
 
+from ..crosscheck import NO_UNIT
 from ..figures.style import in_style
 from .axes import Sweep
 
@@ -42,13 +44,15 @@ def draw(dataset: xarray.Dataset, sweep: Sweep, file: Path) -> None:
         for number, name in enumerate(shown, 1):
             values = dataset[name].dropna("solver", how="all")
             values = values.isel({dim: -(dim == "time") for dim in values.dims if dim not in dims})
-            scales = {
-                f"{which}scale": "log"
-                for which, key in places.items()
-                if 0 < LOGARITHMIC * values[key].min() < values[key].max()
-            }
-            axes = figure.add_subplot(len(shown), 1, number)
-            values.sortby([*places.values()]).plot(ax=axes, **places, **scales, **style)
+            values = values.sortby([*places.values()]).copy()
+            for labelled in (values, *values.coords.values()):
+                if labelled.attrs.get("units") == NO_UNIT:
+                    del labelled.attrs["units"]
+            options: dict[str, Any] = places | style
+            for which, key in places.items():
+                if 0 < LOGARITHMIC * values[key].min() < values[key].max():
+                    options[f"{which}scale"] = "log"
+            values.plot(ax=figure.add_subplot(len(shown), 1, number), **options)
         if not shown:
             figure.text(0.1, 0.5, "no kept quantity is a number over a numerical key")
         figure.savefig(file)

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,6 +14,9 @@ import xarray
 from ...meshes import Array, SceneError
 from .axes import Sweep
 from .template import DONE, FAILED, PENDING, block_sizes, identity, one_scene, regions, template
+
+# first part of the name of a folder beside the store, in which an empty store is made
+HIDDEN = ".ringwear_sweep_"
 
 
 class InMemory:
@@ -106,7 +110,9 @@ class Store(InMemory):
         encoding = {name: dict(codecs) for name in empty.variables}
         for name, variable in empty.data_vars.items():
             encoding[name]["chunks"] = *self._block.values(), *variable.shape[len(self._block) :]
-        with TemporaryDirectory(prefix=".sweep", dir=self.path.parent) as folder:
+        for leftover in self.path.parent.glob(f"{HIDDEN}*"):
+            shutil.rmtree(leftover)
+        with TemporaryDirectory(prefix=HIDDEN, dir=self.path.parent) as folder:
             fresh = Path(folder) / self.path.name
             with warnings.catch_warnings():
                 # zarr warns that texts and consolidated metadata are not yet in the specification

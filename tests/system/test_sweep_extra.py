@@ -11,7 +11,7 @@ from test_sweep_faults import AXES, BASE, KEEP
 from ringwear import SceneError, main, sweep
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.compute import compute_block
-from ringwear.studies.sweep.results import Store
+from ringwear.studies.sweep.results import HIDDEN, Store
 
 WITHOUT_EXTRA = """
 import sys
@@ -84,16 +84,19 @@ def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(tmp_path, ca
 
 
 def test_leftovers_beside_arrays_of_a_store_are_kept(store):
-    """Only unfinished files of Zarr are removed."""
+    """Only unfinished files of Zarr and of a killed sweep are removed."""
     mine = store.path / "mine"
     mine.mkdir()
     theirs = [mine / "notes.partial", store.path / "status" / "c" / "0.partial"]
     for file in theirs:
         file.write_text("of someone else", "utf-8")
+    hidden = store.path.with_name(f"{HIDDEN}a")
+    hidden.mkdir()
     unfinished = store.path / "status" / "c" / "0" / f"0.{32 * 'a'}.partial"
     unfinished.write_bytes(b"")
     Store(plan(), store.path.parent, resume=True)
     assert all(file.exists() for file in theirs)
     assert not unfinished.exists()
+    assert not hidden.exists()
     with pytest.raises(SceneError, match="already exists"):
         Store(plan(), store.path.parent, resume=False)
