@@ -149,19 +149,18 @@ class Store(InMemory):
 
     def _status(self, place: tuple[slice, ...]) -> Array:
         """Return the status of the scenes of a block, which are pending if a file is damaged."""
+        values = dict[str, Array]()
         try:
-            for name in self.blank:
+            for name in map(str, self.blank):
                 array = self._group[name]
-                chunk = [
-                    part.start // size for part, size in zip(place, array.chunks, strict=False)
-                ]
-                chunk += [0] * (array.ndim - len(place))
-                self.path.joinpath(str(name), "c", *map(str, chunk)).stat()
-                values = array[place]
+                starts = [part.start for part in place] + [0] * (array.ndim - len(place))
+                chunk = [start // size for start, size in zip(starts, array.chunks, strict=True)]
+                self.path.joinpath(name, "c", *map(str, chunk)).stat()
+                values[name] = array[place]
         # reading a damaged chunk can raise many kinds of errors
         except Exception:
             return np.array(PENDING)
-        return values
+        return values["status"]
 
     def write(self, number: int, values: dict[str, Array]) -> None:
         """Write the results of a block; its status, by which it is finished, comes last."""

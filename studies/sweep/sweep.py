@@ -82,7 +82,7 @@ def sweep(
         (`with_heights`) is to be stored or sent to other processes; a single scene that fails
         raises nothing
     SolverError
-        if workers cannot start or are lost; finished blocks are in the store
+        if the executor is lost, or a worker has other code; finished blocks are in the store
 
     Examples
     --------
