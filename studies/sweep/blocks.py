@@ -67,7 +67,9 @@ def compute_blocks(
     for done, (number, block) in enumerate(blocks.items(), 1):
         if executor is not None:
             break
-        yield number, _of_same_code(versions, *_compute(block, blank))
+        values, used = _compute(block, blank)
+        _refuse_other_code(used, versions)
+        yield number, values
         del remaining[number]
         seconds = (time.perf_counter() - start) / done * len(remaining) * (1 - 1 / workers)
         # the first block also loads libraries
@@ -93,12 +95,12 @@ def compute_blocks(
         held.close()
     for number, reason in lost.items():
         sizes = blocks[number].sizes.values()
-        values = {
+        failed = {
             str(name): np.broadcast_to(variable.values, (*sizes, *variable.shape)).copy()
             for name, variable in blank.data_vars.items()
         }
-        values["reason"][...], values["status"][...] = reason, FAILED
-        yield number, values
+        failed["reason"][...], failed["status"][...] = reason, FAILED
+        yield number, failed
 
 
 def _compute(block: Sweep, blank: xarray.Dataset) -> tuple[Values, dict[str, str]]:
@@ -106,14 +108,13 @@ def _compute(block: Sweep, blank: xarray.Dataset) -> tuple[Values, dict[str, str
     return compute_block(block, blank), computed_with()
 
 
-def _of_same_code(ours: dict[str, str], values: Values, theirs: dict[str, str]) -> Values:
-    """Return the results of a block, or raise an error if other code has computed them."""
+def _refuse_other_code(theirs: dict[str, str], ours: dict[str, str]) -> None:
+    """Raise an error if a worker has other code or versions than this process."""
     if theirs != ours:
         raise SolverError(
             f"a worker has another ringwear or other libraries, {theirs}, than this process, "
             f"{ours}: install the same versions on it; {RESUME_HINT}"
         )
-    return values
 
 
 def _compute_by(
@@ -149,8 +150,10 @@ def _compute_by(
                 isinstance(error, BrokenExecutor) and isinstance(place, _Process)
             ):
                 lost[number] = f"the worker was lost twice, perhaps for lack of memory: {error}"
-            else:
-                yield number, _of_same_code(versions, *future.result())
+                continue
+            values, used = future.result()
+            _refuse_other_code(used, versions)
+            yield number, values
     return lost
 
 
@@ -176,7 +179,7 @@ def cluster(scheduler: str) -> Iterator[Executor]:
         with Client(scheduler, timeout=TIMEOUT) as client:
             client.wait_for_workers(1, timeout=TIMEOUT)
             for versions in client.run(computed_with, on_error="return").values():
-                _of_same_code(computed_with(), {}, versions)
+                _refuse_other_code(versions, computed_with())
             # blocks of equal content are computed again, because a worker may have been lost
             yield client.get_executor(pure=False)
     except (OSError, ValueError) as error:

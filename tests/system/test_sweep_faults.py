@@ -389,7 +389,11 @@ def test_a_sweep_stopped_by_a_signal_is_resumed(tmp_path, whole, victim, number,
     The command ends with one line and can be resumed. It continues if only a worker is killed.
     """
     process = begin(tmp_path, "--workers", workers)
-    while process.poll() is None and not (tmp_path / "out.blocks").exists():
+    # two workers, and a process of Python that watches them
+    begun = (
+        (tmp_path / "out.blocks").exists if victim != "worker" else lambda: children(process)[2:]
+    )
+    while process.poll() is None and not begun():
         time.sleep(0.05)
     if victim == "terminal":
         os.killpg(process.pid, number)
