@@ -269,14 +269,13 @@ def _orders(options: argparse.Namespace) -> Status:
 def _sweep(options: argparse.Namespace) -> Status:
     from .crosscheck import make, refuse_foreign_folders
     from .sweep.axes import Sweep
-    from .sweep.cluster import cluster
-    from .sweep.cost import estimate_cost
-    from .sweep.sweep import compute
+    from .sweep.blocks import cluster
+    from .sweep.sweep import compute, estimate
     from .sweep.words import conclude
 
     plan = Sweep.load(options.file, options.methods and list(options.methods))
     if options.dry_run:
-        print_lines(estimate_cost(plan, options.workers, options.memory))
+        print_lines(estimate(plan, options.workers))
         return Status.DONE
     out = _out(options, options.file)
     if out.is_dir():
@@ -448,7 +447,7 @@ COMMANDS = {
         "sweep.sweep:sweep",
         _sweep,
         (
-            *("file", "--out", "methods", "workers", "--scheduler", "memory", "--dry-run"),
+            *("file", "--out", "methods", "workers", "--scheduler", "--dry-run"),
             *("resume", "retry_failed"),
         ),
         ("file", "methods"),

@@ -147,12 +147,9 @@ from .result.output.vtu import (
 )
 from .result.predictions.machine import (
     cores as cores,
-    machine_memory as machine_memory,
     refuse_large as refuse_large,
 )
 from .result.predictions.memory import (
-    LIBRARIES as LIBRARIES,
-    predict_memory as predict_memory,
     refuse_beyond_memory as refuse_beyond_memory,
     why_beyond_memory as why_beyond_memory,
 )
@@ -252,7 +249,6 @@ from .versions import (
     code as code,
     computed_with as computed_with,
     package_versions as package_versions,
-    stamp as stamp,
 )
 from .wear.evolution import (
     evolve as evolve,

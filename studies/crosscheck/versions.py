@@ -5,7 +5,6 @@ contain the hash.
 """
 
 import hashlib
-import json
 import sys
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -57,12 +56,6 @@ def code() -> str:
 def _hash() -> str:
     lines = sorted(f"{name} {digest}" for name, digest in _files().values())
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()[:16]
-
-
-def stamp() -> int:
-    """Return a 64-bit integer that identifies all versions and the files of ringwear."""
-    text = json.dumps(computed_with(), sort_keys=True).encode()
-    return int.from_bytes(hashlib.sha256(text).digest()[:8], "big")
 
 
 @cache

@@ -296,12 +296,6 @@ class Sweep:
         """Names of the methods of all scenes."""
         return list(self.first.methods)
 
-    def by(self, methods: list[str]) -> "Sweep":
-        """Return the sweep by other methods."""
-        table = self.table | {"base": self.table["base"] | {"methods": methods}}
-        shared = self.shared | {"methods": Column("solver", "solver", methods)}
-        return replace(self, table=table, shared=shared)
-
     def part(self, region: dict[str, slice]) -> "Sweep":
         """Return the sweep of the scenes in a region of the grid: a slice of each dimension."""
         columns = {

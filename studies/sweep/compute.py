@@ -23,10 +23,9 @@ from ..crosscheck import (
     in_units,
     method,
     solved_to_accuracy,
-    stamp,
 )
 from .axes import Sweep
-from .flags import DONE, FAILED, PENDING
+from .template import DONE, FAILED, PENDING
 
 # Dask may run several blocks in threads of one process, in which gmsh has only one global state
 COMPUTING_LOCK = Lock()
@@ -44,8 +43,7 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
 
     Returns
     -------
-    Values of each variable, in the shape that they have in the store. The variable `code` is the
-    hash of the code and versions that this process has computed them with.
+    Values of each variable, in the shape that they have in the store.
     """
     values = {
         str(name): np.stack([variable.values] * sweep.count)
@@ -65,8 +63,6 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
                 indices = group[start : start + MOST_TOGETHER]
                 subgroup = {numbers[index]: problems[numbers[index]] for index in indices}
                 _compute_together(subgroup, solvers, sweep.keep, values)
-    # only now has this process loaded all modules that the results depend on
-    values["code"][:] = stamp()
     shape = sweep.sizes.values()
     return {name: array.reshape(*shape, *array.shape[1:]) for name, array in values.items()}
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import xarray
 
@@ -25,11 +25,9 @@ from ..crosscheck import (
 )
 from .axes import Sweep
 from .blocks import compute_blocks
-from .extra import require
-from .memory import InMemory
-
-if TYPE_CHECKING:
-    from .store import Store
+from .compute import compute_block
+from .results import InMemory, Store
+from .template import one_scene, template
 
 
 @naming_arguments
@@ -44,7 +42,6 @@ def sweep(
     random: Mapping[str, object] | None = None,
     methods: Sequence[str] | str | None = None,
     workers: int | None = None,
-    memory: float | None = None,
     resume: bool = False,
     retry_failed: bool = False,
 ) -> xarray.Dataset:
@@ -68,8 +65,6 @@ def sweep(
     methods : methods, instead of those of the base scene
     workers : number of processes on this machine (default: the number of its cores); a sweep that
         takes seconds starts none
-    memory : memory in GiB that all processes on this machine may use together (default: all memory
-        of the machine); scenes that need more stay pending
     resume : whether to continue the sweep in the directory
     retry_failed : whether to continue it, and to compute failed scenes again
 
@@ -87,7 +82,7 @@ def sweep(
         (`with_heights`) is to be stored or sent to other processes; a single scene that fails
         raises nothing
     SolverError
-        if workers cannot start or are lost; finished blocks are in the store
+        if the executor is lost, or a worker has other code; finished blocks are in the store
 
     Examples
     --------
@@ -110,7 +105,7 @@ def sweep(
             "process: leave out `store`, `executor` and `workers`, or give the heights by "
             "punch.profile = { kind = 'table', ... }"
         )
-    return compute(plan, store, executor, workers, memory, resume, retry_failed)
+    return compute(plan, store, executor, workers, resume, retry_failed)
 
 
 def compute(
@@ -118,7 +113,6 @@ def compute(
     store: str | Path | None,
     executor: Executor | None,
     workers: int | None = None,
-    memory: float | None = None,
     resume: bool = False,
     retry_failed: bool = False,
 ) -> xarray.Dataset:
@@ -131,11 +125,11 @@ def compute(
         raise SceneError(f"workers = {shown(workers)}: give a whole number, 1 or more")
     folder = None if store is None else named_folder(store)
     with nullcontext() if folder is None else lock_folder(folder):
-        results = InMemory(plan) if folder is None else _store(plan, folder, resume or retry_failed)
+        results = InMemory(plan) if folder is None else Store(plan, folder, resume or retry_failed)
         blocks, start = results.unfinished(retry_failed), time.perf_counter()
         # functions are in the memory of this process only
         count = 1 if plan.heights else count
-        computed = compute_blocks(plan, blocks, results.blank, executor, count, memory)
+        computed = compute_blocks(blocks, results.blank, executor, count)
         for done, (number, values) in enumerate(computed, 1):
             results.write(number, values)
             seconds_left = (time.perf_counter() - start) / done * (len(blocks) - done)
@@ -144,18 +138,22 @@ def compute(
         return results.dataset()
 
 
-def _store(plan: Sweep, folder: Path, resume: bool) -> "Store":
-    """Open the store in a folder, or create it.
-
-    Raises
-    ------
-    SceneError
-        if the extra `sweep` is not installed, or if the store is that of another sweep
-    """
-    require(("zarr",), "the store of a sweep")
-    from .store import Store
-
-    return Store(plan, folder, resume)
+def estimate(plan: Sweep, workers: int | None) -> list[str]:
+    """Return what a sweep will need, by a probe of its first scene."""
+    blank, count = template(plan), workers or cores()
+    probe = plan.part({dim: slice(0, 1) for dim in plan.sizes})
+    # the first time, libraries are loaded
+    for _ in range(2):
+        start = time.perf_counter()
+        values = compute_block(probe, one_scene(plan, blank))
+        seconds = time.perf_counter() - start
+    return [
+        f"{plan.count} scenes; a store of {blank.nbytes / 2**20:.3g} MiB before compression",
+        f"a probe, the first scene alone, took {seconds:.2g} s; if every scene took as long, the "
+        f"sweep would take {seconds * plan.count / count:.3g} s by {count} processes; scenes that "
+        "share a discretisation take less",
+        *(f"the first scene fails: {reason}" for reason in values["reason"].ravel() if reason),
+    ]
 
 
 def planned(

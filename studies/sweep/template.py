@@ -21,7 +21,9 @@ from ..crosscheck import (
 )
 from ..tables.writing import json_text
 from .axes import Sweep
-from .flags import PENDING
+
+# status of a scene
+PENDING, DONE, FAILED = 0, 1, 2
 
 # beginnings of keys in which scenes of a flat punch may differ and still share a discretisation
 SHARED_KEYS = (
@@ -81,8 +83,6 @@ def template(sweep: Sweep) -> xarray.Dataset:
         definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
         add("disagreement", (), described(definition), np.nan)
     add("reason", (), described("reason why the scene failed"), np.array("", dtype=object))
-    computed_with = "hash of the code and versions that computed the scene"
-    add("code", (), described(computed_with), np.uint64(0))
     add("status", (), described("0: pending, 1: done, 2: failed"), np.uint8(PENDING))
     # drop coordinates that no variable has
     return dataset[[*dataset.data_vars]]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import xarray
 
-from .flags import DONE, FAILED, PENDING
+from .template import DONE, FAILED, PENDING
 
 # greatest number of different reasons that are printed
 MOST_REASONS = 10

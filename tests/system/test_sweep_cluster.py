@@ -15,7 +15,6 @@ from contextlib import ExitStack
 from functools import partial
 
 import pytest
-import xarray
 from test_sweep_faults import contents, statuses
 
 from ringwear import main
@@ -48,7 +47,6 @@ DEADLY = PRELOAD.format("""
     if any(len(problem.ring_edges) == 5 for problem in problems.values()):
         os._exit(1)
 """)
-ENDLESS = PRELOAD.format("time.sleep(1000)")
 # from the second block on, wait until a file is removed
 HALTING = PRELOAD.format("""
     Path("begun").touch()
@@ -128,7 +126,7 @@ class Cluster:
 
     def _start(self, what, *arguments):
         command = [sys.executable, "-m", "dask", what, "--no-dashboard", *arguments]
-        # one death of a worker is enough: a block that kills it is split down to single scenes
+        # one death of a worker is enough: its block is not given to other workers
         settings = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
         with (self.directory / f"{what}.log").open("ab") as log:
             process = subprocess.Popen(
@@ -172,25 +170,21 @@ def test_workers_of_another_version_are_refused(cluster, here):
     worker.kill()
     cluster.worker(OTHER)
     expect(cluster.sweep("--out", "other"), 1, "has another ringwear")
-    assert set(statuses(cluster.directory / "other")) == {0}
+    assert not any(statuses(cluster.directory / "other"))
 
 
 def test_a_worker_without_ringwear_is_reported(cluster):
-    """It is also reported if it joins later, while others compute."""
-    cluster.worker(ENDLESS)
-    sweep = cluster.sweep()
-    wait_until(cluster.out.exists, "the store exists")
     cluster.worker(WITHOUT)
-    expect(sweep, 1, "has another ringwear")
+    expect(cluster.sweep(), 1, "has another ringwear")
 
 
-def test_a_block_that_kills_its_workers_is_left_out(cluster, here):
+def test_a_block_that_kills_its_workers_fails(cluster, here):
     cluster.worker(DEADLY, nanny=True)
-    expect(cluster.sweep(), 1, "left out", timeout=400)
-    assert statuses(cluster.out) == [1] * 16 + [0] * 8 + [1] * 24
+    expect(cluster.sweep(), 1, "6 of 6 blocks", timeout=400)
+    assert statuses(cluster.out) == [1] * 16 + [2] * 8 + [1] * 24
     # other workers compute it
     file = str(cluster.directory / "sweep.toml")
-    assert main(["sweep", file, "--out", str(cluster.out), "--resume"]) == 0
+    assert main(["sweep", file, "--out", str(cluster.out), "--retry-failed"]) == 0
     assert contents(cluster.out) == contents(here)
 
 
@@ -211,13 +205,8 @@ def test_a_sweep_waits_if_its_worker_is_lost(cluster, here):
     wait_until((cluster.directory / "begun").exists, "a block has begun")
     first.kill()
     assert sweep.stderr is not None
-    while "from 0 workers" not in (line := sweep.stderr.readline()):
+    while "no block has been finished" not in (line := sweep.stderr.readline()):
         assert line
     cluster.worker()
     expect(sweep, 0, "6 of 6 blocks")
-    # the block of the lost worker is split, and the elements of a block depend on all its scenes
-    results, expected = (xarray.open_zarr(out / "sweep.zarr") for out in (cluster.out, here))
-    assert statuses(cluster.out) == statuses(here)
-    apart = abs(results.steady_rms_slope - expected.steady_rms_slope)
-    stated = results.steady_rms_slope_error * expected.steady_rms_slope
-    assert bool((apart <= 1e-3 * stated).all())
+    assert contents(cluster.out) == contents(here)

@@ -14,11 +14,10 @@ from pathlib import Path
 
 import pytest
 import tomli_w
-import xarray
 from test_sweep_cluster import PRELOAD, cluster as cluster, expect
 from test_sweep_faults import contents, statuses
 
-from ringwear import Scene, main
+from ringwear import Scene
 
 ROOT = Path(__file__).parents[2]
 # loads ringwear from another folder
@@ -91,25 +90,6 @@ def test_a_resume_with_altered_code_is_refused(tmp_path):
     assert statuses(tmp_path / "out") == [1] * 16
 
 
-def test_each_block_has_the_hash_of_its_code(tmp_path):
-    """A block of other code is computed again, even if the root of the store matches."""
-    import numpy as np
-    import zarr
-
-    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(SWEEP))
-    command = ["sweep", str(tmp_path / "sweep.toml"), "--out", str(tmp_path), "--workers", "1"]
-    assert main(command) == 0
-    before = contents(tmp_path)
-    stored = xarray.open_zarr(tmp_path / "sweep.zarr")
-    assert stored["code"].dtype == np.uint64
-    assert len(np.unique(stored["code"])) == 1
-    group = zarr.open_group(tmp_path / "sweep.zarr", mode="r+")
-    group["code"][0, :3] = 1
-    group["steady_wear_rate"][0, :3] = 99.0
-    assert main([*command, "--resume"]) == 0
-    assert contents(tmp_path) == before
-
-
 @pytest.mark.parametrize("imported", [True, False])
 def test_the_hash_is_that_of_the_loaded_code(tmp_path, imported):
     """An edit after a file is loaded does not change the hash; an edit before does."""
@@ -159,7 +139,7 @@ def test_blocks_of_altered_code_are_not_written(cluster, first):
     if first:
         cluster.worker(finder)
         expect(cluster.sweep(), 1, "has another ringwear")
-        assert set(statuses(cluster.out)) == {0}
+        assert not any(statuses(cluster.out))
         return
     cluster.worker(PRELOAD.format("time.sleep(2)"))
     sweep = cluster.sweep()
@@ -167,8 +147,7 @@ def test_blocks_of_altered_code_are_not_written(cluster, first):
         time.sleep(0.2)
     cluster.worker(finder)
     expect(sweep, 1, "has another ringwear")
-    stored = xarray.open_zarr(cluster.out / "sweep.zarr")
-    assert len(set(stored["code"].values[stored["status"].values == 1].tolist())) == 1
+    assert 0 < statuses(cluster.out).count(1) < 48
 
 
 # the worker reports other versions when it is asked than when it computes

@@ -3,22 +3,20 @@
 import os
 import subprocess
 import sys
-import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 
-import psutil
 import pytest
 import xarray
 from test_sweep_faults import AXES, BASE, KEEP
 
 from ringwear import SceneError, SolverError, run, sweep
-from ringwear.studies.sweep.processes import Processes, WorkerDiedError
+from ringwear.studies.sweep import blocks
 
 # a script that starts processes, and does not guard against being imported by them
 SCRIPT = """
 import ringwear
 from ringwear.studies.sweep import blocks
-blocks.GREATEST_MEMORY_FRACTION = 0.0
+blocks.LEAST_SECONDS_SAVED = 0.0
 print("begun")
 scene = ringwear.Scene.load("five_rings").changed(accuracy__rtol=1e-1)
 found = ringwear.sweep(scene, {"punch.rings": [2, 3, 4, 5, 6, 7, 8, 9, 10]}, keep="indentation",
@@ -80,40 +78,25 @@ def test_a_script_need_not_guard_against_its_processes(tmp_path):
     assert done.stdout.split() == ["begun", "9"]
 
 
-@pytest.mark.slow
-def test_a_task_that_kills_its_process_says_so_and_others_go_on():
-    with Processes(1, memory=2**40) as processes:
-        dies = processes.submit(sys.exit, 1)
-        # an exit of a task is an error of the task; the process goes on
-        assert isinstance(dies.exception(60), SystemExit)
-        assert isinstance(processes.submit(_end).exception(60), WorkerDiedError)
-        assert processes.submit(abs, -3).result(60) == 3
-
-
-def test_a_process_that_ends_between_two_tasks_is_started_anew():
-    with Processes(1, memory=2**40) as processes:
-        first = psutil.Process(processes.submit(os.getpid).result(60))
-        first.kill()
-        psutil.wait_procs([first])
-        time.sleep(1.0)
-        assert processes.submit(os.getpid).result(60) != first.pid
+def deadly(block, blank, compute=blocks._compute):
+    """Compute a block, or end the process if the block has punches of nine or more rings."""
+    if block.columns["punch.rings"].values[0] >= 9:
+        os._exit(1)
+    return compute(block, blank)
 
 
 @pytest.mark.slow
-def test_a_process_that_needs_too_much_memory_is_ended():
-    with Processes(1, memory=2**29) as processes:
-        assert processes.submit(abs, -3).result(60) == 3
-        assert isinstance(processes.submit(_allocate).exception(60), WorkerDiedError)
-
-
-def _end():
-    os._exit(1)
-
-
-def _allocate():
-    filled = b"x" * 2**30
-    time.sleep(60)
-    return len(filled)
+def test_a_block_that_kills_its_processes_fails_and_others_go_on(monkeypatch):
+    monkeypatch.setattr(blocks, "LEAST_SECONDS_SAVED", 0.0)
+    axes, options = AXES | {"punch.rings": [2, 3, 9, 4, 10, 5]}, {"keep": KEEP, "workers": 2}
+    with monkeypatch.context() as patch:
+        patch.setattr(blocks, "_compute", deadly)
+        found = sweep(BASE, axes, **options)
+    assert found["status"].sel(wear_ratio=0.5).values.tolist() == [1, 1, 2, 1, 2, 1]
+    assert "lost twice" in str(found["reason"].sel(rings=9).values[0])
+    there = sweep(BASE, axes, **options)
+    rings = [2, 3, 4, 5]
+    xarray.testing.assert_identical(found.sel(rings=rings), there.sel(rings=rings))
 
 
 def test_numbers_of_the_answer_are_those_of_a_run():

@@ -5,7 +5,7 @@ import pytest
 
 from ringwear import Scene
 from ringwear.studies.sweep.axes import Sweep
-from ringwear.studies.sweep.store import Store
+from ringwear.studies.sweep.results import Store
 
 
 @pytest.mark.parametrize(
