@@ -47,7 +47,7 @@ def test_at_most_one_of_12_punches_is_undecided():
 @pytest.mark.gmsh
 def test_estimates_of_contact_radii_include_the_cell_at_the_edge():
     """A part of the contact has just opened; both meshes of a method have the edge in one cell."""
-    result, _ = decide(22)
+    result, _ = decide(24)
     assert result.verdict == "agree"
     radii, errors = (result.dataset[name] for name in ("contact_radius", "contact_radius_error"))
     differ = np.abs(np.diff(radii, axis=0)[0])
