@@ -228,6 +228,13 @@ def test_early_pressures_in_a_steep_ramp():
             assert (error <= np.maximum(stated, rtol)).all(), name
 
 
+def test_anchors_need_no_steady_state_that_is_not_asked_for():
+    given = scene("mdr", **along(1.0, 0.1)).changed(output__quantities=["indentation"])
+    result = run(given.changed(accuracy__rtol=1e-2))
+    assert result.anchors
+    assert all(anchor.holds for anchor in result.anchors)
+
+
 @pytest.mark.slow
 def test_the_anchor_of_pressures_reads_the_least_coefficient_of_a_narrow_dip():
     """At a distance of 1e-12 from the dip, the coefficient is 1.3e-6 greater."""
