@@ -228,11 +228,20 @@ def test_early_pressures_in_a_steep_ramp():
             assert (error <= np.maximum(stated, rtol)).all(), name
 
 
-def test_anchors_need_no_steady_state_that_is_not_asked_for():
-    given = scene("mdr", **along(1.0, 0.1)).changed(output__quantities=["indentation"])
+@pytest.mark.parametrize("further", [[], ["steady_displacement_max"], ["steady_profile"]])
+def test_anchors_need_no_steady_state_that_is_not_asked_for(further):
+    quantities = ["indentation", *further]
+    given = scene("mdr", **along(1.0, 0.1)).changed(output__quantities=quantities)
     result = run(given.changed(accuracy__rtol=1e-2))
     assert result.anchors
     assert all(anchor.holds for anchor in result.anchors)
+
+
+def test_half_of_a_force_that_decays_is_checked_without_a_steady_state():
+    held = scene("mdr", **along(1.0, 0.1)).changed(load={"indentation": 0.1})
+    result = run(held.changed(accuracy__rtol=1e-2))
+    names = {anchor.name for anchor in result.anchors}
+    assert "time_to_half_force: remaining part of the running-in" in names
 
 
 @pytest.mark.slow

@@ -254,6 +254,13 @@ class Reported:
         edges, ground = self.problem.merged.ring_edges, self.reading.ground
         return direct.displacement(edges, self.steady_pressures, radii, ground)
 
+    @property
+    def has_steady_displacement(self) -> bool:
+        """Whether the steady displacement has a closed form, or else was asked for."""
+        return not self.graded or (
+            self.has("steady_displacement_max") and self.has("steady_profile")
+        )
+
     @cached_property
     def steady_displacement_on_face(self) -> Array:
         """Steady displacement on the face under the force 1: in closed form if k is by rings."""
