@@ -148,7 +148,7 @@ OF_COMMANDS: dict[str, Settings] = {
     "--latex": {"action": "store_true", "help": "print the table in LaTeX instead of Markdown"},
     "--dry-run": {
         "action": "store_true",
-        "help": "only print what the sweep will need, and what each method costs of it",
+        "help": "only print what the sweep will need, by a probe of its first scene",
     },
     "--resume": {"action": "store_true", "help": "continue the study in the directory"},
     "--scheduler": {

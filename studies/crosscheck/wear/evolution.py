@@ -174,7 +174,7 @@ class Evolution:
         Times may be later than the last one if contact is full in the end.
         """
         ends, pieces = np.array([piece.end.time for piece in self.pieces]), [*self.pieces]
-        if (times > self._states[-1].time).any() and self._later is not None:
+        if (times > self._end.time).any() and self._later is not None:
             pieces.append(self._later)
         rows = np.minimum(np.searchsorted(ends, times), len(pieces) - 1)
         rows = np.where(times <= 0, -1, rows)
@@ -211,21 +211,16 @@ class Evolution:
         )
 
     @property
-    def _states(self) -> Sequence[Instant]:
-        """The state at the start, after each step, and after each other piece."""
-        states = [self.first]
-        for piece in self.pieces:
-            states += (
-                [step.end for step in piece.steps] if isinstance(piece, Stepping) else [piece.end]
-            )
-        return states
+    def _end(self) -> Instant:
+        """The state at the end."""
+        return self.pieces[-1].end if self.pieces else self.first
 
     @cached_property
     def _later(self) -> Relaxing | None:
         """Full contact after the end, by modes, if contact is full then and stays full."""
         if self.pieces and isinstance(last := self.pieces[-1], Relaxing):
             return last
-        end = self._states[-1]
+        end = self._end
         if not self.stages.is_full(end):
             return None
         later = Relaxing(self.punch, end, end.time + SETTLED * self.punch.slowest_time)
@@ -240,8 +235,13 @@ class Evolution:
     @cached_property
     def time_of_full_contact(self) -> float:
         """The time from which all of the face stays in contact; NaN if it is not in the end."""
+        states = [self.first]
+        for piece in self.pieces:
+            states += (
+                [step.end for step in piece.steps] if isinstance(piece, Stepping) else [piece.end]
+            )
         full_at = np.nan
-        for state in reversed(self._states):
+        for state in reversed(states):
             if not self.stages.is_full(state):
                 break
             full_at = state.time

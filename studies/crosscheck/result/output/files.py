@@ -76,7 +76,8 @@ def _is_written(dataset: "xarray.Dataset", path: Path) -> bool:
     with Dataset(path) as file:
         file.set_auto_maskandscale(False)
         pairs = [(file[str(name)], array) for name, array in dataset.variables.items()]
-        return all(
+        kept = {key: file.getncattr(key) for key in file.ncattrs()}
+        return dataset.attrs.items() <= kept.items() and all(
             written.dimensions == array.dims
             and {key: written.getncattr(key) for key in written.ncattrs()} == array.attrs
             and np.array_equal(written[...], array.values, array.dtype.kind == "f")
