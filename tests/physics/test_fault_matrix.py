@@ -8,9 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from faults import computed
-from faults.scenes import SCENES, healthy, shared, with_table
-from test_shared_faults import FAULTS
+from test_shared_faults import FAULTS, with_fault
 
 FILE = Path(__file__).parent / "faults" / "matrix.csv"
 
@@ -18,12 +16,7 @@ FILE = Path(__file__).parent / "faults" / "matrix.csv"
 def broken_by(kind, place, fault):
     """Return the anchors that do not hold with a fault, without the numbers in their names."""
     with pytest.MonkeyPatch.context() as patch:
-        if place == "pipeline":
-            fault(patch)
-            wrong = shared(SCENES[kind].changed())
-        else:
-            change = with_table if place == "reported" else computed.with_results
-            wrong = change(healthy(kind), fault)
+        wrong = with_fault(patch, kind, place, fault)
         return {anchor.name for anchor in wrong.anchors if not anchor.holds}
 
 

@@ -4,26 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from faults.pipeline import change_mode, change_result, lose_mode
 
 from ringwear import Compliance, PressureSpace, Problem, Rings, Scene, method as named, run
 from ringwear.studies.crosscheck.anchors.checks import anchors
 from ringwear.studies.crosscheck.methods.sampling.sampler import Sampler
 from ringwear.studies.crosscheck.problem.norms import WITHOUT_EVEN_WEAR
 from ringwear.studies.crosscheck.wear import full_contact
-from ringwear.studies.crosscheck.wear.modes import Modes
 
 Fem, Mdr = type(named("fem")), type(named("mdr"))
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 0.01, 0.1, 1.0])
-
-
-def change_result(owner, name, change):
-    """Change what a function returns."""
-
-    def put(patch):
-        right = getattr(owner, name)
-        patch.setattr(owner, name, lambda *given, **named: change(right(*given, **named)))
-
-    return put
 
 
 def scale_compliance(size, *methods):
@@ -118,15 +108,6 @@ def test_without_a_fault_nothing_disagrees(rtol):
     assert {anchor.method for anchor in result.anchors} == set(methods)
 
 
-def lose_mode(number):
-    def change(modes):
-        others = np.arange(len(modes.relaxation)) != number - 1
-        shapes, amplitudes = modes.shapes[:, others], modes.amplitudes[others]
-        return Modes(modes.relaxation[others], shapes, amplitudes, modes.exact - 1)
-
-    return change_result(full_contact, "every_mode", change)
-
-
 def misshape(size):
     """Scale the pressures of the second mode, in all methods; its amplitude stays right."""
 
@@ -146,14 +127,6 @@ def mix_modes(angle):
         shapes[:, 1] = np.cos(angle) * first + np.sin(angle) * second
         shapes[:, 2] = np.cos(angle) * second - np.sin(angle) * first
         return replace(modes, shapes=shapes)
-
-    return change_result(full_contact, "every_mode", change)
-
-
-def slow_down(size):
-    def change(modes):
-        slowest = np.arange(len(modes.relaxation)) == 0
-        return replace(modes, relaxation=modes.relaxation * (1 + size * slowest))
 
     return change_result(full_contact, "every_mode", change)
 
@@ -213,7 +186,7 @@ COMMON_FAULTS = {
     "two modes mixed by 1e-3": mix_modes(1e-3),
     # relative to the greatest displacement, which is its norm, this is a third of 1e-3
     "steady_profile 1e-3": scale_reported("steady_profile", 1e-3),
-    "slowest tau": slow_down(SMALL),
+    "slowest tau": change_mode(1, SMALL),
     "later indentation": scale_reported("indentation", SMALL, start=False),
     "ring force moved": move_force(SMALL),
     "times": delay(SMALL),

@@ -19,6 +19,15 @@ MARKS = {"flat": [], "sphere": [pytest.mark.slow]}
 NAMES = [f"{kind}, {place}: {name}" for kind, place, name, _ in FAULTS]
 
 
+def with_fault(patch, kind, place, fault):
+    """Return the result of a scene of a kind with a fault in its table, its results or the code."""
+    if place == "pipeline":
+        fault(patch)
+        # a new scene, because a fault may change the problem, which a scene caches
+        return shared(SCENES[kind].changed())
+    return (with_table if place == "reported" else computed.with_results)(healthy(kind), fault)
+
+
 @pytest.mark.parametrize(
     "kind", [pytest.param(kind, marks=MARKS.get(kind, pytest.mark.nightly)) for kind in SCENES]
 )
@@ -40,12 +49,7 @@ def test_anchors_hold_without_a_fault(kind):
 )
 def test_a_fault_is_noticed(monkeypatch, kind, place, fault):
     right = healthy(kind)
-    if place == "pipeline":
-        fault(monkeypatch)
-        # a new scene, because a fault may change the problem, which a scene caches
-        wrong = shared(SCENES[kind].changed())
-    else:
-        wrong = (with_table if place == "reported" else computed.with_results)(right, fault)
+    wrong = with_fault(monkeypatch, kind, place, fault)
     assert damage(right, wrong) > 3 * SCENES[kind].problem.rtol
     assert noticed(wrong)
 
