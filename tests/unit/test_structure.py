@@ -75,6 +75,7 @@ UPWARD = {
 LOADED_LATE = {
     "studies.api.__init__": "public names",
     "studies.crosscheck.methods.base": "methods, of which a scene needs some",
+    "studies.named_studies": "studies, of which a user conducts one",
 }
 # packages without a module, whose files are installed as data
 ONLY_DATA = {
