@@ -28,9 +28,8 @@ from .crosscheck import (
 )
 from .documented import documented
 from .named_studies import STUDIES
-from .report.log import show_progress
 from .report.streams import print_error
-from .report.terminal import print_lines, print_markdown
+from .report.terminal import print_lines, print_markdown, show_progress
 from .status import Status
 from .tables.writing import INTERRUPTED
 
@@ -100,10 +99,7 @@ def _run(
         # print the answer before drawing the figures
         print_account(account, verbose, page)
         failures = show(result, account, pictures, folder.hidden, page)
-    _print_files(folder, failures)
-    if failures:
-        return Status.FAILED
-    return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
+    return _finish(folder, failures, result.verdict != "disagree" and not result.short_of)
 
 
 def _out(out: Path | None, name: str, prefix: str = "") -> Path:
@@ -111,11 +107,13 @@ def _out(out: Path | None, name: str, prefix: str = "") -> Path:
     return named_folder(out or default_folder(name, prefix))
 
 
-def _print_files(folder: Folder, failures: list[str]) -> None:
+def _finish(folder: Folder, failures: Sequence[str] = (), agree: bool = True) -> Status:
+    """List the files of a command, and what failed; return the exit status."""
     files = ", ".join(folder.written)
     print_lines(["", f"{len(folder.written)} files in {folder.out}: {files}"])
     for failure in failures:
         print_error(failure)
+    return Status.FAILED if failures else Status.DONE if agree else Status.DISAGREE
 
 
 def _check(
@@ -154,10 +152,7 @@ def _check(
         found.write_errors(folder)
         failures = found.write_mistakes(folder)
         print_lines(found.texts.mistakes)
-    _print_files(folder, failures)
-    if failures:
-        return Status.FAILED
-    return Status.DONE if found.passes else Status.DISAGREE
+    return _finish(folder, failures, found.passes)
 
 
 def _fit(scene: str, data: Sequence[str], *, out: Path | None = None, **given: Any) -> Status:
@@ -176,10 +171,7 @@ def _fit(scene: str, data: Sequence[str], *, out: Path | None = None, **given: A
         result = fit(read, data, **given)
         print_lines(["", *repr(result).split("\n")])
         failures = result.write(folder.hidden)
-    _print_files(folder, failures)
-    if failures:
-        return Status.FAILED
-    return Status.DONE if result.fits else Status.DISAGREE
+    return _finish(folder, failures, result.fits)
 
 
 def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
@@ -243,8 +235,7 @@ def _mesh(scene: str, *, out: Path | None = None) -> Status:
         *(f"note: {note}" for note in half_space.notes),
         sep="\n",
     )
-    _print_files(folder, [])
-    return Status.DONE
+    return _finish(folder)
 
 
 def _compare(a: str, b: str, *, out: Path | None = None) -> Status:
@@ -268,8 +259,7 @@ def _compare(a: str, b: str, *, out: Path | None = None) -> Status:
     print_lines(["", comparison.conclusion])
     if comparison.fields is None:
         print("\ndifference.png is not drawn: no field is given by both at a common time")
-    _print_files(folder, [])
-    return Status.DONE
+    return _finish(folder)
 
 
 def _study(
@@ -308,8 +298,8 @@ def _study(
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
     print_lines(conclusions)
-    _print_files(folder, failures)
-    return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
+    status = _finish(folder, failures)
+    return Status.FAILED if INTERRUPTED in conclusions else status
 
 
 def _orders(table: str, *, out: Path | None = None, latex: bool = False, **given: Any) -> Status:
@@ -330,7 +320,7 @@ def _orders(table: str, *, out: Path | None = None, latex: bool = False, **given
     if out:
         with output_folder(out, "orders", ["orders.csv", "orders.png"]) as folder:
             write(levels, fitted, given["by"], folder.hidden)
-        _print_files(folder, [])
+        _finish(folder)
     missed = "within" in fitted and (fitted["within"] == "no").any()
     return Status.DISAGREE if missed else Status.DONE
 
@@ -354,8 +344,7 @@ def _sweep(
     from .crosscheck import make, refuse_foreign_folders
     from .sweep.axes import Sweep
     from .sweep.blocks import cluster
-    from .sweep.sweep import compute, estimate
-    from .sweep.words import conclude
+    from .sweep.sweep import compute, conclude, estimate
 
     plan = Sweep.load(file, given.pop("methods", None))
     if dry_run:
@@ -401,8 +390,7 @@ def _deck(scene: str, *, out: Path | None = None, **given: Any) -> Status:
     with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
         lines = write_decks(read, choice, folder.hidden)
     print_markdown(lines)
-    _print_files(folder, [])
-    return Status.DONE
+    return _finish(folder)
 
 
 def _challenge(words: Sequence[str] = (), *, list: bool = False) -> Status:
