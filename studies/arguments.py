@@ -3,7 +3,7 @@
 import re
 from argparse import SUPPRESS, ArgumentParser, ArgumentTypeError, RawDescriptionHelpFormatter
 from collections.abc import Callable
-from pathlib import Path
+from contextlib import suppress
 from shutil import get_terminal_size
 from textwrap import fill
 from typing import Any, NoReturn
@@ -12,55 +12,33 @@ from .crosscheck import bundled, nearest
 from .documented import documented
 
 
-def _directory(text: str) -> Path:
-    return Path(_not_empty(text, "directory"))
+def _reads(read: Callable[[str], Any], remedy: str) -> Callable[[str], Any]:
+    """Return the function `read`, with the remedy as error message if it cannot read a text."""
+
+    def read_or_refuse(text: str) -> Any:
+        with suppress(ValueError):
+            return read(text)
+        raise ArgumentTypeError(f"{text!r}: give {remedy}")
+
+    return read_or_refuse
 
 
-def _file(text: str) -> str:
-    return _not_empty(text, "file")
-
-
-def _not_empty(text: str, what: str) -> str:
+def _not_empty(text: str) -> str:
     if not text.strip():
-        raise ArgumentTypeError(f"is empty: give a {what}")
+        raise ValueError(text)
     return text
 
 
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise ArgumentTypeError(f"{text!r}: give a number, such as 1e-4") from None
+def _above_zero(text: str) -> float:
+    if not float(text) > 0:
+        raise ValueError(text)
+    return float(text)
 
 
-def _positive(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        number = 0.0
-    if not number > 0:
-        raise ArgumentTypeError(f"{text!r}: give a positive number")
-    return number
-
-
-def _whole(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise ArgumentTypeError(f"{text!r}: give a whole number") from None
-
-
-def _numbers(text: str) -> tuple[float, ...]:
-    try:
-        return tuple(float(size) for size in text.split(","))
-    except ValueError:
-        raise ArgumentTypeError(f"{text!r}: give numbers, such as 0.2,0.1,0.05") from None
-
-
-def _pairs(text: str) -> dict[str, str]:
+def _by_name(text: str) -> dict[str, str]:
     pairs = dict(pair.partition("=")[::2] for pair in text.split(","))
     if not all(name and ours for name, ours in pairs.items()):
-        raise ArgumentTypeError(f"{text!r}: give theirs=ours, such as p=pressure,r=radius")
+        raise ValueError(text)
     return pairs
 
 
@@ -69,41 +47,48 @@ def _names(text: str) -> tuple[str, ...]:
 
 
 def _noise(text: str) -> str | dict[str, str]:
-    return _pairs(text) if "=" in text else text
+    return PAIRS(text) if "=" in text else text
 
+
+NUMBER = _reads(float, "a number, such as 1e-4")
+POSITIVE = _reads(_above_zero, "a positive number")
+WHOLE = _reads(int, "a whole number")
+NUMBERS = _reads(lambda text: tuple(map(float, text.split(","))), "numbers, such as 0.2,0.1,0.05")
+PAIRS = _reads(_by_name, "theirs=ours, such as p=pressure,r=radius")
+DIRECTORY, FILE = _reads(_not_empty, "a directory"), _reads(_not_empty, "a file")
 
 FLAGS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "against": ("{size,unknowns,seconds}", str),
     "by": ("COLUMN", str),
-    "columns": ("THEIRS=OURS,...", _pairs),
+    "columns": ("THEIRS=OURS,...", PAIRS),
     "cycle": ("LENGTH", str),
-    "degree": ("K", _whole),
+    "degree": ("K", WHOLE),
     "density": ("X", str),
     "element": ("NAME", str),
     "elements": ("NAME", str),
-    "memory": ("GIB", _positive),
-    "mesh": ("FILE", _file),
-    "meshes": ("FILE", _file),
+    "memory": ("GIB", POSITIVE),
+    "mesh": ("FILE", FILE),
+    "meshes": ("FILE", FILE),
     "methods": ("A,B", _names),
     "noise": ("X", _noise),
-    "out": ("DIR", _directory),
+    "out": ("DIR", DIRECTORY),
     "parameters": ("NAME,...", _names),
     "program": ("{calculix,abaqus}", str),
     "quantities": ("A,B", _names),
-    "radii": ("R,...", _numbers),
-    "reach": ("R", _number),
+    "radii": ("R,...", NUMBERS),
+    "reach": ("R", NUMBER),
     "right": ("[NAME=]VALUE", str),
-    "rtol": ("X", _number),
+    "rtol": ("X", NUMBER),
     "scheduler": ("ADDRESS", str),
-    "size": ("H", _number),
-    "sizes": ("H,...", _numbers),
-    "steps": ("H,...", _numbers),
-    "times": ("T", _number),
-    "tolerance": ("X", _positive),
+    "size": ("H", NUMBER),
+    "sizes": ("H,...", NUMBERS),
+    "steps": ("H,...", NUMBERS),
+    "times": ("T", NUMBER),
+    "tolerance": ("X", POSITIVE),
     "units": ("UNITS", str),
     "vary": ("KEY=[geom:]LOW:HIGH:N", str),
-    "within": ("X", _positive),
-    "workers": ("N", _whole),
+    "within": ("X", POSITIVE),
+    "workers": ("N", WHOLE),
 }
 """Form and type of parameters that are flags; so are all parameters that are False by default.
 

@@ -53,7 +53,7 @@ def conduct(arguments: list[str] | None) -> Status:
 def _run(
     scene: str = "five_rings",
     *,
-    out: Path | None = None,
+    out: str = "",
     no_figures: bool = False,
     no_report: bool = False,
     csv: bool = False,
@@ -102,7 +102,7 @@ def _run(
     return _finish(folder, failures, result.verdict != "disagree" and not result.short_of)
 
 
-def _out(out: Path | None, name: str, prefix: str = "") -> Path:
+def _out(out: str, name: str, prefix: str = "") -> Path:
     """Return the output folder: that of `--out`, or one that is named after a scene or study."""
     return named_folder(out or default_folder(name, prefix))
 
@@ -120,7 +120,7 @@ def _check(
     scene: str,
     theirs: Sequence[str] = (),
     *,
-    out: Path | None = None,
+    out: str = "",
     refinement: bool = False,
     **given: Any,
 ) -> Status:
@@ -155,7 +155,7 @@ def _check(
     return _finish(folder, failures, found.passes)
 
 
-def _fit(scene: str, data: Sequence[str], *, out: Path | None = None, **given: Any) -> Status:
+def _fit(scene: str, data: Sequence[str], *, out: str = "", **given: Any) -> Status:
     """Fit parameters.
 
     Parameters
@@ -216,7 +216,7 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     return Status.DONE
 
 
-def _mesh(scene: str, *, out: Path | None = None) -> Status:
+def _mesh(scene: str, *, out: str = "") -> Status:
     """Mesh the half-space of a scene, and write it as a VTU file and a figure."""
     read = Scene.load(scene)
     with output_folder(_out(out, scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
@@ -238,7 +238,7 @@ def _mesh(scene: str, *, out: Path | None = None) -> Status:
     return _finish(folder)
 
 
-def _compare(a: str, b: str, *, out: Path | None = None) -> Status:
+def _compare(a: str, b: str, *, out: str = "") -> Status:
     """Compare two results.
 
     Parameters
@@ -266,7 +266,7 @@ def _study(
     scene: str = "five_rings",
     *,
     study: str,
-    out: Path | None = None,
+    out: str = "",
     resume: bool = False,
     **given: Any,
 ) -> Status:
@@ -302,7 +302,7 @@ def _study(
     return Status.FAILED if INTERRUPTED in conclusions else status
 
 
-def _orders(table: str, *, out: Path | None = None, latex: bool = False, **given: Any) -> Status:
+def _orders(table: str, *, out: str = "", latex: bool = False, **given: Any) -> Status:
     """Fit orders of convergence.
 
     Parameters
@@ -328,7 +328,7 @@ def _orders(table: str, *, out: Path | None = None, latex: bool = False, **given
 def _sweep(
     file: str,
     *,
-    out: Path | None = None,
+    out: str = "",
     scheduler: str = "",
     dry_run: bool = False,
     **given: Any,
@@ -381,7 +381,7 @@ def _scenes(name: str = "") -> Status:
     return Status.DONE
 
 
-def _deck(scene: str, *, out: Path | None = None, **given: Any) -> Status:
+def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
     """Write decks."""
     from .decks.deck import choose, write_decks
 
