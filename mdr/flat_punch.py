@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial.legendre import (
@@ -19,7 +18,7 @@ from numpy.polynomial.legendre import (
 from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.ground.line_energy import flat_series, relative_stiffness
 from ..meshes.radial import Array
-from .annulus import flat_annulus
+from .annulus import FlatAnnulus, flat_annulus
 
 # Eqs. 10 and 11, non-dimensional: d0 = F / (2 a E*) and p0 = F / (2 pi a^2)
 D0, P0 = 0.5, 1 / (2 * np.pi)
@@ -27,23 +26,6 @@ D0, P0 = 0.5, 1 / (2 * np.pi)
 REAL_ROOT_TOLERANCE = 1e-7
 # size of a negative pressure that counts as roundoff, relative to `P0`
 PRESSURE_ROUNDOFF = 1e-8
-
-
-class FlatPunch(Protocol):
-    """A flat punch under the force 1."""
-
-    @property
-    def indentation(self) -> float:
-        """Indentation under the force 1."""
-
-    def pressure_at(self, radii: Array) -> Array:
-        """Return the pressure at radii (R,) of the face."""
-
-    def ring_forces(self, ring_edges: Array) -> Array:
-        """Return the force (N,) on each ring between edges (N+1,)."""
-
-    def extremes_on(self, ring_edges: Array) -> tuple[Array, Array]:
-        """Return the least and the greatest pressure (N,) on each ring."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +82,10 @@ class DiscSeries:
             (np.abs(roots.imag) < REAL_ROOT_TOLERANCE) & (roots.real > 0) & (roots.real < 1)
         ]
         return np.sqrt((1 - t) * (1 + t))
+
+
+FlatPunch = DiscSeries | FlatAnnulus
+"""A flat punch under the force 1."""
 
 
 def disc_functions(to_rim: Array, count: int) -> tuple[Array, Array]:

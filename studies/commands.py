@@ -416,7 +416,7 @@ def _challenge(words: Sequence[str] = (), *, list: bool = False) -> Status:
         case [word] if not Path(word).is_file():
             print(problem_named(word).read_text("utf-8"), end="")
         case [*names, file] if len(names) < 2:
-            from .challenge.submission import submission
+            from .challenge.answers import submission
 
             path = problem_named(names[0]) if names else problem_of_file(Path(file))
             print_markdown(submission(path, Path(file)))

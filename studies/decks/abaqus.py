@@ -10,13 +10,13 @@ from .keywords import (
     CONTACT,
     REFERENCE,
     Model,
+    State,
     half_space,
     heading,
     notes,
     pressed_nodes,
     surface,
 )
-from .states import State
 
 PUNCH_HEIGHT = 0.5
 """Height to which the side of the punch is modelled, in punch radii."""

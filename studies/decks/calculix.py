@@ -13,6 +13,7 @@ from .keywords import (
     FACE,
     REFERENCE,
     Model,
+    State,
     elements,
     half_space,
     heading,
@@ -23,7 +24,6 @@ from .keywords import (
     pressed_nodes,
     surface,
 )
-from .states import State
 
 PAD_HEIGHT = 0.3
 """Height of the pad, in punch radii."""

@@ -25,10 +25,9 @@ from ..crosscheck import (
 from ..wear_step.limits import limits_on_mesh
 from ..wear_step.words import describe
 from . import abaqus, calculix
-from .keywords import Model
+from .keywords import Model, State
 from .mesh import deck_mesh, layered_mesh
 from .read_me import read_me
-from .states import State
 
 PROGRAMS = {"calculix": calculix, "abaqus": abaqus}
 """Modules that write decks, by the name of the program."""

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from ...meshes import Array, Indices
 from ..crosscheck import Scene
 from .mesh import DeckMesh
-from .states import State
 
 COMMENT_WIDTH = 100
 """Greatest number of characters in a line of a comment."""
@@ -98,6 +97,35 @@ class Model:
         """(k,) radii of the contact nodes, without roundoff beyond the rim or the hole."""
         radii = self.mesh.points[self.mesh.contact, 0] * self.radius
         return np.clip(radii, self.scene.punch.inner_radius, self.scene.punch.radius)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The punch at one time, in the units of the scene.
+
+    Parameters
+    ----------
+    time : since sliding began
+    indentation : of the plane of the unworn face
+    force : normal force
+    heights : (n,) height that is missing from the plane of the face, at the radii of the n contact
+        nodes
+    """
+
+    time: float
+    indentation: float
+    force: float
+    heights: Array
+
+    @property
+    def lowest(self) -> float:
+        """The least missing height, at the foremost point of the face."""
+        return float(self.heights.min())
+
+    @property
+    def pressing_depth(self) -> float:
+        """The depth of the foremost point of the face."""
+        return self.indentation - self.lowest
 
 
 def heading(model: Model, description: str) -> list[str]:

@@ -2,8 +2,7 @@
 
 from collections.abc import Sequence
 
-from .keywords import Model
-from .states import State
+from .keywords import Model, State
 
 COMMANDS = {
     "calculix": "OMP_NUM_THREADS=1 ccx {job}          # give the name without .inp",

@@ -5,7 +5,7 @@ nodes; its comments contain the times, the rings and the scale.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +15,7 @@ import pandas as pd
 
 from ...meshes import Array, SceneError
 from ..crosscheck import Scene
-from .pressures import pressures_of
+from ..wear_step.contact_nodes import contact_mass
 
 WEDGE = 180.0
 """The whole circumference over the wedge of 2 degrees by which CalculiX models axial symmetry."""
@@ -370,3 +370,24 @@ NO_RESULTS = {
 """What files are that have no results that can be read, and which to give instead, by ending."""
 MODELLED_TABLES = ("units", "punch", "half_space", "load")
 """Tables and keys of a scene that change what a deck models."""
+
+
+def pressures_of(
+    radii: Array, forces: Array, quadratic: bool, wear: Callable[[Array], Array]
+) -> Array:
+    """Return pressures (k,) at the nodes, from the consistent mass matrix of the contact line.
+
+    The force on a node is ``int N p 2 pi r dr`` with its shape function N. After the start, ``wear
+    * p`` is continuous across ring edges, because the face is; it is expanded in the shape
+    functions of the elements.
+
+    Parameters
+    ----------
+    radii : (k,) of the nodes from inside to outside, including those in the middles of sides
+    forces : (k,) on the nodes, for the whole circumference
+    quadratic : whether elements have nodes in the middles of their sides
+    wear : function from radii to wear coefficients; where it is NaN, such as at ring edges where
+        the coefficients jump, pressures are NaN
+    """
+    matrix = contact_mass(radii, 2 if quadratic else 1, lambda points: 1 / wear(points))
+    return np.linalg.solve(matrix, forces) / wear(radii)

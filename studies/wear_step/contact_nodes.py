@@ -10,6 +10,7 @@ Programs with elements compute the pressure of a node from the force on it in on
 Non-dimensional: punch radius 1, plane strain modulus of the ground 1.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,8 +19,7 @@ import skfem
 from skfem import Mesh, MeshTri
 
 from ...fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
-from ...meshes import Array, Ground, SceneError, contact_radii, truncation
-from .contact_line import contact_mass
+from ...meshes import Array, Ground, SceneError, contact_radii, gauss, truncation
 from .elements import CONSISTENT, ELEMENTS
 
 FAR_FIELD_ERROR = 1e-9
@@ -114,3 +114,27 @@ def contact_nodes(mesh: Mesh, element: str, ground: Ground) -> ContactNodes:
     if element[1] == "2":
         radii = np.sort(np.append(vertices, (vertices[1:] + vertices[:-1]) / 2))
     return ContactNodes(element, radii, half_space.contact_stiffness())
+
+
+def contact_mass(radii: Array, degree: int, factor: Callable[[Array], Array]) -> Array:
+    """Return the mass matrix (n, n) ``int c phi_i phi_j 2 pi r dr`` of shape functions phi.
+
+    Parameters
+    ----------
+    radii : (n,) of the nodes from inside to outside, including those in the middles of sides
+    degree : of the shape functions, 1 or 2
+    factor : function c from radii to a factor
+    """
+    points, weights = gauss(4)
+    functions = np.stack([(1 - points) / 2, (1 + points) / 2])
+    if degree == 2:
+        inner, outer = points * (points - 1) / 2, points * (points + 1) / 2
+        functions = np.stack([inner, 1 - points**2, outer])
+    matrix = np.zeros((len(radii), len(radii)))
+    for first in range(0, len(radii) - degree, degree):
+        nodes = slice(first, first + degree + 1)
+        point_radii = radii[nodes] @ functions
+        half = (radii[first + degree] - radii[first]) / 2
+        areas = 2 * np.pi * point_radii * half * weights
+        matrix[nodes, nodes] += functions * (areas * factor(point_radii)) @ functions.T
+    return matrix

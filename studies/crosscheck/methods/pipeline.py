@@ -31,11 +31,11 @@ from ..progress import Stages
 from ..sizes.layers import narrowed_for_layers
 from ..sizes.ring_edges import RADIAL_ROUNDOFF, smallest_size
 from ..sizes.shared import covering
+from ..wear.falling_force import refuse_tension
 from ..wear.first_contact import covers_face, first_contact, load_at_start
 from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
 from ..wear.step_control import MOST_STEPS, steps_between, why_too_many_steps
-from ..wear.tension import refuse_tension
 from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution, SystemSize
 from .error_factors import error_factor

@@ -9,36 +9,19 @@ What the results of other programs lack of these, norms do without.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .face import Face
 
 Array = NDArray[np.floating]
 Results = dict[str, Array]
 """Values by the names of quantities."""
 Values = Mapping[str, Array]
 """The same, or a report of another program."""
-
-
-class Face(Protocol):
-    """The face at whose radii fields are compared: `problem.face.Face`."""
-
-    @property
-    def standoff(self) -> float:
-        """Indentation at the first touch."""
-
-    @property
-    def areas(self) -> Array:
-        """(R,) quadrature weights ``dA``."""
-
-    @property
-    def weights(self) -> Array:
-        """(R,) weights ``k dA`` of norms of pressures."""
-
-    @property
-    def edge_weights(self) -> Array:
-        """(R,) factors that make the square of the pressure of a flat punch integrable."""
 
 
 # heights that grow without bound with even wear, and the same heights without it
@@ -59,7 +42,7 @@ def common(*shapes: tuple[int, ...]) -> tuple[slice, ...]:
     return tuple(slice(0, min(sizes)) for sizes in zip(*shapes, strict=True))
 
 
-def greatest_depth(reference: Values, face: Face) -> Array:
+def greatest_depth(reference: Values, face: "Face") -> Array:
     """Return the greatest depth so far (T,), because it decreases under a force that falls.
 
     Without `depth`, even wear is not known apart. Without an indentation, the unit is returned.
@@ -71,7 +54,7 @@ def greatest_depth(reference: Values, face: Face) -> Array:
     return np.ones(())
 
 
-Scale = Callable[[Array, Values, Face], Array]
+Scale = Callable[[Array, Values, "Face"], Array]
 """A function that returns the scale of differences, which broadcasts with the reference value."""
 
 
@@ -89,7 +72,7 @@ class Norm:
     definition: str
     scale: Scale
 
-    def gaps(self, name: str, values: Values, reference: Values, face: Face) -> Array:
+    def gaps(self, name: str, values: Values, reference: Values, face: "Face") -> Array:
         """Return the absolute differences of a quantity, with its dimensions.
 
         They are 0 where both values are infinite, and NaN where one of them is NaN.
@@ -99,13 +82,13 @@ class Norm:
         same = np.isinf(value) & (value == other)
         return np.abs(np.where(same, 0.0, value) - np.where(same, 0.0, other))
 
-    def size(self, name: str, reference: Values, face: Face) -> Array:
+    def size(self, name: str, reference: Values, face: "Face") -> Array:
         """Return the size to which differences are relative, which broadcasts with the gaps."""
         size = np.asarray(self.scale(reference[name], reference, face))
         return size.reshape(size.shape + (1,) * (np.ndim(reference[name]) - size.ndim))
 
     def difference(
-        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: Face
+        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: "Face"
     ) -> Array:
         """Return the difference of a quantity of two results in this norm.
 
@@ -129,19 +112,19 @@ class Norm:
 class PressureNorm(Norm):
     """The root mean square of the difference over the face, relative to that of the pressure."""
 
-    def gaps(self, name: str, values: Values, reference: Values, face: Face) -> Array:
+    def gaps(self, name: str, values: Values, reference: Values, face: "Face") -> Array:
         """Return the absolute differences, times the root of the weight at times without wear."""
         value, other = _common_values(name, values, reference)
         return np.abs(value - other) * np.sqrt(_edge_factors(other, reference, face))
 
-    def size(self, name: str, reference: Values, face: Face) -> Array:
+    def size(self, name: str, reference: Values, face: "Face") -> Array:
         """Return the root mean square of the pressure, times the root of that weight."""
         weights = face.weights * _edge_factors(reference[name], reference, face)
         squares = np.sum(weights * reference[name] ** 2, axis=-1, keepdims=True)
         return np.sqrt(squares / face.weights.sum())
 
     def difference(
-        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: Face
+        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: "Face"
     ) -> Array:
         """Return the difference of a quantity of two results in this norm."""
         value, other = _common_values(name, values, reference)
@@ -156,7 +139,7 @@ class SlopeNorm(Norm):
     """A norm of slopes that may be infinite, which have no value."""
 
     def difference(
-        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: Face
+        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: "Face"
     ) -> Array:
         """Return the difference; an infinite slope differs by all of it from any finite one."""
         infinite, other_infinite = map(np.isnan, _common_values(name, values, reference))
@@ -173,14 +156,14 @@ class HeightNorm(Norm):
     without even wear; the greatest one counts.
     """
 
-    def gaps(self, name: str, values: Values, reference: Values, face: Face) -> Array:
+    def gaps(self, name: str, values: Values, reference: Values, face: "Face") -> Array:
         """Return the absolute differences, without those of even wear."""
         if not _grows(name, reference, face):
             return super().gaps(name, values, reference, face)
         return np.abs(_parts(name, values, reference, face)[1])
 
     def difference(
-        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: Face
+        self, name: str, dims: tuple[str, ...], values: Values, reference: Values, face: "Face"
     ) -> Array:
         """Return the difference of heights, with that of even wear apart."""
         rest = super().difference(name, dims, values, reference, face)
@@ -200,12 +183,12 @@ class HeightNorm(Norm):
         return np.max([rest, *relative], axis=0)
 
 
-def _grows(name: str, reference: Values, face: Face) -> bool:
+def _grows(name: str, reference: Values, face: "Face") -> bool:
     """Return whether a height has a part of even wear that is known."""
     return name in WITHOUT_EVEN_WEAR and bool(greatest_depth(reference, face).ndim)
 
 
-def _parts(name: str, values: Values, reference: Values, face: Face) -> tuple[Array, Array]:
+def _parts(name: str, values: Values, reference: Values, face: "Face") -> tuple[Array, Array]:
     """Return the difference (T,) of even wear, and the rest (T, ...) of that of heights.
 
     Results of other programs are heights only; their even wear is then that of the reference times
@@ -235,7 +218,7 @@ def _common_values(name: str, values: Values, reference: Values) -> tuple[Array,
     return value[overlap], other[overlap]
 
 
-def _edge_factors(value: Array, reference: Values, face: Face) -> Array:
+def _edge_factors(value: Array, reference: Values, face: "Face") -> Array:
     """Return the factors (T, R) of weights at times at which the pressure may be infinite; else 1.
 
     A pressure (R,) without times is that of the steady state, which is finite.
@@ -259,11 +242,11 @@ def _unit(*_: object) -> Array:
     return np.ones(())
 
 
-def _depth(_: Array, reference: Values, face: Face) -> Array:
+def _depth(_: Array, reference: Values, face: "Face") -> Array:
     return greatest_depth(reference, face)
 
 
-def _slope(value: Array, reference: Values, face: Face) -> Array:
+def _slope(value: Array, reference: Values, face: "Face") -> Array:
     return np.maximum(np.abs(value), LEAST_SLOPE * greatest_depth(reference, face))
 
 
@@ -281,7 +264,7 @@ def _all_rings(value: Array, *_: object) -> Array:
     return np.abs(value).sum(axis=-1, keepdims=True)
 
 
-def _all_rings_or_depth(value: Array, reference: Values, face: Face) -> Array:
+def _all_rings_or_depth(value: Array, reference: Values, face: "Face") -> Array:
     """Return the worn volume of all rings; early volumes are small differences of depths."""
     least = LEAST_VOLUME * greatest_depth(reference, face) * face.areas.sum()
     return np.maximum(_all_rings(value), least.reshape(least.shape + (1,) * least.ndim))

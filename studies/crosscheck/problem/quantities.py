@@ -11,7 +11,7 @@ relaxation modes (`wear.full_contact.RunningIn`), its run as a whole
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -30,12 +30,14 @@ from .norms import (
     VOLUME,
     VOLUME_SO_FAR,
     Array,
-    Face,
     Norm,
     Results,
     Values,
 )
 from .suggestions import did_you_mean
+
+if TYPE_CHECKING:
+    from .face import Face
 
 # smallest relative accuracy that can be requested
 FINEST_RTOL = 1e-9
@@ -130,7 +132,7 @@ class Quantity:
         """The dimensions of its error: those except radius and ring, over which norms are taken."""
         return tuple(dim for dim in self.dims if dim not in NORMED)
 
-    def difference(self, values: Values, reference: Values, face: Face) -> Array:
+    def difference(self, values: Values, reference: Values, face: "Face") -> Array:
         """Return the difference of two results in the norm of the quantity (`Norm.difference`)."""
         return self.norm.difference(self.name, self.dims, values, reference, face)
 
@@ -596,7 +598,7 @@ def expand(names: Iterable[str]) -> frozenset[str]:
     return expanded
 
 
-def differences(values: Values, reference: Values, face: Face) -> Results:
+def differences(values: Values, reference: Values, face: "Face") -> Results:
     """Return the relative difference of every quantity that both results have, in its norm.
 
     Parameters

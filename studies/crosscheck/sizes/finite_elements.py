@@ -8,7 +8,7 @@ because their degree is low.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from ....meshes.errors import MeshError, SceneError
 from ....meshes.radial import Array
@@ -17,6 +17,9 @@ from ..problem.problem import Problem
 from ..problem.sections import LAYERED
 from . import quads, triangles
 from .layers import why_layers_are_not_meshed
+
+if TYPE_CHECKING:
+    from ....meshes.by_gmsh.quads import GradedQuads
 
 # Upper limit of the share of the energy that the truncation may lose (physics/test_size_rules.py,
 # `ringwear study truncation`).
@@ -27,17 +30,6 @@ TRUNCATION_MARGIN = 10
 # less. If errors fall at least in proportion to the size, they are at most the difference of the
 # two solutions (physics/test_low_degrees.py).
 HALVINGS = 2
-
-
-class Elements(Protocol):
-    """Elements under a flat punch, whose mesh of scikit-fem has named boundaries."""
-
-    @property
-    def mesh(self) -> Any:
-        """The mesh."""
-
-    def coarser(self) -> "Elements":
-        """Return the elements of a coarser mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +101,7 @@ class FemSizes:
     """
 
     mesher: str
-    elements: Elements
+    elements: "GradedQuads | Triangles | Halved"
     degree: int
     notes: tuple[str, ...] = ()
     same_elements: bool = False
@@ -182,7 +174,7 @@ def _sizes_by(problem: Problem, mesher: str) -> FemSizes:
     if layered and not low:
         return FemSizes(mesher, quads.layered_quads(problem), degree)
     if layered:
-        elements: Elements = quads.quads_to_halve(problem, HALVINGS)
+        elements: GradedQuads | Triangles = quads.quads_to_halve(problem, HALVINGS)
     else:
         elements = Triangles(triangles.triangle_sizes(problem), _triangulation(mesher))
     if low:

@@ -12,7 +12,7 @@ else: each piece gives the state at any of its times.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,21 +42,6 @@ SMALLEST_RATIO = 1e-3
 PLACE_OF_MAXIMUM = 1e-3
 # relative accuracy to which times of running-in are located
 ROOT = 1e-7
-
-
-class Piece(Protocol):
-    """A part of a history between two times."""
-
-    @property
-    def end(self) -> Instant:
-        """The state at its end."""
-
-    @property
-    def times(self) -> Array:
-        """Times after its start, among them its end, at which the state is known or cheap."""
-
-    def at(self, times: Array) -> History:
-        """Return the history at some of its times."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +105,10 @@ class Stepping:
             return self.stages.solve_implicit_step(dt, start, start)._replace(time=time)
         _, following = self.stages.solve_two_stages(dt, time, start, start)
         return following
+
+
+Piece = Resting | Stepping | Relaxing
+"""A part of a history between two times, with the state `at` any of its times."""
 
 
 class Statistics(NamedTuple):

@@ -2,38 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from ....meshes.radial import Array, Indices
-from .unilateral import Interval, Mask, Press
+from .unilateral import Mask, Press
 
+if TYPE_CHECKING:
+    from .flat_contact import FittedPress, FlatStart
 
-class Start(Protocol):
-    """The solution for the unworn punch, on functions that represent it better than the space."""
-
-    @property
-    def pressure(self) -> Array:
-        """Coefficients of the pressure, on the space of this solution or on that of the history."""
-
-    @property
-    def indentation(self) -> float:
-        """The indentation."""
-
-    @property
-    def force(self) -> float:
-        """The force. Under another force the pressure is scaled in proportion."""
-
-    @property
-    def intervals(self) -> tuple[Interval, ...]:
-        """The parts of the contact."""
-
-    def pressure_at(self, radii: Array) -> Array:
-        """Return the pressures (R,) at radii (R,) of the punch."""
-
-    def ring_forces(self, ring_edges: Array) -> Array:
-        """Return the force on each of the N rings between edges (N+1,)."""
+Start: TypeAlias = "FlatStart | FittedPress"
+"""The solution for the unworn punch, on functions that represent it better than the space."""
 
 
 class Pressed(NamedTuple):
