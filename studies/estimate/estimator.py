@@ -136,8 +136,14 @@ class Likelihood:
 
     def _search_slopes(self, x: Array, numbers: list[int]) -> Array:
         """Return the derivatives (n, k) by k parameters, as accurate as a search needs them."""
-        ahead = [self.residuals(x + SEARCH_STEP * axis) for axis in np.eye(len(x))[numbers]]
-        return _finite((self.residuals(x) - np.array(ahead)).T / SEARCH_STEP)
+        directions = np.eye(len(x))[numbers]
+        wear = [number for number in numbers if self.parameters[number].wear]
+        if wear:
+            # all wear coefficients at once only change the unit of time, without a new solution
+            directions[numbers.index(wear[0]), wear] = 1.0
+        ahead = np.array([self.residuals(x + SEARCH_STEP * each) for each in directions])
+        changes = (self.residuals(x) - ahead) / SEARCH_STEP
+        return _finite(np.linalg.solve(directions[:, numbers], changes).T)
 
     def slopes(self, x: Array) -> Array:
         """Return the derivatives (n, f) by the free parameters, over the noise."""
