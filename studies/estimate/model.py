@@ -446,31 +446,31 @@ class Model:
     def _read(self, reading: Reading, histories: Sequence[Weighted]) -> list[Array]:
         """Return the values (n,) of each measurement that a reading of histories has."""
         problem, units, clock = mean_frame(histories)
-        values, sampled = list[Array](), dict[object, dict[str, Array]]()
+        values = list[Array]()
         # if the load varies, all histories have to have the load of the same time
         alike = not problem.loading.varies
         clocks = [
             frame.units.time * (clock / frame.clock if alike else 1.0) for _, _, frame in histories
         ]
-        names = sorted({"normal_force", *(each.quantity for each in self.measurements)})
+        names = tuple(sorted({"normal_force", *(each.quantity for each in self.measurements)}))
         for each in self.measurements:
             times = each.times[:1] if each.has_offset else each.times
             radii = self._radii_at(each.times)
-            key = times.tobytes()
-            if key not in sampled:
-                since = reading.times(times)
-                own_radii = radii * (reading.radius_scale / units.length)
-                if any(other.means is not None for other in self.measurements):
-                    # radii beyond the rim, or in a hole, have the values at the edge
-                    own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
-                step = reading.step / units.time
-                parts = [
-                    self.solver.sample(part.history, since / clock, own_radii, step, tuple(names))
+            since = reading.times(times)
+            own_radii = radii * (reading.radius_scale / units.length)
+            if any(other.means is not None for other in self.measurements):
+                # radii beyond the rim, or in a hole, have the values at the edge
+                own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
+            step = reading.step / units.time
+            samples = weighted(
+                [
+                    (
+                        part.weight,
+                        self.solver.sample(part.history, since / clock, own_radii, step, names),
+                    )
                     for part, clock in zip(histories, clocks, strict=True)
                 ]
-                weights = [part.weight for part in histories]
-                sampled[key] = weighted(list(zip(weights, parts, strict=True)))
-            samples = sampled[key]
+            )
             predicted = samples[each.quantity]
             if each.quantity == "worn_volume":
                 predicted = predicted.sum(axis=1) if each.ring is None else predicted[:, each.ring]
