@@ -87,6 +87,12 @@ def _tradeoff() -> "Callable[..., Study]":
     return tradeoff
 
 
+def _operators() -> "Callable[..., Study]":
+    from .operators import operators
+
+    return operators
+
+
 STUDIES: dict[str, NamedStudy] = {
     "paper": NamedStudy(_paper, "paper.study:paper", 30),
     "convergence": NamedStudy(_convergence, "convergence:convergence", 20),
@@ -95,6 +101,7 @@ STUDIES: dict[str, NamedStudy] = {
     "march": NamedStudy(_march, "march:march", 2),
     "extremes": NamedStudy(_extremes, "extremes:extremes", 20),
     "tradeoff": NamedStudy(_tradeoff, "tradeoff:tradeoff", 20),
+    "operators": NamedStudy(_operators, "operators:operators", 2),
 }
 
 
@@ -115,7 +122,7 @@ def study(
     Parameters
     ----------
     name : ``"convergence"``, ``"refinement"``, ``"extremes"``, ``"tradeoff"``, ``"truncation"``,
-        ``"march"`` or ``"paper"``
+        ``"march"``, ``"operators"`` or ``"paper"``
     scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
         study's own scene
     quick : whether to conduct a smaller version of the study

@@ -16,6 +16,9 @@ The methods are finite elements, boundary elements, dimensionality reduction and
 `compare`
     compare two results: ``comparison = compare("five_rings", "results/mine")``, then
     ``comparison.table``, ``comparison.same``, ``comparison.figures``
+`compare_operators`
+    compare the elastic energies that methods assign to every pressure: ``(pair,) =
+    compare_operators("five_rings", ["fem", "mdr"])``, then ``pair.rings``, ``pair.history``
 `deck`
     write input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix",
     "folder")``
@@ -160,6 +163,7 @@ if TYPE_CHECKING:
     from ringwear.studies.decks.deck import deck
     from ringwear.studies.fit.fit import fit
     from ringwear.studies.named_studies import study
+    from ringwear.studies.operators import compare_operators
     from ringwear.studies.study.orders import orders
     from ringwear.studies.study.study import Study
     from ringwear.studies.sweep.sweep import sweep
@@ -199,6 +203,7 @@ __all__ = [
     "bisection",
     "check",
     "compare",
+    "compare_operators",
     "deck",
     "differences",
     "direct",
@@ -283,6 +288,7 @@ _LATER = {
     "studies.decks.deck": ["deck"],
     "studies.fit.fit": ["fit"],
     "studies.named_studies": ["study"],
+    "studies.operators": ["compare_operators"],
     "studies.study.orders": ["orders"],
     "studies.study.study": ["Study"],
     "studies.sweep.sweep": ["sweep"],

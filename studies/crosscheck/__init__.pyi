@@ -19,6 +19,7 @@ from .methods.moving_evaluation import (
     MovingContact as MovingContact,
 )
 from .methods.pipeline import (
+    AnySpaceMethod as AnySpaceMethod,
     ComplianceMethod as ComplianceMethod,
 )
 from .methods.sampling.field_differences import (
@@ -235,11 +236,6 @@ from .verdict.accuracy import (
 from .verdict.agreement import (
     DISAGREE as DISAGREE,
     disagreement as disagreement,
-)
-from .verdict.operators import (
-    MOST_PRESSURES as MOST_PRESSURES,
-    STABLE as STABLE,
-    least_ratio_of_energies as least_ratio_of_energies,
 )
 from .verdict.promise import (
     allowed_error as allowed_error,

@@ -31,7 +31,6 @@ from ..progress import LOG, Stages
 from ..registry import METHODS
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
-from ..verdict.operators import OperatorDifference
 from ..verdict.promise import LeftOut, allowed_error, in_words, share
 from .guesses import OF_RESULTS, missing_attribute
 from .output.files import RUN_FILES, write_numbers
@@ -69,8 +68,6 @@ class Result:
     notes : notes of the methods; a note that several methods give appears once
     solutions : non-dimensional solutions by method; none in results that were read from a folder
     stages : the seconds of each stage, by method; none either
-    operators : the comparisons of every pair of compliances; none either
-    left_out_operators : pairs of methods that are not compared as operators, and why
     of_others : names of other programs whose results are in the dataset as well
     about_others : the judgement on the results of other programs, in sentences
     compared_in_fields : methods that compute the same fields: the reference, the one that is drawn,
@@ -87,8 +84,6 @@ class Result:
     notes: tuple[str, ...]
     solutions: Mapping[str, Solution] = field(default_factory=dict)
     stages: Mapping[str, Stages] = field(default_factory=dict)
-    operators: tuple[OperatorDifference, ...] = ()
-    left_out_operators: Mapping[str, str] = field(default_factory=dict)
     of_others: tuple[str, ...] = ()
     about_others: tuple[str, ...] = ()
     compared_in_fields: tuple[str, ...] = ()
@@ -356,8 +351,8 @@ class Result:
         Parameters
         ----------
         kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
-            ``"difference"``, ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default
-            the first of these that can be drawn
+            ``"difference"``, ``"stress"`` or ``"mesh"``; by default the first of these that can be
+            drawn
 
         Raises
         ------
