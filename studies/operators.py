@@ -217,8 +217,13 @@ def operators(
     rtol = max(scene.accuracy.rtol, QUICK_RTOL) if quick else scene.accuracy.rtol
     start = process_time()
     pairs = compare_operators(scene, [*names, *own], rtol)
-    level = {"case": Case.of(scene).name, "level": f"rtol {rtol:g}", "when": ALL, "outcome": SOLVED}
-    level["seconds"] = process_time() - start
+    level = {
+        "case": Case.of(scene).name,
+        "level": f"rtol {rtol:g}",
+        "seconds": process_time() - start,
+        "when": ALL,
+        "outcome": SOLVED,
+    }
     modes = list[pd.DataFrame]()
     for pair in pairs:
         way = {"way": " over ".join(pair.methods), "method": pair.methods[0]}
