@@ -82,6 +82,7 @@ from .problem.sections import (
     MdrAccuracy as MdrAccuracy,
 )
 from .problem.suggestions import (
+    AnswersGuesses as AnswersGuesses,
     did_you_mean as did_you_mean,
     nearest as nearest,
 )
@@ -106,9 +107,6 @@ from .progress import (
 )
 from .registry import (
     METHODS as METHODS,
-)
-from .result.guesses import (
-    AnswersGuesses as AnswersGuesses,
 )
 from .result.load import (
     load as load,
