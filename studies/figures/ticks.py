@@ -1,11 +1,10 @@
 """Ticks with few and short labels: round numbers of up to three digits, and powers of ten."""
 
+from collections.abc import Sequence
 from math import isclose
 
 import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator
-
-from ...meshes import Array
 
 # number of digits of a label
 DIGITS = 3
@@ -23,17 +22,17 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 class Decades(LogLocator):
     """Ticks at powers of ten, or at a few round numbers if fewer than two powers are in view."""
 
-    def tick_values(self, vmin: float, vmax: float) -> Array:
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
         """Return the ticks between two ends of an axis, and maybe some beyond them."""
-        ticks = np.asarray(super().tick_values(vmin, vmax))
-        if ((vmin <= ticks) & (ticks <= vmax)).sum() > 1:
+        ticks = super().tick_values(vmin, vmax)
+        if sum(vmin <= tick <= vmax for tick in ticks) > 1:
             return ticks
         low, high = np.floor(np.log10([vmin, vmax]))
-        ticks = np.outer(10.0 ** np.arange(low, high + 1), [1, 2, 5]).ravel()
-        shown = ticks[(vmin <= ticks) & (ticks <= vmax)]
+        rounded = np.outer(10.0 ** np.arange(low, high + 1), [1, 2, 5]).ravel()
+        shown = [tick for tick in rounded.tolist() if vmin <= tick <= vmax]
         if len(shown) > 1:
             return shown[:: -(-len(shown) // MOST_ROUND)]
-        return np.asarray(MaxNLocator(MOST_ROUND, steps=STEPS).tick_values(vmin, vmax))
+        return MaxNLocator(MOST_ROUND, steps=STEPS).tick_values(vmin, vmax)
 
 
 def tick_label(value: float, span: float) -> str:

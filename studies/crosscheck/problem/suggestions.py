@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from .written import shown
 
@@ -53,7 +53,7 @@ class AnswersGuesses:
                 return object.__getattribute__(self, name)
             raise AttributeError(f"{self.noun} has no {name!r}{self._hint(name)}")
 
-    def __getitem__(self, key: object) -> NoReturn:
+    def __getitem__(self, key: Any) -> Any:
         """Raise a TypeError that says what to write instead."""
         table = next(iter(self.instead.values()))
         raise TypeError(f"{self.noun} has no [{shown(key)}]: write {self.noun}.{table}")
@@ -64,7 +64,7 @@ class AnswersGuesses:
         attributes = [*getattr(cls, "__annotations__", {}), *dir(cls)]
         own = {"noun", "instead"}
         public = [each for each in dict.fromkeys(attributes) if each[0] != "_" and each not in own]
-        known = dict.fromkeys(public, "") | cls.instead
+        known = {**dict.fromkeys(public, ""), **cls.instead}
         meant = name if name in known else nearest(name, known)
         if replacement := known.get(meant):
             return f": write {cls.noun}.{replacement}"
