@@ -31,9 +31,8 @@ from .crosscheck import (
 )
 from .documented import documented
 from .named_studies import STUDIES
-from .report.log import show_progress
 from .report.streams import print_error
-from .report.terminal import print_lines, print_markdown
+from .report.terminal import print_lines, print_markdown, show_progress
 from .status import Status
 from .tables.writing import INTERRUPTED
 

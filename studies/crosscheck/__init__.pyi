@@ -111,30 +111,24 @@ from .registry import (
 from .result.load import (
     load as load,
 )
-from .result.output.checksums import (
-    CHECKSUMS as CHECKSUMS,
-    RESULTS as RESULTS,
-    SUMMARY as SUMMARY,
-)
 from .result.output.files import (
+    CHECKSUMS as CHECKSUMS,
     INSIDE as INSIDE,
+    RESULTS as RESULTS,
     RUN_FILES as RUN_FILES,
+    SUMMARY as SUMMARY,
+    has_checksums as has_checksums,
+    read_folder as read_folder,
     write_numbers as write_numbers,
 )
 from .result.output.folder import (
     Folder as Folder,
     default_folder as default_folder,
     lock_folder as lock_folder,
+    make as make,
     named_folder as named_folder,
     output_folder as output_folder,
     refuse_foreign_folders as refuse_foreign_folders,
-)
-from .result.output.one_file import (
-    make as make,
-)
-from .result.output.saved_files import (
-    has_checksums as has_checksums,
-    read_folder as read_folder,
 )
 from .result.output.signals import (
     STOPPED as STOPPED,
