@@ -188,9 +188,9 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
         modelled,
         refuse,
         refuse_beyond_memory,
-        run,
         time_scale,
     )
+    from .operators import compare_operators
     from .report.printed import print_scope
     from .wear_step.plan import plan
 
@@ -206,8 +206,9 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     print_scope(modelled(read, methods), left_out(read, methods))
     print_lines(["", "By method"])
     print_lines(f"  {line}" for line in plan(read, **given))
-    # compare the finite elements' multipliers with a compliance that resolves all their pressures
-    for pair in run(read.changed(methods=["mdr", "fem"])).operators if check else ():
+    if check:
+        # compare the finite elements' multipliers with a compliance that resolves their pressures
+        (pair,) = compare_operators(read, ["fem", "mdr"])
         print(
             f"\nMultipliers: inf-sup constant {pair.stability**0.5:.2f}, least ratio of energies "
             f"{pair.stability:.2f} ({pair.methods[0]} over {pair.methods[1]}); over all steady "

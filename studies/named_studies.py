@@ -55,6 +55,7 @@ STUDIES = {
     "march": NamedStudy("march:march", 2),
     "extremes": NamedStudy("extremes:extremes", 20),
     "tradeoff": NamedStudy("tradeoff:tradeoff", 20),
+    "operators": NamedStudy("operators:operators", 2),
 }
 
 
@@ -75,9 +76,9 @@ def study(
     Parameters
     ----------
     name : ``"convergence"``, ``"refinement"``, ``"extremes"``, ``"tradeoff"``, ``"truncation"``,
-        ``"march"`` or ``"paper"``
-    scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default
-        ``"five_rings"``
+        ``"march"``, ``"operators"`` or ``"paper"``
+    scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
+        study's own scene
     quick : whether to conduct a smaller version of the study
     quantities : names of quantities to tabulate and draw, and your own quantities: names and
         functions that take the result of a run and return a number, such as

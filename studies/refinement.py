@@ -8,10 +8,10 @@ import pandas as pd
 
 from ..meshes import SceneError, contact_radii
 from ..meshes.by_gmsh import unavailable
-from .crosscheck import STABLE, Solution, Source
+from .crosscheck import Solution, Source
 from .study.accept import accept, refuse_degree_without_mesh
 from .study.draw import draw, titled
-from .study.errors import DEFAULT, EIGENVALUE, ENERGY
+from .study.errors import DEFAULT, EIGENVALUE, ENERGY, STABLE
 from .study.measure import measure
 from .study.mesh_figures import (
     DrawnLevel,

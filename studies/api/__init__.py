@@ -16,6 +16,9 @@ The methods are finite elements, boundary elements, dimensionality reduction and
 `compare`
     compare two results: ``comparison = compare("five_rings", "results/mine")``, then
     ``comparison.table``, ``comparison.same``, ``comparison.figures``
+`compare_operators`
+    compare the elastic energies that methods assign to every pressure: ``(pair,) =
+    compare_operators("five_rings", ["fem", "mdr"])``, then ``pair.rings``, ``pair.history``
 `deck`
     write input files of a scene for CalculiX or Abaqus: ``deck("five_rings", "calculix",
     "folder")``

@@ -65,6 +65,9 @@ from .studies.fit.fit import (
 from .studies.named_studies import (
     study as study,
 )
+from .studies.operators import (
+    compare_operators as compare_operators,
+)
 from .studies.study.orders import (
     orders as orders,
 )

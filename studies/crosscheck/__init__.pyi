@@ -19,6 +19,7 @@ from .methods.moving_evaluation import (
     MovingContact as MovingContact,
 )
 from .methods.pipeline import (
+    AnySpaceMethod as AnySpaceMethod,
     ComplianceMethod as ComplianceMethod,
 )
 from .methods.sampling.field_differences import (
@@ -81,6 +82,7 @@ from .problem.sections import (
     MdrAccuracy as MdrAccuracy,
 )
 from .problem.suggestions import (
+    AnswersGuesses as AnswersGuesses,
     did_you_mean as did_you_mean,
     nearest as nearest,
 )
@@ -106,36 +108,27 @@ from .progress import (
 from .registry import (
     METHODS as METHODS,
 )
-from .result.guesses import (
-    AnswersGuesses as AnswersGuesses,
-)
 from .result.load import (
     load as load,
 )
-from .result.output.checksums import (
-    CHECKSUMS as CHECKSUMS,
-    RESULTS as RESULTS,
-    SUMMARY as SUMMARY,
-)
 from .result.output.files import (
+    CHECKSUMS as CHECKSUMS,
     INSIDE as INSIDE,
+    RESULTS as RESULTS,
     RUN_FILES as RUN_FILES,
+    SUMMARY as SUMMARY,
+    has_checksums as has_checksums,
+    read_folder as read_folder,
     write_numbers as write_numbers,
 )
 from .result.output.folder import (
     Folder as Folder,
     default_folder as default_folder,
     lock_folder as lock_folder,
+    make as make,
     named_folder as named_folder,
     output_folder as output_folder,
     refuse_foreign_folders as refuse_foreign_folders,
-)
-from .result.output.one_file import (
-    make as make,
-)
-from .result.output.saved_files import (
-    has_checksums as has_checksums,
-    read_folder as read_folder,
 )
 from .result.output.signals import (
     STOPPED as STOPPED,
@@ -235,11 +228,6 @@ from .verdict.accuracy import (
 from .verdict.agreement import (
     DISAGREE as DISAGREE,
     disagreement as disagreement,
-)
-from .verdict.operators import (
-    MOST_PRESSURES as MOST_PRESSURES,
-    STABLE as STABLE,
-    least_ratio_of_energies as least_ratio_of_energies,
 )
 from .verdict.promise import (
     allowed_error as allowed_error,

@@ -5,7 +5,6 @@ from .contact import draw_contact
 from .difference import draw_result_difference
 from .history import draw_history
 from .mesh import draw_result_mesh, draw_stress
-from .operators import draw_operators
 from .states import draw_states, draw_steady
 from .style import Picture
 
@@ -64,14 +63,6 @@ PICTURES = (
         draw_result_difference,
         lambda result: bool(result.field_comparisons),
         OVER_TIME,
-    ),
-    Picture(
-        "operator_difference.png",
-        "The methods compared for every pressure. The answer consists of the long waves at the "
-        "right. The waves in the shaded part are finer than the elements; large differences there "
-        "do not matter.",
-        draw_operators,
-        lambda result: bool(result.operators),
     ),
     Picture(
         "stress.png",

@@ -88,7 +88,7 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     if over_time:
         bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
-        bar.locator = Decades(4)
+        bar.locator = Decades(numticks=4)
         bar.minorticks_off()
         bar.set_label("relative difference")
     return figure

@@ -15,11 +15,11 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullLocator
+from matplotlib.ticker import MaxNLocator, NullLocator
 
 from ...meshes import Array, SceneError
 from ..crosscheck import METHODS, did_you_mean, shown
-from .ticks import Decades, RoundTicks, power_of_ten, short_number, smallest_step
+from .ticks import STEPS, Decades, power_of_ten, tick_label
 
 Look: TypeAlias = dict[str, Any]
 """Keyword arguments of matplotlib for a curve or a mark."""
@@ -60,7 +60,7 @@ BLUE = "#2874a6"
 # look of reference curves
 FAINT: Look = {"color": "0.4", "linewidth": 0.8, "linestyle": (0, (1, 2))}
 # smallest span of an axis, over the largest value on it
-LEAST_SPAN = 0.01
+LEAST_SPAN = 0.02
 # ratio of wear coefficients above which the faster rings are shaded
 LEAST_RATIO = 1.1
 # width in inches of a figure over both columns of a page
@@ -237,7 +237,7 @@ def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
     for direction in directions:
         axes.set(**{f"{direction}scale": "log"})
         axis = getattr(axes, f"{direction}axis")
-        axis.set_major_locator(Decades(most))
+        axis.set_major_locator(Decades(numticks=most))
         axis.set_major_formatter(lambda value, _: power_of_ten(value))
         axis.set_minor_locator(NullLocator())
 
@@ -248,21 +248,20 @@ def set_linear(axes: Axes, direction: str, most: int = 6) -> None:
     There is no offset at the axis: one such as ``1e-5+6.2475e1`` is easily overlooked.
     """
     axis = getattr(axes, f"{direction}axis")
-    axis.set_major_locator(RoundTicks(most))
-    axis.set_major_formatter(lambda value, _: short_number(value))
+    axis.set_major_locator(MaxNLocator(most, steps=STEPS))
+    axis.set_major_formatter(lambda value, _: tick_label(value, np.ptp(axis.get_view_interval())))
 
 
 def show_values(axes: Axes) -> None:
-    """Label a vertical axis with full numbers, and let it span at least 1 % of the values.
+    """Label a vertical axis with full numbers, and let it span at least 2 % of the values.
 
     A narrower span would magnify roundoff. The span has space for two ticks that differ in their
     first three digits.
     """
     low, high = axes.get_ylim()
     largest = max(abs(low), abs(high))
-    # the end of the axis after widening
-    largest *= 1 + LEAST_SPAN
-    least = max(LEAST_SPAN * largest, 2 * smallest_step(0.0, largest))
+    # relative to the end of the axis after widening
+    least = LEAST_SPAN * (1 + LEAST_SPAN) * largest
     if abs(high - low) < least:
         middle, half = (low + high) / 2, np.copysign(least / 2, high - low)
         axes.set_ylim(middle - half, middle + half)

@@ -1,92 +1,49 @@
 """Ticks with few and short labels: round numbers of up to three digits, and powers of ten."""
 
-import numpy as np
-from matplotlib.ticker import Locator
+from collections.abc import Sequence
+from math import isclose
 
-from ...meshes import Array
+import numpy as np
+from matplotlib.ticker import LogLocator, MaxNLocator
 
 # number of digits of a label
 DIGITS = 3
 # range of numbers that are printed without a power of ten
 SMALLEST, LARGEST = 1e-3, 1e5
+# steps between ticks of linear axes, times powers of ten
+STEPS = [1, 2, 5, 10]
+# greatest number of round numbers on a logarithmic axis with fewer than two powers of ten
+MOST_ROUND = 4
+# ticks closer to 0 than this, over the span of the axis, are 0
+ROUNDOFF = 1e-9
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-class RoundTicks(Locator):
-    """Ticks at multiples of 1, 2 or 5 times a power of ten.
+class Decades(LogLocator):
+    """Ticks at powers of ten, or at a few round numbers if fewer than two powers are in view."""
 
-    Parameters
-    ----------
-    most : greatest number of intervals between ticks
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Return the ticks between two ends of an axis, and maybe some beyond them."""
+        ticks = super().tick_values(vmin, vmax)
+        if sum(vmin <= tick <= vmax for tick in ticks) > 1:
+            return ticks
+        low, high = np.floor(np.log10([vmin, vmax]))
+        rounded = np.outer(10.0 ** np.arange(low, high + 1), [1, 2, 5]).ravel()
+        shown = [tick for tick in rounded.tolist() if vmin <= tick <= vmax]
+        if len(shown) > 1:
+            return shown[:: -(-len(shown) // MOST_ROUND)]
+        return MaxNLocator(MOST_ROUND, steps=STEPS).tick_values(vmin, vmax)
+
+
+def tick_label(value: float, span: float) -> str:
+    """Return the label of a tick of a linear axis; empty if it would have more than three digits.
+
+    Ticks without a label lie between others with one. Locators miss 0 by roundoff of the `span` of
+    the axis.
     """
-
-    def __init__(self, most: int) -> None:
-        self.most = most
-
-    def __call__(self) -> list[float]:
-        """Return the ticks in the view of the axis."""
-        return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
-
-    def tick_values(self, vmin: float, vmax: float) -> list[float]:
-        """Return the ticks between two ends of an axis."""
-        low, high = sorted((vmin, vmax))
-        return round_ticks(low, high, self.most).tolist()
-
-
-class Decades(Locator):
-    """Ticks at powers of ten, and at 2 and 5 times these if there is only one.
-
-    Parameters
-    ----------
-    most : greatest number of ticks
-    """
-
-    def __init__(self, most: int) -> None:
-        self.most = most
-
-    def __call__(self) -> list[float]:
-        """Return the ticks in the view of the axis."""
-        return self.tick_values(*self.axis.get_view_interval()) if self.axis else []
-
-    def tick_values(self, vmin: float, vmax: float) -> list[float]:
-        """Return the ticks between two ends of an axis."""
-        low, high = sorted((vmin, vmax))
-        return decades(low, high, self.most).tolist() if low > 0 else []
-
-
-def round_ticks(low: float, high: float, most: int) -> Array:
-    """Return ticks from `low` to `high` that differ in their first three digits.
-
-    There are up to `most` intervals between them, or more if there would be less than two ticks.
-    """
-    if not high > low:
-        return np.array([low])
-    rough = (high - low) / most
-    power = 10.0 ** np.floor(np.log10(rough))
-    step = next(factor * power for factor in (1, 2, 5, 10) if factor * power >= rough * (1 - 1e-9))
-    smallest = smallest_step(low, high)
-    step = max(step, smallest)
-    first, last = np.ceil(low / step - 1e-6), np.floor(high / step + 1e-6)
-    if last <= first and step > smallest:
-        return round_ticks(low, high, most + 1)
-    # 0, not -0
-    return np.arange(first, last + 1) * step + 0.0
-
-
-def smallest_step(low: float, high: float) -> float:
-    """Return one unit of the third digit of the larger of two numbers; 0 if both are 0."""
-    largest = max(abs(low), abs(high))
-    return float(10.0 ** (np.floor(np.log10(largest) + 1e-9) + 1 - DIGITS)) if largest else 0.0
-
-
-def decades(low: float, high: float, most: int) -> Array:
-    """Return powers of ten from `low` to `high`; if fewer than two, also 2 and 5 times these."""
-    first, last = np.ceil(np.log10(low) - 1e-9), np.floor(np.log10(high) + 1e-9)
-    if last > first:
-        step = max(1.0, np.ceil((last - first + 1) / most))
-        return 10.0 ** np.arange(first, last + 1, step)
-    parts = np.outer(10.0 ** np.arange(first - 1, last + 1), [1, 2, 5]).ravel()
-    return parts[(parts >= low * (1 - 1e-9)) & (parts <= high * (1 + 1e-9))]
+    if abs(value) < ROUNDOFF * span:
+        return "0"
+    return short_number(value) if isclose(value, float(f"{value:.{DIGITS}g}"), rel_tol=1e-6) else ""
 
 
 def short_number(value: float) -> str:

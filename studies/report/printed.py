@@ -50,7 +50,7 @@ def print_account(account: Account, verbose: bool, page: bool = True) -> None:
     if account.agreement:
         print("\nRelative differences, for each quantity of the two methods that differ most")
         print_table(account.agreement)
-    print_lines([*account.comparisons, *account.remarks, ""])
+    print_lines([*account.remarks, ""])
     print_scope(account.modelled, account.left_out)
 
 

@@ -29,7 +29,6 @@ from ..figures.style import (
     set_linear,
     set_logarithmic,
 )
-from ..figures.ticks import short_number
 from .way import Part
 
 if TYPE_CHECKING:
@@ -51,13 +50,8 @@ VERDICT_MARKS: dict[str, Look] = {
 """Marks of runs with other verdicts than `within`."""
 GREATEST_ERROR = 1e3
 """Errors above this are drawn at it: the result is meaningless, and the march may be unstable."""
-LEAST_DECADES = 30.0
-"""Ratio of the ends of an axis below which powers of ten would be too few ticks."""
 PANEL_WIDTH, PANEL_HEIGHT = PAGE / 4, 1.75
 """Sizes of a panel in inches."""
-MOST_TICKS = 5
-ROUND_DIGITS = ((1,), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9), tuple(np.arange(1, 10, 0.1)))
-"""Sets of mantissas of ticks; the first set that yields at least two ticks is used."""
 LABEL_HEIGHT = 0.04
 """Height of the label of a slope triangle, as a fraction of the height of the axes."""
 
@@ -207,12 +201,8 @@ def _draw_curve(axes: "Axes", levels: pd.DataFrame, x: str, look: Look, estimate
 def _complete_panel(
     axes: "Axes", rows: pd.DataFrame, table: pd.DataFrame, x: str, looks: dict[str, Look]
 ) -> None:
-    """Shade a panel, mark what has no place on its axes, and set ticks on short axes."""
+    """Shade a panel, and mark what has no place on its axes."""
     _shade(axes, rows, x)
-    low, high = axes.get_xlim()
-    if axes.get_xscale() == "log" and high < LEAST_DECADES * low:
-        places = ticks(low, high)
-        axes.xaxis.set_ticks(places, [short_number(place) for place in places])
     for way, levels in rows[rows["error"] == 0].groupby("way", sort=False):
         _mark_at_lower_end(axes, levels[x], looks[str(way)] | {"linestyle": ""})
     if x == "parameter" and "verdict" in table:
@@ -279,17 +269,6 @@ def worst(table: pd.DataFrame, by: Sequence[str] = ("case", "way", "level")) -> 
         estimate=groups["estimate"].max().to_numpy(),
         reference=groups["reference"].max().to_numpy(),
     )
-
-
-def ticks(low: float, high: float) -> Array:
-    """Return 2 to `MOST_TICKS` round numbers on a logarithmic axis, powers of ten if two fit."""
-    tens = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
-    for digits in ROUND_DIGITS:
-        values = np.outer(tens, digits).ravel()
-        values = values[(low <= values) & (values <= high)]
-        if len(values) > 1:
-            break
-    return values[:: -(-len(values) // MOST_TICKS) or 1]
 
 
 def separate(labels: Iterable["Annotation"], axes: "Axes") -> None:

@@ -18,6 +18,14 @@ def shown_labels(axis):
     return [label for label in labels if label.get_visible() and label.get_text()]
 
 
+def is_labelled(axis):
+    """Return whether an axis is meant to have labels at its ticks."""
+    settings = axis.get_tick_params()
+    sides = ("labelleft", "labelright", "labelbottom", "labeltop")
+    shown = axis.get_visible() and any(settings.get(side) for side in sides)
+    return shown and len(axis.get_major_locator()()) > 0
+
+
 def digits(label):
     """Return the significant digits of a label, of the first factor if there is a power of ten."""
     number = re.match(r"[−-]?([0-9.]*)", label)[1]
@@ -58,8 +66,8 @@ def faults(figure):
             name, labels = axis.label.get_text(), shown_labels(axis)
             if offset := axis.get_offset_text().get_text():
                 messages.append(f"{offset!r} beside the axis {name!r}")
-            if len(labels) == 1:
-                messages.append(f"one tick label at {name!r}")
+            if len(labels) < 2 and is_labelled(axis):
+                messages.append(f"{len(labels)} tick labels at {name!r}")
             messages += [
                 f"{label.get_text()!r} at {name!r}"
                 for label in labels

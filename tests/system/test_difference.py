@@ -88,18 +88,3 @@ def test_no_history_has_offset_text_or_a_narrow_axis():
     for axes in figure.axes[:2]:
         low, high = axes.get_ylim()
         assert high - low >= 0.0099 * max(abs(low), abs(high))
-
-
-@pytest.mark.gmsh
-@pytest.mark.parametrize("name", ["five_rings", "washer"])
-def test_large_differences_of_operators_are_in_the_shaded_part(name):
-    result = run(Scene.load(name).changed(methods=["mdr", "fem"], accuracy__rtol=1e-3))
-    (pair,) = result.operators
-    resolved = pair.wavelengths > pair.shortest_resolved
-    assert pair.differences[~resolved].max() > 0.1
-    assert pair.differences[resolved].max() < 0.1
-    (axes,) = result.plot("operator_difference").axes
-    (shaded,) = axes.patches
-    assert shaded.get_x() == pytest.approx(axes.get_xlim()[0])
-    end = (shaded.get_x() + shaded.get_width()) * result.scene.punch.radius
-    assert end == pytest.approx(pair.shortest_resolved)

@@ -10,9 +10,12 @@ import re
 import numpy as np
 import pytest
 from figure_faults import faults
+from groups import nightly_but
 from matplotlib.figure import Figure
 
-from ringwear import Scene, check, main, run
+from ringwear import Scene, check, main, run, study
+from ringwear.studies.crosscheck import bundled
+from ringwear.studies.named_studies import STUDIES
 
 UNITS = "mm, N, MPa, s"
 PUNCH = {"radius": "10 mm", "rings": 3, "wear_coefficients": ["1e-6 mm^3/(N m)", "1e-5 mm^3/(N m)"]}
@@ -60,6 +63,23 @@ def test_nothing_overlaps_and_numbers_are_short(scene, request):
     assert len(result.plots) >= 6
     for kind in result.plots:
         assert faults(result.plot(kind)) == [], kind
+
+
+@pytest.mark.parametrize("name", nightly_but(["flat_punch"], bundled()))
+def test_each_axis_of_bundled_scenes_has_two_labels_or_more(name):
+    """The faults include axes with fewer labels."""
+    scene = Scene.load(name)
+    result = run(scene.changed(accuracy__rtol=max(scene.accuracy.rtol, 1e-2)))
+    for kind in result.plots:
+        assert faults(result.plot(kind)) == [], kind
+
+
+@pytest.mark.parametrize(
+    "name", nightly_but(["march", "operators"], [name for name in STUDIES if name != "paper"])
+)
+def test_each_axis_of_studies_has_two_labels_or_more(name):
+    for kind, figure in study(name, quick=True).figures.items():
+        assert not [fault for fault in faults(figure) if "tick labels at" in fault], kind
 
 
 def test_overlapping_labels_are_detected():

@@ -103,7 +103,7 @@ def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, 
     assert all(any(file in line for line in reasons) for file in lost)
     # the answer is printed nevertheless
     assert "steady wear rate" in streams.out
-    drawn = {"profiles_and_pressures", "history", "difference", "operator_difference", "mesh"}
+    drawn = {"profiles_and_pressures", "history", "difference", "mesh"}
     assert contents(tmp_path / "out").keys() == {
         *("results.nc", "summary.json", "report.html"),
         *(f"{name}.png" for name in drawn),

@@ -27,7 +27,7 @@ def names_of_studies():
         study("absent")
     names = str(refusal.value).partition("give one of ")[2].split(", ")
     assert "march" in names
-    return sorted({*names} - {"paper"})
+    return sorted({*names} - {"paper", "operators"})
 
 
 def levels(path):

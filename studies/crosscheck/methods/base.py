@@ -268,24 +268,6 @@ class Method(ABC):
         """Return the size of the system; methods in closed form have none."""
         return SystemSize(0, 0)
 
-    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers the method keeps in memory at once.
-
-        Parameters
-        ----------
-        problem : the problem
-        pressures : size of the pressure space that the method of dimensionality reduction would use
-            for it
-        """
-        return 0.0
-
-    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers at each requested time it keeps besides its results.
-
-        The parameters are those of `numbers_in_memory`.
-        """
-        return 0.0
-
 
 def method(name: str) -> Method:
     """Return the method of that name; its module is only imported now."""

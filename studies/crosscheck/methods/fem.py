@@ -37,12 +37,6 @@ DEGREE_ON_CELLS = 3
 LINEAR_HALVINGS = 2, 1
 """How often linear triangles under cells are halved: in the fine mesh, and in the coarser one."""
 
-# Default growth of the size of triangles per distance.
-DEFAULT_GROWTH = 0.5
-# Unknowns of the finite elements per pressure, and numbers of the sparse factor per unknown and per
-# log2(unknowns). Measured on the bundled scenes; the former was 40 to 130.
-UNKNOWNS_PER_PRESSURE, NUMBERS_PER_UNKNOWN = 90, 50
-
 
 def half_space_on(problem: Problem, sizes: FemSizes) -> "HalfSpace":
     """Return the half-space of a problem, in scikit-fem's elements of the given sizes."""
@@ -127,14 +121,6 @@ class Fem(ComplianceMethod):
         """Return the number of unknowns and of pressures of the finite elements."""
         half_space = HALF_SPACES[problem.full_contact](problem)
         return SystemSize(half_space.unknowns, half_space.space.size)
-
-    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers its dense matrices and its sparse factor contain."""
-        # ratio by which triangles grow more slowly with the depth than by default
-        slower = max(1.0, DEFAULT_GROWTH / (problem.fem.growth or DEFAULT_GROWTH))
-        unknowns = UNKNOWNS_PER_PRESSURE * pressures * slower**2
-        factor = NUMBERS_PER_UNKNOWN * unknowns * np.log2(unknowns)
-        return super().numbers_in_memory(problem, pressures) + float(factor)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the condensed half-space that suits a problem, and how to make a coarser one.

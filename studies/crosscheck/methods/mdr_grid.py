@@ -15,14 +15,13 @@ from ....meshes.pressure_space import PressureSpace
 from ....meshes.radial import Array
 from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..problem.quantities import GROUPS, differences
+from ..problem.quantities import differences
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..wear.history import History
 from ..wear.step_control import steps_between, why_too_many_steps
 from .base import Method, Solution, SystemSize, flat_punches_only
 from .error_factors import error_factor
-from .pipeline import COPIES_OF_STEPS, DENSE_MATRICES, NUMBERS_OF_STEPS
 from .sampling.sampler import Sampler
 
 # Time step of the march over the largest stable one (`ringwear study march`).
@@ -90,15 +89,6 @@ class MdrGrid(Method):
     def system_size(self, problem: Problem) -> SystemSize:
         """Return the number of unknowns: one per spring, and the approach."""
         return SystemSize(problem.mdr.grid + 1, problem.mdr.grid + 1)
-
-    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers its dense matrices contain."""
-        return DENSE_MATRICES * float(problem.mdr.grid) ** 2
-
-    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers of the march, and of its error estimate, each time adds."""
-        on_face = len(problem.face.radii) * sum(map(problem.wants, GROUPS["fields"]))
-        return NUMBERS_OF_STEPS * problem.mdr.grid + COPIES_OF_STEPS * on_face
 
     def _steps(self, problem: Problem) -> float:
         return float(steps_between(problem.times, self._step(problem)).sum())

@@ -25,7 +25,7 @@ from ....meshes.pressure_space import PressureSpace
 from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.profile import FLAT
-from ..problem.quantities import ANSWER, COMPARED_MODES, GROUPS
+from ..problem.quantities import ANSWER, COMPARED_MODES
 from ..problem.refusal import Feature, Refusal
 from ..progress import Stages
 from ..sizes.layers import narrowed_for_layers
@@ -47,17 +47,6 @@ from .spaces import choose_spaces, pressure_spaces
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
 # (physics/test_modes.py::test_reported_relaxation_times_are_as_accurate_as_stated).
 LARGEST_MODE_ERROR = 0.02
-# Number of dense matrices of the size of the compliance that are in memory at once.
-DENSE_MATRICES = 14.0
-# Numbers in memory for each pressure: at each time, of the histories by steps and by modes in full
-# contact; and of each state of a march of moving contact.
-NUMBERS_OF_STEPS, NUMBERS_OF_STATES = 6.0, 5.0
-# Copies of each field on the face at each time, for the error estimate: of those histories; and of
-# moving contact, after refinements (measured on spheres). Fields of each state at the radii of the
-# output.
-COPIES_OF_STEPS, COPIES_OF_MARCH, COPIES_OF_STATES = 4.0, 6.0, 8.0
-# Steps of a march for each end of a step that the scene requires, if there are many.
-STEPS_PER_END = 5.0
 
 
 class ComplianceMethod(Method):
@@ -118,25 +107,6 @@ class ComplianceMethod(Method):
         """Return the number of pressures on the space that suits the problem."""
         size = pressure_spaces(problem)[0].size
         return SystemSize(size, size)
-
-    def numbers_in_memory(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers its dense matrices contain."""
-        return DENSE_MATRICES * float(pressures) ** 2
-
-    def numbers_at_each_time(self, problem: Problem, pressures: int) -> float:
-        """Return about how many numbers of a march, and of its error estimate, each time adds.
-
-        Modes are evaluated at some times after the others, and add none.
-        """
-        if problem.full_contact and problem.march == "modal":
-            return 0.0
-        on_face = len(problem.face.radii) * sum(map(problem.wants, GROUPS["fields"]))
-        if problem.full_contact:
-            return NUMBERS_OF_STEPS * pressures + COPIES_OF_STEPS * on_face
-        steps_per_time = STEPS_PER_END * problem.least_steps / max(len(problem.times), 1)
-        # states after each step, and their fields, which figures show
-        states = NUMBERS_OF_STATES * pressures + COPIES_OF_STATES * len(problem.radii)
-        return states * steps_per_time + COPIES_OF_MARCH * on_face
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the solution: discretise, wear, sample, and estimate errors."""

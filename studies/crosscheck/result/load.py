@@ -14,8 +14,7 @@ from ..scene.scene import Scene
 from ..verdict.agreement import Agreement
 from ..verdict.promise import LeftOut
 from .answer import Answers
-from .output.checksums import Json
-from .output.saved_files import read_folder, refused
+from .output.files import Json, read_folder, refused
 from .result import Result, methods_with_fields
 from .scope import methods_of
 

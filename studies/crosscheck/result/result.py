@@ -25,15 +25,13 @@ from ..methods.sampling.field_differences import (
 )
 from ..methods.sampling.sampler import Sampler
 from ..problem.quantities import DESCRIBED, FIELDS, SYMBOLS, error_name
-from ..problem.suggestions import did_you_mean, nearest
+from ..problem.suggestions import AnswersGuesses, did_you_mean
 from ..problem.written import shown
 from ..progress import LOG, Stages
 from ..registry import METHODS
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
-from ..verdict.operators import OperatorDifference
 from ..verdict.promise import LeftOut, allowed_error, in_words, share
-from .guesses import OF_RESULTS, missing_attribute
 from .output.files import RUN_FILES, write_numbers
 from .output.folder import output_folder
 from .scope import beyond_the_model, outside
@@ -50,8 +48,46 @@ if TYPE_CHECKING:
     from .load import Summary
 
 
+# what to write instead of attributes of results that other packages have
+OF_RESULTS = {
+    "times": "dataset.time",
+    "radii": "dataset.radius",
+    "errors": "error('indentation')",
+    "show": "plot()",
+    "figures": "plot('history'), or result.save(folder)",
+    "figure": "plot()",
+    "mesh": "plot('mesh'), or result.save(folder)",
+    "stress": "plot('stress'), or result.save(folder)",
+    "half_space": "scene.half_space",
+    "units": "scene.units",
+    "seconds": "summary['seconds']",
+    "error_estimate": "error('indentation')",
+    "report": "save(folder), which writes report.html",
+    **dict.fromkeys(("to_csv", "write", "export", "to_file"), "save(folder)"),
+    **dict.fromkeys(("data", "ds", "df", "results", "to_xarray"), "dataset"),
+    **dict.fromkeys(("to_pandas", "to_dict"), "dataset.to_dataframe()"),
+    **dict.fromkeys(("keys", "values", "items"), "dataset.variables"),
+    **{name: f"dataset.sel(solver={name!r})" for name in METHODS},
+    **{
+        name: f"dataset.{name}"
+        for name in (
+            *DESCRIBED,
+            "time",
+            "radius",
+            "solver",
+            "sel",
+            "isel",
+            "interp",
+            "to_dataframe",
+            "to_netcdf",
+        )
+    },
+    **{symbol: f"dataset.{name}" for symbol, name in SYMBOLS.items()},
+}
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class Result:
+class Result(AnswersGuesses):
     """All results of a run.
 
     `dataset` (xarray, in the scene's units), `answers` by method, `verdict`, `error(name)`,
@@ -69,14 +105,15 @@ class Result:
     notes : notes of the methods; a note that several methods give appears once
     solutions : non-dimensional solutions by method; none in results that were read from a folder
     stages : the seconds of each stage, by method; none either
-    operators : the comparisons of every pair of compliances; none either
-    left_out_operators : pairs of methods that are not compared as operators, and why
     of_others : names of other programs whose results are in the dataset as well
     about_others : the judgement on the results of other programs, in sentences
     compared_in_fields : methods that compute the same fields: the reference, the one that is drawn,
         and the others
     saved : the content of `summary.json`, if the results were read from a folder
     """
+
+    noun = "result"
+    instead = OF_RESULTS
 
     scene: Scene
     methods: Mapping[str, Method]
@@ -87,8 +124,6 @@ class Result:
     notes: tuple[str, ...]
     solutions: Mapping[str, Solution] = field(default_factory=dict)
     stages: Mapping[str, Stages] = field(default_factory=dict)
-    operators: tuple[OperatorDifference, ...] = ()
-    left_out_operators: Mapping[str, str] = field(default_factory=dict)
     of_others: tuple[str, ...] = ()
     about_others: tuple[str, ...] = ()
     compared_in_fields: tuple[str, ...] = ()
@@ -344,20 +379,14 @@ class Result:
             raise SceneError(f"no {shown(quantity)} in these results{hint}")
         return self.dataset[quantity]
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> object:
-            """Raise an AttributeError that says what to write instead."""
-            return missing_attribute(self, name, f"a result has no {name!r}{_instead_of(name)}")
-
     def plot(self, kind: str = "") -> "Figure":
         """Draw a figure.
 
         Parameters
         ----------
         kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
-            ``"difference"``, ``"operator_difference"``, ``"stress"`` or ``"mesh"``; by default
-            the first of these that can be drawn
+            ``"difference"``, ``"stress"`` or ``"mesh"``; by default the first of these that can be
+            drawn
 
         Raises
         ------
@@ -401,17 +430,3 @@ def methods_with_fields(dataset: "xarray.Dataset") -> tuple[str, ...]:
             first, *others = (name for name in dataset["solver"].values if name in methods)
             return str(first), *sorted(map(str, others), key=lambda name: name != "fem")
     return ()
-
-
-def _instead_of(name: str) -> str:
-    """Return what to write instead of an attribute that a result does not have."""
-    if replacement := OF_RESULTS.get(name):
-        return f": write result.{replacement}"
-    public = [each for each in dir(Result) if not each.startswith("_")]
-    public += [each for each in Result.__dataclass_fields__ if each not in public]
-    if suggestion := nearest(name, public, 0.8):
-        return f": did you mean result.{suggestion}?"
-    names = [*DESCRIBED, "time", "radius", "solver"]
-    if suggestion := nearest(SYMBOLS.get(name, name), names):
-        return f": write result.dataset.{suggestion}"
-    return f"; it has {', '.join(public)}"

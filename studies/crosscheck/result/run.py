@@ -1,6 +1,6 @@
 """Run a scene: solve it by every method, estimate errors, and judge whether the methods agree."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -8,8 +8,6 @@ from threadpoolctl import threadpool_limits
 
 from ....meshes.errors import SceneError
 from ..methods.base import Method, Solution
-from ..methods.pipeline import AnySpaceMethod
-from ..problem.problem import Problem
 from ..problem.written import shown
 from ..progress import Stages
 from ..registry import METHODS
@@ -18,14 +16,6 @@ from ..scene.keys import listed
 from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements, unchecked
-from ..verdict.operators import (
-    MOST_PRESSURES,
-    OPERATORS,
-    OperatorDifference,
-    affordable_subspace,
-    check_multipliers,
-    difference,
-)
 from .answer import Answers
 from .judgement import Judged
 from .predictions.memory import refuse_beyond_memory
@@ -194,8 +184,7 @@ def computed(scene: Scene, methods: Mapping[str, Method]) -> Result:
             name: solved_to_accuracy(entry, [problem], stages[name])[0]
             for name, entry in methods.items()
         }
-        operators = tuple(compare_operators(problem, methods, solutions))
-    return judged(scene, methods, solutions, stages, operators)
+    return judged(scene, methods, solutions, stages)
 
 
 def judged(
@@ -203,7 +192,6 @@ def judged(
     methods: Mapping[str, Method],
     solutions: Mapping[str, Solution],
     stages: Mapping[str, Stages],
-    operators: tuple[OperatorDifference, ...] = (),
 ) -> Result:
     """Return the result that consists of solutions of a scene, which are compared with each other.
 
@@ -213,7 +201,6 @@ def judged(
     methods : the methods by name
     solutions : the solution of each method
     stages : the seconds of each stage, by method
-    operators : the comparisons of every pair of compliances
     """
     problem, units = scene.problem, scene.unit_names
     agreement = tuple(
@@ -223,9 +210,7 @@ def judged(
     ) + tuple(unchecked(problem, solutions))
     dataset = tabulate(scene, solutions)
     answers = Answers.of(dataset)
-    left_out = left_out_operators(problem, solutions, operators)
     notes = [note for solution in solutions.values() for note in solution.notes]
-    notes += [f"{name}: {reason}" for name, reason in left_out.items()]
     return Result(
         scene,
         methods,
@@ -236,8 +221,6 @@ def judged(
         tuple(dict.fromkeys(notes)),
         solutions,
         stages,
-        operators,
-        left_out,
         compared_in_fields=methods_with_fields(dataset),
     )
 
@@ -264,56 +247,3 @@ def with_others(
         stages={**result.stages, **{name: Stages(name) for name in others}},
         of_others=tuple(others),
     )
-
-
-def left_out_operators(
-    problem: Problem,
-    solutions: Mapping[str, Solution],
-    operators: tuple[OperatorDifference, ...],
-) -> dict[str, str]:
-    """Return the pairs of methods with a compliance that are not compared as operators, and why."""
-    with_wear = [name for name, solution in solutions.items() if solution.wear is not None]
-    compared = {frozenset(row.methods) for row in operators}
-    pairs = [pair for pair in combinations(with_wear, 2) if frozenset(pair) not in compared]
-    if not (problem.full_contact and pairs):
-        return {}
-    names = ", ".join(" and ".join(pair) for pair in pairs)
-    return {
-        OPERATORS: f"not compared for {names}: one method of a pair has to compute its compliance "
-        f"on the pressures of the other, or on {MOST_PRESSURES} of them"
-    }
-
-
-def compare_operators(
-    problem: Problem, methods: Mapping[str, Method], solutions: Mapping[str, Solution]
-) -> Iterator[OperatorDifference]:
-    """Compare the compliances of every two methods on the pressure space of one of them.
-
-    A method that has a fixed pressure space (finite elements, on their contact facets) determines
-    the space; the other methods compute their compliance on it. On a space that is too large, both
-    are restricted to a coarser one. Two methods with fixed spaces are not compared.
-    """
-    if not problem.full_contact:
-        return
-    wears = {
-        name: solution.wear for name, solution in solutions.items() if solution.wear is not None
-    }
-    any_space = {name for name in wears if isinstance(methods[name], AnySpaceMethod)}
-    for a, b in combinations(sorted(wears, key=any_space.__contains__), 2):
-        other = methods[b]
-        if isinstance(other, AnySpaceMethod):
-            with Stages("check")(f"{a} against {b}"):
-                running_in = wears[a]
-                compliance, space = running_in.compliance, running_in.compliance.space
-                subspace = affordable_subspace(space)
-                if a not in any_space or subspace is space:
-                    reference = other.compliance(space, problem.ground)
-                if a not in any_space:
-                    check_multipliers(a, compliance, reference)
-                if subspace:
-                    if subspace is not space:
-                        compliance = compliance.restricted(subspace)
-                        reference = other.compliance(subspace, problem.ground)
-                    pair = (compliance, reference)
-                    wearing = (replace(running_in, compliance=each) for each in pair)
-                    yield difference(problem, (a, b), *wearing)

@@ -13,7 +13,6 @@ from ..problem.problem import Problem
 from ..problem.sections import LEAST_TRUNCATION
 from ..problem.written import check_one_line
 from ..scene.scene import Scene
-from ..verdict.operators import OPERATORS
 from ..wear.time_scale import MOST_RINGS, slowest_relaxation_time, spreading_times
 
 Methods = Mapping[str, Method]
@@ -41,7 +40,6 @@ LEFT_OUT = {
         "relaxation modes": "modes exist only while the contact does not change; running-in times "
         "are reported if all of the face comes into contact",
         "ring pressures at the start": "they may be infinite at contact edges or on the axis",
-        OPERATORS: "compared only for flat punches",
     },
 }
 

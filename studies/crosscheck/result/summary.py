@@ -33,7 +33,6 @@ def summary(result: "Result") -> dict[str, Any]:
         }
         for name, solution in result.solutions.items()
     }
-    numbers = ("methods", "rings", "history", "space", "stability")
     entries = {
         "title": scene.title,
         "units": scene.units,
@@ -51,11 +50,8 @@ def summary(result: "Result") -> dict[str, Any]:
         "agrees": result.verdict == AGREE,
         "left_out_of_promise": [asdict(row) for row in result.left_out_of_promise],
         "anchors": [asdict(anchor) | {"holds": anchor.holds} for anchor in result.anchors],
-        "operator_difference": [
-            {name: getattr(row, name) for name in numbers} for row in result.operators
-        ],
         "modelled": modelled(scene, result.methods),
-        "left_out": {**left_out(scene, result.methods), **result.left_out_operators},
+        "left_out": left_out(scene, result.methods),
         "warnings": result.warnings,
         "notes": result.notes,
         "versions": package_versions(),

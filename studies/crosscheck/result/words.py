@@ -195,16 +195,6 @@ class Account:
         ]
 
     @property
-    def comparisons(self) -> list[str]:
-        """Sentences about the differences of methods as operators."""
-        return [
-            f"As operators, {' and '.join(pair.methods)} differ by {pair.rings:.1e} over all "
-            f"steady states and {pair.history:.1e} along this history; stability "
-            f"{pair.stability:.2f}."
-            for pair in self.result.operators
-        ]
-
-    @property
     def remarks(self) -> list[str]:
         """Warnings, failed anchors, disagreements, undecided quantities, errors, and notes."""
         result, rtol = self.result, self.scene.accuracy.rtol

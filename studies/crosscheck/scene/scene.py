@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn, Self, overload
+from typing import Annotated, ClassVar, NoReturn, Self, overload
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
@@ -29,7 +29,7 @@ from ..problem.sections import (
     OutputSection,
     WearSection,
 )
-from ..problem.suggestions import did_you_mean
+from ..problem.suggestions import AnswersGuesses, did_you_mean
 from ..problem.unit_names import UnitNames, without_quantities
 from ..problem.written import check_one_line, shown
 from ..registry import METHODS
@@ -83,7 +83,7 @@ class SceneType(type(Section)):  # type: ignore[misc]
         raise AttributeError(f"Scene has no {name!r}: write {OTHER_CALLS[name]}")
 
 
-class Scene(Section, metaclass=SceneType):
+class Scene(AnswersGuesses, Section, metaclass=SceneType):
     """A complete, validated scene.
 
     It is a frozen value. `load`, `from_toml` and `from_table` read it, its constructor takes
@@ -107,6 +107,8 @@ class Scene(Section, metaclass=SceneType):
     >>> scene.units, scene.punch.radius, scene.half_space.youngs_modulus
     ('SI', 0.005, 2000000000.0)
     """
+
+    noun: ClassVar[str] = "scene"
 
     title: Annotated[str, AfterValidator(check_one_line)] = ""
     units: Annotated[str, AfterValidator(check_one_line)] = Field(
@@ -340,17 +342,11 @@ class Scene(Section, metaclass=SceneType):
         place = key if key in keys_of(Scene) else key_meant(key, Scene)
         raise TypeError(f"a scene has no [{key!r}]: write scene.{place or 'punch.rings'}")
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> object:
-            """Raise AttributeError with the right call for a missing attribute."""
-            if name.startswith("_"):
-                return super().__getattr__(name)
-            if hasattr(type(self), name):  # a property that raised AttributeError
-                return object.__getattribute__(self, name)
-            call = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
-            hint = "see dir(scene)" if call == "scene." else f"write {call}"
-            raise AttributeError(f"a scene has no {name!r}: {hint}")
+    @classmethod
+    def _hint(cls, name: str) -> str:
+        """Return the right call instead of an attribute; it does not exist."""
+        call = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
+        return ": see dir(scene)" if call == "scene." else f": write {call}"
 
     @cached_property
     def problem(self) -> Problem:

@@ -18,7 +18,7 @@ from tempfile import TemporaryFile
 from .....meshes.errors import SceneError
 from ....tables.writing import json_text
 from ...problem.written import shown
-from .signals import signals_wait
+from .signals import STOPPED, signals_wait
 
 MARKER = ".ringwear.json"
 WRITING = ".writing"
@@ -295,3 +295,18 @@ def _lock_by_file(file: Path) -> Callable[[], object]:
         file.unlink(missing_ok=True)
 
     return release
+
+
+def make(path: Path, write: Callable[[Path], object]) -> list[str]:
+    """Write a file; if that fails, remove it and return the reason, else an empty list."""
+    try:
+        write(path)
+    except BaseException as error:
+        path.unlink(missing_ok=True)
+        if STOPPED.is_set():
+            raise KeyboardInterrupt from error
+        if not isinstance(error, Exception):
+            raise
+        reason, *_ = str(error).strip().splitlines() or [type(error).__name__]
+        return [f"{path.name} could not be written: {reason}"]
+    return []

@@ -1,27 +1,7 @@
-"""Details of figures: labels of ticks, and the times that are drawn."""
-
-import pytest
+"""Details of figures: the times that are drawn."""
 
 from ringwear import Scene
 from ringwear.studies.crosscheck.methods.inside.interior import first_and_last_in_contact
-from ringwear.studies.figures.ticks import short_number
-from ringwear.studies.study.draw import ticks
-
-
-@pytest.mark.parametrize(
-    ("limits", "labels"),
-    [
-        ((1.2e-5, 7e-4), ["10⁻⁴"]),
-        ((1.2e-5, 7e-5), ["2·10⁻⁵", "5·10⁻⁵"]),
-        ((0.0012, 0.07), ["0.002", "0.005", "0.01", "0.02", "0.05"]),
-        ((0.12, 0.19), ["0.12", "0.13", "0.14", "0.15", "0.16", "0.17", "0.18", "0.19"]),
-    ],
-)
-def test_ticks_of_short_axes_are_round_numbers(limits, labels):
-    written = [short_number(value) for value in ticks(*limits)]
-    assert 2 <= len(written) <= 5
-    if len(labels) > 1:
-        assert set(written) <= set(labels)
 
 
 def test_fields_are_shown_at_times_at_which_something_presses():

@@ -9,27 +9,29 @@ from ringwear.studies.figures.style import (
     looks_of,
     new_panels,
     rings_differ,
+    set_linear,
+    set_logarithmic,
     show_values,
 )
-from ringwear.studies.figures.ticks import decades, power_of_ten, round_ticks, short_number
+from ringwear.studies.figures.ticks import power_of_ten, short_number
 
 
+@pytest.mark.parametrize("most", [3, 4, 6])
 @pytest.mark.parametrize(
-    ("low", "high", "most", "expected"),
-    [
-        (0.0, 1.0, 3, [0.0, 0.5, 1.0]),
-        (0.0, 12.0, 6, [0, 2, 4, 6, 8, 10, 12]),
-        (-0.06, 1.08, 6, [0.0, 0.2, 0.4, 0.6, 0.8, 1.0]),
-        # steps of 0.002 would need four digits
-        (1.252, 1.265, 6, [1.26]),
-        (18.0, 25.0, 5, [18, 20, 22, 24]),
-        # steps of 5 would leave one tick
-        (20.5, 26.8, 3, [22, 24, 26]),
-        (-4.9, 4.9, 4, [-4, -2, 0, 2, 4]),
-    ],
+    "ends", [(0.0, 1.0), (0.0, 12.0), (-0.06, 1.08), (18.0, 25.0), (20.5, 26.8), (-4.9, 4.9)]
 )
-def test_ticks_are_round(low, high, most, expected):
-    np.testing.assert_allclose(round_ticks(low, high, most), expected, atol=1e-12)
+def test_linear_axes_have_few_round_labels(ends, most):
+    _, panels = new_panels(4, 3)
+    axes = panels[0, 0]
+    axes.set_xlim(ends)
+    set_linear(axes, "x", most)
+    ticks = [tick for tick in axes.xaxis.get_major_locator()() if ends[0] <= tick <= ends[1]]
+    labels = [axes.xaxis.get_major_formatter()(tick, None) for tick in ticks]
+    assert 2 <= len(ticks) <= most + 1 or most == 3
+    for tick, label in zip(ticks, labels, strict=True):
+        assert float(label.replace("−", "-")) == pytest.approx(tick, abs=1e-12)
+        mantissa = f"{abs(tick):.6e}".rstrip("0").partition("e")[0].rstrip("0")
+        assert len(mantissa.replace(".", "")) <= 2
 
 
 @pytest.mark.parametrize("value", [1.0, 9.99e-7, 0.0314159, 99.7, 6.2475e8, -1.2345])
@@ -42,8 +44,11 @@ def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_dig
     low, high = axes.get_ylim()
     assert high - low >= 0.00999 * abs(value)
     assert low <= min(value, value * (1 + change)) <= max(value, value * (1 + change)) <= high
-    ticks = axes.yaxis.get_major_locator()()
-    labels = [axes.yaxis.get_major_formatter()(tick, None) for tick in ticks]
+    form = axes.yaxis.get_major_formatter()
+    # those beyond the axis, and those that would need four digits, have no label
+    ticks = [tick for tick in axes.yaxis.get_major_locator()() if low <= tick <= high]
+    ticks = [tick for tick in ticks if form(tick, None)]
+    labels = [form(tick, None) for tick in ticks]
     assert len(set(labels)) == len(labels) >= 2
     # a label is the tick itself, not rounded to another number
     for tick, label in zip(ticks, labels, strict=True):
@@ -52,11 +57,24 @@ def test_values_that_hardly_change_span_one_percent_with_two_labels_of_three_dig
         assert float(mantissa) * 10.0 ** int(plain or 0) == pytest.approx(tick, rel=1e-9, abs=1e-15)
 
 
-def test_powers_of_ten_are_few_and_at_least_two():
-    np.testing.assert_allclose(decades(1e-9, 1e2, 5), [1e-9, 1e-6, 1e-3, 1.0])
-    np.testing.assert_allclose(decades(0.5e-3, 2.0, 5), [1e-3, 1e-2, 1e-1, 1.0])
-    # a single power of ten would not show the scale
-    np.testing.assert_allclose(decades(0.15, 6.0, 5), [0.2, 0.5, 1.0, 2.0, 5.0])
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [
+        *((1e-9, 1e2), (0.5e-3, 2.0), (0.15, 6.0), (1.2e-5, 7e-4), (1.2e-5, 7e-5), (0.0012, 0.07)),
+        *((0.12, 0.19), (8e-6, 1.9e-5), (0.995, 1.3), (3.1, 3.6)),
+    ],
+)
+def test_logarithmic_axes_have_two_labels_or_more(low, high):
+    _, panels = new_panels(4, 3)
+    axes = panels[0, 0]
+    axes.set_xlim(low, high)
+    set_logarithmic(axes, "x")
+    axes.set_xlim(low, high)
+    ticks = [tick for tick in axes.xaxis.get_major_locator()() if low <= tick <= high]
+    labels = [axes.xaxis.get_major_formatter()(tick, None) for tick in ticks]
+    assert 2 <= len(set(labels)) == len(labels) <= 6
+    if high >= 100 * low:
+        assert all(label.startswith("10") for label in labels)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,294 @@
+"""Operators: compare the compliances of two methods for every pressure instead of one scene.
+
+The generalised eigenvalues of two compliances on one pressure space are the ratios of the elastic
+energies that they assign to the same pressures. Three numbers summarise the comparison of a pair:
+the greatest difference over ring-wise constant pressures (all steady states, for any wear
+coefficients), over the pressures of the scene's history, and over the whole space. The last one is
+always large, because no method resolves the shortest waves.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from time import process_time
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from scipy.linalg import eigh, solve_triangular
+
+from ..meshes import Array, Compliance, PressureSpace, SceneError
+from .crosscheck import (
+    AnySpaceMethod,
+    Method,
+    Problem,
+    RunningIn,
+    Scene,
+    Source,
+    naming_arguments,
+    run,
+)
+from .figures.style import PAGE, complete, curve, new_panels, set_logarithmic
+from .figures.ticks import one_digit
+from .study.errors import STABLE
+from .study.own import Methods, read_methods
+from .study.record import SOLVED, Record
+from .study.study import QUICK, Study
+from .study.way import ALL, Case
+
+METHODS = ("fem", "mdr", "bem")
+"""Methods that compute a compliance, by their names in the option `methods`."""
+QUICK_RTOL = 1e-2
+"""Least tolerance of the quick study."""
+LEAST_RATIO = "least ratio of energies"
+"""Name of the quantity whose entry in the column `error` is the value itself."""
+
+
+@dataclass(frozen=True, eq=False)
+class OperatorDifference:
+    """Relative differences of the energies by two compliances on one pressure space.
+
+    It is the space of the first method.
+
+    Parameters
+    ----------
+    methods : names of the two methods
+    rings : greatest difference over all ring-wise constant pressures
+    history : greatest difference over the pressures of the scene's history and steady state. At
+        each time it is the sum of the differences for the pressures of both methods, which bounds
+        the relative difference of their indentations
+    space : greatest difference over all pressures of the space
+    stability : least ratio of the energies: the square of the inf-sup constant of the multipliers
+    wavelengths, differences : of each pressure mode, the slowest first; wavelengths in the scene's
+        unit of length
+    shortest_resolved : shortest wave that all elements of the pressure space resolve, in the same
+        unit
+    """
+
+    methods: tuple[str, str]
+    rings: float
+    history: float
+    space: float
+    stability: float
+    wavelengths: Array
+    differences: Array
+    shortest_resolved: float
+
+
+@naming_arguments
+def compare_operators(
+    scene: Source,
+    methods: Sequence[str | Method] | str | None = None,
+    rtol: float | None = None,
+) -> tuple[OperatorDifference, ...]:
+    """Run a scene of a flat punch, and compare the compliances of every two methods.
+
+    A method that has a fixed pressure space (finite elements, on their contact facets) determines
+    the space; the other methods compute their compliance on it. Two methods with fixed spaces are
+    not compared.
+
+    Parameters
+    ----------
+    scene, methods, rtol : as for `run`
+
+    Raises
+    ------
+    SceneError
+        if the punch is not flat, or if no two methods can be compared
+
+    Examples
+    --------
+    >>> from ringwear import compare_operators
+    >>> (pair,) = compare_operators("five_rings", methods=["mdr", "bem"], rtol=1e-3)
+    >>> pair.methods
+    ('mdr', 'bem')
+    >>> pair.rings < 1e-9
+    True
+    """
+    if not Scene.of(scene).problem.full_contact:
+        raise SceneError(
+            "methods are compared as operators only for flat punches: leave out punch.recess and "
+            "punch.profile"
+        )
+    result = run(scene, methods, rtol)
+    wears = {
+        name: solution.wear
+        for name, solution in result.solutions.items()
+        if solution.wear is not None
+    }
+    any_space = {name for name in wears if isinstance(result.methods[name], AnySpaceMethod)}
+    pairs = list[OperatorDifference]()
+    for a, b in combinations(sorted(wears, key=any_space.__contains__), 2):
+        other = result.methods[b]
+        if isinstance(other, AnySpaceMethod):
+            problem, running_in = result.scene.problem, wears[a]
+            reference = other.compliance(running_in.compliance.space, problem.ground)
+            second = replace(running_in, compliance=reference)
+            pairs.append(difference(problem, (a, b), running_in, second))
+    if not pairs:
+        raise SceneError(
+            "there are no two methods to compare as operators: give methods = ['fem', 'mdr'], or "
+            "another method that computes a compliance together with mdr or bem"
+        )
+    return tuple(pairs)
+
+
+def difference(
+    problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
+) -> OperatorDifference:
+    """Compare two compliances on the same pressure space, each with the running-in on it."""
+    pair, times = (first.compliance, second.compliance), problem.times[problem.compared_rows]
+    times = times[problem.loading.at(times).force > 0]
+    ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
+    # use the pressures of the history instead of the span of the modes, which also contains short
+    # waves that hardly occur in the history and that no method resolves
+    history = np.zeros(len(times) + 1)
+    for wear in (first, second):
+        pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
+        history += _energy_differences(*pair, pressures)
+    # u = p L / pi under a long wave of length L on a half-space, which defines L for any mode
+    values, modes = eigh(pair[1].matrix, pair[0].space.mass().toarray())
+    return OperatorDifference(
+        methods=methods,
+        rings=_over_rings(*pair),
+        history=float(history.max()),
+        space=float(np.abs(ratios - 1).max()),
+        stability=float(ratios.min()),
+        wavelengths=np.pi * np.abs(values[::-1]) * problem.units.length,
+        differences=_energy_differences(*pair, modes.T)[::-1],
+        shortest_resolved=_shortest_resolved_wave(pair[0].space) * problem.units.length,
+    )
+
+
+def _shortest_resolved_wave(space: PressureSpace) -> float:
+    """Return the shortest wave that all elements of a pressure space resolve, in punch radii.
+
+    A polynomial needs pi degrees per wave; therefore an element of width h and degree p resolves
+    waves down to the length ``pi h / p`` (Gottlieb and Orszag, Numerical Analysis of Spectral
+    Methods, 1977, section 3).
+    """
+    return float(np.pi * (space.widths / space.degrees).max())
+
+
+def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:
+    """Return (m,) relative differences of the energies of pressures (m, n)."""
+    energy, reference = (
+        np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (first, second)
+    )
+    # at a fixed indentation the pressure decays to zero: the difference is then 0
+    ratios = np.divide(energy, reference, out=np.ones(len(pressures)), where=reference > 0)
+    return np.abs(ratios - 1)
+
+
+def _over_rings(first: Compliance, second: Compliance) -> float:
+    """Return the greatest relative difference over all ring-wise constant pressures."""
+    pressures = first.space.ring_indicator()
+    # use a basis that is orthonormal in the second energy, because roundoff would spoil the ratios
+    # of nearly dependent pressures
+    triangle = np.linalg.qr(second.factor @ pressures, mode="r")
+    image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
+    return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max())
+
+
+def operators(
+    scene: Source = "five_rings",
+    *,
+    methods: Methods = None,
+    quick: bool = False,
+    record: Record | None = None,
+) -> Study:
+    """Compare two methods for every pressure at once, by the energies that they assign to it.
+
+    Parameters
+    ----------
+    scene : a scene of a flat punch
+    methods : names of methods that compute a compliance, and your own methods; by default `fem` and
+        `mdr`
+    quick : whether to compare coarse discretisations
+    record : rows so far, and the file that they are written to
+
+    Raises
+    ------
+    SceneError
+        if the scene does not fit the study, or if no two methods can be compared
+    """
+    scene, record = Scene.of(scene), record or Record()
+    names, own = read_methods(methods or METHODS[:2], METHODS, "operators")
+    rtol = max(scene.accuracy.rtol, QUICK_RTOL) if quick else scene.accuracy.rtol
+    start = process_time()
+    pairs = compare_operators(scene, [*names, *own], rtol)
+    level = {
+        "case": Case.of(scene).name,
+        "level": f"rtol {rtol:g}",
+        "seconds": process_time() - start,
+        "when": ALL,
+        "outcome": SOLVED,
+    }
+    modes = list[pd.DataFrame]()
+    for pair in pairs:
+        way = {"way": " over ".join(pair.methods), "method": pair.methods[0]}
+        row = level | way | {"unknowns": len(pair.differences)}
+        numbers = {
+            "ring-wise constant pressures": pair.rings,
+            "pressures of the history": pair.history,
+            "all pressures": pair.space,
+            LEAST_RATIO: pair.stability,
+        }
+        record.add([row | {"quantity": name, "error": value} for name, value in numbers.items()])
+        columns = {"wavelength": pair.wavelengths, "difference": pair.differences}
+        modes.append(pd.DataFrame({"way": way["way"]} | columns))
+    return Study(
+        "operators",
+        scene,
+        record.table,
+        conclusions=(*map(_conclude, pairs), *([QUICK] if quick else []), *record.remarks),
+        figures={"operator_difference": draw_operators(scene, pairs)},
+        tables={"modes": pd.concat(modes)},
+    )
+
+
+def _conclude(pair: OperatorDifference) -> str:
+    """Return a sentence on the differences of two methods, and on the stability of multipliers."""
+    stable = "stable" if pair.stability >= STABLE else "UNSTABLE: choose another degree"
+    return (
+        f"As operators, {' and '.join(pair.methods)} differ by {pair.rings:.1e} over all steady "
+        f"states and {pair.history:.1e} along this history; the least ratio of their energies is "
+        f"{pair.stability:.2g}: the multipliers are {stable}."
+    )
+
+
+def draw_operators(scene: Scene, pairs: Sequence[OperatorDifference]) -> Figure:
+    """Draw the relative difference of two methods against the wavelength of the pressure.
+
+    Wavelengths that the elements do not resolve are shaded.
+    """
+    figure, panels = new_panels(PAGE, 3.4)
+    axes = panels[0, 0]
+    radius = scene.punch.radius
+    for number, pair in enumerate(pairs):
+        look = curve(number) | {"linestyle": "", "markersize": 2.5, "markeredgewidth": 0.6}
+        names = f"{pair.methods[0].upper()} minus {pair.methods[1].upper()}"
+        label = f"{names}, one mark per mode"
+        axes.plot(pair.wavelengths / radius, pair.differences, **look, label=label)
+        label = f"{names}, all steady states: {one_digit(pair.rings)}"
+        axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
+    shortest = 2 * float(scene.problem.rings.widths.min())
+    axes.axvline(
+        shortest, color="0.4", linestyle=":", label="twice the width of the narrowest ring"
+    )
+    set_logarithmic(axes, "x", "y", most=8)
+    finest = min(pair.shortest_resolved for pair in pairs) / radius
+    left, unresolved = axes.get_xlim()[0], "waves finer than the elements"
+    axes.axvspan(left, finest, color="0.88", linewidth=0, zorder=0, label=unresolved)
+    axes.set_xlim(left=left)
+    axes.set_xlabel("wavelength of the pressure over the punch radius a")
+    axes.set_ylabel("relative difference of energies")
+    return complete(
+        figure,
+        (scene.title, "the methods compared for every pressure"),
+        [axes],
+        "Each method computes the elastic energy of the same pressures. The largest elements do "
+        "not resolve the waves in the shaded part:\n"
+        "differences there, up to 100 %, are irrelevant for the answer, which consists of the long "
+        "waves at the right.",
+    )
