@@ -38,9 +38,8 @@ def estimate_errors(
         evaluation.results_for_estimate(fine.estimate_times) for evaluation in (coarse, fine)
     )
     quantity_differences = differences(coarse_results, fine_results, problem.face)
-    same_elements = np.array_equal(
-        *(evaluation.compliance.space.breakpoints for evaluation in (coarse, fine))
-    )
+    spaces = fine.compliance.space, coarse.compliance.space
+    same_elements = np.array_equal(spaces[0].breakpoints, spaces[1].breakpoints)
     for name in ("rms_slope", "steady_rms_slope") if same_elements else ("steady_rms_slope",):
         if name in quantity_differences:
             square = _mean_square_slope_difference(name, fine, coarse)
