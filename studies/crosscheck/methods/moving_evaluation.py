@@ -221,20 +221,17 @@ class MovingContact(Evaluation):
         least = error_factor("floor of moving contact") * self.problem.rtol
         if not DESCRIBED[name].over_time:
             return least
-        return np.maximum(least, np.where(self._fitted, self._unresolved_start, self._unresolved))
+        floors = np.maximum(least, self._unresolved)
+        if self.start is None:
+            return floors
+        by_kinks = error_factor("kinks inside elements") * self.start.unresolved_height
+        at_start = np.maximum(error_factor("fitted start"), by_kinks * self._inverse_depth)
+        return np.where(self._fitted, at_start, floors)
 
     @property
     def _fitted(self) -> Mask:
         """Whether each of the times (T,) is the start of a contact that is fitted to its edges."""
         return (self.problem.times == 0) & (self.start is not None)
-
-    @cached_property
-    def _unresolved_start(self) -> float:
-        """Largest error of a fitted start by kinks inside its elements."""
-        if self.start is None:
-            return 0.0
-        unresolved = self.start.unresolved_height / self.start.indentation
-        return error_factor("kinks inside elements") * unresolved
 
     @cached_property
     def _unresolved(self) -> Array:
@@ -288,11 +285,11 @@ class MovingContact(Evaluation):
         """
         widths = widths_at_edges(self.compliance.space, self.history.contact)
         widths = np.where(self.evolution.settled(self.problem.times), 0.0, widths)
-        return np.where(self._fitted, error_factor("fitted start"), widths)
+        return np.where(self._fitted, error_factor("edge of a fitted start"), widths)
 
     def _error_of_slopes_at_start(self) -> Array:
         """Return the error (T,) of slopes of the unworn face; NaN where a slope is infinite."""
-        at_start = np.where(self._fitted, error_factor("fitted start"), 0.0)
+        at_start = np.where(self._fitted, error_factor("edge of a fitted start"), 0.0)
         return at_start + 0.0 * self.results["rms_slope"]
 
     floors: ClassVar = {
