@@ -301,7 +301,32 @@ class FullContact(Evaluation):
         part_of_rtol = error_factor("floor of energies" if name in ENERGIES else "floor")
         elements = len(self.compliance.space.degrees)
         by_chance = max(self._wear_factor * self.problem.rtol * part_of_rtol, 1e-14 * elements)
+        if name in self.problem.remaining_parts:
+            by_chance = max(
+                by_chance, self._time_error_by_start(self.problem.remaining_parts[name])
+            )
         return max(by_chance, self._least_error)
+
+    def _time_error_by_start(self, remaining_part: float) -> float:
+        """Return the error of a running-in time (`time_to_90`, ...) that the flat start causes.
+
+        The whole change during running-in begins with the flat start, whose error comes from the
+        element at the rim. The part that is left has the same absolute error, and the time has that
+        error over its rate of decay.
+        """
+        total_change, time = self.wear.total_change, self.wear.time_until(remaining_part)
+        if not (total_change > 0 and time > 0):
+            return 0.0
+        space = self.compliance.space
+        size = max(space.widths[-1], space.widths[0] if space.inner_radius else 0.0)
+        start = total_change if self.problem.indentation is not None else self.wear.flat.indentation
+        relative_step = 1e-3
+        left_before, left_after = self.wear.modes.remaining_change(
+            time * np.array([1 - relative_step, 1 + relative_step])
+        )
+        decay = np.log(left_before / left_after) / (2 * relative_step)
+        start_error = error_factor("stiffness at the rim") * size
+        return float(start_error * start / total_change / decay)
 
     def _worn_depth_at_rim(self) -> Array:
         """Return the error (T,) of the worn depth while one element at the rim contains the wear.
