@@ -2,9 +2,9 @@
 
 The programs are linear finite elements in a box, springs on a uniform grid (MDR), and tamaas on a
 square grid, whose tables are in `physics/programs`: 64 x 64 points over 2.2 radii, without
-periodicity, and 240 explicit steps of Archard's law (tamaas 2.9). Each takes the input of a user (`Input`), in
-which a test can make a mistake, and returns a table of time, radius, pressure, displacement,
-profile and indentation. The programs have errors of a few per cent.
+periodicity, and 240 explicit steps of Archard's law (tamaas 2.9). Each takes the input of a
+user (`Input`), in which a test can make a mistake, and returns a table of time, radius, pressure,
+displacement, profile and indentation. The programs have errors of a few per cent.
 """
 
 from collections.abc import Callable
