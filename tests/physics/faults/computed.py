@@ -22,6 +22,8 @@ def faults(kind: str) -> Iterator[tuple[str, Change]]:
     size, full = SIZES[kind], kind not in MOVING
     for name in HISTORY + (STEADY if kind not in ("held", "rising") else []):
         yield f"{name} found too great", scale(name, size)
+        if kind == "flat" and name not in ("ring_force", "steady_profile"):
+            yield f"{name} found slightly too great", scale(name, 0.4 * size)
     yield (
         "heights found too great",
         scale_together(["rms_slope", *DEPTHS], size),
