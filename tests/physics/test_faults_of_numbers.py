@@ -15,24 +15,21 @@ import pytest
 from faults.changes import scale, swap
 from faults.scenes import shared, with_results, with_table
 from groups import nightly_but
+from natural import natural
 
-from ringwear import RingwearError, Scene, SceneError, load
+from ringwear import RingwearError, SceneError, load
 from ringwear.studies.crosscheck import write_numbers
 from ringwear.studies.crosscheck.problem.quantities import ANSWER, HISTORIES, STEADY
 
-SCENE = Scene.from_table(
+SCENE = natural(
     {
-        "punch": {
-            "radius": 2.0,
-            "ring_edges": [0.9, 2.0],
-            "wear_coefficients": [1.0, 3.0],
-            "profile": {"kind": "ball", "ball_radius": 20.0},
-        },
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 0.05},
-        "wear": {"times": [0.0, 0.3, 3.0, 12.0, 30.0, 60.0]},
-        "accuracy": {"rtol": 1e-3},
-    }
+        "radius": 2.0,
+        "ring_edges": [0.9, 2.0],
+        "wear_coefficients": [1.0, 3.0],
+        "profile": {"kind": "ball", "ball_radius": 20.0},
+    },
+    [0.0, 0.3, 3.0, 12.0, 30.0, 60.0],
+    load={"normal_force": 0.05},
 )
 SIZE = 0.02
 LABELS = {"solver", "state", "ring", "mode", "edge", "scene"}

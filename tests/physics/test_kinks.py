@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from closed_forms import TruncatedCone, TruncatedParaboloid
+from natural import natural
 from scipy.interpolate import PchipInterpolator
 
-from ringwear import Scene, SceneError, run
+from ringwear import SceneError, run
 
 FLAT_RADIUS = 0.4321
 CONE, PARABOLOID = TruncatedCone(FLAT_RADIUS, 0.3), TruncatedParaboloid(FLAT_RADIUS, 2.0)
@@ -16,15 +17,11 @@ FACES = {
         lambda r: np.maximum(r - FLAT_RADIUS, 0) * (r + FLAT_RADIUS) / (2 * 2.0),
     ),
 }
-SCENE = Scene.from_table(
-    {
-        "methods": ["mdr"],
-        "punch": {"radius": 1.0, "rings": 1, "wear_coefficients": [1.0, 1.0]},
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 0.1},
-        "wear": {"times": [0.0], "steady": False},
-        "accuracy": {"rtol": 1e-3},
-    }
+SCENE = natural(
+    {"rings": 1, "wear_coefficients": [1.0, 1.0]},
+    methods="mdr",
+    load={"normal_force": 0.1},
+    wear={"times": [0.0], "steady": False},
 )
 
 

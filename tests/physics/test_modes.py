@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray
+from natural import natural
 
 from ringwear import Scene, differences, run
 
@@ -47,20 +48,9 @@ def test_reported_relaxation_times_are_as_accurate_as_stated(edges, wear, rtol):
 
 def test_the_anchor_resolves_modes_of_one_wide_ring():
     """Eight slow modes lie on the last ring, whose middle was one element of the small problem."""
-    result = run(
-        Scene.from_table(
-            {
-                "punch": {
-                    "radius": 1.0,
-                    "ring_edges": [0.3, 0.34, 0.39, 1.0],
-                    "wear_coefficients": [0.0125, 1.0, 0.0125, 1.0],
-                },
-                "half_space": {"plane_strain_modulus": 1.0},
-                "load": {"normal_force": 1.0},
-                "wear": {"times": [0.0, 1.0]},
-                "accuracy": {"rtol": 1.5e-6},
-            }
-        ),
-        methods=["mdr"],
-    )
+    punch = {
+        "ring_edges": [0.3, 0.34, 0.39, 1.0],
+        "wear_coefficients": [0.0125, 1.0, 0.0125, 1.0],
+    }
+    result = run(natural(punch, [0.0, 1.0], 1.5e-6, "mdr"))
     assert [anchor.name for anchor in result.anchors if not anchor.holds] == []

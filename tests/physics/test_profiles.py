@@ -5,10 +5,11 @@ With the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d
 
 import numpy as np
 import pytest
+from natural import natural
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from ringwear import Scene, SceneError, run
+from ringwear import SceneError, run
 
 FLAT = 0.3
 
@@ -39,16 +40,9 @@ PROFILES = {
 }
 
 
-def pressed(profile, methods=("mdr", "fem"), force=0.05, rtol=1e-3, **changes):
-    table = {
-        "methods": list(methods),
-        "punch": {"radius": 1.0, "wear_coefficient": 1.0, "profile": profile},
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": force},
-        "wear": {"times": [0.0]},
-        "accuracy": {"rtol": rtol},
-    }
-    return Scene.from_table(table).changed(**changes)
+def pressed(profile, methods="mdr fem", force=0.05, rtol=1e-3, **changes):
+    punch, load = {"wear_coefficient": 1.0, "profile": profile}, {"normal_force": force}
+    return natural(punch, rtol=rtol, methods=methods, load=load).changed(**changes)
 
 
 @pytest.mark.slow
@@ -76,7 +70,7 @@ def test_a_ball_against_sneddons_formulas():
     contact, radius = 0.6, 2.0
     logarithm = np.log((radius + contact) / (radius - contact))
     force = (contact**2 + radius**2) / 2 * logarithm - contact * radius
-    start = run(pressed(PROFILES["ball"][0], ["mdr"], force)).dataset.isel(solver=0, time=0)
+    start = run(pressed(PROFILES["ball"][0], "mdr", force)).dataset.isel(solver=0, time=0)
     assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
     assert float(start.indentation) == pytest.approx(contact / 2 * logarithm, rel=1e-7)
 
@@ -87,7 +81,7 @@ def test_a_dish_is_in_full_contact_above_barbers_force(part, full):
     depth = 0.1
     force = part * 16 / 3 * depth
     dish = {"kind": "concave", "depth": depth}
-    start = run(pressed(dish, ["mdr"], force, 1e-4)).dataset.isel(solver=0, time=0)
+    start = run(pressed(dish, "mdr", force, 1e-4)).dataset.isel(solver=0, time=0)
     touches = bool((start.contact[:-1] > 0).all())
     assert touches == full
     if full:
@@ -122,7 +116,7 @@ def test_one_material_needs_no_rings():
     plain = {"radius": 1.0, "wear_coefficient": 2.0}
     ringed = {"radius": 1.0, "rings": 1, "wear_coefficients": [2.0]}
     first, second = (
-        run(pressed(PROFILES["ball"][0], ["mdr"], punch=punch, wear__times=[0.0, 1.0])).dataset
+        run(pressed(PROFILES["ball"][0], "mdr", punch=punch, wear__times=[0.0, 1.0])).dataset
         for punch in (plain, ringed)
     )
     np.testing.assert_array_equal(first.indentation, second.indentation)
@@ -134,7 +128,7 @@ def test_two_elastic_bodies_have_a_combined_modulus():
     both = {"youngs_modulus": 2.0, "punch_youngs_modulus": 3.0, "punch_poisson_ratio": 0.2}
     modulus = 1 / ((1 - 0.3**2) / 2.0 + (1 - 0.2**2) / 3.0)
     punch = {"radius": 1.0, "wear_coefficient": 1.0}
-    flat = pressed(PROFILES["ball"][0], ["mdr"], 0.7, punch=punch, half_space=both)
+    flat = pressed(PROFILES["ball"][0], "mdr", 0.7, punch=punch, half_space=both)
     result = run(flat.changed(accuracy__rtol=1e-6))
     assert float(result.dataset.indentation[0, 0]) == pytest.approx(0.7 / 2 / modulus, rel=1e-8)
     assert any(line.startswith("two elastic bodies") for line in result.summary["modelled"])
@@ -149,7 +143,7 @@ def test_the_inside_extends_to_the_output_depth(tmp_path):
     import meshio
 
     punch = {"radius": 1.0, "wear_coefficient": 1.0}
-    scene = pressed(PROFILES["ball"][0], ["fem"], 1.0, 1e-4, punch=punch, output__depth=60.0)
+    scene = pressed(PROFILES["ball"][0], "fem", 1.0, 1e-4, punch=punch, output__depth=60.0)
     run(scene).save(tmp_path / "out")
     mesh = meshio.read(tmp_path / "out" / "half_space.vtu")
     radius, height, _ = mesh.points.T
