@@ -134,6 +134,10 @@ class TruncatedParaboloid:
         return 2 * (self.indentation(c) * c - under)
 
 
+# F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
+ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
+
+
 def annulus_stiffness(hole):
     """Return ``F / (2 E* a d)`` of a flat annulus, up to the order ``e^8`` of the ratio of radii e.
 
