@@ -43,8 +43,6 @@ def test_a_sphere_starts_with_hertz_contact_in_other_units():
     # sum of V / k over the rings = F v0 t
     assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
     assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
-    for name in ("time_to_90", "time_to_99"):
-        assert np.isnan(answer[name]), name
     assert np.isnan(answer["pressure_max"][0]).all()
 
 
