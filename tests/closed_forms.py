@@ -89,49 +89,8 @@ class RoundedPunch:
         return float(brentq(lambda c: self.force(c) - force, b * (1 + 1e-9), 1e3 * b, xtol=1e-15))
 
 
-@dataclass(frozen=True)
-class TruncatedCone:
-    """Contact of a cone of slope s without its tip, ``f = s (r - b)`` beyond its flat face.
-
-    The flat face has the radius b, and the one-dimensional profile is ``g(x) = s x arccos(b / x)``;
-    Popov, Hess and Willert, Handbook of Contact Mechanics (2019), section 2.5.9.
-    """
-
-    flat_radius: float
-    slope: float
-
-    def indentation(self, radius):
-        """Return the indentation at a contact radius."""
-        return self.slope * radius * np.arccos(self.flat_radius / radius)
-
-    def force(self, radius):
-        """Return the force at a contact radius, ``2 (d c - int_b^c g dx)``."""
-        b, c = self.flat_radius, radius
-        under = c**2 / 2 * np.arccos(b / c) - b / 2 * np.sqrt((c - b) * (c + b))
-        return 2 * (self.indentation(c) * c - self.slope * under)
-
-
-@dataclass(frozen=True)
-class TruncatedParaboloid:
-    """Contact of a paraboloid without its tip, ``f = (r^2 - b^2) / (2 R)`` beyond its flat face.
-
-    The flat face has the radius b, and the one-dimensional profile is ``g(x) = x sqrt(x^2 - b^2) /
-    R``; Popov, Hess and Willert, Handbook of Contact Mechanics (2019), section 2.5.10.
-    """
-
-    flat_radius: float
-    curvature_radius: float
-
-    def indentation(self, radius):
-        """Return the indentation at a contact radius."""
-        b, c = self.flat_radius, radius
-        return c * np.sqrt((c - b) * (c + b)) / self.curvature_radius
-
-    def force(self, radius):
-        """Return the force at a contact radius, ``2 (d c - int_b^c g dx)``."""
-        b, c = self.flat_radius, radius
-        under = ((c - b) * (c + b)) ** 1.5 / (3 * self.curvature_radius)
-        return 2 * (self.indentation(c) * c - under)
+# F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
+ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
 def annulus_stiffness(hole):

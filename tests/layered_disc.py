@@ -110,3 +110,9 @@ def _amplitudes(layers, s):
     columns_scale = np.abs(system / rows_scale).max(axis=1, keepdims=True)
     scaled = np.linalg.solve(system / rows_scale / columns_scale, load / rows_scale)
     return scaled[..., 0] / columns_scale[:, 0]
+
+
+def surface_displacements(layers, s):
+    """Return the displacements u_z (k,) of the surface under the pressures ``J_0(s r)``."""
+    states = _states(layers[0], s, 0.0)[:, 1]
+    return (states * _amplitudes(layers, s)[:, : states.shape[1]]).sum(axis=1)

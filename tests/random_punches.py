@@ -1,8 +1,7 @@
 """Punches of random shape under random loads, for tests that count verdicts."""
 
 import numpy as np
-
-from ringwear import Scene
+from natural import natural
 
 KINDS = ("parabola", "cone", "power", "rounded rim", "table", "recess")
 
@@ -21,7 +20,6 @@ def random_punch(seed, rtol=1e-3):
     edges = [*(float(edge) for edge in edges if edge < 0.95), 1.0]
     edges = [b for a, b in zip([0.0, *edges[:-1]], edges, strict=True) if b - a > 0.04 or b == 1.0]
     punch = {
-        "radius": 1.0,
         "ring_edges": edges,
         "wear_coefficients": [float(k) for k in 10 ** draw.uniform(-1, 0, len(edges))],
     }
@@ -60,13 +58,4 @@ def random_punch(seed, rtol=1e-3):
     if draw.random() < 0.2:
         load = {"indentation": float(0.5 * draw.uniform(0.2, 1.0))}
     times = [0.0, *(float(t) for t in height * 10 ** np.linspace(-2, 1, 4))]
-    return Scene.from_table(
-        {
-            "methods": ["mdr", "fem"],
-            "punch": punch,
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": load,
-            "wear": {"times": times},
-            "accuracy": {"rtol": rtol},
-        }
-    )
+    return natural(punch, times, rtol, load=load)

@@ -142,23 +142,10 @@ def pieces_of(table: dict) -> Pieces:
     return Pieces(every, np.array(inner), np.array(outer))
 
 
-def load_of(table: dict) -> Load:
-    """Return the load of a scene, relative to its greatest force and speed, in natural time."""
-    punch, load = table["punch"], table["load"]
-    wear = punch.get("wear_coefficients") or punch["wear_coefficient"]["values"]
-    count = len(punch["ring_edges"]) if "wear_coefficients" in punch else None
-    modulus = table["half_space"]["plane_strain_modulus"]
-
-    def knots(given):
-        if isinstance(given, dict):
-            return np.array(given["times"]), np.array(given["values"])
-        return np.zeros(1), np.array([given])
-
-    forces, speeds = knots(load.get("normal_force", 1.0)), knots(load["sliding_speed"])
-    unit = punch["radius"] / modulus / max(wear[:count]) / speeds[1].max()
-    at = np.union1d(forces[0], speeds[0])
-    both = [np.interp(at, *each) / each[1].max() for each in (forces, speeds)]
-    return Load(at / unit, *both)
+def load_of(problem) -> Load:
+    """Return the load of a non-dimensional problem."""
+    loading = problem.loading
+    return Load(loading.times, loading.forces, loading.speeds)
 
 
 @dataclass
@@ -192,10 +179,10 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
         error, average = part * min(outcome.rtol, 1e-3), table["output"]["gradient_average"]
         roundoff = ROUNDOFF * part / FINE
         solutions.append(
-            solved(problem, pieces_of(table), load_of(table), error, average, roundoff)
+            solved(problem, pieces_of(table), load_of(problem), error, average, roundoff)
         )
     (fine, answer, punch), (coarse, less, _) = solutions
-    outcome.lost_contact = loses_contact(table, punch)
+    outcome.lost_contact = loses_contact(problem, punch)
     result = run(scene)
     outcome.verdict = result.verdict
     outcome.excluded = excluded(result)
@@ -206,9 +193,9 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
     return outcome
 
 
-def loses_contact(table: dict, punch) -> bool:
+def loses_contact(problem, punch) -> bool:
     """Return whether a pressure would be negative at some time while the force falls."""
-    load = load_of(table)
+    load = load_of(problem)
     if (np.diff(load.forces) >= 0).all():
         return False
     end = load.knots[-1]

@@ -1,6 +1,7 @@
 """Random scenes on layered ground."""
 
 import numpy as np
+from natural import natural
 
 from ringwear import Scene
 
@@ -24,7 +25,7 @@ def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
         ground |= {"youngs_modulus": float(moduli[-1]), "poisson_ratio": float(ratios[-1])}
     rings = int(draw.integers(1, 9))
     wear = (10 ** draw.uniform(-1.5, 0, max(rings, 2))).tolist()
-    punch: dict = {"radius": 1.0, "rings": rings, "wear_coefficients": wear}
+    punch: dict = {"rings": rings, "wear_coefficients": wear}
     load: dict = {"normal_force": 1.0}
     if draw.random() < 0.3:
         punch["inner_radius"] = float(draw.uniform(0.1, 0.9))
@@ -35,13 +36,4 @@ def random_layers(seed: int, shaped: bool = False, rtol: float = 1e-4) -> Scene:
             punch["profile"] = {"kind": "rounded_rim", "flat_radius": flat, "curvature_radius": 1.0}
     if draw.random() < 0.3:
         load = {"indentation": float(draw.uniform(0.1, 1.0))}
-    return Scene.from_table(
-        {
-            "methods": ["mdr", "fem"],
-            "punch": punch,
-            "half_space": ground,
-            "load": load,
-            "wear": {"times": [0.0, 0.01, 0.1, 1.0]},
-            "accuracy": {"rtol": rtol},
-        }
-    )
+    return natural(punch, [0.0, 0.01, 0.1, 1.0], rtol, half_space=ground, load=load)

@@ -11,12 +11,11 @@ from groups import nightly_but
 
 from ringwear import RingwearError, Scene, Stages, method, run
 from ringwear.studies.extremes import watched
-from ringwear.studies.study.errors import DEFAULT, error
+from ringwear.studies.study.errors import DEFAULT
 from ringwear.studies.study.measure import measure
 from ringwear.studies.study.record import Record
 from ringwear.studies.study.reference import reference
-from ringwear.studies.study.way import Case, Part
-from ringwear.studies.study.ways import naive
+from ringwear.studies.study.way import Case
 from ringwear.studies.study.ways.runs import as_run
 
 FOLDER = Path(__file__).parent / "extreme_scenes"
@@ -55,36 +54,6 @@ def scene_of(panel, x, solver):
 
 
 IN_PANELS = {panel["name"]: panel for panel in PANELS["panels"]}
-
-
-def error_of_naive(panel, x):
-    """Return the greatest error of the naive solver in the indentation and the pressure."""
-    scene = scene_of(panel, x, "naive")
-    problem = scene.problem
-    changes = {key: value_at(x, value) for key, value in panel.get("naive_changes", {}).items()}
-    fine = reference(Case("scene", scene, problem), rtol=0.1 * problem.rtol, confirmed=False)
-    with np.errstate(all="ignore"):
-        values = naive.solve(problem, **changes)
-    compared = {name: np.nan_to_num(each, nan=np.inf) for name, each in values.items()}
-    compared = {
-        name: each[problem.compared_rows] if name != "time" else each
-        for name, each in compared.items()
-    }
-    parts = [Part(name, "later") for name in ("indentation", "pressure")]
-    parts += [Part("indentation", "start")]
-    sizes = [
-        abs(error(part, compared, fine.values, problem))
-        for part in parts
-        if part.quantity != problem.prescribed
-    ]
-    return np.nanmax(sizes)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", nightly_but([*IN_PANELS][::4], IN_PANELS))
-def test_the_naive_choice_fails_where_its_panel_says_so(name):
-    panel = IN_PANELS[name]
-    assert error_of_naive(panel, panel["fails_at"]) > 0.01
 
 
 def judge(row, allowed):

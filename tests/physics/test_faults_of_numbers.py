@@ -8,30 +8,28 @@ computed are larger than the errors that the methods state then.
 
 import json
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
-from faults import computed
-from faults.scenes import shared, with_table
+from faults.changes import scale, swap
+from faults.scenes import shared, with_results, with_table
 from groups import nightly_but
+from natural import natural
 
-from ringwear import RingwearError, Scene, SceneError, load
+from ringwear import RingwearError, SceneError, load
 from ringwear.studies.crosscheck import write_numbers
 from ringwear.studies.crosscheck.problem.quantities import ANSWER, HISTORIES, STEADY
 
-SCENE = Scene.from_table(
+SCENE = natural(
     {
-        "punch": {
-            "radius": 2.0,
-            "ring_edges": [0.9, 2.0],
-            "wear_coefficients": [1.0, 3.0],
-            "profile": {"kind": "ball", "ball_radius": 20.0},
-        },
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 0.05},
-        "wear": {"times": [0.0, 0.3, 3.0, 12.0, 30.0, 60.0]},
-        "accuracy": {"rtol": 1e-3},
-    }
+        "radius": 2.0,
+        "ring_edges": [0.9, 2.0],
+        "wear_coefficients": [1.0, 3.0],
+        "profile": {"kind": "ball", "ball_radius": 20.0},
+    },
+    [0.0, 0.3, 3.0, 12.0, 30.0, 60.0],
+    load={"normal_force": 0.05},
 )
 SIZE = 0.02
 LABELS = {"solver", "state", "ring", "mode", "edge", "scene"}
@@ -42,22 +40,6 @@ def right():
     result = shared(SCENE)
     assert result.verdict == "agree"
     return result
-
-
-def scaled(name, *where, size=SIZE):
-    def change(values, *_):
-        # the contact and its edges are not among the values on the face
-        if name in values:
-            values[name][where or ...] *= 1 + size
-
-    return change
-
-
-def reversed_last(name):
-    def change(values, *_):
-        values[name][...] = values[name][..., ::-1].copy()
-
-    return change
 
 
 def inverted(values, *_):
@@ -74,64 +56,51 @@ def in_table(right):
         if name in LABELS or not finite(right, name):
             continue
         dims = right.dataset[name].dims
-        yield name, scaled(name)
+        yield name, scale(name, SIZE)
         if "solver" in dims:
-            yield f"{name} of one method", scaled(name, 1)
-        if "time" in dims and "solver" in dims and name != "contact":
-            yield f"{name} at one time", scaled(name, slice(None), 2)
-        if dims[-1:] == ("ring",) and "solver" in dims:
-            yield f"{name} of the other ring", reversed_last(name)
+            if "time" in dims and name != "contact":
+                yield f"{name} at one time", scale(name, SIZE, 2)
+            if dims[-1:] == ("ring",):
+                yield f"{name} of the other ring", swap(name)
     yield "contact inverted", inverted
-
-
-def noticed_in_table(right, change):
-    return with_table(right, change).verdict == "disagree"
 
 
 def in_computed(right):
     for name in HISTORIES:
-        yield name, scaled(name)
-        yield f"{name} in full contact", scaled(name, -2, size=0.03)
+        yield name, scale(name, SIZE)
+        yield f"{name} in full contact", scale(name, 0.03, -2)
         # while edges move, methods state errors of several per cent
-        yield f"{name} while edges move", scaled(name, 2, size=0.1)
+        yield f"{name} while edges move", scale(name, 0.1, 2)
     for name in (*ANSWER, *STEADY):
         if name in right.dataset and finite(right, name):
-            yield name, scaled(name)
+            yield name, scale(name, SIZE)
     for name in ("ring_force", "ring_worn_volume", "worn_volume", "force_share"):
-        yield f"{name} of the other ring", reversed_last(name)
+        yield f"{name} of the other ring", swap(name)
     yield "contact inverted", inverted
-
-
-def noticed_in_computed(right, change):
-    return computed.with_results(right, change).verdict == "disagree"
 
 
 def in_answers(right):
     for name in right.answers["mdr"]:
         if finite(right, name):
-            yield name, scaled(name)
+            yield name, scale(name, SIZE)
             if np.ndim(right.answers["mdr"][name]) and not name.endswith("_error"):
-                yield f"{name} of the other ring", reversed_last(name)
+                yield f"{name} of the other ring", swap(name)
 
 
-def _with_answers(right, change):
-    """Return the answers of all methods, those of one of them changed."""
+def with_answers(right, change):
+    """Return the result with the answers of one of the methods changed."""
     answers = {method: dict(numbers) for method, numbers in right.answers.items()}
     answers["twin"] = {name: np.array(value) for name, value in answers["twin"].items()}
-    change(answers["twin"])
-    return answers
-
-
-def noticed_in_answers(right, change):
-    answers = _with_answers(right, change)
+    change(answers["twin"], None, None)
     judgement = replace(right.judgement, answers=answers)
-    return replace(right, answers=answers, judgement=judgement).verdict == "disagree"
+    return replace(right, answers=answers, judgement=judgement)
 
 
 PLACES = {
-    "table": (in_table, noticed_in_table),
-    "computed": (in_computed, noticed_in_computed),
-    "answers": (in_answers, noticed_in_answers),
+    "table": (in_table, with_table),
+    "table of one method": (in_table, partial(with_table, alone=True)),
+    "computed": (in_computed, with_results),
+    "answers": (in_answers, with_answers),
 }
 
 
@@ -140,14 +109,15 @@ PLACES = {
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("place", nightly_but(("computed", "answers"), PLACES))
 def test_a_wrong_number_is_noticed(right, place):
-    faults, noticed = PLACES[place]
+    faults, with_fault = PLACES[place]
     tried = dict(faults(right))
     assert len(tried) >= 20
-    assert [name for name, change in tried.items() if not noticed(right, change)] == []
+    agree = [name for name, of in tried.items() if with_fault(right, of).verdict == "agree"]
+    assert agree == []
 
 
 def test_other_numbers_in_the_files_are_refused(right, tmp_path):
-    wrong = replace(right, answers=_with_answers(right, scaled("time_to_90"))).summary
+    wrong = with_answers(right, scale("time_to_90", SIZE)).summary
     with pytest.raises(RingwearError, match="time_to_90 is not the result"):
         write_numbers(right.dataset, wrong, tmp_path)
     write_numbers(right.dataset, right.summary, tmp_path)

@@ -196,11 +196,3 @@ def test_full_slip_wears_off_the_whole_overlap(depth, rtol, overlap, tolerance):
     scene = fixed_sphere(depth, [0.3, 0.6, 1.0], [1.0, 0.2, 0.5], [0.0, 1e4], rtol)
     worn = run(scene).dataset.ring_worn_volume.isel(time=1).sum("ring")
     np.testing.assert_allclose(worn, overlap, rtol=tolerance)
-
-
-def test_anchors_hold_at_vanishing_pressure():
-    """Squares of the pressures underflow."""
-    punch = {"radius": 1.0, "ring_edges": [0.42, 1.0], "wear_coefficients": [1.0, 1.0]}
-    scene = scene_of(punch=punch, accuracy={"rtol": 2e-5}).changed(methods=["mdr"])
-    result = run(scene.changed(wear={"times": [2.0, 40.0, 700.0]}))
-    assert [anchor for anchor in result.anchors if not anchor.holds] == []

@@ -7,10 +7,10 @@ import pytest
 from closed_forms import GradedSteadyState
 from groups import nightly, nightly_but, slow
 from independent import CONSTANT, Pieces, solved
+from natural import natural
 
 from ringwear import (
     RunningIn,
-    Scene,
     SceneError,
     Stages,
     differences,
@@ -25,15 +25,7 @@ SPHERE = {"profile": {"kind": "parabola", "curvature_radius": 1.0}}
 
 
 def scene(methods="mdr", **punch):
-    return Scene.from_table(
-        {
-            "methods": methods.split(),
-            "punch": {"radius": 1.0, **punch},
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"normal_force": 1.0},
-            "wear": {"times": [0.0, 0.001, 0.01, 0.1, 0.3, 1.0, 4.0, 5.0]},
-        }
-    )
+    return natural(punch, [0.0, 0.001, 0.01, 0.1, 0.3, 1.0, 4.0, 5.0], 1e-4, methods)
 
 
 def along(*values, radii=(0.0, 1.0)):

@@ -2,27 +2,17 @@
 
 import numpy as np
 import pytest
+from closed_forms import ANNULI
+from natural import natural
 
-from ringwear import Scene, SceneError, run, sweep
+from ringwear import run, sweep
 from ringwear.mdr.annulus import flat_annulus
 
-# F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
-STIFFNESSES = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
-
-def hollow(inner_radius, methods=("mdr", "fem"), rtol=1e-4, times=(0.0, 0.01, 0.1, 1.0), **punch):
+def hollow(inner_radius, methods="mdr fem", rtol=1e-4, times=(0.0, 0.01, 0.1, 1.0), **punch):
     """Return a scene of a hollow punch; without keys of the punch, it has two rings."""
-    rings = {"rings": 2, "wear_coefficients": [1.0, 3.0]}
-    return Scene.from_table(
-        {
-            "methods": list(methods),
-            "punch": {"radius": 1.0, "inner_radius": inner_radius} | (punch or rings),
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"normal_force": 1.0},
-            "wear": {"times": list(times)},
-            "accuracy": {"rtol": rtol},
-        }
-    )
+    rings = punch or {"rings": 2, "wear_coefficients": [1.0, 3.0]}
+    return natural({"inner_radius": inner_radius, **rings}, times, rtol, methods)
 
 
 def random_hollow(seed):
@@ -50,22 +40,13 @@ def test_the_flat_start_against_the_flat_annulus(method, inner_radius):
     """
     rtol = 1e-4 if method == "fem" else 1e-6
     one = {"rings": 1, "wear_coefficients": [1.0]}
-    result = run(hollow(inner_radius, [method], rtol, [0.0], **one))
+    result = run(hollow(inner_radius, method, rtol, [0.0], **one))
     exact, start = flat_annulus(inner_radius), result.dataset.isel(solver=0, time=0)
     error = abs(float(start.indentation) / exact.indentation - 1)
     assert error <= (0.1 * rtol if method == "fem" else 1e-9)
     assert error <= float(start.indentation_error)
     radii = start.radius.values
     np.testing.assert_allclose(start.pressure, exact.pressure_at(radii), rtol=rtol)
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-@pytest.mark.parametrize("inner_radius", [0.05, 0.5, 0.9])
-def test_methods_agree(inner_radius):
-    result = run(hollow(inner_radius, ["mdr", "bem", "direct", "fem"]))
-    assert result.verdict == "agree"
-    assert not result.summary["left_out_of_promise"]
 
 
 @pytest.mark.slow
@@ -86,7 +67,7 @@ def test_a_small_hole_hardly_changes_the_results():
     """The effect of a hole is of the order of its area."""
     punch = {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 3.0]}
     small, full = (
-        run(hollow(inner_radius, ["mdr"], 1e-7, **punch)).dataset.isel(solver=0)
+        run(hollow(inner_radius, "mdr", 1e-7, **punch)).dataset.isel(solver=0)
         for inner_radius in (1e-5, 0.0)
     )
     np.testing.assert_allclose(small.indentation, full.indentation, rtol=2e-7)
@@ -114,61 +95,54 @@ def test_a_flat_hollow_punch_stays_in_full_contact():
     """Pressures stay positive, so full contact can be assumed."""
     times = [0.0, *np.geomspace(1e-4, 3.0, 30).tolist()]
     punch = {"rings": 3, "wear_coefficients": [1e-3, 1.0]}
-    pressure = run(hollow(0.3, ["mdr"], 1e-5, times, **punch)).dataset.pressure
+    pressure = run(hollow(0.3, "mdr", 1e-5, times, **punch)).dataset.pressure
     assert float(pressure.min()) > 0
 
 
-LOADS = {
-    "fixed indentation": {"indentation": 0.7},
-    "rising force": {"normal_force": {"times": [0.0, 0.5], "values": [0.5, 1.0]}},
-    "falling force": {"normal_force": {"times": [0.0, 0.5], "values": [1.0, 0.4]}},
-}
-FACES = {
-    "recess": {"recess": [0.0, 0.1]},
-    "sphere": {"profile": {"kind": "parabola", "curvature_radius": 1.0}},
-    "rounded": {"profile": {"kind": "rounded_rim", "flat_radius": 0.8, "curvature_radius": 0.5}},
-    "table": {
-        "profile": {
-            "kind": "table",
-            "radii": [0.4, 0.5, 0.7, 0.9, 1.0],
-            "heights": [0.1, 0.02, 0.0, 0.02, 0.1],
-        }
+ALL = "mdr bem direct fem"
+TWO = {"rings": 2, "wear_coefficients": [1.0, 3.0]}
+HOLLOW = {
+    **{f"hole of {hole}": hollow(hole, ALL) for hole in (0.05, 0.5, 0.9)},
+    "fixed indentation": hollow(0.4, rtol=1e-3).changed(load={"indentation": 0.7}),
+    **{
+        f"force from {values}": hollow(0.4, rtol=1e-3).changed(
+            load__normal_force={"times": [0.0, 0.5], "values": values}
+        )
+        for values in ([0.5, 1.0], [1.0, 0.4])
+    },
+    "recess": hollow(0.4, rtol=1e-3, recess=[0.0, 0.1], **TWO),
+    **{
+        profile["kind"]: hollow(0.4, rtol=1e-3, profile=profile, **TWO)
+        for profile in (
+            {"kind": "parabola", "curvature_radius": 1.0},
+            {"kind": "rounded_rim", "flat_radius": 0.8, "curvature_radius": 0.5},
+            {
+                "kind": "table",
+                "radii": [0.4, 0.5, 0.7, 0.9, 1.0],
+                "heights": [0.1, 0.02, 0.0, 0.02, 0.1],
+            },
+        )
     },
 }
 
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("load", LOADS)
-def test_methods_agree_under_any_load(load):
-    result = run(hollow(0.4, rtol=1e-3).changed(load=LOADS[load]))
+@pytest.mark.parametrize("name", HOLLOW)
+def test_methods_agree(name):
+    result = run(HOLLOW[name])
     assert result.verdict == "agree"
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-@pytest.mark.parametrize("face", FACES)
-def test_methods_agree_on_any_face(face):
-    scene = hollow(0.4, rtol=1e-3).changed(
-        punch={
-            "radius": 1.0,
-            "inner_radius": 0.4,
-            "rings": 2,
-            "wear_coefficients": [1.0, 3.0],
-            **FACES[face],
-        }
-    )
-    result = run(scene)
-    assert result.verdict == "agree"
-    first, second = result.dataset.indentation.values
-    np.testing.assert_allclose(first, second, rtol=2e-3)
+    if HOLLOW[name].problem.full_contact:
+        assert not result.summary["left_out_of_promise"]
+    indentation = result.dataset.indentation.dropna("solver", how="all")
+    np.testing.assert_allclose(indentation[0], indentation[-1], rtol=2e-3)
 
 
 def test_first_contact_of_a_hollow_sphere_begins_at_its_hole():
     """The contact is an annulus whose outer radius is smaller than that of the face."""
     sphere = {"profile": {"kind": "parabola", "curvature_radius": 0.05}}
     punch = {"rings": 1, "wear_coefficients": [1.0], **sphere}
-    start = run(hollow(0.4, ["mdr"], 1e-3, [0.0], **punch)).dataset.isel(solver=0, time=0)
+    start = run(hollow(0.4, "mdr", 1e-3, [0.0], **punch)).dataset.isel(solver=0, time=0)
     assert 0.4 < float(start.contact_radius) < 1.0
     edges = start.contact_edge.values
     assert edges[0] == pytest.approx(0.4, abs=1e-12)
@@ -176,26 +150,11 @@ def test_first_contact_of_a_hollow_sphere_begins_at_its_hole():
 
 def test_a_sweep_over_the_hole_has_the_known_stiffnesses():
     axes = {"punch.inner_radius": [0.0, 0.3, 0.6, 0.9]}
-    table = sweep(hollow(0.0, ["mdr"]), axes, keep=["indentation"])
+    table = sweep(hollow(0.0, "mdr"), axes, keep=["indentation"])
     stiffnesses = 1 / table.indentation.isel(time=0).values.ravel()
-    np.testing.assert_allclose(stiffnesses, [2.0, *STIFFNESSES.values()], rtol=1e-6)
+    np.testing.assert_allclose(stiffnesses, [2.0, *ANNULI.values()], rtol=1e-6)
 
 
 def test_the_summary_mentions_the_hole():
-    modelled = run(hollow(0.4, ["mdr"], 1e-2)).summary["modelled"]
+    modelled = run(hollow(0.4, "mdr", 1e-2)).summary["modelled"]
     assert any(line.startswith("hole:") for line in modelled)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"punch__inner_radius": 1.0}, "must be below 1"),
-        ({"punch__inner_radius": -0.1}, "inner_radius"),
-        ({"punch__inner_radius": 1e-12}, "too small to have an effect"),
-        ({"output__radii": [0.1, 0.5]}, "within the hole"),
-        ({"methods": ["mdr-grid"]}, "solves full discs only"),
-    ],
-)
-def test_impossible_hollow_punches_are_refused(change, message):
-    with pytest.raises(SceneError, match=message):
-        run(hollow(0.4).changed(**change))

@@ -4,28 +4,20 @@ import json
 
 import numpy as np
 import pytest
+from natural import natural
 
-from ringwear import Scene, run
+from ringwear import run
 
 
-def ball(radius, times, average="line", methods=("mdr",)):
-    return run(
-        Scene.from_table(
-            {
-                "punch": {
-                    "radius": 1.0,
-                    "wear_coefficient": 1.0,
-                    "profile": {"kind": "ball", "ball_radius": radius},
-                },
-                "half_space": {"plane_strain_modulus": 1.0},
-                "load": {"normal_force": 1e-4},
-                "wear": {"times": list(times), "steady": False},
-                "accuracy": {"rtol": 1e-3},
-                "output": {"gradient_average": average},
-            }
-        ),
-        methods=list(methods),
+def ball(radius, times, average="line", methods="mdr"):
+    scene = natural(
+        {"wear_coefficient": 1.0, "profile": {"kind": "ball", "ball_radius": radius}},
+        methods=methods,
+        load={"normal_force": 1e-4},
+        wear={"times": times, "steady": False},
+        output={"gradient_average": average},
     )
+    return run(scene)
 
 
 def mean_square_of_ball(radius, average):
@@ -38,7 +30,7 @@ def mean_square_of_ball(radius, average):
 @pytest.mark.slow
 @pytest.mark.gmsh
 def test_a_ball_as_wide_as_the_punch_has_no_rms_slope(tmp_path):
-    result = ball(1.0, [0.0, 6.4, 106.0], methods=("mdr", "fem"))
+    result = ball(1.0, [0.0, 6.4, 106.0], methods="mdr fem")
     assert result.verdict == "agree"
     assert np.isnan(result.dataset.rms_slope).all()
     assert np.isnan(result.dataset.rms_slope_error).all()

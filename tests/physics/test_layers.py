@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from layered_disc import Layer, fields_under_uniform_pressure
+from natural import natural
 
 from ringwear import (
     ContactCells,
@@ -20,7 +21,7 @@ from ringwear import (
 from ringwear.mdr.annulus import flat_annulus
 from ringwear.meshes.ground.line_energy import relative_stiffness
 
-TWO_RINGS = {"radius": 1.0, "rings": 2, "wear_coefficients": [1.0, 0.1]}
+TWO_RINGS = {"rings": 2, "wear_coefficients": [1.0, 0.1]}
 
 
 def layer(thickness, youngs_modulus=1.0, poisson_ratio=0.3):
@@ -31,17 +32,10 @@ def layer(thickness, youngs_modulus=1.0, poisson_ratio=0.3):
     }
 
 
-def on(*layers, punch=TWO_RINGS, below=None, **more):
+def on(*layers, punch=TWO_RINGS, below=None, rtol=1e-3, times=(0.0, 0.01, 0.1, 1.0), **tables):
     """Return a scene on layers above a half-space of Young's modulus `below`, or a rigid base."""
     base = {"rigid": True} if below is None else {"youngs_modulus": below}
-    table = {
-        "punch": punch,
-        "half_space": {**base, "layers": list(layers)},
-        "load": {"normal_force": 1.0},
-        "wear": {"times": [0.0, 0.01, 0.1, 1.0]},
-        "accuracy": {"rtol": 1e-3},
-    }
-    return Scene.of(table | more)
+    return natural(punch, times, rtol, half_space={**base, "layers": list(layers)}, **tables)
 
 
 def compliance(name, scene):
@@ -58,7 +52,7 @@ def stiffness_on(compliance):
 @pytest.mark.parametrize(("ratio", "printed"), [(0.4, 1.472), (1.0, 2.480)])
 def test_stiffnesses_printed_by_hayes(ratio, printed):
     """Hayes and others (1972), nu = 0.3; their values are off by 4e-4 and by 1.4e-3."""
-    scene = on(layer(1 / ratio), punch={"radius": 1.0, "wear_coefficient": 1.0})
+    scene = on(layer(1 / ratio), punch={"wear_coefficient": 1.0})
     stiffness = relative_stiffness(scene.problem.ground)
     assert stiffness == pytest.approx(printed, rel=2e-3)
     for name in ("mdr", "bem", "fem"):
@@ -81,7 +75,7 @@ def test_finite_elements_without_a_far_field_agree_with_the_kernel():
 @pytest.mark.parametrize("below", [10.0, 0.3])
 def test_far_fields_on_layers_give_the_energy_of_the_mdr(below):
     """The energy of a uniform pressure on a mesh that ends at 2.5 a agrees with the MDR."""
-    scene = on(layer(0.5), below=below, accuracy={"rtol": 1e-5})
+    scene = on(layer(0.5), below=below, rtol=1e-5)
     fem = compliance("fem", scene)
     mdr = energy.compliance(fem.space, scene.problem.ground)
     uniform = fem.space.uniform
@@ -129,7 +123,7 @@ def test_loads_over_time_fixed_indentations_and_wear_along_the_radius():
     along = {"radii": [0.0, 1.0], "values": [0.3, 1.0]}
     over_time = {"times": [0.0, 0.5, 2.0], "values": [0.5, 0.5, 1.0]}
     for changed in (
-        {"punch": {"radius": 1.0, "wear_coefficient": along}},
+        {"punch": {"wear_coefficient": along}},
         {"load": {"normal_force": over_time}},
         {"load": {"indentation": 0.01}},
     ):
@@ -140,7 +134,7 @@ def test_loads_over_time_fixed_indentations_and_wear_along_the_radius():
 
 def test_a_stiff_layer_bends_away_from_a_flat_punch():
     """On soft ground the layer is a plate: only the rim touches, and contact spreads inwards."""
-    scene = on(layer(0.5), below=0.01, accuracy={"rtol": 1e-2}, wear={"times": [0.0, 1.0, 10.0]})
+    scene = on(layer(0.5), below=0.01, rtol=1e-2, times=[0.0, 1.0, 10.0])
     assert not scene.problem.full_contact
     assert on(layer(0.5), below=0.5).problem.full_contact
     result = run(scene, methods=["mdr"])
@@ -160,15 +154,13 @@ def test_a_stiff_layer_bends_away_from_a_flat_punch():
 def test_a_sphere_on_layers():
     """The indentation is Hertz's if layer and base are equal, and smaller on a stiff base."""
     sphere = {
-        "radius": 1.0,
         "wear_coefficient": 1.0,
         "profile": {"kind": "parabola", "curvature_radius": 2.0},
     }
-    accuracy = {"rtol": 1e-2}
     load = {"normal_force": 0.05}
     depths = []
     for below in (1.0, 1000.0):
-        scene = on(layer(0.2), below=below, punch=sphere, load=load, accuracy=accuracy)
+        scene = on(layer(0.2), below=below, punch=sphere, load=load, rtol=1e-2)
         result = run(scene, methods=["mdr", "bem", "fem"])
         assert all(anchor.holds for anchor in result.anchors)
         assert result.verdict == "agree"
@@ -184,8 +176,8 @@ def test_a_sphere_on_layers():
 @pytest.mark.slow
 def test_hollow_punches_on_layers():
     """By all methods; the start is that of the annulus, the anchors hold."""
-    punch = {"radius": 1.0, "inner_radius": 0.4, "rings": 3, "wear_coefficients": [1.0, 0.2, 0.5]}
-    scene = on(layer(0.2), layer(0.4, 0.3), below=8.0, punch=punch, accuracy={"rtol": 1e-4})
+    punch = {"inner_radius": 0.4, "rings": 3, "wear_coefficients": [1.0, 0.2, 0.5]}
+    scene = on(layer(0.2), layer(0.4, 0.3), below=8.0, punch=punch, rtol=1e-4)
     result = run(scene, methods=["mdr", "bem", "direct", "fem"])
     assert result.verdict == "agree"
     assert all(anchor.holds for anchor in result.anchors)
@@ -216,8 +208,8 @@ def test_stiff_and_soft_layers_under_cells_of_a_shaped_punch():
 def test_fields_at_an_interface():
     """Displacements and stresses on both sides, of which the radial and the hoop stress jump."""
     moduli = (0.91, 4.55)
-    ring = {"radius": 1.0, "wear_coefficient": 1.0}
-    scene = on(layer(0.4, moduli[0]), below=moduli[1], punch=ring, wear={"times": []})
+    ring = {"wear_coefficient": 1.0}
+    scene = on(layer(0.4, moduli[0]), below=moduli[1], punch=ring, times=[])
     inside = run(scene, methods=["fem"]).inside()
     r, z = inside.points
     layers = [Layer(0.4, moduli[0], 0.3), Layer(np.inf, moduli[1], 0.3)]

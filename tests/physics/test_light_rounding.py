@@ -5,8 +5,9 @@ from itertools import product
 import pytest
 from closed_forms import RoundedPunch
 from groups import nightly
+from natural import natural
 
-from ringwear import Scene, run
+from ringwear import run
 
 # radius and mean pressure of usual punches that are solved quickly
 QUICK = [(0.01, 1e-4), (0.03, 1e-3)]
@@ -16,20 +17,10 @@ OTHERS = {*product((0.003, 0.01, 0.03, 0.1), (1e-5, 1e-4, 1e-3))} - {*QUICK}
 def rounded(radius, mean_pressure):
     """Return a punch whose edge is rounded over a width of twice the radius of the rounding."""
     profile = {"kind": "rounded_rim", "flat_radius": 1 - 2 * radius, "curvature_radius": radius}
-    return Scene.from_table(
-        {
-            "methods": ["mdr", "fem"],
-            "punch": {
-                "radius": 1.0,
-                "rings": 1,
-                "wear_coefficients": [1.0, 1.0],
-                "profile": profile,
-            },
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"mean_pressure": mean_pressure},
-            "wear": {"times": [0.0, 0.1, 1.0], "steady": False},
-            "accuracy": {"rtol": 1e-3},
-        }
+    return natural(
+        {"wear_coefficient": 1.0, "profile": profile},
+        load={"mean_pressure": mean_pressure},
+        wear={"times": [0.0, 0.1, 1.0], "steady": False},
     )
 
 

@@ -43,24 +43,3 @@ def test_reported_relaxation_times_are_as_accurate_as_stated(edges, wear, rtol):
     error = np.abs(times[:count] / exact[:count] - 1)[known]
     assert (error <= 1.5 * np.maximum(stated[:count], rtol)[known] + errors[:count][known]).all()
     assert stated[:count].max() <= 0.02 or count == 8
-
-
-def test_the_anchor_resolves_modes_of_one_wide_ring():
-    """Eight slow modes lie on the last ring, whose middle was one element of the small problem."""
-    result = run(
-        Scene.from_table(
-            {
-                "punch": {
-                    "radius": 1.0,
-                    "ring_edges": [0.3, 0.34, 0.39, 1.0],
-                    "wear_coefficients": [0.0125, 1.0, 0.0125, 1.0],
-                },
-                "half_space": {"plane_strain_modulus": 1.0},
-                "load": {"normal_force": 1.0},
-                "wear": {"times": [0.0, 1.0]},
-                "accuracy": {"rtol": 1.5e-6},
-            }
-        ),
-        methods=["mdr"],
-    )
-    assert [anchor.name for anchor in result.anchors if not anchor.holds] == []

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from independent_contact import WornPunch, graded_rings
+from natural import natural
 
 from ringwear import Scene, run
 from ringwear.studies.crosscheck.methods import moving_evaluation
@@ -13,15 +14,8 @@ METHODS = ["mdr", pytest.param("fem", marks=pytest.mark.gmsh)]
 
 
 def scene(punch, force, times, rtol=1e-3):
-    return Scene.from_table(
-        {
-            "punch": {"radius": 1.0} | punch,
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"normal_force": force, "sliding_speed": 1.0},
-            "wear": {"times": times, "steady": False},
-            "accuracy": {"rtol": rtol},
-        }
-    )
+    wear = {"times": times, "steady": False}
+    return natural(punch, rtol=rtol, load={"normal_force": force}, wear=wear)
 
 
 def sizes(largest, places, smallest=2e-5, growth=0.1):

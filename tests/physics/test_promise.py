@@ -5,24 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from independent import Load, Pieces, solved
+from natural import natural
 
-from ringwear import Scene, direct, run
-
-FLAT = {"half_space": {"plane_strain_modulus": 1.0}, "load": {"normal_force": 1.0}}
-
-
-def flat(punch, times, rtol=1e-4, methods="mdr fem", **tables):
-    """Return a scene of a flat punch of radius 1."""
-    return Scene.from_table(
-        FLAT
-        | {
-            "methods": methods.split(),
-            "punch": {"radius": 1.0, **punch},
-            "wear": {"times": times},
-            "accuracy": {"rtol": rtol},
-        }
-        | tables
-    )
+from ringwear import direct, run
 
 
 @pytest.mark.parametrize("times", [[0.0, 1e-3, 1.0], [5.0], [1e3]])
@@ -30,7 +15,7 @@ def flat(punch, times, rtol=1e-4, methods="mdr fem", **tables):
 def test_every_number_of_the_answer_has_an_estimate_that_bounds_its_error(times):
     """Errors against closed forms are below the estimates, and all numbers have an estimate."""
     edges, wear = np.arange(6) / 5, np.array([1.0, 10.0, 1.0, 10.0, 1.0])
-    result = run(flat({"rings": 5, "wear_coefficients": [1.0, 10.0]}, times))
+    result = run(natural({"rings": 5, "wear_coefficients": [1.0, 10.0]}, times, 1e-4))
     assert result.verdict == "agree"
     pressures = direct.steady_pressures(edges, wear)
     root = np.sqrt(1 - edges**2)
@@ -56,7 +41,7 @@ def test_steps_of_a_table_need_not_be_ring_edges():
     """Such a table gives the results of rings; once the steady states disagreed."""
     table = {"radii": [0.0, 0.5, 0.5, 1.0], "values": [1.0, 1.0, 5.0, 5.0]}
     one, two = (
-        run(flat(punch, [0.0, 0.1, 1.0], methods="mdr bem"))
+        run(natural(punch, [0.0, 0.1, 1.0], 1e-4, "mdr bem"))
         for punch in (
             {"wear_coefficient": table},
             {"ring_edges": [0.5, 1.0], "wear_coefficients": [1.0, 5.0]},
@@ -70,7 +55,7 @@ def test_steps_of_a_table_need_not_be_ring_edges():
 def test_an_indentation_alone_reaches_a_fine_accuracy():
     punch = {"rings": 1, "wear_coefficients": [1.0, 1.0]}
     output = {"quantities": ["indentation"]}
-    result = run(flat(punch, [0.0, 0.1, 1.0], 1e-8, output=output))
+    result = run(natural(punch, [0.0, 0.1, 1.0], 1e-8, output=output))
     assert result.verdict == "agree"
     for solution in result.solutions.values():
         assert solution.greatest_error("indentation") <= 1e-8
@@ -82,13 +67,14 @@ def test_weak_kinks_of_a_table_get_no_layers():
     """Very weak kinks get no layers of small elements; once, 300 points took 5,000 pressures."""
     radii = np.linspace(0, 1, 300)
     table = {"radii": radii.tolist(), "values": (1 + np.sin(7 * radii) ** 2).tolist()}
-    scene = flat({"wear_coefficient": table}, [0.0, 0.01, 1.0], methods="mdr")
+    scene = natural({"wear_coefficient": table}, [0.0, 0.01, 1.0], 1e-4, "mdr")
     edges = scene.problem.merged.kinks
     assert (edges[:-1] < 0.1).all()
-    few = flat(
+    few = natural(
         {"wear_coefficient": {"radii": radii[::23].tolist(), "values": table["values"][::23]}},
         [0.0, 1.0],
-        methods="mdr",
+        1e-4,
+        "mdr",
     )
     assert any(kink > 0.1 for kink in few.problem.merged.kinks[:-1])
     assert all(a < b for a, b in pairwise(scene.problem.merged.ring_edges))
@@ -101,7 +87,7 @@ def test_slopes_of_hardly_worn_rings_do_not_depend_on_what_is_asked(quantities):
     """Modes whose relaxation times are near roundoff made slopes up to three times too large."""
     rings = {"rings": 3, "wear_coefficients": [1.0, 1e-10]}
     methods = "mdr" if "history" in quantities else "mdr fem"
-    given = flat(rings, [0.01, 1.0], 1e-3, methods, output={"quantities": quantities})
+    given = natural(rings, [0.01, 1.0], 1e-3, methods, output={"quantities": quantities})
     wear, start = given.problem.merged, Load(np.zeros(1), np.ones(1), np.ones(1))
     exact, _, _ = solved(
         given.problem, Pieces(wear.ring_edges, *wear.wear_coefficients), start, 1e-3, "line"

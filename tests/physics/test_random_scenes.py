@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from groups import nightly_but
 from independent import CONSTANT, Load, Pieces, Punch, solved
+from natural import natural
 from random_layers import random_layers
 from random_scenes import KINDS, draw, hold
 from test_hollow import random_hollow
@@ -166,23 +167,12 @@ def test_early_layers_under_a_full_face_are_resolved(number):
 
 def test_thin_layers_are_the_reason_if_no_edge_of_the_contact_moves():
     """Fields of a gentle sphere, all of which is in contact at once, are left out."""
-    sphere = {"kind": "parabola", "curvature_radius": 1000.0}
-    scene = Scene.from_table(
-        {
-            "methods": ["mdr"],
-            "punch": {
-                "radius": 1.0,
-                "ring_edges": [0.3, 0.6, 0.8, 1.0],
-                "wear_coefficients": [1.0, 0.1, 1.0, 0.3],
-                "profile": sphere,
-            },
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"normal_force": 1.0},
-            "wear": {"times": [1e-5, 1e-4]},
-            "accuracy": {"rtol": 1e-3},
-        }
-    )
-    left_out = run(scene).left_out_of_promise
+    punch = {
+        "ring_edges": [0.3, 0.6, 0.8, 1.0],
+        "wear_coefficients": [1.0, 0.1, 1.0, 0.3],
+        "profile": {"kind": "parabola", "curvature_radius": 1000.0},
+    }
+    left_out = run(natural(punch, [1e-5, 1e-4], methods="mdr")).left_out_of_promise
     assert {row.quantity for row in left_out} == {"pressure", "rms_slope"}
     assert all("layers that wear has made" in row.reason for row in left_out)
 

@@ -3,26 +3,21 @@
 import numpy as np
 import pytest
 from groups import nightly
+from natural import natural
 
 from ringwear import Scene, direct, run
 
-RIPPLES = Scene.from_table(
+RIPPLES = natural(
     {
-        "punch": {
-            "radius": 1.0,
-            "rings": 1,
-            "wear_coefficients": [1.0, 1.0],
-            "profile": {
-                "kind": "table",
-                "radii": [0.0, 0.2, 0.4, 0.6, 0.8, 1.0],
-                "heights": [0.018, 0.012, 0.003, 0.0, 0.004, 0.016],
-            },
+        "wear_coefficient": 1.0,
+        "profile": {
+            "kind": "table",
+            "radii": [0.0, 0.2, 0.4, 0.6, 0.8, 1.0],
+            "heights": [0.018, 0.012, 0.003, 0.0, 0.004, 0.016],
         },
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 5e-4},
-        "wear": {"times": [0.0, 1.0, 3000.0]},
-        "accuracy": {"rtol": 1e-3},
-    }
+    },
+    [0.0, 1.0, 3000.0],
+    load={"normal_force": 5e-4},
 )
 HUMP = Scene.from_table(
     {

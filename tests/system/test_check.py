@@ -310,7 +310,6 @@ def test_a_malformed_file_is_refused(content, words, tmp_path, capsys):
         (["{}.nc"], "cannot be read"),
         (["{}", "--sizes", "0.1"], "two or more"),
         (["{}", "{}.csv", "--sizes", "0.1,0.2"], "decreasing"),
-        (["{}", "{}"], "is given twice"),
     ],
 )
 def test_a_malformed_option_is_refused(flags, words, tmp_path, capsys):

@@ -77,13 +77,6 @@ def test_a_column_that_a_table_does_not_have_is_named_with_its_headings(tmp_path
         check(SCENE, path, columns={"deep": "indentation"})
 
 
-def test_a_table_without_headings_is_refused(tmp_path):
-    path = tmp_path / "theirs.csv"
-    path.write_text("0,0.1\n1,0.2\n", "utf-8")
-    with pytest.raises(SceneError, match="the first line must name the columns"):
-        check(SCENE, path)
-
-
 def test_a_unit_of_another_kind_is_refused_with_its_heading(tmp_path):
     path = tmp_path / "theirs.csv"
     path.write_text("time [s],indentation [MPa]\n0,0.1\n", "utf-8")

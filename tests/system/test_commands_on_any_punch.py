@@ -4,39 +4,29 @@ import meshio
 import numpy as np
 import pandas
 import pytest
+from natural import natural
+from rough_faces import rough
 
 from ringwear import Scene, main, run
 
-RECESSED = Scene.from_table(
+RECESSED = natural(
     {
-        "methods": ["fem"],
-        "punch": {
-            "radius": 2.0,
-            "ring_edges": [0.8, 1.4, 2.0],
-            "wear_coefficients": [1, 10],
-            "recess": [0.0, 0.01, 0.0],
-        },
-        "half_space": {"plane_strain_modulus": 5.0},
-        "load": {"normal_force": 0.3},
-        "wear": {"times": [0.0, 0.1]},
-        "accuracy": {"rtol": 1e-2},
-    }
+        "radius": 2.0,
+        "ring_edges": [0.8, 1.4, 2.0],
+        "wear_coefficients": [1, 10],
+        "recess": [0.0, 0.01, 0.0],
+    },
+    [0.0, 0.1],
+    1e-2,
+    "fem",
+    half_space={"plane_strain_modulus": 5.0},
+    load={"normal_force": 0.3},
 )
 SPHERE = Scene.load("sphere").changed(methods=["mdr"])
-HOLLOW = Scene.from_table(
-    {
-        "methods": ["mdr"],
-        "punch": {
-            "radius": 1.0,
-            "inner_radius": 0.4,
-            "rings": 2,
-            "wear_coefficients": [1.0, 3.0],
-        },
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 1.0},
-        "wear": {"times": [0.0, 0.01, 0.1, 1.0]},
-        "accuracy": {"rtol": 1e-3},
-    }
+HOLLOW = natural(
+    {"inner_radius": 0.4, "rings": 2, "wear_coefficients": [1.0, 3.0]},
+    [0.0, 0.01, 0.1, 1.0],
+    methods="mdr",
 )
 
 
@@ -71,20 +61,7 @@ def test_field_times_without_a_history_are_refused_before_anything_is_computed(t
 
 @pytest.mark.slow
 def test_a_face_too_rough_for_the_cells_ends_with_status_3(tmp_path):
-    heights = np.random.default_rng(200).uniform(0, 0.5, 200)
-    profile = {
-        "kind": "table",
-        "radii": np.linspace(0, 1, 200).tolist(),
-        "heights": heights.tolist(),
-    }
-    scene = Scene.load("flat_punch").changed(
-        methods=["mdr"],
-        wear__times=[0.0, 0.1],
-        wear__steady=False,
-        accuracy__rtol=1e-3,
-        punch__profile=profile,
-        load={"normal_force": 1e-2},
-    )
+    scene = rough(200, normal_force=1e-2)
     command = ["run", write_scene(scene, tmp_path), "--no-figures"]
     assert main([*command, "--out", str(tmp_path / "out")]) == 3
 

@@ -12,6 +12,7 @@ import pytest
 from figure_faults import faults
 from groups import nightly_but
 from matplotlib.figure import Figure
+from natural import natural
 
 from ringwear import Scene, check, main, run, study
 from ringwear.studies.crosscheck import bundled
@@ -221,14 +222,13 @@ def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(groove
 @pytest.mark.parametrize("thickness", [0.3, 0.05, 0.01])
 def test_panels_of_stresses_show_layers_of_any_thickness(thickness):
     layer = {"thickness": thickness, "youngs_modulus": 1.0, "poisson_ratio": 0.3}
-    scene = {
-        "methods": ["fem"],
-        "punch": {"radius": 1.0, "wear_coefficient": 1.0},
-        "half_space": {"rigid": True, "layers": [layer]},
-        "load": {"normal_force": 1.0},
-        "wear": {"times": []},
-        "accuracy": {"rtol": 1e-2},
-    }
+    scene = natural(
+        {"wear_coefficient": 1.0},
+        [],
+        1e-2,
+        "fem",
+        half_space={"rigid": True, "layers": [layer]},
+    )
     result = run(scene)
     for kind in ("stress", "mesh"):
         assert faults(result.plot(kind)) == []

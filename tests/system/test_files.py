@@ -12,7 +12,7 @@ import xarray
 from conftest import WITHOUT_GMSH
 from skfem import MeshQuad
 
-from ringwear import Scene, load, main, run
+from ringwear import Scene, main, run
 from ringwear.meshes.files import read
 
 VARIABLES = {
@@ -88,17 +88,6 @@ def done(tmp_path_factory):
 @pytest.fixture(scope="module")
 def results(done):
     return xarray.load_dataset(done / "results.nc")
-
-
-@pytest.mark.slow
-def test_the_dataset_of_a_run_is_that_of_xarray(done):
-    """It has no methods of its own, and results.nc holds the same arrays and attributes."""
-    data, read = load(done).dataset, xarray.load_dataset(done / "results.nc")
-    assert type(data) is xarray.Dataset
-    assert type(data.pressure) is xarray.DataArray
-    assert set(data.variables) == set(read.variables)
-    for name in data.variables:
-        xarray.testing.assert_identical(data[name].variable, read[name].variable)
 
 
 @pytest.mark.slow

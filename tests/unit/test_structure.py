@@ -115,20 +115,24 @@ def statements(tree, types):
         yield from statements(node, types)
 
 
-def imported(file, types=True):
-    """Yield the files of ringwear that a file imports, at its top or within a function.
+def imports_in(file, types=True):
+    """Yield module and name of everything that a file imports, at its top or within a function.
 
-    Without `types`, imports that only type checkers read are left out.
+    Modules of this package are named without `ringwear.`. Without `types`, imports that only type
+    checkers read are left out.
     """
     folders = file.parent.relative_to(ROOT).parts
     for node in statements(ast.parse(file.read_text("utf-8")), types):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            start = folders[: len(folders) + 1 - node.level]
-            module = ".".join([*start, node.module] if node.module else start)
-            places = PUBLIC.get(module, {})
-            names = [alias.name for alias in node.names]
-            found = {module, *(places.get(name, f"{module}.{name}") for name in names)}
-            yield from found & FILES.keys()
+        if isinstance(node, ast.ImportFrom):
+            start = folders[: len(folders) + 1 - node.level] if node.level else ()
+            module = ".".join([*start, *filter(None, [node.module])]).removeprefix("ringwear.")
+            yield from ((module, alias.name) for alias in node.names)
+
+
+def imported(file, types=True):
+    """Yield the files of ringwear that a file imports."""
+    for module, name in imports_in(file, types):
+        yield from {module, PUBLIC.get(module, {}).get(name, f"{module}.{name}")} & FILES.keys()
 
 
 IMPORTS = {name: set(imported(file)) for name, file in FILES.items()}
@@ -222,20 +226,10 @@ def test_the_default_finite_elements_are_those_of_scikit_fem():
     assert type(solid.dofs) is Dofs
 
 
-def names_imported(folder):
-    """Yield file, module and name of everything that tests of a folder import from ringwear."""
-    for file in sorted((ROOT / "tests" / folder).rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("ringwear"):
-                yield from ((file.name, node.module, alias.name) for alias in node.names)
-
-
-def test_unit_tests_make_no_whole_runs():
-    whole = {"run", "check", "sweep", "study", "plan"}
-    imports = [of for of in names_imported("unit") if of[1] == "ringwear" and of[2] in whole]
-    assert not imports
-
-
-def test_only_system_tests_use_the_command_line():
-    for folder in ("unit", "physics"):
-        assert ("ringwear", "main") not in {of[1:] for of in names_imported(folder)}, folder
+@pytest.mark.parametrize(
+    ("folder", "names"),
+    [("unit", {"run", "check", "sweep", "study", "plan", "main"}), ("physics", {"main"})],
+)
+def test_unit_tests_make_no_whole_runs_and_only_system_tests_use_the_command_line(folder, names):
+    for file in (ROOT / "tests" / folder).rglob("*.py"):
+        assert not {("ringwear", name) for name in names} & {*imports_in(file)}, file

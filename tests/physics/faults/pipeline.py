@@ -85,8 +85,8 @@ def scale_one(values, index, factor):
     return values
 
 
-def stiffness(size: float) -> Put:
-    """Make the half-space too soft."""
+def stiffness(size: float, *names: str) -> Put:
+    """Make the half-space of methods too soft; of the MDR, if no other is given."""
 
     def soften(compliance):
         return Compliance(compliance.space, compliance.factor * np.sqrt(1 + size))
@@ -95,17 +95,16 @@ def stiffness(size: float) -> Put:
         softer, coarser = soften(ready.compliance), ready.coarser
         return replace(ready, compliance=softer, coarser=lambda: soften(coarser()))
 
-    return change_result(type(method("mdr")), "discretise", change)
+    def put(patch):
+        for name in names or ("mdr",):
+            change_result(type(method(name)), "discretise", change)(patch)
+
+    return put
 
 
 def weights(size: float) -> Put:
     """Overestimate the force of every pressure."""
-
-    def put(patch):
-        right = PressureSpace.weights.func
-        patch.setattr(PressureSpace, "weights", property(lambda space: (1 + size) * right(space)))
-
-    return put
+    return change_property(PressureSpace, "weights", lambda right: (1 + size) * right)
 
 
 def lose_mode(number: int) -> Put:
@@ -132,22 +131,36 @@ def change_mode(number: int, size: float, name: str = "relaxation") -> Put:
     return change_result(full_contact, "every_mode", change)
 
 
-def change_steady(**sizes: float) -> Put:
-    """Scale parts of the steady state wherever they are used."""
+def change_property(owner, name: str, change: Callable) -> Put:
+    """Change the value of a property."""
 
     def put(patch):
-        right = RunningIn.steady.func
-
-        def wrong(wear):
-            state = right(wear)
-            parts = {name: getattr(state, name) * (1 + size) for name, size in sizes.items()}
-            return (
-                state._replace(**parts) if hasattr(state, "_replace") else replace(state, **parts)
-            )
-
-        patch.setattr(RunningIn, "steady", property(wrong))
+        right = getattr(owner, name)
+        compute = getattr(right, "func", None) or right.fget
+        patch.setattr(owner, name, property(lambda of: change(compute(of))))
 
     return put
+
+
+def change_steady(name: str, size: float) -> Put:
+    """Scale a part of the steady state wherever it is used."""
+
+    def change(state):
+        return replace(state, **{name: getattr(state, name) * (1 + size)})
+
+    return change_property(RunningIn, "steady", change)
+
+
+def mix_modes(angle: float) -> Put:
+    """Rotate the second and the third mode into each other; they stay orthonormal."""
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+    def change(modes):
+        shapes = modes.shapes.copy()
+        shapes[:, 1:3] = shapes[:, 1:3] @ turn
+        return replace(modes, shapes=shapes)
+
+    return change_result(full_contact, "every_mode", change)
 
 
 def area_in_place_of_line() -> Put:
@@ -211,6 +224,15 @@ FULL: dict[str, Put] = {
     "second mode too slow": change_mode(2, 1e-2),
     "slowest mode excited too much": change_mode(1, 1e-2, "amplitudes"),
 }
+MODES: dict[str, Put] = {
+    "third mode lost": lose_mode(3),
+    "sixth mode lost": lose_mode(6),
+    "pressures of the second mode": change_mode(2, 3e-3, "shapes"),
+    "two modes mixed": mix_modes(3e-3),
+    "whole change of the running-in": change_property(
+        RunningIn, "total_change", lambda right: 1.01 * right
+    ),
+}
 ON_RINGS: dict[str, Put] = {
     "k of one ring": rings(wear=lambda k: scale_one(k, 2, 1.02)),
     "k of the first ring": rings(wear=lambda k: scale_one(k, 0, 1.05)),
@@ -219,10 +241,10 @@ ON_RINGS: dict[str, Put] = {
     "even ring edges": rings(edges=lambda edges: np.linspace(0, 1, len(edges))),
 }
 STEADY: dict[str, Put] = {
-    "steady pressure": change_steady(pressure=2e-3),
-    "steady displacement": change_steady(displacement=2e-3),
-    "steady wear rate": change_steady(wear_rate=2e-3),
-    "steady moments": change_steady(moments=2e-3),
+    "steady pressure": change_steady("pressure", 2e-3),
+    "steady displacement": change_steady("displacement", 2e-3),
+    "steady wear rate": change_steady("wear_rate", 2e-3),
+    "steady moments": change_steady("moments", 2e-3),
 }
 
 
@@ -278,8 +300,8 @@ GRADED: dict[str, Put] = {
     "harmonic for arithmetic means": rings(wear=lambda k: k * 1.02),
 }
 BY_KIND: dict[str, dict[str, Put]] = {
-    "flat": ANY | FULL | ON_RINGS | STEADY,
-    "graded": FULL | GRADED | STEADY,
+    "flat": ANY | FULL | MODES | ON_RINGS | STEADY,
+    "graded": FULL | MODES | GRADED | STEADY,
     "rising": ON_RINGS | LOADS | STATES,
     "held": FULL | ON_RINGS,
     "up_and_down": LOADS,

@@ -3,7 +3,6 @@
 Two methods share each fault, so that only anchors can detect it.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -13,6 +12,8 @@ from given import judge
 
 from ringwear import Result, Scene, run
 from ringwear.studies.crosscheck.result.answer import Answers
+
+from .changes import Change
 
 RINGS = {
     "radius": "2 mm",
@@ -87,6 +88,15 @@ HISTORY = [
 ]
 
 
+STEADY = [
+    "steady_pressure",
+    "steady_profile",
+    "steady_displacement_max",
+    "steady_rms_slope",
+    "steady_wear_rate",
+]
+
+
 def shared(scene: Scene) -> Result:
     """Return a run by two methods that have the same solution."""
     solution = run(scene, methods=["mdr"]).solutions["mdr"]
@@ -99,19 +109,17 @@ def healthy(kind: str) -> Result:
     return shared(SCENES[kind])
 
 
-def with_table(result: Result, change: Callable) -> Result:
-    """Return a copy of a result whose table is changed.
-
-    Parameters
-    ----------
-    change : (values by name, problem) -> None
-        Changes a copy of the table in place; the first index of variables is the solver.
-    """
-    dataset = result.dataset.copy(deep=True)
-    values = {str(name): array.values for name, array in dataset.variables.items()}
+def with_table(result: Result, change: Change, alone: bool = False) -> Result:
+    """Return a copy of a result whose table is changed, for both methods or for one of them."""
+    dataset, problem = result.dataset, result.scene.problem
     # xarray does not let the labels of dimensions be changed in place
-    values = {name: np.array(array) for name, array in values.items()}
-    change(values, result.scene.problem)
+    values = {str(name): np.array(of.values) for name, of in dataset.variables.items()}
+    of_methods = [name for name in values if dataset[name].dims[:1] == ("solver",)]
+    of_methods.remove("solver")
+    # views of the last method
+    change(values | {name: values[name][-1, ...] for name in of_methods}, problem.radii, problem)
+    for name in () if alone else of_methods:
+        values[name][...] = values[name][-1:]
     changed = {
         name: (array.dims, values[str(name)], array.attrs)
         for name, array in dataset.variables.items()
@@ -121,6 +129,17 @@ def with_table(result: Result, change: Callable) -> Result:
     answers = Answers.of(wrong)
     judgement = replace(result.judgement, dataset=wrong, answers=answers)
     return replace(result, dataset=wrong, answers=answers, judgement=judgement)
+
+
+def with_results(result: Result, change: Change) -> Result:
+    """Return the result of two methods that share a solution, changed everywhere alike."""
+    solution, problem = result.solutions["mdr"], result.scene.problem
+    changed = {}
+    for name, radii in (("results", problem.radii), ("compared", problem.face.radii)):
+        changed[name] = {key: np.array(of) for key, of in getattr(solution, name).items()}
+        change(changed[name], radii, problem)
+    wrong = replace(solution, **changed)
+    return judge(result.scene, mdr=wrong, twin=wrong)
 
 
 def damage(right: Result, wrong: Result) -> float:
@@ -168,8 +187,3 @@ def damage(right: Result, wrong: Result) -> float:
         some = scale > 0
         worst = max(worst, float(np.max(difference[some] / scale[some], initial=0.0)))
     return worst
-
-
-def noticed(wrong: Result) -> bool:
-    """Return whether a fault that both methods share breaks an anchor or changes the verdict."""
-    return wrong.verdict != "agree"

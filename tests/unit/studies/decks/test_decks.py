@@ -115,23 +115,19 @@ def test_pressures_of_the_functions_of_elements_are_exact(degree):
     np.testing.assert_allclose(pressures, 1 + radii**degree)
 
 
-def test_the_dat_of_calculix(tmp_path):
-    """CalculiX reports forces of a sector of two degrees, and pressing forces are negative."""
-    rows = "".join(f" {n}  0.0E+00 {-f / 180:.6E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
-    path = write(tmp_path, ".dat", "".join(DAT.format(end=end) + rows for end in (1, 2)))
-    table = read_dat(path)
+def dat(forces):
+    """Return the report of CalculiX, of a sector of two degrees; pressing forces are negative."""
+    rows = "".join(f" {n}  0.0E+00 {-f / 180:.9E}  0.0E+00\n" for n, f in enumerate(forces, 1))
+    return "".join(DAT.format(end=end) + rows for end in (1, 2))
+
+
+@pytest.mark.parametrize("exponent", ["D", "d", "E", "e"])
+def test_the_dat_of_calculix(exponent, tmp_path):
+    table = read_dat(write(tmp_path, ".dat", dat(FORCES).replace("E", exponent)))
     assert table.time.tolist() == [0.0] * 3 + [0.5] * 3
     assert table.radius.tolist() == [0.0, 1.0, 2.0] * 2
     # at the start, the pressure at the rim is left out
     np.testing.assert_allclose(table.pressure, [1, 1, np.nan, 1, 1, 1], rtol=1e-5)
-    np.testing.assert_allclose(table.normal_force, 4 * np.pi, rtol=1e-5)
-
-
-@pytest.mark.parametrize("exponent", ["D", "d", "E", "e"])
-def test_exponents_of_fortran_are_read(exponent, tmp_path):
-    rows = "".join(f" {n}  0.0E+00 {-f / 180:.9E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
-    text = "".join(DAT.format(end=end) + rows for end in (1, 2)).replace("E", exponent)
-    table = read_dat(write(tmp_path, ".dat", text))
     np.testing.assert_allclose(table.normal_force, 4 * np.pi, rtol=1e-5)
 
 
@@ -182,8 +178,7 @@ def test_scenes_without_a_deck_are_refused():
 def test_results_of_a_deck_of_another_scene_are_reported(tmp_path, caplog):
     """One line names the keys that change what is modelled; methods and accuracy do not."""
     flat = Scene.load("flat_punch").changed(methods=["mdr"], punch__radius=2.0, wear__times=[0.0])
-    rows = "".join(f" {n}  0.0E+00 {-f / 180:.6E}  0.0E+00\n" for n, f in enumerate(FORCES, 1))
-    path = write(tmp_path, ".dat", "".join(DAT.format(end=end) + rows for end in (1, 2)))
+    path = write(tmp_path, ".dat", dat(FORCES))
     other = flat.changed(half_space__poisson_ratio=0.4, punch__radius=3.0, accuracy__rtol=1e-3)
     for modelled, keys in ((other, "half_space.poisson_ratio, punch.radius"), (flat, "")):
         (tmp_path / "scene.toml").write_text(modelled.to_toml(), "utf-8")

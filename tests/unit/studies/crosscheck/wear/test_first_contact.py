@@ -4,11 +4,11 @@ import time
 
 import numpy as np
 import pytest
+from natural import natural
 from rough_faces import rough, with_heights
 
 from ringwear import (
     ContactCells,
-    Scene,
     Stages,
     energy,
     even_half_space,
@@ -29,14 +29,11 @@ from ringwear.studies.crosscheck.wear.first_contact import (
 )
 from ringwear.studies.crosscheck.wear.unilateral import Contact
 
-RINGS = Scene.of(
-    {
-        "punch": {"radius": 2.0, "ring_edges": [0.8, 1.4, 2.0], "wear_coefficients": [1, 10]},
-        "half_space": {"plane_strain_modulus": 5.0},
-        "load": {"normal_force": 0.3},
-        "wear": {"times": [0.0, 0.1, 1.0]},
-        "accuracy": {"rtol": 1e-3},
-    }
+RINGS = natural(
+    {"radius": 2.0, "ring_edges": [0.8, 1.4, 2.0], "wear_coefficients": [1, 10]},
+    [0.0, 0.1, 1.0],
+    half_space={"plane_strain_modulus": 5.0},
+    load={"normal_force": 0.3},
 )
 
 
@@ -134,15 +131,11 @@ def test_the_coarser_cells_are_coarser_where_contact_begins():
     """A search for the first contact may choose the sizes there itself."""
     edges, wear = [0.1979, 0.8762, 1.0], [1.0, 0.923368719092991, 0.5865486762333854]
     profile = {"kind": "power", "coefficient": 0.0048846518726409485, "exponent": 4.62017910640662}
-    punch = {"ring_edges": edges, "wear_coefficients": wear, "profile": profile}
-    begun = Scene.of(
-        {
-            "punch": {"radius": 1.0} | punch,
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"normal_force": 3.6e-6, "sliding_speed": 1.0},
-            "wear": {"times": [0.0, 1.0], "steady": False},
-            "accuracy": {"rtol": 10**-3.5},
-        }
+    begun = natural(
+        {"ring_edges": edges, "wear_coefficients": wear, "profile": profile},
+        rtol=10**-3.5,
+        load={"normal_force": 3.6e-6},
+        wear={"times": [0.0, 1.0], "steady": False},
     )
     fine, coarse = contact_cells(begun.problem)
     for cells, other in zip(fine.refinements, coarse.refinements, strict=True):
@@ -153,25 +146,17 @@ def test_the_coarser_cells_are_coarser_where_contact_begins():
 
 def test_refinement_reaches_the_sizes_of_any_cells():
     """Facets of triangles follow the cells; an earlier refinement ran out of iterations here."""
-    scene = Scene.from_table(
-        {
-            "methods": ["fem"],
-            "punch": {
-                "radius": 25.0,
-                "ring_edges": [18.0, 21.0, 25.0],
-                "wear_coefficients": [1.0, 1.0, 4.0],
-                "profile": {
-                    "kind": "table",
-                    "radii": [0.0, 17.9, 18.5, 19.5, 21.5, 23.5, 24.5, 25.0],
-                    "heights": [0.02, 0.02, 0.012, 0.004, 0.0, 0.004, 0.012, 0.02],
-                },
-            },
-            "half_space": {"plane_strain_modulus": 1.0},
-            "load": {"indentation": 0.05},
-            "wear": {"times": [0.0]},
-            "accuracy": {"rtol": 1e-4},
-        }
-    )
+    punch = {
+        "radius": 25.0,
+        "ring_edges": [18.0, 21.0, 25.0],
+        "wear_coefficients": [1.0, 1.0, 4.0],
+        "profile": {
+            "kind": "table",
+            "radii": [0.0, 17.9, 18.5, 19.5, 21.5, 23.5, 24.5, 25.0],
+            "heights": [0.02, 0.02, 0.012, 0.004, 0.0, 0.004, 0.012, 0.02],
+        },
+    }
+    scene = natural(punch, rtol=1e-4, methods="fem", load={"indentation": 0.05})
     _, cells = first_contact(scene.problem)
     mesh = even_half_space(cells).solid.mesh
     radii = contact_radii(mesh)
