@@ -66,36 +66,3 @@ def test_finite_elements_are_drawn_before_other_methods():
     assert [each.other for each in result.field_comparisons] == ["fem", "bem"]
     figure = result.plot("difference")
     assert "Not drawn: BEM minus MDR" in figure.legends[0].get_title().get_text()
-
-
-<<<<<<< HEAD
-def test_no_history_has_offset_text_or_a_narrow_axis():
-    scene = Scene.load("five_rings").changed(
-        methods=["mdr", "bem"],
-        accuracy__rtol=1e-2,
-        wear__times=[5e7, 5.0001e7],
-        half_space__plane_strain_modulus=1e-7,
-    )
-    figure = run(scene).plot("history")
-    figure.draw_without_rendering()
-    for axes in figure.axes:
-        assert not axes.yaxis.get_offset_text().get_text()
-        assert not axes.xaxis.get_offset_text().get_text()
-    for axes in figure.axes[:2]:
-        low, high = axes.get_ylim()
-        assert high - low >= 0.0099 * max(abs(low), abs(high))
-=======
-@pytest.mark.gmsh
-@pytest.mark.parametrize("name", ["five_rings", "washer"])
-def test_large_differences_of_operators_are_in_the_shaded_part(name):
-    result = run(Scene.load(name).changed(methods=["mdr", "fem"], accuracy__rtol=1e-3))
-    (pair,) = result.operators
-    resolved = pair.wavelengths > pair.shortest_resolved
-    assert pair.differences[~resolved].max() > 0.1
-    assert pair.differences[resolved].max() < 0.1
-    (axes,) = result.plot("operator_difference").axes
-    (shaded,) = axes.patches
-    assert shaded.get_x() == pytest.approx(axes.get_xlim()[0])
-    end = (shaded.get_x() + shaded.get_width()) * result.scene.punch.radius
-    assert end == pytest.approx(pair.shortest_resolved)
->>>>>>> tests
