@@ -12,7 +12,7 @@ import xarray
 from given import judge
 
 from ringwear import Result, Scene, run
-from ringwear.studies.crosscheck.result.answer import Answers
+from ringwear.studies.crosscheck.result.table import Answers
 
 RINGS = {
     "radius": "2 mm",
