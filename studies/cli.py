@@ -62,14 +62,5 @@ def _status_of(arguments: list[str] | None) -> Status:
     return Status.FAILED
 
 
-def __getattr__(name: str) -> object:
-    """Return `COMMANDS`, the commands by their names, which are loaded at their first use."""
-    if name == "COMMANDS":
-        from .commands import COMMANDS
-
-        return COMMANDS
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
 if __name__ == "__main__":
     sys.exit(main())

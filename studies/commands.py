@@ -1,24 +1,21 @@
 """The commands: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
 
-A command is a public function: its flags are the parameters of the function, and its help is the
-docstring. Here is what the command line adds: files are named, written and listed, and texts are
-printed.
+A command is a public function, and a function here that conducts it: files are named, written and
+listed, and texts are printed. Its arguments are the parameters of both, and its help is their
+docstrings.
 """
 
-import argparse
 import atexit
 import gc
-import shutil
 import sys
-import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
-from .arguments import FLAGS, add_arguments, flag_of, new_parser
+from .arguments import Parser, add_arguments
 from .crosscheck import (
     Folder,
     Scene,
@@ -45,103 +42,145 @@ def conduct(arguments: list[str] | None) -> Status:
     # skip the garbage collection at exit, which takes as long as drawing a figure
     atexit.register(gc.freeze)
     options = _read(sys.argv[1:] if arguments is None else arguments)
-    if arguments is None and options.command != "sweep":
+    command = options.pop("command")
+    if arguments is None and command != "sweep":
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
-    show_progress(of_stages=options.command not in ("plan", "study", "sweep"))
-    return COMMANDS[options.command].conduct(options)
+    show_progress(of_stages=command not in ("plan", "study", "sweep"))
+    return COMMANDS[command].conduct(**options)
 
 
-def _run(options: argparse.Namespace) -> Status:
+def _run(
+    scene: str = "five_rings",
+    *,
+    out: str = "",
+    no_figures: bool = False,
+    no_report: bool = False,
+    csv: bool = False,
+    verbose: bool = False,
+    **given: Any,
+) -> Status:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene : a TOML file, or the name of a bundled scene (default: five_rings)
+    no_figures : write numbers only, no figures and no page
+    no_report : write figures, but not the page (report.html)
+    csv : write the results as CSV tables, too
+    verbose : print everything: each ring, every difference, the cost, what is modelled and left out
+    """
     from .crosscheck import RUN_FILES, write_numbers
 
     # collect garbage less often: nearly all objects of a run live to its end, and searching them
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
-    scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
+    memory = given.pop("memory", None)
+    read = Scene.of(scene, **given)
     from .crosscheck import refuse_beyond_memory
 
-    refuse_beyond_memory(scene, limit=options.memory)
+    refuse_beyond_memory(read, limit=memory)
     pictures: tuple[Picture, ...] = ()
-    if not options.no_figures:
+    if not no_figures:
         from .figures.catalogue import PICTURES
 
         pictures = PICTURES
     files = {*RUN_FILES, *(picture.file for picture in pictures)}
     # open the folder first, so that a folder that cannot be written to is refused before the work
-    with output_folder(_out(options, options.scene), "run", files) as folder:
+    with output_folder(_out(out, scene), "run", files) as folder:
         from .crosscheck import Account, run
         from .report.page import show
         from .report.printed import print_account
 
-        result = run(scene, memory=options.memory)
-        write_numbers(result.dataset, result.summary, folder.hidden, options.csv)
+        result = run(read, memory=memory)
+        write_numbers(result.dataset, result.summary, folder.hidden, csv)
         account = Account(result)
-        page = not (options.no_figures or options.no_report)
+        page = not (no_figures or no_report)
         # print the answer before drawing the figures
-        print_account(account, options.verbose, page)
+        print_account(account, verbose, page)
         failures = show(result, account, pictures, folder.hidden, page)
-    _print_files(folder, failures)
-    if failures:
-        return Status.FAILED
-    return Status.DISAGREE if result.verdict == "disagree" or result.short_of else Status.DONE
+    return _finish(folder, failures, result.verdict != "disagree" and not result.short_of)
 
 
-def _out(options: argparse.Namespace, name: str, prefix: str = "") -> Path:
+def _out(out: str, name: str, prefix: str = "") -> Path:
     """Return the output folder: that of `--out`, or one that is named after a scene or study."""
-    return named_folder(options.out or default_folder(name, prefix))
+    return named_folder(out or default_folder(name, prefix))
 
 
-def _print_files(folder: Folder, failures: list[str]) -> None:
+def _finish(folder: Folder, failures: Sequence[str] = (), agree: bool = True) -> Status:
+    """List the files of a command, and what failed; return the exit status."""
     files = ", ".join(folder.written)
     print_lines(["", f"{len(folder.written)} files in {folder.out}: {files}"])
     for failure in failures:
         print_error(failure)
+    return Status.FAILED if failures else Status.DONE if agree else Status.DISAGREE
 
 
-def _check(options: argparse.Namespace) -> Status:
-    scene = Scene.load(options.scene)
-    if not options.theirs:
+def _check(
+    scene: str,
+    theirs: Sequence[str] = (),
+    *,
+    out: str = "",
+    refinement: bool = False,
+    **given: Any,
+) -> Status:
+    """Check results of other programs.
+
+    Parameters
+    ----------
+    theirs : results of another program: CSV (columns time, radius, pressure, displacement,
+        profile, or time, indentation, normal_force), netCDF, or VTU of a half-space
+    refinement : treat the files as results of one program from coarse to fine, each with half the
+        size of the previous one
+    """
+    read = Scene.load(scene)
+    if not theirs:
         raise SceneError("check compares results of other programs with ours: give their files")
-    if repeated := [file for file in options.theirs if options.theirs.count(file) > 1]:
+    if repeated := [file for file in theirs if theirs.count(file) > 1]:
         raise SceneError(f"{repeated[0]} is given twice: give each file once")
-    others = {Path(file).name: file for file in options.theirs}
-    if len(others) < len(options.theirs):
-        others = {file: file for file in options.theirs}
-    # in a refinement each size is half of the previous one, unless sizes are given
-    halved_sizes = [0.5**level for level in range(len(others))]
-    sizes = options.sizes or (halved_sizes if options.refinement else [])
+    others = {Path(file).name: file for file in theirs}
+    if len(others) < len(theirs):
+        others = {file: file for file in theirs}
+    if refinement:
+        # in a refinement each size is half of the previous one, unless sizes are given
+        given.setdefault("sizes", [0.5**level for level in range(len(others))])
     from .check.check import check, check_files
 
-    with output_folder(_out(options, options.scene, "check_"), "check", check_files()) as folder:
-        given = _given(options, "check") | {"sizes": sizes}
-        found = check(scene, others, **given)
+    with output_folder(_out(out, scene, "check_"), "check", check_files()) as folder:
+        found = check(read, others, **given)
         print_lines(["", *found.texts.brief])
         found.write_errors(folder)
         failures = found.write_mistakes(folder)
         print_lines(found.texts.mistakes)
-    _print_files(folder, failures)
-    if failures:
-        return Status.FAILED
-    return Status.DONE if found.passes else Status.DISAGREE
+    return _finish(folder, failures, found.passes)
 
 
-def _fit(options: argparse.Namespace) -> Status:
+def _fit(scene: str, data: Sequence[str], *, out: str = "", **given: Any) -> Status:
+    """Fit parameters.
+
+    Parameters
+    ----------
+    data : measurements: CSV with columns time, indentation, normal_force; time, radius, profile;
+        worn_volume or lost_mass; worn_volume_1 for the first ring from the centre
+    """
     from .fit.fit import fit
     from .fit.result import FILES
 
-    scene = Scene.load(options.scene)
-    with output_folder(_out(options, options.scene, "fit_"), "fit", FILES) as folder:
-        result = fit(scene, options.data, options.parameters, **_given(options, "fit"))
+    read = Scene.load(scene)
+    with output_folder(_out(out, scene, "fit_"), "fit", FILES) as folder:
+        result = fit(read, data, **given)
         print_lines(["", *repr(result).split("\n")])
         failures = result.write(folder.hidden)
-    _print_files(folder, failures)
-    if failures:
-        return Status.FAILED
-    return Status.DONE if result.fits else Status.DISAGREE
+    return _finish(folder, failures, result.fits)
 
 
-def _plan(options: argparse.Namespace) -> Status:
+def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
+    """Print the plan of a run, or of the wear steps on a mesh.
+
+    Parameters
+    ----------
+    check : also condense the finite elements, and report how stable their multipliers are
+    """
     from .crosscheck import (
         beyond_the_model,
         chosen_methods,
@@ -155,21 +194,21 @@ def _plan(options: argparse.Namespace) -> Status:
     from .report.printed import print_scope
     from .wear_step.plan import plan
 
-    scene, given = Scene.load(options.scene), _given(options, "plan")
+    read = Scene.load(scene)
     if given.keys() & {"size", "element", "mesh"}:
-        print_lines(["", scene.title or "Untitled scene", "", *plan(scene, **given)])
+        print_lines(["", read.title or "Untitled scene", "", *plan(read, **given)])
         return Status.DONE
-    methods = chosen_methods(scene)
-    refuse(scene, methods)
-    refuse_beyond_memory(scene, methods.values(), options.memory)
-    warnings = [f"warning: {warning}" for warning in beyond_the_model(scene)]
-    print_lines(["", scene.title or "Untitled scene", *time_scale(scene), *warnings, ""])
-    print_scope(modelled(scene, methods), left_out(scene, methods))
+    methods = chosen_methods(read)
+    refuse(read, methods)
+    refuse_beyond_memory(read, methods.values(), given.get("memory"))
+    warnings = [f"warning: {warning}" for warning in beyond_the_model(read)]
+    print_lines(["", read.title or "Untitled scene", *time_scale(read), *warnings, ""])
+    print_scope(modelled(read, methods), left_out(read, methods))
     print_lines(["", "By method"])
-    print_lines(f"  {line}" for line in plan(scene, options.memory))
-    if options.check:
+    print_lines(f"  {line}" for line in plan(read, **given))
+    if check:
         # compare the finite elements' multipliers with a compliance that resolves their pressures
-        (pair,) = compare_operators(scene, ["fem", "mdr"])
+        (pair,) = compare_operators(read, ["fem", "mdr"])
         print(
             f"\nMultipliers: inf-sup constant {pair.stability**0.5:.2f}, least ratio of energies "
             f"{pair.stability:.2f} ({pair.methods[0]} over {pair.methods[1]}); over all steady "
@@ -178,16 +217,16 @@ def _plan(options: argparse.Namespace) -> Status:
     return Status.DONE
 
 
-def _mesh(options: argparse.Namespace) -> Status:
+def _mesh(scene: str, *, out: str = "") -> Status:
     """Mesh the half-space of a scene, and write it as a VTU file and a figure."""
-    scene = Scene.load(options.scene)
-    with output_folder(_out(options, options.scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
+    read = Scene.load(scene)
+    with output_folder(_out(out, scene), "mesh", ["mesh.vtu", "mesh.png"]) as folder:
         from ..meshes import quality
         from .crosscheck import fem_sizes
         from .figures.mesh import write_mesh
 
-        half_space = fem_sizes(scene.problem)
-        write_mesh(scene, half_space.mesh, half_space.mesher, folder.hidden)
+        half_space = fem_sizes(read.problem)
+        write_mesh(read, half_space.mesh, half_space.mesher, folder.hidden)
     mesh, qualities = half_space.mesh, quality(half_space.mesh)
     kind = "triangles" if len(mesh.t) == 3 else "quadrilaterals"
     print(
@@ -197,47 +236,62 @@ def _mesh(options: argparse.Namespace) -> Status:
         *(f"note: {note}" for note in half_space.notes),
         sep="\n",
     )
-    _print_files(folder, [])
-    return Status.DONE
+    return _finish(folder)
 
 
-def _compare(options: argparse.Namespace) -> Status:
+def _compare(a: str, b: str, *, out: str = "") -> Status:
+    """Compare two results.
+
+    Parameters
+    ----------
+    a : a folder that ringwear run has written, a TOML file, or the name of a bundled scene
+    b : the same, to be compared with A
+    """
     from .comparison import FILES, compare
     from .report.printed import print_table
 
-    with output_folder(_out(options, "compare"), "compare", FILES) as folder:
-        comparison = compare(options.a, options.b)
+    with output_folder(_out(out, "compare"), "compare", FILES) as folder:
+        comparison = compare(a, b)
         comparison.write(folder.hidden)
-    print_lines([f"A: {options.a}", f"B: {options.b}"])
+    print_lines([f"A: {a}", f"B: {b}"])
     for table in (comparison.scenes, comparison.shown):
         print()
         print_table(table.to_dict("records"))
     print_lines(["", comparison.conclusion])
     if comparison.fields is None:
         print("\ndifference.png is not drawn: no field is given by both at a common time")
-    _print_files(folder, [])
-    return Status.DONE
+    return _finish(folder)
 
 
-def _study(options: argparse.Namespace) -> Status:
-    from .named_studies import study
+def _study(
+    scene: str = "five_rings",
+    *,
+    study: str,
+    out: str = "",
+    resume: bool = False,
+    **given: Any,
+) -> Status:
+    """Conduct a study.
+
+    Parameters
+    ----------
+    scene : a TOML file, or the name of a bundled scene (default: five_rings)
+    resume : continue the study in the directory
+    """
+    from .named_studies import study as conduct_study
     from .study.interrupted import as_before, rows_before
     from .tables.writing import keep_tables, keeping_rows
 
-    name, scene = options.study, Scene.load(options.scene)
-    out = _out(options, name)
-    given = {each: getattr(options, each, None) for each in STUDIES[name].options}
-    # an abscissa that is the default is as none
-    given = {each: value for each, value in given.items() if value not in (None, [], (), "size")}
-    setup = {"study": name, "scene": scene.to_toml(), "quick": options.quick, "options": given}
-    text = rows_before(out, name, setup) if options.resume else ""
-    with output_folder(out, f"study {name}", ["report.html"]) as folder:
-        if options.quick:
-            print(f"about {STUDIES[name].seconds} s on a machine with two cores", flush=True)
-        record = as_before(folder.hidden, name, setup, text)
+    read, folder_name = Scene.load(scene), _out(out, study)
+    setup = {"study": study, "scene": read.to_toml(), "options": given}
+    text = rows_before(folder_name, study, setup) if resume else ""
+    with output_folder(folder_name, f"study {study}", ["report.html"]) as folder:
+        if given.get("quick"):
+            print(f"about {STUDIES[study].seconds} s on a machine with two cores", flush=True)
+        record = as_before(folder.hidden, study, setup, text)
         results, failures, conclusions = None, list[str](), record.remarks
         with keeping_rows(record.remarks):
-            results = study(name, scene, options.quick, record=record, **given)
+            results = conduct_study(study, read, record=record, **given)
         if results is None:
             keep_tables(folder.hidden)
         else:
@@ -245,87 +299,117 @@ def _study(options: argparse.Namespace) -> Status:
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
     print_lines(conclusions)
-    _print_files(folder, failures)
-    return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE
+    status = _finish(folder, failures)
+    return Status.FAILED if INTERRUPTED in conclusions else status
 
 
-def _orders(options: argparse.Namespace) -> Status:
+def _orders(table: str, *, out: str = "", latex: bool = False, **given: Any) -> Status:
+    """Fit orders of convergence.
+
+    Parameters
+    ----------
+    table : a CSV file with one row for each level and one column for each quantity; with a column
+        radius, the other columns are fields; or the table of a study
+    latex : print the table in LaTeX instead of Markdown
+    """
     from .study.formats import to_latex, to_markdown
     from .study.sheet import orders_of_file, write
 
-    table, fitted = orders_of_file(
-        options.table, options.by, options.right or [], options.tolerance
-    )
-    text = to_latex(fitted) if options.latex else to_markdown(fitted)
+    levels, fitted = orders_of_file(table, **given)
+    text = to_latex(fitted) if latex else to_markdown(fitted)
     print_lines(text.splitlines())
-    if options.out:
-        with output_folder(options.out, "orders", ["orders.csv", "orders.png"]) as folder:
-            write(table, fitted, options.by, folder.hidden)
-        _print_files(folder, [])
+    if out:
+        with output_folder(out, "orders", ["orders.csv", "orders.png"]) as folder:
+            write(levels, fitted, given["by"], folder.hidden)
+        _finish(folder)
     missed = "within" in fitted and (fitted["within"] == "no").any()
     return Status.DISAGREE if missed else Status.DONE
 
 
-def _sweep(options: argparse.Namespace) -> Status:
+def _sweep(
+    file: str,
+    *,
+    out: str = "",
+    scheduler: str = "",
+    dry_run: bool = False,
+    **given: Any,
+) -> Status:
+    """Compute a sweep.
+
+    Parameters
+    ----------
+    file : a sweep file (described in studies/sweep/README.md), or the name of a bundled sweep
+    scheduler : the address of a Dask scheduler, to compute on its workers
+    dry_run : only print what the sweep will need, by a probe of its first scene
+    """
     from .crosscheck import make, refuse_foreign_folders
     from .sweep.axes import Sweep
     from .sweep.blocks import cluster
-    from .sweep.sweep import compute, estimate
-    from .sweep.words import conclude
+    from .sweep.sweep import compute, conclude, estimate
 
-    plan = Sweep.load(options.file, options.methods and list(options.methods))
-    if options.dry_run:
-        print_lines(estimate(plan, options.workers))
+    plan = Sweep.load(file, given.pop("methods", None))
+    if dry_run:
+        print_lines(estimate(plan, given.get("workers")))
         return Status.DONE
-    out = _out(options, options.file)
-    if out.is_dir():
-        refuse_foreign_folders(out)
-        Folder(out, "sweep").refuse_to_replace(["sweep.png"])
-    with cluster(options.scheduler) if options.scheduler else nullcontext() as executor:
-        given = _given(options, "sweep")
-        dataset = compute(plan, out, executor, **given)
+    store = _out(out, file)
+    if store.is_dir():
+        refuse_foreign_folders(store)
+        Folder(store, "sweep").refuse_to_replace(["sweep.png"])
+    with cluster(scheduler) if scheduler else nullcontext() as executor:
+        dataset = compute(plan, store, executor, **given)
     from .sweep.picture import PICTURE, draw
 
-    with output_folder(out, "sweep", [PICTURE]) as hidden:
+    with output_folder(store, "sweep", [PICTURE]) as hidden:
         failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
-    lines, complete, agree = conclude(dataset, out)
+    lines, complete, agree = conclude(dataset, store)
     print_lines([*lines, *failures])
     if not complete or failures:
         return Status.FAILED
     return Status.DONE if agree else Status.DISAGREE
 
 
-def _scenes(options: argparse.Namespace) -> Status:
-    """List the bundled scenes, or print one as a start for your own."""
-    if options.name is not None:
-        print(text_of(options.name), end="")
+def _scenes(name: str = "") -> Status:
+    """List the bundled scenes, or print one as a start for your own.
+
+    Parameters
+    ----------
+    name : the name of a bundled scene, to print it
+    """
+    if name:
+        print(text_of(name), end="")
         return Status.DONE
     print_lines(f"{name:<18}{Scene.load(name).title}" for name in bundled())
     return Status.DONE
 
 
-def _deck(options: argparse.Namespace) -> Status:
+def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
+    """Write decks."""
     from .decks.deck import choose, write_decks
 
-    scene = Scene.load(options.scene)
-    choice = choose(scene, options.program, **_given(options, "deck"))
-    out = options.out or default_folder(options.scene, "deck_")
-    with output_folder(out, "deck", ["README.md"]) as folder:
-        lines = write_decks(scene, choice, folder.hidden)
+    read = Scene.load(scene)
+    choice = choose(read, **given)
+    with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
+        lines = write_decks(read, choice, folder.hidden)
     print_markdown(lines)
-    print_lines(["", f"{len(folder.written)} files in {out}: {', '.join(folder.written)}"])
-    return Status.DONE
+    return _finish(folder)
 
 
-def _challenge(options: argparse.Namespace) -> Status:
+def _challenge(words: Sequence[str] = (), *, list: bool = False) -> Status:
     """Compare results of another program with a problem of the wear challenge.
 
     Without a file, list the problems, or print one as a scene.
+
+    Parameters
+    ----------
+    words : the problem (its name or number; by default the number in the file's name) and a file
+        for ringwear check or, on layered ground, with a table of cases; NAME alone prints the
+        problem, no argument lists all problems
+    list : list the problems, as without any argument
     """
     from .challenge.problems import name_of, problem_named, problem_of_file, problems
 
-    match options.words:
-        case [_, *_] if options.list:
+    match words:
+        case [_, *_] if list:
             raise SceneError("challenge --list lists the problems: leave out the name and the file")
         case []:
             for path in problems():
@@ -342,33 +426,19 @@ def _challenge(options: argparse.Namespace) -> Status:
     return Status.DONE
 
 
-def _given(options: argparse.Namespace, command: str) -> dict[str, Any]:
-    """Return the flags of a command that are parameters of its function, by their names."""
-    command_ = COMMANDS[command]
-    parameters = documented(command_.place).parameters
-    names = parameters.keys() & {*command_.arguments} - {*command_.named}
-    given = {name: getattr(options, name) for name in names}
-    return {name: value for name, value in given.items() if value is not None}
-
-
 class Command(NamedTuple):
     """A command.
 
     Parameters
     ----------
-    place : the function whose docstring is the help, as in `documented`
-    conduct : conducts the command
-    arguments : parameters of the function, arguments without a flag, and flags of the command
-    named : arguments that `conduct` passes to the function by itself
-    defaults : values on the command line that differ from those of the function
+    conduct : conducts the command; its parameters are arguments of the command
+    place : the function whose docstring is the help, as in `documented`, and whose other parameters
+        are arguments, too; by default that which conducts the command
     examples : text at the end of the help
     """
 
-    place: str
-    conduct: Callable[[argparse.Namespace], Status]
-    arguments: tuple[str, ...]
-    named: tuple[str, ...] = ("scene",)
-    defaults: dict[str, object] = {}  # noqa: RUF012
+    conduct: Callable[..., Status]
+    place: str = ""
     examples: str = ""
 
 
@@ -402,67 +472,18 @@ CHALLENGE_EXAMPLES = """examples:
 """
 
 COMMANDS = {
-    "run": Command(
-        "crosscheck.result.run:run",
-        _run,
-        (
-            *("scene", "--out", "rtol", "methods", "quantities", "--no-figures", "--no-report"),
-            *("--csv", "memory", "--verbose"),
-        ),
-        defaults={"scene": "five_rings"},
-    ),
-    "check": Command(
-        "check.check:check",
-        _check,
-        (
-            *("scene", "theirs", "--out", "methods", "within", "columns", "units", "sizes"),
-            *("times", "--refinement", "element", "memory"),
-        ),
-        ("scene", "theirs", "sizes"),
-    ),
-    "fit": Command(
-        "fit.fit:fit",
-        _fit,
-        (
-            *("scene", "data", "parameters", "noise", "density"),
-            *("columns", "units", "cycle", "--out"),
-        ),
-        ("scene", "data", "parameters"),
-    ),
-    "plan": Command(
-        "wear_step.plan:plan",
-        _plan,
-        ("scene", "memory", "size", "mesh", "element", "--check"),
-    ),
-    "mesh": Command("commands:_mesh", _mesh, ("scene", "--out")),
-    "compare": Command("comparison:compare", _compare, ("a", "b", "--out")),
-    "study": Command("named_studies:study", _study, ()),
-    "orders": Command(
-        "study.orders:orders",
-        _orders,
-        ("table", "by", "right", "tolerance", "--latex", "--out"),
-        examples=ORDERS_EXAMPLES,
-    ),
-    "sweep": Command(
-        "sweep.sweep:sweep",
-        _sweep,
-        (
-            *("file", "--out", "methods", "workers", "--scheduler", "--dry-run"),
-            *("resume", "retry_failed"),
-        ),
-        ("file", "methods"),
-    ),
-    "scenes": Command("commands:_scenes", _scenes, ("name",)),
-    "deck": Command(
-        "decks.deck:deck",
-        _deck,
-        ("scene", "program", "element", "size", "reach", "times", "--out"),
-        ("scene", "program"),
-        examples=DECK_EXAMPLES,
-    ),
-    "challenge": Command(
-        "commands:_challenge", _challenge, ("words", "--list"), examples=CHALLENGE_EXAMPLES
-    ),
+    "run": Command(_run, "crosscheck.result.run:run"),
+    "check": Command(_check, "check.check:check"),
+    "fit": Command(_fit, "fit.fit:fit"),
+    "plan": Command(_plan, "wear_step.plan:plan"),
+    "mesh": Command(_mesh),
+    "compare": Command(_compare, "comparison:compare"),
+    "study": Command(_study, "named_studies:study"),
+    "orders": Command(_orders, "study.orders:orders", ORDERS_EXAMPLES),
+    "sweep": Command(_sweep, "sweep.sweep:sweep"),
+    "scenes": Command(_scenes),
+    "deck": Command(_deck, "decks.deck:deck", DECK_EXAMPLES),
+    "challenge": Command(_challenge, examples=CHALLENGE_EXAMPLES),
 }
 
 
@@ -473,10 +494,9 @@ PURPOSE = (
 )
 
 
-def _read(arguments: list[str]) -> argparse.Namespace:
+def _read(arguments: list[str]) -> dict[str, Any]:
     """Read the arguments of the command line."""
-    width = shutil.get_terminal_size().columns - 2
-    parser = new_parser("ringwear", textwrap.fill(PURPOSE, width), EXAMPLES)
+    parser = Parser(PURPOSE, prog="ringwear", epilog=EXAMPLES)
     version = f"ringwear {package_versions()['ringwear']}"
     parser.add_argument("--version", action="version", version=version)
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
@@ -486,20 +506,26 @@ def _read(arguments: list[str]) -> argparse.Namespace:
         if called in COMMANDS and called != name:
             commands.add_parser(name)
             continue
+        conduct = f"commands:{command.conduct.__name__}"
+        place = command.place or conduct
+        purpose = documented(place).purpose
         subparser = commands.add_parser(
-            name,
-            help=documented(command.place).purpose,
-            description=textwrap.fill(documented(command.place).purpose, width),
-            epilog=command.examples,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            name, help=purpose, description=purpose, epilog=command.examples
         )
-        add_arguments(subparser, command.place, command.arguments, command.defaults)
-        if name == "study":
-            names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
-            for study, row in STUDIES.items():
-                subparser = names.add_parser(study, help=row.purpose, description=row.purpose)
-                options = (each for each in row.options if flag_of(each) in FLAGS)
-                flags = ["scene", "--out", "quick", "--resume", *options]
-                flags += ["--quantity"] * ("quantities" in row.options)
-                add_arguments(subparser, row.place, flags, {"scene": row.scene})
-    return parser.parse_args(arguments)
+        if name != "study":
+            add_arguments(subparser, place, conduct)
+            continue
+        names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
+        for study, row in STUDIES.items():
+            subparser = names.add_parser(study, help=row.purpose, description=row.purpose)
+            add_arguments(subparser, row.place, conduct)
+            if "quantities" in row.options:
+                subparser.add_argument(
+                    "--quantity",
+                    action="append",
+                    dest="quantities",
+                    metavar="FILE.py:NAME",
+                    help="a function of your own that takes the result of a run and returns a "
+                    "number; may be repeated",
+                )
+    return vars(parser.parse_args(arguments))

@@ -6,28 +6,36 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pandas as pd
 
 from ..meshes import SceneError
 from .crosscheck import (
+    ANSWER,
+    IN_STEADY_STATE,
+    OVER_TIME,
+    QUANTITIES,
     AnswersGuesses,
     FieldComparison,
     Result,
     Scene,
     Source,
+    compare_fields,
     did_you_mean,
+    error_name,
     load,
     naming_arguments,
     output_folder,
     run,
     shown,
 )
-from .report.comparison import answer_rows, field_comparison, refuse_other_units, scene_rows
 from .tables.writing import write_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# relative difference up to which numbers count as equal
+ROUNDOFF = 1e-12
 FILES = "scenes.csv", "answers.csv", "comparison.png", "difference.png"
 
 
@@ -66,7 +74,10 @@ def compare(a: Source | Result, b: Source | Result) -> "Comparison":
     """
     sources = [_source(source) for source in (a, b)]
     first, second = (source if isinstance(source, Scene) else source.scene for source in sources)
-    refuse_other_units(first, second)
+    if first.unit_names.base != second.unit_names.base:
+        raise SceneError(
+            f"units = {first.units!r} and {second.units!r} differ: compare scenes in the same units"
+        )
     return Comparison(*(run(source) if isinstance(source, Scene) else source for source in sources))
 
 
@@ -102,19 +113,60 @@ class Comparison(AnswersGuesses):
     def table(self) -> pd.DataFrame:
         """A row for each number of the answer: `quantity`, `A`, `B`, `B against A`, `known`, ...
 
-        `known` is the sum of the relative error estimates of both results.
+        `known` is the sum of the relative error estimates of both results, `change` the relative
+        difference as a number, and `differs` whether it is larger than `known`.
         """
-        return answer_rows(self.a, self.b)
+        names, rows = self.a.scene.unit_names, []
+        for name, quantity in (ANSWER | QUANTITIES).items():
+            if quantity.dims:
+                continue
+            first, second = (float(side.first(name)) for side in (self.a, self.b))
+            if np.isnan([first, second]).all():
+                continue
+            change = second / first - 1 if first else np.nan
+            estimates = [side.first(error_name(name)) for side in (self.a, self.b)]
+            uncertainty = max(float(np.nansum(estimates)), ROUNDOFF)
+            one_missing = bool(np.isnan([first, second]).any())
+            written = names.write_together([first, second], quantity.unit)
+            differs = first != second and not one_missing and not abs(change) <= uncertainty
+            rows.append(
+                {
+                    "quantity": name,
+                    "A": written[0],
+                    "B": written[1],
+                    "B against A": f"{100 * change:+.3g} %" if np.isfinite(change) else "",
+                    "known": f"{uncertainty:.1e}",
+                    "change": change,
+                    "differs": differs,
+                }
+            )
+        return pd.DataFrame(rows)
 
     @cached_property
     def scenes(self) -> pd.DataFrame:
         """A row for each scene key whose values differ: `key`, `A` and `B`."""
-        return scene_rows(self.a, self.b)
+        tables = [
+            pd.json_normalize(side.scene.table()).iloc[0].astype(str) for side in (self.a, self.b)
+        ]
+        table = pd.concat(tables, axis=1, keys=["A", "B"]).fillna("not given")
+        return table[table.A != table.B].rename_axis("key").reset_index()
 
     @cached_property
     def fields(self) -> FieldComparison | None:
-        """B minus A along the radius; None if they have no field at a common time."""
-        return field_comparison(self.a, self.b)
+        """B minus A along the radius, by the first method with fields of each.
+
+        None if A and B have no field at a common time.
+        """
+        reports = []
+        for side in (self.a, self.b):
+            methods = [
+                name for field in (*OVER_TIME, *IN_STEADY_STATE) for name in side.by_method(field)
+            ]
+            if not methods:
+                return None
+            reports.append(side.reported(methods[0]))
+        comparison = compare_fields(self.a.scene.problem, ("A", "B"), *reports)
+        return comparison if comparison.fields else None
 
     @property
     def differing(self) -> pd.DataFrame:

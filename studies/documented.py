@@ -1,7 +1,7 @@
 """Read purpose and parameters of a function from its source, without loading its module.
 
-The help of a command is the docstring of its function. Help and refusals are fast in this way: most
-modules load numerical libraries.
+The flags and the help of a command are the parameters and the docstring of its function. Help and
+refusals are fast in this way: most modules load numerical libraries.
 """
 
 import ast
@@ -9,17 +9,27 @@ import re
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 # beginning of a description that states a type, as numpydoc has it
 TYPE = re.compile(r"(str|int|float|bool|dict|list|sequence|Scene|Result|Path)\b[^.;]*")
 
 
 class Parameter(NamedTuple):
-    """A parameter of a function: its description, and its default value (None without one)."""
+    """A parameter of a function, as its source has it.
+
+    Parameters
+    ----------
+    text : its description in the docstring
+    type : its annotation
+    default : its default value as an expression; empty without one
+    by_position : whether it can be given without its name
+    """
 
     text: str
-    default: Any
+    type: str
+    default: str
+    by_position: bool
 
 
 class Documented(NamedTuple):
@@ -46,27 +56,19 @@ def documented(place: str) -> Documented:
         node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name
     )
     docstring = ast.get_docstring(function) or ""
-    arguments = function.args
-    listed = arguments.posonlyargs + arguments.args
-    missing: list[ast.expr | None] = [None] * (len(listed) - len(arguments.defaults))
-    defaults = [*missing, *arguments.defaults, *arguments.kw_defaults]
-    names = [each.arg for each in (*listed, *arguments.kwonlyargs)]
-    texts = _texts(docstring)
-    return Documented(
-        docstring.partition("\n")[0].rstrip("."),
-        {
-            each: Parameter(texts.get(each, ""), _value(default))
-            for each, default in zip(names, defaults, strict=True)
-        },
-    )
-
-
-def _value(default: ast.expr | None) -> Any:
-    """Return a default value if it is a literal; None otherwise."""
-    try:
-        return None if default is None else ast.literal_eval(default)
-    except ValueError:
-        return None
+    texts, arguments = _texts(docstring), function.args
+    required = [None] * (len(arguments.args) - len(arguments.defaults))
+    defaults = [*required, *arguments.defaults, *arguments.kw_defaults]
+    parameters = {
+        each.arg: Parameter(
+            texts.get(each.arg, ""),
+            ast.unparse(each.annotation) if each.annotation else "",
+            ast.unparse(default) if default else "",
+            each in arguments.args,
+        )
+        for each, default in zip([*arguments.args, *arguments.kwonlyargs], defaults, strict=True)
+    }
+    return Documented(docstring.partition("\n")[0].rstrip("."), parameters)
 
 
 def _texts(docstring: str) -> dict[str, str]:

@@ -4,8 +4,9 @@ The module of a study is imported only when the study is conducted.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
 from .crosscheck import Source, did_you_mean, naming_arguments, shown
@@ -16,22 +17,23 @@ if TYPE_CHECKING:
     from .study.study import Study
 
 
-@dataclass(frozen=True)
-class NamedStudy:
+class NamedStudy(NamedTuple):
     """A study as it is listed.
 
     Parameters
     ----------
-    load : imports the module of the study, and returns its function
-    place : module and name of this function, as in `documented`
+    place : module and name of its function, as in `documented`
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
-    scene : name of the default scene
     """
 
-    load: "Callable[[], Callable[..., Study]]"
     place: str
     seconds: int
-    scene: str = "five_rings"
+
+    def load(self) -> "Callable[..., Study]":
+        """Import the module of the study; return its function."""
+        module, _, name = self.place.partition(":")
+        function: Callable[..., Study] = getattr(import_module(f".{module}", __package__), name)
+        return function
 
     @property
     def purpose(self) -> str:
@@ -45,63 +47,15 @@ class NamedStudy:
         return tuple(name for name in names if name not in ("scene", "quick", "record"))
 
 
-def _paper() -> "Callable[..., Study]":
-    from .paper.study import paper
-
-    return paper
-
-
-def _convergence() -> "Callable[..., Study]":
-    from .convergence import convergence
-
-    return convergence
-
-
-def _refinement() -> "Callable[..., Study]":
-    from .refinement import refinement
-
-    return refinement
-
-
-def _truncation() -> "Callable[..., Study]":
-    from .truncation import truncation
-
-    return truncation
-
-
-def _march() -> "Callable[..., Study]":
-    from .march import march
-
-    return march
-
-
-def _extremes() -> "Callable[..., Study]":
-    from .extremes import extremes
-
-    return extremes
-
-
-def _tradeoff() -> "Callable[..., Study]":
-    from .tradeoff import tradeoff
-
-    return tradeoff
-
-
-def _operators() -> "Callable[..., Study]":
-    from .operators import operators
-
-    return operators
-
-
-STUDIES: dict[str, NamedStudy] = {
-    "paper": NamedStudy(_paper, "paper.study:paper", 30),
-    "convergence": NamedStudy(_convergence, "convergence:convergence", 20),
-    "refinement": NamedStudy(_refinement, "refinement:refinement", 10),
-    "truncation": NamedStudy(_truncation, "truncation:truncation", 3),
-    "march": NamedStudy(_march, "march:march", 2),
-    "extremes": NamedStudy(_extremes, "extremes:extremes", 20),
-    "tradeoff": NamedStudy(_tradeoff, "tradeoff:tradeoff", 20),
-    "operators": NamedStudy(_operators, "operators:operators", 2),
+STUDIES = {
+    "paper": NamedStudy("paper.study:paper", 30),
+    "convergence": NamedStudy("convergence:convergence", 20),
+    "refinement": NamedStudy("refinement:refinement", 10),
+    "truncation": NamedStudy("truncation:truncation", 3),
+    "march": NamedStudy("march:march", 2),
+    "extremes": NamedStudy("extremes:extremes", 20),
+    "tradeoff": NamedStudy("tradeoff:tradeoff", 20),
+    "operators": NamedStudy("operators:operators", 2),
 }
 
 
@@ -187,5 +141,5 @@ def study(
     from .figures.style import in_style
 
     with in_style():
-        result = conduct(listed.scene if scene is None else scene, quick=quick, **options)
+        result = conduct("five_rings" if scene is None else scene, quick=quick, **options)
     return replace(result, purpose=listed.purpose)

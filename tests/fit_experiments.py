@@ -17,7 +17,7 @@ from ringwear import Scene
 from ringwear.meshes import Array
 from ringwear.studies.estimate.measurement import Measurement
 from ringwear.studies.estimate.model import Model
-from ringwear.studies.estimate.modes import FlatHistories
+from ringwear.studies.estimate.modes import discretise
 from ringwear.studies.estimate.parameter import Parameter
 from ringwear.studies.fit.fit import fit_measurements
 from ringwear.studies.fit.parameters import find_parameters
@@ -150,8 +150,8 @@ def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array
     problem = scene.problem
     units = problem.units
     first, last = float(times[0]) / units.time, float(times[-1]) / units.time
-    punch = FlatHistories.discretise(replace(problem, rtol=0.1), first, last, fields=False)
-    space, matrix = punch.compliance.space, punch.compliance.matrix
+    compliance = discretise(replace(problem, rtol=0.1), first, last, fields=False)
+    space, matrix = compliance.space, compliance.matrix
     radii, lengths, local = space.quadrature
     basis = space.on_elements(local)
     areas = (2 * np.pi * radii * lengths * problem.wear_coefficients[space.ring][:, None]).ravel()

@@ -103,215 +103,29 @@ Half-spaces by different theories have the same compliance; here, one by finite 
 True
 """
 
-from importlib import import_module as _import_module
-from typing import TYPE_CHECKING
+import lazy_loader as _lazy
 
 # from now on, edits of the package's files are noticed
 from ringwear.studies import STARTED as _STARTED  # noqa: F401
 
-if TYPE_CHECKING:
-    from ringwear.fem import (
-        even_half_space,
-    )
-    from ringwear.mdr import (
-        direct,
-        energy,
-        ring_kernel,
-    )
-    from ringwear.meshes import (
-        Compliance,
-        ContactCells,
-        Ground,
-        MeshError,
-        PressureSpace,
-        RingwearError,
-        SceneError,
-        SizeField,
-        SolverError,
-        alternating_edges,
-        bisection,
-        ring_areas,
-    )
-    from ringwear.studies.check.check import Check, check
-    from ringwear.studies.cli import main
-    from ringwear.studies.comparison import Comparison, compare
-    from ringwear.studies.crosscheck import (
-        ComplianceMethod,
-        Discretised,
-        InitialProfile,
-        Load,
-        Loading,
-        Method,
-        Problem,
-        Result,
-        Rings,
-        RunningIn,
-        Scene,
-        Solution,
-        Stages,
-        WearingPunch,
-        differences,
-        evolve,
-        evolve_in_equal_steps,
-        load,
-        method,
-        moments,
-        press_flat,
-        pressure_spaces,
-        run,
-    )
-    from ringwear.studies.decks.deck import deck
-    from ringwear.studies.fit.fit import fit
-    from ringwear.studies.named_studies import study
-    from ringwear.studies.operators import compare_operators
-    from ringwear.studies.study.orders import orders
-    from ringwear.studies.study.study import Study
-    from ringwear.studies.sweep.sweep import sweep
-    from ringwear.studies.wear_step.plan import plan
-
-    __version__: str
-
-__all__ = [
-    "Check",
-    "Comparison",
-    "Compliance",
-    "ComplianceMethod",
-    "ContactCells",
-    "Discretised",
-    "Ground",
-    "InitialProfile",
-    "Load",
-    "Loading",
-    "MeshError",
-    "Method",
-    "PressureSpace",
-    "Problem",
-    "Result",
-    "Rings",
-    "RingwearError",
-    "RunningIn",
-    "Scene",
-    "SceneError",
-    "SizeField",
-    "Solution",
-    "SolverError",
-    "Stages",
-    "Study",
-    "WearingPunch",
-    "__version__",
-    "alternating_edges",
-    "bisection",
-    "check",
-    "compare",
-    "compare_operators",
-    "deck",
-    "differences",
-    "direct",
-    "energy",
-    "even_half_space",
-    "evolve",
-    "evolve_in_equal_steps",
-    "fit",
-    "load",
-    "main",
-    "method",
-    "moments",
-    "orders",
-    "plan",
-    "press_flat",
-    "pressure_spaces",
-    "ring_areas",
-    "ring_kernel",
-    "run",
-    "study",
-    "sweep",
-]
+# the names in the stub `__init__.pyi`; the file of a name is loaded at its first use, because it
+# loads other packages; the command line can handle an interruption meanwhile
+_load, __dir__, __all__ = _lazy.attach_stub(__name__, __file__)
+__all__ += ["__version__"]
 
 # names that users need first
 _FIRST = (
     *("Scene", "run", "check", "compare", "deck", "fit", "load", "plan", "study", "sweep"),
     *("Result", "Study", "Comparison", "Check", "RingwearError", "SceneError"),
 )
-# modules of the public names, which are imported at their first use, because they load other
-# packages; the command line can handle an interruption meanwhile
-_LATER = {
-    "studies.check.check": ["Check", "check"],
-    "studies.cli": ["main"],
-    "studies.comparison": ["Comparison", "compare"],
-    "fem": [
-        "even_half_space",
-    ],
-    "mdr": [
-        "direct",
-        "energy",
-        "ring_kernel",
-    ],
-    "meshes": [
-        "Compliance",
-        "ContactCells",
-        "Ground",
-        "MeshError",
-        "PressureSpace",
-        "RingwearError",
-        "SceneError",
-        "SizeField",
-        "SolverError",
-        "alternating_edges",
-        "bisection",
-        "ring_areas",
-    ],
-    "studies.crosscheck": [
-        "ComplianceMethod",
-        "Discretised",
-        "InitialProfile",
-        "Load",
-        "Loading",
-        "Method",
-        "Problem",
-        "Result",
-        "Rings",
-        "RunningIn",
-        "Scene",
-        "Solution",
-        "Stages",
-        "WearingPunch",
-        "differences",
-        "evolve",
-        "evolve_in_equal_steps",
-        "load",
-        "method",
-        "moments",
-        "press_flat",
-        "pressure_spaces",
-        "run",
-    ],
-    "studies.decks.deck": ["deck"],
-    "studies.fit.fit": ["fit"],
-    "studies.named_studies": ["study"],
-    "studies.operators": ["compare_operators"],
-    "studies.study.orders": ["orders"],
-    "studies.study.study": ["Study"],
-    "studies.sweep.sweep": ["sweep"],
-    "studies.wear_step.plan": ["plan"],
-}
-_MODULES = {name: module for module, names in _LATER.items() for name in names}
-
-
-def __dir__() -> list[str]:
-    return __all__
 
 
 def __getattr__(name: str) -> object:
+    from ringwear.studies.crosscheck import did_you_mean, package_versions
+
     if name == "__version__":
-        return _import_module("ringwear.studies.crosscheck.versions").package_versions()["ringwear"]
-    if name in _MODULES:
-        return getattr(_import_module(f"ringwear.{_MODULES[name]}"), name)
-    raise AttributeError(_has_no(name))
-
-
-def _has_no(name: str) -> str:
-    """Return the error message for a name that the package does not have."""
-    from ringwear.studies.crosscheck import did_you_mean
-
+        return package_versions()["ringwear"]
+    if name in __all__:
+        return _load(name)
     hint = did_you_mean(name, __all__, f"it has {', '.join(_FIRST)}", "")
-    return f"module 'ringwear' has no attribute {name!r}{hint}"
+    raise AttributeError(f"module 'ringwear' has no attribute {name!r}{hint}")

@@ -246,7 +246,6 @@ from .wear.first_contact import (
     scaled_cells as scaled_cells,
 )
 from .wear.flat_contact import (
-    flat_start as flat_start,
     press_flat as press_flat,
 )
 from .wear.full_contact import (
@@ -254,10 +253,6 @@ from .wear.full_contact import (
 )
 from .wear.history import (
     History as History,
-)
-from .wear.modes import (
-    Modes as Modes,
-    every_mode as every_mode,
 )
 from .wear.time_scale import (
     running_in as running_in,

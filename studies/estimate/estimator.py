@@ -25,6 +25,8 @@ SEARCH_MARGIN = 1.02
 # `ftol`, `xtol` and `gtol` of the least-squares search
 TOLERANCE = 1e-8
 MAX_EVALUATIONS = 200
+# step of the coordinates in the forward differences of a search
+SEARCH_STEP = 1e-4
 # singular value of the derivatives, scaled to length one, below which a combination of parameters
 # has no effect
 NO_EFFECT = 1e-6
@@ -130,9 +132,18 @@ class Likelihood:
             if they are not finite
         """
         slopes = np.concatenate(self.predictor.slopes(x)) / self.noise[:, None]
-        if not np.isfinite(slopes).all():
-            raise SolverError("the derivatives by its parameters are not finite")
-        return self.whitened(slopes)
+        return _finite(self.whitened(slopes))
+
+    def _search_slopes(self, x: Array, numbers: list[int]) -> Array:
+        """Return the derivatives (n, k) by k parameters, as accurate as a search needs them."""
+        directions = np.eye(len(x))[numbers]
+        wear = [number for number in numbers if self.parameters[number].wear]
+        if wear:
+            # all wear coefficients at once only change the unit of time, without a new solution
+            directions[numbers.index(wear[0]), wear] = 1.0
+        ahead = np.array([self.residuals(x + SEARCH_STEP * each) for each in directions])
+        changes = (self.residuals(x) - ahead) / SEARCH_STEP
+        return _finite(np.linalg.solve(directions[:, numbers], changes).T)
 
     def slopes(self, x: Array) -> Array:
         """Return the derivatives (n, f) by the free parameters, over the noise."""
@@ -170,7 +181,7 @@ class Likelihood:
         solution = least_squares(
             lambda coordinates: -self.residuals(completed(coordinates)),
             np.clip(x[varied], -reach, reach),
-            lambda coordinates: self.all_slopes(completed(coordinates))[:, varied],
+            lambda coordinates: self._search_slopes(completed(coordinates), varied),
             bounds=(-reach * (1 + 1e-9), reach * (1 + 1e-9)),
             x_scale="jac",
             ftol=tolerance,
@@ -198,6 +209,13 @@ class Likelihood:
             for each, factor in zip(self.measurements, factors, strict=True)
         )
         return replace(self, predictor=self.predictor.for_measurements(scaled))
+
+
+def _finite(slopes: Array) -> Array:
+    """Return derivatives that are finite; otherwise raise a `SolverError`."""
+    if not np.isfinite(slopes).all():
+        raise SolverError("the derivatives by its parameters are not finite")
+    return slopes
 
 
 def inverse_of_information(slopes: Array) -> Array:

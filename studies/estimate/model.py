@@ -15,11 +15,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...meshes import Array, SceneError
+from ...meshes import Array, Compliance, SceneError
 from ..crosscheck import LOG, QUANTITIES, Problem, Scene, Units
 from .marches import CELL, March
 from .measurement import Measurement
-from .modes import FlatHistories, FlatHistory
+from .modes import FlatHistory, discretise, with_uniform
 from .parameter import Parameter, Reading, Situation, situation
 from .strips import Strips
 
@@ -126,7 +126,7 @@ class Solver:
     situations: dict[object, Situation] = field(default_factory=dict)
     nodes: dict[object, tuple[History, Frame]] = field(default_factory=dict)
     _samples: dict[object, dict[str, Array]] = field(default_factory=dict)
-    _punches: dict[object, FlatHistories] = field(default_factory=dict)
+    _compliances: dict[object, Compliance] = field(default_factory=dict)
     _histories: dict[object, History] = field(default_factory=dict)
 
     def history(self, scene: Scene, reading: Reading) -> History:
@@ -160,22 +160,22 @@ class Solver:
         distances = distances[distances > 0]
         ends = float(distances.min()), float(distances.max())
         geometry = written(ground_numbers(scene))
-        if geometry not in self._punches:
-            table = scene.punch.table
-            radii = np.array(table.radii) / problem.units.length if table else None
+        if geometry not in self._compliances:
             coarse = replace(problem, rtol=self.rtol)
-            self._punches[geometry] = FlatHistories.discretise(coarse, *ends, self.fields, radii)
-        wear = wear_coefficients(scene) / problem.units.wear_coefficient
-        machine = 0.0
+            self._compliances[geometry] = discretise(coarse, *ends, self.fields)
+        added = 0.0
         if problem.indentation is not None:
-            machine = reading.ground_compliance * problem.units.force / problem.units.displacement
-        numbers = wear, load_numbers(problem), np.array([machine])
+            added = reading.ground_compliance * problem.units.force / problem.units.displacement
+        wear = wear_coefficients(scene) / problem.units.wear_coefficient
+        numbers = wear, load_numbers(problem), np.array([added])
         key = geometry, written(np.concatenate(numbers))
         if key not in self._histories:
             while len(self._histories) >= STORED:
                 del self._histories[next(iter(self._histories))]
-            punch = self._punches[geometry]
-            self._histories[key] = punch.solve(problem, wear, ends[0] / 10, machine)
+            compliance = self._compliances[geometry]
+            if added:
+                compliance = with_uniform(compliance, added)
+            self._histories[key] = FlatHistory(problem, compliance, ends[0] / 10)
         return self._histories[key]
 
     def _strips(self, scene: Scene) -> History:
@@ -446,31 +446,31 @@ class Model:
     def _read(self, reading: Reading, histories: Sequence[Weighted]) -> list[Array]:
         """Return the values (n,) of each measurement that a reading of histories has."""
         problem, units, clock = mean_frame(histories)
-        values, sampled = list[Array](), dict[object, dict[str, Array]]()
+        values = list[Array]()
         # if the load varies, all histories have to have the load of the same time
         alike = not problem.loading.varies
         clocks = [
             frame.units.time * (clock / frame.clock if alike else 1.0) for _, _, frame in histories
         ]
-        names = sorted({"normal_force", *(each.quantity for each in self.measurements)})
+        names = tuple(sorted({"normal_force", *(each.quantity for each in self.measurements)}))
         for each in self.measurements:
             times = each.times[:1] if each.has_offset else each.times
             radii = self._radii_at(each.times)
-            key = times.tobytes()
-            if key not in sampled:
-                since = reading.times(times)
-                own_radii = radii * (reading.radius_scale / units.length)
-                if any(other.means is not None for other in self.measurements):
-                    # radii beyond the rim, or in a hole, have the values at the edge
-                    own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
-                step = reading.step / units.time
-                parts = [
-                    self.solver.sample(part.history, since / clock, own_radii, step, tuple(names))
+            since = reading.times(times)
+            own_radii = radii * (reading.radius_scale / units.length)
+            if any(other.means is not None for other in self.measurements):
+                # radii beyond the rim, or in a hole, have the values at the edge
+                own_radii = np.clip(own_radii, problem.inner_radius + 1e-4, 1 - 1e-4)
+            step = reading.step / units.time
+            samples = weighted(
+                [
+                    (
+                        part.weight,
+                        self.solver.sample(part.history, since / clock, own_radii, step, names),
+                    )
                     for part, clock in zip(histories, clocks, strict=True)
                 ]
-                weights = [part.weight for part in histories]
-                sampled[key] = weighted(list(zip(weights, parts, strict=True)))
-            samples = sampled[key]
+            )
             predicted = samples[each.quantity]
             if each.quantity == "worn_volume":
                 predicted = predicted.sum(axis=1) if each.ring is None else predicted[:, each.ring]
@@ -489,91 +489,19 @@ class Model:
     def slopes(self, x: Array) -> list[Array]:
         """Return the derivatives (n, m) of each measurement by the coordinates.
 
-        What changes only the units, the clock and the reading is differentiated with the history as
-        it is. The derivatives of a flat history by its wear coefficients are exact.
+        They are central differences, or forward ones if the model is rough.
         """
-        histories = self._histories(x)
-        first, exact = histories[0].history, None
-        if (
-            len(histories) == 1
-            and isinstance(first, FlatHistory)
-            and not self.scene.problem.loading.varies
-            and all(each.quantity in EXACT and each.means is None for each in self.measurements)
-        ):
-            exact = first
-        columns, contrasts = [], []
-        # rough slopes are forward differences
-        back = 0.0 if self.solver.rough else 1.0
-        before = self.predict(x) if self.solver.rough else []
+        columns = []
+        before = self.predict(x) if self.solver.rough else None
         for parameter, shift in zip(self.parameters, STEP * np.eye(len(x)), strict=True):
             if parameter.values:
                 columns.append([np.zeros(len(each.noise)) for each in self.measurements])
-                contrasts.append(np.zeros(len(exact.coefficients) if exact else 0))
                 continue
-            ends = x + shift, x - back * shift
-            pair = [self._situation(each) for each in ends]
-            if exact:
-                values = [
-                    self._corrected(
-                        self._read(reading, [Weighted(1.0, exact, Frame.of(scene.problem))])
-                    )
-                    for scene, reading in pair
-                ]
-            else:
-                values = [
-                    before if before and not np.any(each - x) else self.predict(each)
-                    for each in ends
-                ]
-            step = (1 + back) * STEP
-            columns.append([(a - b) / step for a, b in zip(*values, strict=True)])
-            if exact:
-                logs = [
-                    np.log(wear_coefficients(scene) / scene.problem.units.wear_coefficient)
-                    for scene, _ in pair
-                ]
-                contrasts.append((logs[0] - logs[1]) / step)
-        slopes = [np.column_stack(each) for each in zip(*columns, strict=True)]
-        if exact is not None and np.any(contrasts):
-            scene, reading = self._situation(x)
-            by_logs = np.column_stack(contrasts)
-            slopes = [
-                own + wear_slopes(exact, each, scene.problem, reading) @ by_logs
-                for own, each in zip(slopes, self.measurements, strict=True)
-            ]
-        return slopes
-
-
-# quantities whose derivatives by wear coefficients are exact
-EXACT = ("indentation", "normal_force", "profile", "worn_volume")
-
-
-def wear_slopes(
-    history: FlatHistory, each: Measurement, problem: Problem, reading: Reading
-) -> Array:
-    """Return the derivatives (n, J) of a measurement by the logarithms of wear coefficients.
-
-    They are in the units of the scene, at non-dimensional times that are held.
-    """
-    times, count = reading.times(each.times) / problem.units.time, len(history.coefficients)
-    response = "normal_force" if problem.indentation is not None else "indentation"
-    if each.quantity in ("indentation", "normal_force"):
-        slopes: Array = np.zeros((len(times), count))
-        if each.quantity == response:
-            slopes = history.response_slopes(times)
-    elif each.radii is not None:
-        pressures, depths, _ = history.states(times[:1])
-        integral = history.pressure_integrals(pressures, depths)[0]
-        slopes = history.worn_slopes(float(times[0]), integral, each.radii / problem.units.length)
-    else:
-        pressures, depths, _ = history.states(times)
-        integrals = history.pressure_integrals(pressures, depths)
-        rows = [
-            history.worn_slopes(float(time), integral, None)
-            for time, integral in zip(times, integrals, strict=True)
-        ]
-        slopes = np.array(rows)
-        slopes = slopes.sum(axis=1) if each.ring is None else slopes[:, each.ring]
-    return slopes * unit_of(problem.units, each.quantity)
+            after = self.predict(x + shift)
+            ends = zip(after, before or self.predict(x - shift), strict=True)
+            step = STEP if before else 2 * STEP
+            columns.append([(a - b) / step for a, b in ends])
+        return [np.column_stack(each) for each in zip(*columns, strict=True)]
 
 
 def _needs(scene: Scene, measurements: Sequence[Measurement]) -> tuple[Array, bool]:

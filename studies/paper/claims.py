@@ -1,7 +1,6 @@
 """Compare the paper's claims with computed values."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,8 +11,12 @@ from .theory import FIG7_WEAR_RATIO, STATIONARY_FRACTION, homogeneous, many_ring
 FINDINGS = ("holds", "holds with a remark", "does not hold")
 
 
-class Claim(NamedTuple):
-    """A claim of the paper: a sentence with a number or a trend.
+# a row of the table of claims
+Row = dict[str, str]
+
+
+def claim(where: str, says: str, computed: str, holds: bool, remark: str = "") -> Row:
+    """Return the row of a claim of the paper: a sentence with a number or a trend.
 
     Parameters
     ----------
@@ -23,17 +26,13 @@ class Claim(NamedTuple):
     holds : whether the claim holds
     remark : why the claim does not hold, or what has to be added to it
     """
-
-    where: str
-    says: str
-    computed: str
-    holds: bool
-    remark: str = ""
-
-    @property
-    def finding(self) -> str:
-        """One of `FINDINGS`: `holds`, `holds with a remark` or `does not hold`."""
-        return FINDINGS[bool(self.remark) if self.holds else 2]
+    return {
+        "where": where,
+        "the paper says": says,
+        "computed": computed,
+        "finding": FINDINGS[bool(remark) if holds else 2],
+        "why, or what to add": remark,
+    }
 
 
 def tabulate_claims(
@@ -43,16 +42,13 @@ def tabulate_claims(
     by_width_ratio: xarray.Dataset,
 ) -> pd.DataFrame:
     """Return the table of all claims, checked with the data of Figs. 4, 5, 6 and 7."""
-    claims = [
-        *claims_on_running_in(states, history),
-        *claims_on_wear_ratios(by_wear_ratio),
-        *claims_on_width_ratios(by_width_ratio),
-    ]
-    rows = [
-        (claim.where, claim.says, claim.computed, claim.finding, claim.remark) for claim in claims
-    ]
-    columns = ["where", "the paper says", "computed", "finding", "why, or what to add"]
-    return pd.DataFrame(rows, columns=columns)
+    return pd.DataFrame(
+        [
+            *claims_on_running_in(states, history),
+            *claims_on_wear_ratios(by_wear_ratio),
+            *claims_on_width_ratios(by_width_ratio),
+        ]
+    )
 
 
 def conclude(claims: pd.DataFrame) -> list[str]:
@@ -71,13 +67,13 @@ def conclude(claims: pd.DataFrame) -> list[str]:
     ]
 
 
-def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> Iterator[Claim]:
-    """Yield claims of section 3.3, Figs. 4 and 5."""
+def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> Iterator[Row]:
+    """Yield rows of claims of section 3.3, Figs. 4 and 5."""
     profile, pressure = states.f_over_d0.values, states.p_over_p0.values
     norms = np.linalg.norm(pressure, axis=2)
     pressure_differences = np.linalg.norm(pressure - pressure[0], axis=2) / norms
     profile_difference = np.abs(profile - profile[0]).max()
-    yield Claim(
+    yield claim(
         "3.3, Fig. 4",
         "MDR and BEM match within a small tolerance",
         f"{', '.join(states.solver.values).upper()}: profiles within {profile_difference:.1e} d0, "
@@ -88,21 +84,21 @@ def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> I
         "meaningless",
     )
     slow, fast = pressure[0, -1].max(), pressure[0, -1].min()
-    yield Claim(
+    yield claim(
         "3.3, Eq. 24",
         "in the end slow rings are under more than three times p0, fast rings under less than half",
         f"{slow:.4f} p0 and {fast:.4f} p0",
         slow > 3 and fast < 0.5,
     )
     errors = np.abs(profile[:, -1] - states.limiting_f_over_d0.values).max()
-    yield Claim(
+    yield claim(
         "5",
         "the same limiting profile can be computed by both methods",
         f"marched profiles are within {errors:.0e} d0 of the profile by direct integration",
         errors < 1e-3,
     )
     seventy = float(states.time[4])
-    yield Claim(
+    yield claim(
         "3.3",
         "for 70 % of the displacement difference only 27 % of the time is needed",
         f"{seventy:.2%} of the time to {STATIONARY_FRACTION:.1%} of the difference",
@@ -111,7 +107,7 @@ def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> I
         "run ended at 98.25 % to 98.49 % of the difference, depending on rounding",
     )
     line, area = history.sel(time=seventy, solver="mdr").values
-    yield Claim(
+    yield claim(
         "3.3, Fig. 5",
         "this behaviour (70 % of the change in 27 % of the time) is also observed in the gradient",
         f"in the 70 % state the gradient has reached {line:.1%} (line) or {area:.1%} (area) of "
@@ -120,11 +116,11 @@ def claims_on_running_in(states: xarray.Dataset, history: xarray.DataArray) -> I
     )
 
 
-def claims_on_wear_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
-    """Yield claims of section 4.2, Fig. 6."""
+def claims_on_wear_ratios(curves: xarray.Dataset) -> Iterator[Row]:
+    """Yield rows of claims of section 4.2, Fig. 6."""
     gradient = curves.direct.sel(gradient_average="line")
     asymmetry = np.abs(gradient / gradient.values[::-1] - 1).max("ratio")
-    yield Claim(
+    yield claim(
         "4.2, Fig. 6",
         "for h2/h1 = 1 the plots are symmetrical for large numbers of rings",
         f"greatest difference between k2/k1 and k1/k2: {write_by_rings(asymmetry)}",
@@ -132,7 +128,7 @@ def claims_on_wear_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
         "symmetric only in the limit, sqrt(1 + (4/g0^2) ((k2 - k1)/(k2 + k1))^2)",
     )
     line, area = many_rings(1e16, np.ones(1))[:, 0]
-    yield Claim(
+    yield claim(
         "4.2, Fig. 6",
         "the limiting value for large numbers of rings is about 2.4",
         f"{line:.4f} (line), {area:.4f} (area) = sqrt(1 + 4/g0^2)",
@@ -141,7 +137,7 @@ def claims_on_wear_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
         "k2/k1 > 1 and from below for k2/k1 < 1",
     )
     outside, inside = gradient.sel(ratio=[0.01, 100.0], method="nearest").sel(rings=4).values
-    yield Claim(
+    yield claim(
         "4.2, Fig. 6",
         "N = 4: with the slower material outside the gradient is much smaller",
         f"{outside:.3f} (slower material outside), {inside:.3f} (inside)",
@@ -149,12 +145,12 @@ def claims_on_wear_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
     )
 
 
-def claims_on_width_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
-    """Yield claims of section 4.2, Fig. 7."""
+def claims_on_width_ratios(curves: xarray.Dataset) -> Iterator[Row]:
+    """Yield rows of claims of section 4.2, Fig. 7."""
     gradient = curves.direct.sel(gradient_average="line")
     thin, equal, wide = gradient.sel(ratio=[0.1, 1.0, 10.0], method="nearest")
     limits = many_rings(FIG7_WEAR_RATIO, np.array([10.0, 1e4]))[0]
-    yield Claim(
+    yield claim(
         "4.2, Fig. 7",
         "in all cases the gradient converges to one as h2/h1 increases",
         f"at h2/h1 = 10: {write_by_rings(wide)}",
@@ -163,7 +159,7 @@ def claims_on_width_ratios(curves: xarray.Dataset) -> Iterator[Claim]:
         "at 1e4",
     )
     line, area = curves.limit[:, 0].values
-    yield Claim(
+    yield claim(
         "4.2 and 5, Fig. 7",
         "with a small share of slower material (printed: increased) the gradient is much higher",
         f"at h2/h1 = 0.1: {write_by_rings(thin)}",

@@ -1,4 +1,4 @@
-"""Print lines and the log on a terminal, lines broken between words at its width.
+"""Print lines on a terminal, broken between words at its width, and show the log there.
 
 Lines are not broken if the output is no terminal but, for example, a file or a pipe. Control
 characters in texts of users, such as names of files, are shown as escape sequences.

@@ -93,7 +93,7 @@ def draw_columns(table: pd.DataFrame, fitted: pd.DataFrame, by: str) -> "Figure"
 
 
 def orders_of_file(
-    file: str, by: str, right: Sequence[str], tolerance: float | None
+    file: str, by: str, right: Sequence[str] = (), tolerance: float | None = None
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the table of a file, and its orders."""
     table = read_table(file)

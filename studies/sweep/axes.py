@@ -23,6 +23,7 @@ from functools import cached_property
 from importlib.resources import files
 from itertools import product
 from math import prod
+from operator import attrgetter
 from pathlib import Path
 from types import UnionType
 from typing import Self
@@ -53,6 +54,8 @@ from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep
 MOST_SCENES = 1_000_000_000
+# greatest number of values of each axis that are checked before a sweep begins
+MOST_TRIED = 200
 # numbers of the answer, and the quantities from which they are computed
 ANSWERS = {
     "indentation_start": ("indentation",),
@@ -140,7 +143,7 @@ class Sweep:
     ) -> Self:
         """Make a sweep from nested dictionaries.
 
-        Up to 200 values of each axis are checked, together with the first values of the other axes.
+        Up to `MOST_TRIED` values of each axis are checked, with the first values of the other axes.
         A scene with an invalid value that is not checked here fails later, with the reason.
 
         Parameters
@@ -194,13 +197,21 @@ class Sweep:
         tried_changes = [
             sweep.changes_at(start | {dim: place})
             for dim, size in sweep.sizes.items()
-            for place in range(min(size, 200))
+            for place in range(min(size, MOST_TRIED))
         ]
         scenes = [sweep.scene(changes) for changes in tried_changes]
-        problems = [scene.problem for scene in scenes]
+        names = {column.name for column in columns.values()}
+        keep = _quantities_to_keep(table.get("keep"), [scene.problem for scene in scenes], names)
+        dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
+        if set(AT_LAST_TIME) & set(keep) and "wear.times" not in columns:
+            dims.add("time")
+        labels = _labels(scenes[0])
+        shared = {key: column for key, column in labels.items() if column.dim in dims}
+        sweep = replace(sweep, keep=keep, shared=shared)
         # all scenes have the same methods: by default those that can solve every scene
         unsuitable = dict[str, str]()
-        for scene in scenes:
+        for scene, changes in zip(scenes, tried_changes, strict=True):
+            sweep.check_labels(scene, changes)
             unsuitable |= unsuitable_methods(scene)
         chosen = [name for name in scenes[0].methods if name not in unsuitable]
         if not scenes[0].names_methods:
@@ -209,23 +220,10 @@ class Sweep:
             for name, reason in unsuitable.items():
                 LOG.warning("   sweep  %s is left out: %s", name, reason)
             base = base | {"methods": chosen}
-            table = table | {"base": base}
-            sweep = replace(sweep, table=table)
-            scenes = [scene.changed(methods=chosen) for scene in scenes]
-        names = {column.name for column in columns.values()}
-        if "keep" not in table:
-            _refuse_all(problems, scenes[0].methods)
-        keep = _quantities_to_keep(table.get("keep"), problems, names)
-        dims = {"solver"}.union(*(KEEPABLE[quantity].dims for quantity in keep))
-        if set(AT_LAST_TIME) & set(keep) and "wear.times" not in columns:
-            dims.add("time")
-        labels = _labels(scenes[0])
-        shared = {key: column for key, column in labels.items() if column.dim in dims}
-        sweep = replace(sweep, table=table | {"keep": list(keep)}, keep=keep, shared=shared)
-        for scene, changes in zip(scenes, tried_changes, strict=True):
-            sweep.check_labels(scene, changes)
-        _refuse_all(map(sweep.problem, tried_changes), scenes[0].methods)
-        return sweep
+            shared["methods"] = Column("solver", "solver", chosen)
+        reduced = sweep.to_keep if "keep" in table else attrgetter("problem")
+        _refuse_all(map(reduced, scenes), chosen or scenes[0].methods)
+        return replace(sweep, table=table | {"base": base, "keep": list(keep)})
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -288,13 +286,12 @@ class Sweep:
 
     def problem(self, changes: TomlTable) -> Problem:
         """Return the problem of a changed scene, with only the quantities to keep."""
-        quantities = (quantity for name in self.keep for quantity in ANSWERS.get(name, (name,)))
-        return self.scene(changes).problem.with_quantities(frozenset(quantities))
+        return self.to_keep(self.scene(changes))
 
-    @property
-    def methods(self) -> list[str]:
-        """Names of the methods of all scenes."""
-        return list(self.first.methods)
+    def to_keep(self, scene: Scene) -> Problem:
+        """Return the problem of a scene, with only the quantities to keep."""
+        quantities = (quantity for name in self.keep for quantity in ANSWERS.get(name, (name,)))
+        return scene.problem.with_quantities(frozenset(quantities))
 
     def part(self, region: dict[str, slice]) -> "Sweep":
         """Return the sweep of the scenes in a region of the grid: a slice of each dimension."""

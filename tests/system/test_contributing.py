@@ -2,7 +2,6 @@
 
 import re
 import sys
-from importlib import import_module
 from pathlib import Path
 from typing import Literal
 
@@ -181,10 +180,7 @@ def trapezoids(monkeypatch, tmp_path):
     folders = [*ringwear.studies.__path__, str(tmp_path)]
     monkeypatch.setattr(ringwear.studies, "__path__", folders)
 
-    def load():
-        return import_module("ringwear.studies.trapezoids").trapezoids
-
-    row = NamedStudy(load, "trapezoids:trapezoids", 1)
+    row = NamedStudy("trapezoids:trapezoids", 1)
     monkeypatch.setitem(STUDIES, "trapezoids", row)
     yield row
     sys.modules.pop("ringwear.studies.trapezoids", None)

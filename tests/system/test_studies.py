@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -17,7 +16,6 @@ import pytest
 from groups import nightly, nightly_but
 
 from ringwear import Scene, SceneError, main, study
-from ringwear.studies.named_studies import STUDIES
 
 LOG = logging.getLogger("ringwear")
 INTERRUPTED = "INTERRUPTED"
@@ -74,7 +72,7 @@ def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
         record.file.write_text("a\n", "utf-8")
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(STUDIES, "march", replace(STUDIES["march"], load=lambda: march))
+    monkeypatch.setattr("ringwear.studies.march.march", march)
     assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
     assert list(tmp_path.iterdir()) == []
 

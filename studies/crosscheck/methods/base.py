@@ -145,8 +145,6 @@ class Discretised:
     limited_by_degree : frozenset of str
         Quantities that a smaller `rtol` does not make more accurate, because the elements already
         have their highest degree.
-    same_elements : bool
-        Whether the coarser solution has the same elements, of a lower degree. For flat punches.
     """
 
     compliance: Compliance
@@ -161,7 +159,6 @@ class Discretised:
     slope_roundoff: float = 0.0
     least_error: float = 0.0
     limited_by_degree: frozenset[str] = frozenset()
-    same_elements: bool = False
 
 
 class SystemSize(NamedTuple):

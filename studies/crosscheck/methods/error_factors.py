@@ -38,18 +38,6 @@ TABLE = {
         "their degree are the defaults",
         ESTIMATES,
     ),
-    "pressures of thinner layers than triangles": ErrorFactor(
-        4.0,
-        "the same for pressures at times at which the layers that wear has made need smaller "
-        "triangles, because both degrees miss much of them",
-        ESTIMATES,
-    ),
-    "resolved fields on triangles": ErrorFactor(
-        1.0,
-        "the same for fields at times at which the layers need no smaller triangles, and for what "
-        "does not depend on time: most of the difference is the error of a degree less",
-        ESTIMATES,
-    ),
     "flat punch on larger triangles": ErrorFactor(
         8.0,
         "for triangles that the scene sets: difference of a flat punch to a degree less on larger "
@@ -74,21 +62,9 @@ TABLE = {
     ),
     "moving contact, energies and volumes": ErrorFactor(
         1.5,
-        "the same for energies and volumes under one load, which converge at second order in the "
-        "size of cells",
+        "the same for energies and volumes under one force, which converge at second order in the "
+        "size of cells, so that the difference is three times the error",
         PUNCHES,
-    ),
-    "decaying force": ErrorFactor(
-        2.0,
-        "the factor and the floor of a moving contact for forces at a fixed indentation: they "
-        "decay, but their errors do not",
-        "tests/physics/test_fixed_indentation.py::test_errors_of_vanishing_forces_are_as_stated",
-    ),
-    "time to full contact": ErrorFactor(
-        2.0,
-        "the factor of a moving contact for the time of full contact, which is located to within "
-        "a time step",
-        "tests/physics/test_random_scenes.py::test_every_number_beyond_rtol_is_reported",
     ),
     "steps of the coarser march": ErrorFactor(
         2.0,
@@ -141,13 +117,10 @@ TABLE = {
     ),
     "stiffness at the rim": ErrorFactor(
         0.2,
-        "width of the element at the rim: least error of the indentation of a flat start",
-        "tests/physics/test_flat_punch.py::test_indentation",
-    ),
-    "pressure at the rim": ErrorFactor(
-        3.0,
-        "width of the element at the rim: least error of pressures of a flat start",
-        "tests/physics/test_trust.py::test_start_pressures_of_random_scenes",
+        "width of the element at the rim: error of the indentation of a flat start, which is part "
+        "of the least error of times of running-in",
+        "tests/physics/test_estimates_at_extremes.py::"
+        "test_estimates_of_running_in_times_include_a_coarse_rim",
     ),
     "worn depth at the rim": ErrorFactor(
         0.65,
@@ -155,12 +128,6 @@ TABLE = {
         "width of the element at the rim: least error of worn profiles and displacements (2 / pi "
         "for a solid punch)",
         "tests/physics/test_flat_punch.py::test_worn_depths_within_the_element_at_the_rim",
-    ),
-    "roundoff of the force at the rim": ErrorFactor(
-        0.1,
-        "roundoff of the force on the element at the rim: added to the least error of the "
-        "indentation of a flat start",
-        "tests/physics/test_flat_punch.py::test_indentation",
     ),
     "roundoff of slopes": ErrorFactor(
         4e-13,
@@ -176,10 +143,15 @@ TABLE = {
         "jumps in the middle of the cell",
         "tests/physics/test_moving_edges.py::test_pressures_of_a_toroid",
     ),
+    "fitted start": ErrorFactor(
+        1e-12,
+        "1: least error of a start that is fitted to the edges of the contact, roundoff",
+        PUNCHES,
+    ),
     "edge of a fitted start": ErrorFactor(
         5e-8,
-        "radius of the first contact: least error, a few times the tolerance of the search for "
-        "its edges",
+        "1: least error of the radius of the first contact, a few times the tolerance of the "
+        "search for its edges, and of the slope of the unworn face, a difference of heights",
         "tests/physics/test_light_rounding.py::test_lightly_rounded_edges",
     ),
     "kinks inside elements": ErrorFactor(
@@ -187,17 +159,6 @@ TABLE = {
         "difference of the face from what the elements of a fitted start resolve, over the "
         "indentation, if kinks are inside its elements: least error of the start",
         "tests/physics/test_kinks.py::test_starts_of_tables",
-    ),
-    "slope of a fitted start": ErrorFactor(
-        1e-8,
-        "slope of the unworn face: least error, because it is a difference of heights",
-        PUNCHES,
-    ),
-    "fitted start": ErrorFactor(
-        1e-12,
-        "other quantities of a start that is fitted to the edges of the contact: least error, "
-        "roundoff",
-        PUNCHES,
     ),
     "uniform grid": ErrorFactor(
         2.5,

@@ -1,15 +1,14 @@
 """Error estimates: the difference between a fine and a coarser evaluation, times a factor.
 
-`estimate_errors` takes the differences. `Evaluation.estimate` multiplies each by its factor and
-raises it to its floor; each kind of contact does this in its own way. The factors and floors are in
-`error_factors.py`.
+`estimate_errors` takes the differences. `Evaluation.estimate` multiplies each by a factor and
+raises it to its floor. The factors and floors are in `error_factors.py`.
 """
 
 import numpy as np
 
 from ....meshes.radial import Array
 from ..problem.face import radial_weight
-from ..problem.quantities import differences
+from ..problem.quantities import DESCRIBED, differences
 from .error_factors import error_factor
 from .evaluation import Evaluation
 
@@ -18,14 +17,13 @@ FIELD_OF_MAXIMUM = {"displacement_max": "displacement", "steady_displacement_max
 
 
 def estimate_errors(
-    fine: Evaluation, coarse: Evaluation, same_elements: bool = False
+    fine: Evaluation, coarse: Evaluation
 ) -> tuple[dict[str, Array], dict[str, float]]:
     """Return the relative error of each quantity in its norm, and that of the indentation by cause.
 
     Parameters
     ----------
     fine, coarse : evaluations of the same problem on the fine and on the coarser discretisation
-    same_elements : whether both have the same elements, of different degrees
 
     Returns
     -------
@@ -40,6 +38,8 @@ def estimate_errors(
         evaluation.results_for_estimate(fine.estimate_times) for evaluation in (coarse, fine)
     )
     quantity_differences = differences(coarse_results, fine_results, problem.face)
+    spaces = fine.compliance.space, coarse.compliance.space
+    same_elements = np.array_equal(spaces[0].breakpoints, spaces[1].breakpoints)
     for name in ("rms_slope", "steady_rms_slope") if same_elements else ("steady_rms_slope",):
         if name in quantity_differences:
             square = _mean_square_slope_difference(name, fine, coarse)
@@ -58,15 +58,16 @@ def estimate_errors(
             near = np.nanmax(np.abs(of_coarse / of_fine - 1), initial=0.0)
             differences_of_answers[name] = np.maximum(differences_of_answers[name], near)
     for name, difference in differences_of_answers.items():
-        errors[name] = fine.estimate_answer(name, difference, errors)
+        errors[name] = fine.estimate(name, difference)
+        if (repeated := DESCRIBED[name].at) and repeated[0] in errors:
+            quantity, row = repeated
+            errors[name] = np.maximum(errors[name], errors[quantity][row])
     if fine.sampler.maxima_from_fields:
         for maximum in FIELD_OF_MAXIMUM.keys() & errors.keys():
             errors[maximum] = np.maximum(errors[maximum], errors[FIELD_OF_MAXIMUM[maximum]])
     if "indentation_steady" in errors:
         errors["indentation_steady"] = errors["steady_displacement_max"]
-    indentation = fine.safety_factor("indentation") * quantity_differences.get(
-        "indentation", np.zeros(1)
-    )
+    indentation = fine.safety * quantity_differences.get("indentation", np.zeros(1))
     parts = {"discretisation": float(np.max(indentation, initial=0.0))}
     if problem.indentation is not None:
         # the indentation is given, and has no error; the force decays, so that its error is
@@ -74,7 +75,7 @@ def estimate_errors(
         forces, first = fine_results["normal_force"], float(fine_results["normal_force"][0])
         difference = np.abs(coarse_results["normal_force"] - forces).max()
         difference /= max(first, np.finfo(float).tiny)
-        parts = {"force": fine.safety_factor("indentation") * float(difference)}
+        parts = {"force": fine.safety * float(difference)}
     if problem.march != "modal" and "indentation" in errors:
         marched, exact = (
             fine.sampler.history(history, on_face=True)

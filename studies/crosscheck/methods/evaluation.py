@@ -2,14 +2,16 @@
 
 `FullContact` evaluates flat punches under a force, which stay in full contact and are exact in
 time. `moving_evaluation.MovingContact` marches any other contact. The error estimate compares a
-fine and a coarser evaluation (`estimates.estimate_errors`); `Evaluation.estimate` multiplies their
-difference by a factor.
+fine and a coarser evaluation (`estimates.estimate_errors`). One rule holds for both kinds of
+contact (`Evaluation.estimate`): a factor times the greatest difference at similar times, at least a
+floor. Where two solutions miss the same, the difference does not show it; the floors of such
+quantities are in `Evaluation.floors`.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Set
+from collections.abc import Callable, Mapping, Set
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,8 +19,8 @@ from ....meshes.compliance import Compliance
 from ....meshes.radial import Array, Indices
 from ..problem.norms import Results
 from ..problem.problem import Problem
-from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES, LAYER_QUANTITIES
-from ..sizes.ring_edges import amplified_roundoff, missing_layers, root_of_unresolved_wear
+from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES
+from ..sizes.ring_edges import amplified_roundoff, missing_layers
 from ..wear.full_contact import RunningIn
 from ..wear.history import History
 from .error_factors import error_factor
@@ -65,6 +67,11 @@ class Evaluation(ABC):
     """The wear history on one compliance, and the quantities sampled from it."""
 
     wear: RunningIn | None = None
+    # factor on the difference to a coarser evaluation
+    safety: float
+    # Floors of quantities in which two evaluations may miss the same: functions of an evaluation
+    # that return one number, or one for each requested time.
+    floors: ClassVar[Mapping[str, Callable[[Any], Array]]] = {}
     # Quantities that are displacements at one place. Their differences cross zero now and then, so
     # that their error is at least a part of the error of the whole field.
     point_values: ClassVar[Set[str]] = frozenset()
@@ -96,22 +103,35 @@ class Evaluation(ABC):
     def results_for_estimate(self, times: Array) -> Results:
         """Return the quantities on the face of the punch that the error estimate compares."""
 
+    @property
     @abstractmethod
-    def safety_factor(self, name: str) -> float:
-        """Return the factor on the difference of a quantity to a coarser evaluation."""
+    def similar_times(self) -> tuple[Indices, Indices]:
+        """Ranges (T,), (T,) of `estimate_times` at which errors are like that at each time."""
 
     @abstractmethod
+    def least_error(self, name: str) -> Array | float:
+        """Return the least error of a quantity, because two solutions may agree by chance."""
+
+    def factor(self, name: str) -> float:
+        """Return the factor on the difference of a quantity to a coarser evaluation."""
+        return self.safety
+
     def estimate(self, name: str, difference: Array) -> Array:
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
         The estimate at each requested time is the largest near that time, because differences cross
-        zero now and then and are meaningless there.
+        zero now and then and are meaningless there. It is at least the floor of the quantity.
 
         Parameters
         ----------
-        name : name of the quantity
+        name : name of the quantity, or of a number of the answer
         difference : relative difference, at `estimate_times` if the quantity depends on time
         """
+        error = self.factor(name) * difference
+        if DESCRIBED[name].over_time:
+            error = greatest_in_ranges(error, *self.similar_times)
+        error = np.maximum(error, self.least_error(name))
+        return np.maximum(error, self.floors[name](self)) if name in self.floors else error
 
     @property
     @abstractmethod
@@ -122,17 +142,6 @@ class Evaluation(ABC):
     @abstractmethod
     def answers_exact_in_time(self) -> Results:
         """The numbers of the answer, as accurate in time as the tolerance requires."""
-
-    @abstractmethod
-    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
-        """Return the error estimate of a number of the answer.
-
-        Parameters
-        ----------
-        name : name of the number
-        difference : its relative difference to a coarser evaluation
-        errors : error estimates of the quantities at the requested times
-        """
 
     def times_near(self, remaining_part: float) -> Array:
         """Return the times at which about a part of the running-in remains, whose errors are alike.
@@ -180,7 +189,6 @@ class FullContact(Evaluation):
     smallest : smallest element size at a ring edge that the method can use, in punch radii
     slope_roundoff : relative roundoff of RMS slopes where wear has smoothed the whole face
     least_error : least relative error of every quantity, beyond the roundoff of sums
-    same_elements : whether the coarser evaluation has the same elements, of a lower degree
     """
 
     point_values = frozenset({"displacement_centre", "displacement_max"})
@@ -193,11 +201,9 @@ class FullContact(Evaluation):
         smallest: float = 0.0,
         slope_roundoff: float = 0.0,
         least_error: float = 0.0,
-        same_elements: bool = False,
     ) -> None:
         super().__init__(problem, compliance)
         self._slope_roundoff, self._least_error = slope_roundoff, least_error
-        self._same_elements = same_elements
         wear_factor = error_factor("wear along the radius") if problem.merged.linear else 1.0
         self.safety, self.smallest, self._wear_factor = wear_factor * safety, smallest, wear_factor
         wear_coefficients = problem.merged.wear_coefficients
@@ -271,78 +277,35 @@ class FullContact(Evaluation):
             return answers_of(SteadyRun(self.problem, steady))
         return answers_of(FlatRun(self.problem, self.wear, steady, ends))
 
-    def safety_factor(self, name: str) -> float:
-        """Return the factor on differences to a coarser evaluation, the same for every quantity."""
-        return self.safety
-
     @cached_property
-    def _missing_layers(self) -> Array:
-        return missing_layers(self.problem, self.smallest)
+    def similar_times(self) -> tuple[Indices, Indices]:
+        """Ranges (T,), (T,) of `estimate_times` at which errors are like that at each time."""
+        return near_in_time(self.problem.times, self.problem.estimate_times)
 
     def estimate(self, name: str, difference: Array) -> Array:
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
-        - The factor is `safety_factor`, or, for fields by a lower degree on the same elements,
-          that of `_factor_on_same_elements`.
-        - Quantities that depend on thin layers at ring edges get the same difference once more for
-          each layer that the mesh lacks, if the march is by modes and the coarser mesh lacks one
-          layer more.
-        - At each requested time, the error is the largest at nearby times, because differences
-          cross zero now and then. For the same reason, the error of a relaxation time is at least
-          that of any slower one.
-        - The error is at least the floor of the quantity.
+        The difference of a relaxation time is at least that of any slower one, because differences
+        cross zero. That of a quantity that depends on thin layers at ring edges counts once more
+        for each layer that the mesh lacks: the coarser mesh lacks one more than this one, and each
+        makes about the same difference.
         """
-        if self._same_elements:
-            error = self._factor_on_same_elements(name) * difference
-        else:
-            error = self.safety_factor(name) * difference
         if name == "relaxation_time":
-            error = _growing_errors(error)
-        lacks_layers = name in LAYER_QUANTITIES and not self._same_elements
-        if lacks_layers and self.problem.march == "modal":
-            # the coarser mesh lacks one layer more than this one, and each layer makes about the
-            # same difference
-            error = error * (1 + self._missing_layers)
-        if DESCRIBED[name].over_time:
-            near = near_in_time(self.problem.times, self.problem.estimate_times)
-            error = greatest_in_ranges(error, *near)
-        return np.maximum(error, self._floor(name))
+            difference = _growing_errors(difference)
+        if DESCRIBED[name].in_thin_layers:
+            difference = difference * (1 + missing_layers(self.problem, self.smallest))
+        return super().estimate(name, difference)
 
-    def _factor_on_same_elements(self, name: str) -> Array | float:
-        """Return the factor on a difference to a degree less: one number, or one for each time.
-
-        If the elements resolve the layers that wear has made, fields converge with the degree, and
-        the difference is mostly the error of the lower degree. If not, both degrees miss the same
-        part of the layers.
-        """
-        resolved = self._wear_factor * error_factor("resolved fields on triangles")
-        if not DESCRIBED[name].over_time:
-            return resolved
-        if name in ENERGIES:
-            return self.safety
-        thin = self.safety
-        if name == "pressure":
-            thin = self._wear_factor * error_factor("pressures of thinner layers than triangles")
-        return np.where(self._missing_layers <= 1, resolved, thin)
-
-    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
-        """Return the error estimate of a number of the answer.
-
-        It is the difference times the safety factor, but at least the floor of that number.
-        """
-        return np.maximum(self.safety_factor(name) * difference, self._floor_of_answer(name))
-
-    def _floor_of_answer(self, name: str) -> float:
-        """Return the smallest error that is reported for a number of the answer."""
-        floor = self._floor_by_chance(name)
-        if name in ("indentation_start", "force_start"):
-            return max(floor, self._start_error_at_rim)
-        if name in ("pressure_min", "pressure_max"):
-            # the element at the rim changes the coefficients of all other functions of the start
-            return max(floor, error_factor("pressure at the rim") * self._rim_size)
+    def least_error(self, name: str) -> float:
+        """Return a part of the tolerance, but at least the roundoff of sums over all elements."""
+        part_of_rtol = error_factor("floor of energies" if name in ENERGIES else "floor")
+        elements = len(self.compliance.space.degrees)
+        by_chance = max(self._wear_factor * self.problem.rtol * part_of_rtol, 1e-14 * elements)
         if name in self.problem.remaining_parts:
-            return max(floor, self._time_error_by_start(self.problem.remaining_parts[name]))
-        return floor
+            by_chance = max(
+                by_chance, self._time_error_by_start(self.problem.remaining_parts[name])
+            )
+        return max(by_chance, self._least_error)
 
     def _time_error_by_start(self, remaining_part: float) -> float:
         """Return the error of a running-in time (`time_to_90`, ...) that the flat start causes.
@@ -354,87 +317,38 @@ class FullContact(Evaluation):
         total_change, time = self.wear.total_change, self.wear.time_until(remaining_part)
         if not (total_change > 0 and time > 0):
             return 0.0
+        space = self.compliance.space
+        size = max(space.widths[-1], space.widths[0] if space.inner_radius else 0.0)
         start = total_change if self.problem.indentation is not None else self.wear.flat.indentation
         relative_step = 1e-3
         left_before, left_after = self.wear.modes.remaining_change(
             time * np.array([1 - relative_step, 1 + relative_step])
         )
         decay = np.log(left_before / left_after) / (2 * relative_step)
-        return float(self._start_error_at_rim * start / total_change / decay)
+        start_error = error_factor("stiffness at the rim") * size
+        return float(start_error * start / total_change / decay)
 
-    def _floor_by_chance(self, name: str) -> float:
-        """Return the difference below which two solutions may agree by chance.
+    def _worn_depth_at_rim(self) -> Array:
+        """Return the error (T,) of the worn depth while one element at the rim contains the wear.
 
-        It is at least the roundoff of sums over all elements.
+        The pressure of the flat start is infinite at the rim and at a hole, in proportion to
+        1 / sqrt(distance). Wear by a length L limits it within L of the edge, so that the worn
+        depth there is proportional to sqrt(L). An element that is much larger than L has a depth
+        proportional to L instead, which is far smaller; a coarser mesh has that error, too.
         """
-        part_of_rtol = error_factor("floor of energies" if name in ENERGIES else "floor")
-        elements = len(self.compliance.space.degrees)
-        by_chance = max(self._wear_factor * self.problem.rtol * part_of_rtol, 1e-14 * elements)
-        return max(by_chance, self._least_error)
+        space, rings = self.compliance.space, self.problem.rings
+        wear = np.array([rings.wear_coefficients[-1, -1], rings.wear_coefficients[0, 0]])
+        sizes = np.array([space.widths[-1], space.widths[0] if space.inner_radius else 0.0])
+        worn = self.problem.distances[:, None] * wear
+        share = np.where(worn < sizes, worn, 0.0).max(axis=1) / (1 - space.inner_radius)
+        return error_factor("worn depth at the rim") * np.sqrt(share)
 
-    @property
-    def _rim_size(self) -> float:
-        """Width of the element at the rim, or of the element at the hole if that is wider.
+    def _roundoff_of_slopes(self) -> Array:
+        """Return the error (T,) of RMS slopes by roundoff in thin layers."""
+        return self._slope_roundoff * amplified_roundoff(self.problem)
 
-        The pressure is infinite at both.
-        """
-        return max(self._sizes_at_rim_and_hole)
-
-    @property
-    def _sizes_at_rim_and_hole(self) -> tuple[float, float]:
-        """Width of the element at the rim, and of the element at the hole (0 without a hole)."""
-        space = self.compliance.space
-        return float(space.widths[-1]), float(space.widths[0]) if space.inner_radius else 0.0
-
-    @property
-    def _rim_force_roundoff(self) -> float:
-        """Error of the force, over the force, by roundoff in the width of the element at the rim.
-
-        The force on that element is proportional to the root of its width. There is no such error
-        if the space stores the low parts of radii.
-        """
-        if self.compliance.space.low_parts is not None:
-            return 0.0
-        return float(np.finfo(float).eps / np.sqrt(self._rim_size))
-
-    @property
-    def _start_error_at_rim(self) -> float:
-        """Error of the indentation of the flat start that the element at the rim causes.
-
-        Measured: 0.06 to 0.11 of the width of that element.
-        """
-        at_rim = error_factor("stiffness at the rim") * self._rim_size
-        roundoff = error_factor("roundoff of the force at the rim") * self._rim_force_roundoff
-        return at_rim + roundoff
-
-    @property
-    def _error_of_depth_at_rim(self) -> Array:
-        """Error (T,) of the worn depth while wear has not smoothed a whole element at the rim."""
-        at_rim, at_hole = self._sizes_at_rim_and_hole
-        return error_factor("worn depth at the rim") * np.maximum(
-            root_of_unresolved_wear(self.problem, at_rim),
-            root_of_unresolved_wear(self.problem, at_hole, at_hole=True),
-        )
-
-    def _floor(self, name: str) -> Array | float:
-        """Return the smallest error that is reported for a quantity."""
-        floor, rim_size, roundoff = (
-            self._floor_by_chance(name),
-            self._rim_size,
-            self._rim_force_roundoff,
-        )
-        at_start = {
-            "indentation": self._start_error_at_rim,
-            "normal_force": self._start_error_at_rim,
-            # the element at the rim changes the coefficients of all other functions
-            "pressure": error_factor("pressure at the rim") * rim_size + roundoff,
-            "ring_force": roundoff,
-        }
-        if name in ("profile", "displacement"):
-            return np.maximum(floor, self._error_of_depth_at_rim)
-        if name == "rms_slope":
-            return np.maximum(floor, self._slope_roundoff * amplified_roundoff(self.problem))
-        if name not in at_start:
-            return floor
-        pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0
-        return np.where(pressed, max(at_start[name], floor), floor)
+    floors: ClassVar = {
+        "profile": _worn_depth_at_rim,
+        "displacement": _worn_depth_at_rim,
+        "rms_slope": _roundoff_of_slopes,
+    }

@@ -195,7 +195,6 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
         least_error=error_factor("incompressible layers") if extrapolated else 0.0,
         limited_by_degree=_limited_by_degree(sizes.degree, sizes.mesher),
-        same_elements=sizes.same_elements,
     )
 
 

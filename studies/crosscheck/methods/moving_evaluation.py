@@ -2,40 +2,30 @@
 
 from dataclasses import replace
 from functools import cached_property, lru_cache
+from typing import ClassVar
 
 import numpy as np
 
 from ....meshes.compliance import Compliance
 from ....meshes.radial import Array, Indices
 from ..problem.loading import Loading
-from ..problem.norms import DEPTH, Results
+from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.profile import moments, unresolved_height
-from ..problem.quantities import ANSWER, DESCRIBED, ENERGIES
+from ..problem.quantities import DESCRIBED, ENERGIES
 from ..wear.contact_edges import pressures_beside_edges, widths_at_edges
 from ..wear.evolution import Evolution, evolve, evolve_in_equal_steps
 from ..wear.first_contact import load_of
 from ..wear.flat_contact import FittedPress
 from ..wear.history import History, Pressed
+from ..wear.unilateral import Mask
 from ..wear.wearing_punch import WearingPunch
 from .error_factors import error_factor
-from .evaluation import ENDS, Evaluation, greatest_in_ranges
+from .evaluation import ENDS, Evaluation
 from .sampling.answers import MarchedRun, answers_of
 
-# Numbers of the answer whose error is that of a quantity at the first (0) or at the last (-1) time:
-# the shares of the force have that of the forces. The fitted start has its own edges.
-REPEATED = {
-    name: number.at
-    for name, number in ANSWER.items()
-    if number.at and name != "contact_radius_start"
-} | {"force_share": ("ring_force", 0)}
-# Quantities that converge with second or higher order in the cells of a face under one load.
+# Quantities that converge with second or higher order in the cells of a face under one force.
 SECOND_ORDER = ENERGIES | {"ring_worn_volume"}
-# Quantities at the start that the heights of the face alone determine.
-OF_THE_FACE = frozenset({"profile", "rms_slope"})
-# Quantities that decay during wear at a fixed indentation.
-DECAYING = frozenset({"normal_force", "ring_force"})
-
 # Error of slopes that a step in thin layers may add, over rtol. The worn depth alone would be right
 # after a few steps, with slopes and pressures that are far off (physics/test_random_scenes.py::
 # test_layers_where_the_rim_loses_contact_under_a_falling_force).
@@ -187,29 +177,6 @@ class MovingContact(Evaluation):
         ends = self._with_fitted_start(evolution.at(self.problem.times[ENDS]))
         return answers_of(MarchedRun(self.problem, evolution, self.start, ends))
 
-    def estimate_answer(self, name: str, difference: Array, errors: Results) -> Array:
-        """Return the error estimate of a number of the answer.
-
-        A number that is a quantity at the first or at the last time has the error of that quantity.
-        The error of any other is its difference to a coarser evaluation times its factor, but at
-        least a floor.
-        """
-        if name in REPEATED:
-            quantity, row = REPEATED[name]
-            if quantity in errors:
-                return np.broadcast_to(errors[quantity][row], difference.shape)
-        floors = {
-            "contact_radius_start": error_factor("edge of a fitted start"),
-            "pressure_peak_start": error_factor("fitted start"),
-        }
-        floor = floors.get(name, error_factor("floor of moving contact") * self.problem.rtol)
-        # the last node begins to carry in different time steps of the two marches
-        time_factor = (
-            error_factor("time to full contact") if name == "time_to_full_contact" else 1.0
-        )
-        error = np.maximum(time_factor * self.safety_factor(name) * difference, floor)
-        return self._excess_of_steps * error
-
     def times_near(self, remaining_part: float) -> Array:
         """Return the times at which about a part of the running-in remains, whose errors are alike.
 
@@ -217,27 +184,16 @@ class MovingContact(Evaluation):
         """
         return np.array([self.evolution.time_until(f * remaining_part) for f in PARTS_NEAR])
 
-    def estimate(self, name: str, difference: Array) -> Array:
-        """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
+    def factor(self, name: str) -> float:
+        """Return the factor on the difference of a quantity, smaller if that is of second order."""
+        one_force = self.problem.indentation is None and not self.problem.loading.varies
+        if one_force and name in SECOND_ORDER:
+            return error_factor("moving contact, energies and volumes")
+        return self.safety
 
-        - The factor is `safety_factor`.
-        - At each requested time, the error is the largest at nearby times of the march, because
-          differences cross zero now and then. A start that is fitted to the edges of the contact is
-          left out of this.
-        - The error is at least the floor of the quantity.
-        - Steps that err by more than they may multiply the error.
-        """
-        times = self.estimate_times
-        error = self.safety_factor(name) * difference
-        later = (times > 0) | self._starts_on_cells
-        nearby = greatest_in_ranges(np.where(later, error, 0.0), *self._nearby)
-        error = np.where(later, nearby, error)
-        error = np.maximum(error[np.isin(times, self.problem.times)], self._floor(name))
-        error = self._excess_of_steps * error
-        if name == "rms_slope":
-            # an infinite slope has no value, and no error either
-            return np.where(np.isnan(self.results[name]), np.nan, error)
-        return error
+    def estimate(self, name: str, difference: Array) -> Array:
+        """Return the error estimate of a quantity, times the excess of the errors of steps."""
+        return self._excess_of_steps * super().estimate(name, difference)
 
     @property
     def _excess_of_steps(self) -> float:
@@ -250,85 +206,35 @@ class MovingContact(Evaluation):
         return max(1.0, float(excess.max()))
 
     @cached_property
-    def _nearby(self) -> tuple[Indices, Indices]:
-        """Ranges (T,), (T,) of the estimate's times near each of them, with similar errors."""
+    def similar_times(self) -> tuple[Indices, Indices]:
+        """Ranges (T,), (T,) of `estimate_times` at which errors are like that at each time."""
+        earliest, latest = range_near(self.problem.times, self.problem.loading)
         times = self.estimate_times
-        earliest, latest = range_near(times, self.problem.loading)
         return np.searchsorted(times, earliest), np.searchsorted(times, latest, side="right")
 
-    @property
-    def _starts_on_cells(self) -> bool:
-        """Whether there is a contact at the time 0 that is not fitted to its edges."""
-        return self.start is None and self.problem.loading.forces[0] > 0
+    def least_error(self, name: str) -> Array | float:
+        """Return a part of the tolerance, but at least what cells do not resolve of the face.
 
-    def safety_factor(self, name: str) -> float:
-        """Return the factor on the difference of a quantity to a coarser evaluation.
-
-        It is larger for forces that decay at a given indentation, and smaller for energies and
-        volumes under one load.
+        The indentations of two faces under one force differ by at most the difference of the faces.
+        At the start, elements that are fitted to the edges of the contact replace the cells.
         """
-        if self._decays(name):
-            # at a given indentation, forces grow at most with the square of the depth, and their
-            # errors stay while the forces decay
-            return error_factor("decaying force") * self.safety
-        # under one load, energies and volumes converge at least at second order in the cells, so
-        # that the difference is three times the error
-        if name in SECOND_ORDER and not self.problem.loading.varies:
-            return error_factor("moving contact, energies and volumes")
-        return self.safety
+        least = error_factor("floor of moving contact") * self.problem.rtol
+        if not DESCRIBED[name].over_time:
+            return least
+        floors = np.maximum(least, self._unresolved)
+        if self.start is None:
+            return floors
+        by_kinks = error_factor("kinks inside elements") * self.start.unresolved_height
+        at_start = np.maximum(error_factor("fitted start"), by_kinks * self._inverse_depth)
+        return np.where(self._fitted, at_start, floors)
 
-    def _decays(self, name: str) -> bool:
-        return self.problem.indentation is not None and name in DECAYING
-
-    def _floor(self, name: str) -> Array:
-        """Return the smallest error (T,) that is reported for a quantity at the requested times."""
-        later = self.problem.times > 0
-        if self._starts_on_cells and name != "profile":
-            later = np.ones_like(later)
-        # At the start nothing has worn: slopes of the unworn face are differences of heights, and
-        # edges are located to a few times the tolerance of their search. Later, edges of the
-        # contact make agreement by chance more likely.
-        kind_of_start = {
-            "rms_slope": "slope of a fitted start",
-            "contact_radius": "edge of a fitted start",
-        }
-        at_start = error_factor(kind_of_start.get(name, "fitted start"))
-        if self.start is not None and name not in OF_THE_FACE:
-            unresolved = self.start.unresolved_height / self.start.indentation
-            at_start = max(at_start, error_factor("kinks inside elements") * unresolved)
-        floor = error_factor("floor of moving contact") * self.problem.rtol
-        floors = np.where(later, floor, at_start)
-        if name in ("profile", "displacement"):
-            # Linear functions lose this part of the bend of a field. If an edge stays in the same
-            # cell of both meshes, their difference does not show that. In random punches whose face
-            # the cells resolve, no penetration is above 0.23 of the bend.
-            lost_bend = error_factor("lost bend") * self._lost_bends * self._inverse_depth
-            floors = np.maximum(floors, np.where(later | (name != "profile"), lost_bend, 0.0))
-        if name == "pressure":
-            # linear pressures miss this part where the pressure vanishes as a root, or jumps; both
-            # meshes miss the same if they have the edge at the same place of a cell
-            missed = error_factor("pressure at free edges") * pressures_beside_edges(
-                self.compliance.space,
-                self.history.contact,
-                self.history.pressure,
-                self.problem.merged.wear_coefficients,
-            )
-            return np.maximum(floors, np.where(later, missed, 0.0))
-        if name == "contact_radius":
-            # the difference does not show the error if both meshes have the edge in the same cell
-            widths = widths_at_edges(self.compliance.space, self.history.contact)
-            at_edges = later & ~self.evolution.settled(self.problem.times)
-            return np.maximum(floors, np.where(at_edges, widths, 0.0))
-        if self._decays(name):
-            return error_factor("decaying force") * np.maximum(floors, self._unresolved_height)
-        is_height = DESCRIBED[name].norm is DEPTH
-        # the unworn face is given, and a start that is fitted to the edges integrates all of it
-        exact_start = name == "profile" or (name == "indentation" and self.start is not None)
-        by_cells = is_height & (later | (not exact_start))
-        return np.where(by_cells, np.maximum(floors, self._unresolved_height), floors)
+    @property
+    def _fitted(self) -> Mask:
+        """Whether each of the times (T,) is the start of a contact that is fitted to its edges."""
+        return (self.problem.times == 0) & (self.start is not None)
 
     @cached_property
-    def _unresolved_height(self) -> Array:
+    def _unresolved(self) -> Array:
         """(T,) largest difference of the face from what cells resolve, over the depth."""
         depth, space = float(self.history.depth.max()), self.compliance.space
         return unresolved_height(self.problem.profile, space, depth) * self._inverse_depth
@@ -342,10 +248,59 @@ class MovingContact(Evaluation):
         depth = self.history.depth
         return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
-    @cached_property
-    def _lost_bends(self) -> Array:
-        """(T,) largest bend of the worn face or the displacement that linear functions lose."""
-        return self.sampler.worn_face(self.history).unresolved_bending
+    def _unresolved_on_cells(self) -> Array:
+        """Return what cells do not resolve (T,), also at a fitted start, outside the contact."""
+        return self._unresolved
+
+    def _lost_bend(self) -> Array:
+        """Return the bend (T,) of the worn face and the displacement that linear functions lose.
+
+        If an edge stays in the same cell of both meshes, their difference does not show it. In
+        random punches whose face the cells resolve, no penetration is above 0.23 of the bend.
+        """
+        bending = self.sampler.worn_face(self.history).unresolved_bending
+        return error_factor("lost bend") * bending * self._inverse_depth
+
+    def _lost_bend_of_worn_face(self) -> Array:
+        """Return the same (T,) for the face, which is exact at the start."""
+        return np.where(self.problem.times > 0, self._lost_bend(), 0.0)
+
+    def _pressure_at_free_edges(self) -> Array:
+        """Return the pressure (T,) that a line misses where it vanishes as a root, or jumps.
+
+        Both meshes miss the same if they have the edge at the same place of a cell.
+        """
+        beside = pressures_beside_edges(
+            self.compliance.space,
+            self.history.contact,
+            self.history.pressure,
+            self.problem.merged.wear_coefficients,
+        )
+        return error_factor("pressure at free edges") * beside
+
+    def _cell_at_edge(self) -> Array:
+        """Return the width (T,) of the cell in which the outermost edge lies, until it has settled.
+
+        Both meshes may have the edge in the same cell.
+        """
+        widths = widths_at_edges(self.compliance.space, self.history.contact)
+        widths = np.where(self.evolution.settled(self.problem.times), 0.0, widths)
+        return np.where(self._fitted, error_factor("edge of a fitted start"), widths)
+
+    def _error_of_slopes_at_start(self) -> Array:
+        """Return the error (T,) of slopes of the unworn face; NaN where a slope is infinite."""
+        at_start = np.where(self._fitted, error_factor("edge of a fitted start"), 0.0)
+        return at_start + 0.0 * self.results["rms_slope"]
+
+    floors: ClassVar = {
+        "profile": _lost_bend_of_worn_face,
+        "displacement": _lost_bend,
+        "displacement_centre": _unresolved_on_cells,
+        "displacement_max": _unresolved_on_cells,
+        "pressure": _pressure_at_free_edges,
+        "contact_radius": _cell_at_edge,
+        "rms_slope": _error_of_slopes_at_start,
+    }
 
     @property
     def settings(self) -> dict[str, int]:
@@ -362,7 +317,7 @@ class MovingContact(Evaluation):
 
     def notes(self) -> list[str]:
         """Return a note for the user if the cells are too coarse for the face."""
-        unresolved, cells = float(self._unresolved_height.max()), len(self.compliance.space.degrees)
+        unresolved, cells = float(self._unresolved.max()), len(self.compliance.space.degrees)
         if unresolved <= self.problem.rtol:
             return []
         return [

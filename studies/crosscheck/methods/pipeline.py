@@ -206,7 +206,6 @@ def _solve_one(
             discretisation.smallest,
             discretisation.slope_roundoff,
             discretisation.least_error,
-            discretisation.same_elements,
         )
         for compliance in compliances
     )
@@ -333,7 +332,7 @@ def fitted_starts(
 
 
 def _solution(discretisation: Discretised, fine: Evaluation, coarse: Evaluation) -> Solution:
-    errors, parts = estimate_errors(fine, coarse, discretisation.same_elements)
+    errors, parts = estimate_errors(fine, coarse)
     # the first part is that of the discretisation; others are those of steps in time
     error_by_sizes = next(iter(parts.values()))
     return Solution(

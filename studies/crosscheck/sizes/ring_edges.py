@@ -28,8 +28,8 @@ SLOPE_SHARE_AT_RIM = 0.03
 # because the other rules require sizes as small as this one.
 PRESSURE_SHARE = 0.3
 # Element size at the rim, in a, over rtol. The relative error of pressures of the flat start is up
-# to 3 times that size, and that of its energy a tenth of it; error estimates are at least that
-# large (floors at the rim in `crosscheck/methods/error_factors.py`).
+# to 3 times that size, and that of its energy a tenth of it
+# (physics/test_trust.py::test_start_pressures_of_random_scenes).
 START_SHARE = 0.03
 # Element size at a hole = size at the rim * this * width of the ring next to the hole, in a: the
 # singular pressure is confined to that ring (physics/test_hollow.py).
@@ -200,31 +200,6 @@ def fem_smallest(problem: Problem) -> float:
     """
     roundoff = max(FEM_ROUNDOFF, INCOMPRESSIBLE_ROUNDOFF / compressibility(problem) ** 2)
     return smallest_size(problem, roundoff)
-
-
-def root_of_unresolved_wear(problem: Problem, size: float, at_hole: bool = False) -> Array:
-    """Return the square root (T,) of the worn length at the rim if one element there contains it.
-
-    The pressure of the flat start is infinite at the rim, in proportion to 1 / sqrt(distance). Wear
-    by a length L limits it within L of the rim, so that the worn depth there is proportional to
-    sqrt(L). An element that is much larger than L has a depth proportional to L instead, which is
-    far smaller; a coarser mesh has that error, too, and does not show it.
-
-    Parameters
-    ----------
-    size : width of the element at the rim
-    at_hole : whether to return it for the edge of the hole, where the same is true
-
-    Returns
-    -------
-    array
-        ``sqrt(L / b)`` with the worn length ``L = k s`` after the sliding distance s and the width
-        b of the face, or 0 if L is larger than the element.
-    """
-    at_edges = problem.rings.wear_coefficients
-    worn_length = (at_edges[0, 0] if at_hole else at_edges[-1, -1]) * problem.distances
-    share = worn_length / (1 - problem.inner_radius)
-    return np.sqrt(np.where(worn_length < size, share, 0.0))
 
 
 def missing_layers(problem: Problem, smallest: float) -> Array:

@@ -1,6 +1,7 @@
 """Locate the edges of the contact of a worn face, and what linear pressures miss beside them."""
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ....meshes.pressure_space import PressureSpace
 from ....meshes.radial import Array, Indices
@@ -143,19 +144,15 @@ def pressures_beside_edges(
     Returns
     -------
     (T,) array
-        Square root of ``sum k p^2 dA`` over these cells, with the greater pressure p of the last
-        two nodes in contact, over that of all nodes.
+        Square root of ``sum k p^2 dA`` over these cells, with the greatest pressure p of the nodes
+        of each cell and of the next ones, over that of all nodes.
     """
     radius, _ = nodes(space)
-    cells = np.diff(radius)
     weights = space.at_vertices(wear_coefficients)
     squares = pressure**2
-    # greatest of both ends of the cell on the axis side of each node, and on its other side
-    below, above = squares.copy(), squares.copy()
-    below[:, 1:] = np.maximum(squares[:, 1:], squares[:, :-1])
-    above[:, :-1] = np.maximum(squares[:, 1:], squares[:, :-1])
-    outer, inner = contact[:, :-1] & ~contact[:, 1:], contact[:, 1:] & ~contact[:, :-1]
-    beside = outer * (weights * below)[:, :-1] + inner * (weights * above)[:, 1:]
-    lost = beside @ (np.pi * cells * (radius[:-1] + radius[1:]))
+    # greatest at the ends of each cell and of the cells beside it; it is zero beyond the edge
+    greatest = sliding_window_view(np.pad(squares, ((0, 0), (1, 1))), 4, axis=1).max(axis=2)
+    weighted = np.pi * np.diff(radius**2) * np.maximum(weights[:-1], weights[1:])
+    lost = np.where(contact[:, :-1] != contact[:, 1:], greatest, 0.0) @ weighted
     total = squares @ (weights * space.weights)
     return np.sqrt(np.divide(lost, total, out=np.zeros(len(lost)), where=total > 0))

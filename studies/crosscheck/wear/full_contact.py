@@ -308,12 +308,15 @@ class RunningIn:
                 f"the modes are computed for sliding distances from {self.earliest:.3g} on: give a "
                 "smaller `earliest`, or later times"
             )
-        return self._history_from_modes(
+        return self.from_amplitudes(
             times, self.modes.excite(self._knot_amplitudes[state.knot], state)
         )
 
-    def _history_from_modes(self, times: Array, amplitudes: Array) -> History:
-        """Return the history at times (T,), given the amplitude of each mode (T, m)."""
+    def from_amplitudes(self, times: Array, amplitudes: Array) -> History:
+        """Return the history at times (T,), given the amplitude of each mode (T, m) at these.
+
+        A march in steps may have any amplitudes; those of the exact history are in `modal`.
+        """
         state = self.loading.at(times)
         # force applied since the punch last slid: its k p still jumps at ring edges, so this part
         # of the pressure is that of the flat start instead of a sum of modes
@@ -431,4 +434,4 @@ class RunningIn:
         ratios = lengths[:, None] / self.modes.relaxation
         factors = 1 / (1 + ratios) if march == "implicit" else 1 - ratios
         decay_factors = np.cumprod(factors ** counts[:, None], axis=0)
-        return self._history_from_modes(times, decay_factors * self.modes.amplitudes)
+        return self.from_amplitudes(times, decay_factors * self.modes.amplitudes)

@@ -5,12 +5,16 @@ import inspect
 import pytest
 
 import ringwear
-from ringwear.studies.arguments import FLAGS, OF_COMMANDS, POSITIONAL, flag_of
+from ringwear.studies.arguments import FLAGS, REPEATED, Parser, add_arguments
 from ringwear.studies.commands import COMMANDS
 from ringwear.studies.documented import documented
 from ringwear.studies.named_studies import STUDIES
 
 PUBLIC = [name for name in COMMANDS if name in ringwear.__all__]
+PLACES = [
+    *((command.place, command.conduct) for name, command in COMMANDS.items() if name != "study"),
+    *((study.place, COMMANDS["study"].conduct) for study in STUDIES.values()),
+]
 
 
 @pytest.mark.parametrize("name", PUBLIC)
@@ -21,18 +25,26 @@ def test_what_is_read_without_loading_is_what_is_loaded(name):
     assert [*read.parameters] == [each.name for each in named]
     assert inspect.getdoc(function).startswith(f"{read.purpose}.")
     for each in named:
-        default = read.parameters[each.name].default
-        assert default is None or default == each.default
+        parameter = read.parameters[each.name]
+        assert bool(parameter.default) == (each.default is not each.empty)
+        assert (parameter.default == "False") == (each.default is False)
+        assert parameter.by_position == (each.kind != each.KEYWORD_ONLY)
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_every_argument_of_a_command_has_one_meaning_and_a_text(name):
-    read = documented(COMMANDS[name].place)
-    assert read.purpose
-    for argument in COMMANDS[name].arguments:
-        if argument not in OF_COMMANDS and argument not in POSITIONAL:
-            assert flag_of(argument) in FLAGS
-            assert read.parameters[argument].text
+@pytest.mark.parametrize(("place", "conduct"), PLACES)
+def test_every_argument_of_a_command_has_a_text(place, conduct):
+    own = f"commands:{conduct.__name__}"
+    assert documented(place or own).purpose
+    parser = Parser(prog="command")
+    add_arguments(parser, place or own, own)
+    for action in parser._actions:
+        assert action.help, action.dest
+
+
+def test_every_flag_is_that_of_a_command():
+    places = {place for place, _ in PLACES} | {f"commands:{each.__name__}" for _, each in PLACES}
+    names = {name for place in places - {""} for name in documented(place).parameters}
+    assert names >= FLAGS.keys() >= REPEATED.keys()
 
 
 @pytest.mark.parametrize("name", STUDIES)

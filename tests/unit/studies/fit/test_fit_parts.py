@@ -8,7 +8,6 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.integrate import quad
 
 from ringwear import Scene, SceneError
 from ringwear.studies.estimate.estimator import (
@@ -18,7 +17,6 @@ from ringwear.studies.estimate.estimator import (
 )
 from ringwear.studies.estimate.measurement import Measurement
 from ringwear.studies.estimate.model import STENCIL, lagrange
-from ringwear.studies.estimate.modes import divided_difference
 from ringwear.studies.estimate.parameter import Parameter, situation
 from ringwear.studies.estimate.profiles import Profiles
 from ringwear.studies.fit.data import read_measurements
@@ -179,13 +177,6 @@ def test_incomplete_measurements_are_refused_with_a_reason(noise, density, words
 def test_columns_that_cannot_be_fitted_are_refused_with_the_remedy(columns, words):
     with pytest.raises(SceneError, match=words):
         read_measurements(SCENE, pd.DataFrame(columns))
-
-
-def test_divided_differences_are_integrals():
-    for first, second in ((0.0, 0.0), (1.0, 1.0 + 1e-14), (0.3, 2.0), (40.0, 0.0)):
-        exact, _ = quad(lambda s, a=first, b=second: np.exp(-a * (0.7 - s) - b * s), 0.0, 0.7)
-        difference = divided_difference(np.array(first), np.array(second), 0.7)
-        assert float(difference) == pytest.approx(exact, rel=1e-10)
 
 
 def test_a_cubic_is_interpolated_exactly():

@@ -4,7 +4,8 @@ import pytest
 from loads import LOADS, pressed_by
 
 from ringwear import Scene, SceneError
-from ringwear.studies.crosscheck.methods.moving_evaluation import DECAYING, REPEATED
+from ringwear.studies.crosscheck.methods.evaluation import FullContact
+from ringwear.studies.crosscheck.methods.moving_evaluation import MovingContact
 from ringwear.studies.crosscheck.problem.quantities import ANSWER, DESCRIBED, HISTORIES, QUANTITIES
 
 FEATURES = {
@@ -39,9 +40,8 @@ def test_features_of_a_sphere_of_layers_and_of_wear_along_the_radius():
 
 
 def test_names_of_quantities_are_known():
-    assert DECAYING <= HISTORIES
-    assert {quantity for quantity, _ in REPEATED.values()} <= QUANTITIES.keys()
-    assert REPEATED.keys() <= ANSWER.keys()
+    assert FullContact.floors.keys() | MovingContact.floors.keys() <= HISTORIES
+    assert {number.at[0] for number in ANSWER.values() if number.at} <= QUANTITIES.keys()
 
 
 def test_a_punch_that_loses_contact_has_no_relaxation_times():
