@@ -13,10 +13,10 @@ from ..registry import METHODS
 from ..scene.scene import Scene
 from ..verdict.agreement import Agreement
 from ..verdict.promise import LeftOut
-from .answer import Answers
 from .output.files import Json, read_folder, refused
 from .result import Result, methods_with_fields
 from .scope import methods_of
+from .table import Answers
 
 
 @dataclass(frozen=True)

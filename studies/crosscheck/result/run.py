@@ -16,12 +16,11 @@ from ..scene.keys import listed
 from ..scene.scene import Scene, Source
 from ..verdict.accuracy import solved_to_accuracy
 from ..verdict.agreement import agreements, unchecked
-from .answer import Answers
 from .judgement import Judged
 from .predictions.memory import refuse_beyond_memory
 from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
-from .table import tabulate
+from .table import Answers, tabulate
 
 
 @naming_arguments

@@ -1,4 +1,4 @@
-"""The results of all methods as an xarray Dataset, in the scene's units."""
+"""The results of all methods as an xarray Dataset, in the scene's units, and the answer in it."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -33,6 +33,9 @@ Arrays = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 
 COUNTED = ("mode", "edge", "step")
 """Dimensions in which the numbers of two methods may differ; the first ones correspond."""
+
+# the numbers of the answer, and quantities that are reported together with them
+REPORTED = (*ANSWER, "steady_wear_rate", "steady_rms_slope")
 
 
 class StepsOfMarch(NamedTuple):
@@ -205,3 +208,31 @@ def by_method(dataset: "xarray.Dataset", quantity: str, times: Any = ...) -> dic
     rows = zip(dataset["solver"].values, dataset.variables[quantity].values, strict=True)
     selected = {name: values[times] for name, values in rows}
     return {name: values for name, values in selected.items() if not np.isnan(values).all()}
+
+
+class Answers(dict[str, dict[str, Array]]):
+    """The numbers of the answer, by method; an unknown key is answered with a known one."""
+
+    @classmethod
+    def of(cls, dataset: "xarray.Dataset") -> "Answers":
+        """Return the numbers in a dataset and their errors; NaN if a method or a scene has none."""
+        names = [*REPORTED, *map(error_name, REPORTED)]
+        arrays = {name: dataset[name].values for name in names if name in dataset}
+        return cls(
+            {
+                str(solver): {
+                    name: arrays[name][row] if name in arrays else np.asarray(np.nan)
+                    for name in names
+                }
+                for row, solver in enumerate(dataset["solver"].values)
+            }
+        )
+
+    def __missing__(self, key: object) -> dict[str, Array]:
+        """Raise a KeyError that says what to write instead."""
+        first = next(iter(self), "mdr")
+        number = key if key in self.get(first, {}) else "time_to_90"
+        raise KeyError(
+            f"no method {key!r} in these answers: write answers[{first!r}][{number!r}]; the "
+            f"methods are {', '.join(self)}"
+        )

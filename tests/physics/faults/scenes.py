@@ -11,7 +11,7 @@ import xarray
 from given import judge
 
 from ringwear import Result, Scene, run
-from ringwear.studies.crosscheck.result.answer import Answers
+from ringwear.studies.crosscheck.result.table import Answers
 
 from .changes import Change
 
