@@ -98,14 +98,6 @@ class Comparison(AnswersGuesses):
     a, b : the two results
     """
 
-    noun = "comparison"
-    instead = dict.fromkeys(("df", "data", "differences", "rows", "dataset"), "table") | {
-        "to_csv": "save(folder)",
-        "figure": "figures",
-        "show": "plot()",
-        **dict.fromkeys(("agree", "verdict", "equal", "differs"), "same"),
-    }
-
     a: Result
     b: Result
 

@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
-from .crosscheck import Source, did_you_mean, naming_arguments, shown
+from .crosscheck import Source, did_you_mean, shown
 from .documented import documented
 
 if TYPE_CHECKING:
@@ -59,7 +59,6 @@ STUDIES = {
 }
 
 
-@naming_arguments
 def study(
     name: str,
     scene: Source | None = None,

@@ -182,15 +182,6 @@ class Check(AnswersGuesses):
     element : elements of the other programs; None if they are not known
     """
 
-    noun = "check"
-    instead = (
-        dict.fromkeys(("verdicts", "table", "df", "differences", "error"), "errors")
-        | dict.fromkeys(("diagnoses", "diagnosis", "causes"), "mistakes()")
-        | dict.fromkeys(("answers", "verdict", "anchors", "agreement"), "result.<name>")
-        | {"dataset": "theirs, or check.result.dataset", "ours": "result", "given": "theirs"}
-        | {"show": "plot()", "figures": "plots", "to_csv": "save(folder)", "passed": "passes"}
-    )
-
     result: Result
     others: Mapping[str, OtherProgram]
     within: float

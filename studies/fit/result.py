@@ -26,18 +26,6 @@ FILES = (*TABLES, "fit.png", "likelihood.png", "report.html")
 class Fit(AnswersGuesses, Outcome):
     """The result of a fit, which is shown in print and in notebooks, and saved to a folder."""
 
-    noun = "fit"
-    instead = (
-        dict.fromkeys(
-            ("params", "parameters", "values", "result", "results", "table", "df", "x", "popt"),
-            "estimates",
-        )
-        | dict.fromkeys(("plot", "figure", "show"), "figures")
-        | dict.fromkeys(("to_csv", "export"), "save(folder)")
-        | dict.fromkeys(("summary", "report", "message"), "conclusions")
-        | {"pcov": "covariance", "cov": "covariance", "intervals": "estimates"}
-    )
-
     @cached_property
     def conclusions(self) -> tuple[str, ...]:
         """The conclusions in sentences."""

@@ -54,14 +54,6 @@ class Study(AnswersGuesses):
     [1.0]
     """
 
-    noun = "study"
-    instead = (
-        dict.fromkeys(("df", "data", "results", "rows", "dataset"), "table")
-        | dict.fromkeys(("figure", "plot", "show"), "figures")
-        | dict.fromkeys(("to_csv", "write_all", "export", "to_file"), "save(folder)")
-        | {"summary": "conclusions", "verdict": "conclusions"}
-    )
-
     name: str
     scene: Scene
     table: pd.DataFrame

@@ -1,10 +1,8 @@
 """Suggest which of our names is meant by another one."""
 
 import difflib
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar
-
-from .written import shown
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 # least similarity (difflib ratio) of an unknown name to the suggested one
 LEAST_SIMILARITY = 0.6
@@ -33,39 +31,19 @@ def did_you_mean(word: object, words: Iterable[str], otherwise: str = "", quote:
 
 
 class AnswersGuesses:
-    """A result that answers attributes and keys which it does not have.
-
-    Attributes
-    ----------
-    noun : the result in a word, as users may name it
-    instead : what to write instead of names that other packages use
-    """
-
-    noun: ClassVar[str]
-    instead: ClassVar[Mapping[str, str]]
+    """An object that suggests its nearest attribute for one that it does not have."""
 
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> object:
-            """Raise an AttributeError that says what to write instead."""
+            """Raise an AttributeError that suggests an attribute."""
             if name.startswith("_") or hasattr(type(self), name):
                 # there is no such attribute, or its property has failed: raise that error
                 return object.__getattribute__(self, name)
-            raise AttributeError(f"{self.noun} has no {name!r}{self._hint(name)}")
+            noun, meant = type(self).__name__.lower(), self._nearest(name)
+            hint = f"did you mean {noun}.{meant}?" if meant else f"see dir({noun})"
+            raise AttributeError(f"{noun} has no {name!r}: {hint}")
 
-    def __getitem__(self, key: Any) -> Any:
-        """Raise a TypeError that says what to write instead."""
-        table = next(iter(self.instead.values()))
-        raise TypeError(f"{self.noun} has no [{shown(key)}]: write {self.noun}.{table}")
-
-    @classmethod
-    def _hint(cls, name: str) -> str:
-        """Return what to write instead of an attribute; it does not exist."""
-        attributes = [*getattr(cls, "__annotations__", {}), *dir(cls)]
-        own = {"noun", "instead"}
-        public = [each for each in dict.fromkeys(attributes) if each[0] != "_" and each not in own]
-        known = {**dict.fromkeys(public, ""), **cls.instead}
-        meant = name if name in known else nearest(name, known)
-        if replacement := known.get(meant):
-            return f": write {cls.noun}.{replacement}"
-        return f": did you mean {cls.noun}.{meant}?" if meant else f"; it has {', '.join(public)}"
+    def _nearest(self, name: str) -> str:
+        """Return the most similar public attribute; empty if none is similar."""
+        return nearest(name, (each for each in dir(self) if not each.startswith("_")))

@@ -16,7 +16,7 @@ from ..verdict.promise import LeftOut
 from .output.files import Json, read_folder, refused
 from .result import Result, methods_with_fields
 from .scope import methods_of
-from .table import Answers
+from .table import answers_of
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def load(folder: str | Path) -> Result:
         Scene.from_toml(dataset.attrs["scene"], str(path)),
         methods_of([name for name in summary.methods if name in METHODS]),
         dataset,
-        Answers.of(dataset),
+        answers_of(dataset),
         summary.agreement,
         summary,
         summary.notes,

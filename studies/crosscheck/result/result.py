@@ -24,11 +24,10 @@ from ..methods.sampling.field_differences import (
     compare_fields,
 )
 from ..methods.sampling.sampler import Sampler
-from ..problem.quantities import DESCRIBED, FIELDS, SYMBOLS, error_name
+from ..problem.quantities import FIELDS, error_name
 from ..problem.suggestions import AnswersGuesses, did_you_mean
 from ..problem.written import shown
 from ..progress import LOG, Stages
-from ..registry import METHODS
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quantity
 from ..verdict.promise import LeftOut, allowed_error, in_words, share
@@ -46,44 +45,6 @@ if TYPE_CHECKING:
     from ...figures.style import Picture
     from .judgement import Judged
     from .load import Summary
-
-
-# what to write instead of attributes of results that other packages have
-OF_RESULTS = {
-    "times": "dataset.time",
-    "radii": "dataset.radius",
-    "errors": "error('indentation')",
-    "show": "plot()",
-    "figures": "plot('history'), or result.save(folder)",
-    "figure": "plot()",
-    "mesh": "plot('mesh'), or result.save(folder)",
-    "stress": "plot('stress'), or result.save(folder)",
-    "half_space": "scene.half_space",
-    "units": "scene.units",
-    "seconds": "summary['seconds']",
-    "error_estimate": "error('indentation')",
-    "report": "save(folder), which writes report.html",
-    **dict.fromkeys(("to_csv", "write", "export", "to_file"), "save(folder)"),
-    **dict.fromkeys(("data", "ds", "df", "results", "to_xarray"), "dataset"),
-    **dict.fromkeys(("to_pandas", "to_dict"), "dataset.to_dataframe()"),
-    **dict.fromkeys(("keys", "values", "items"), "dataset.variables"),
-    **{name: f"dataset.sel(solver={name!r})" for name in METHODS},
-    **{
-        name: f"dataset.{name}"
-        for name in (
-            *DESCRIBED,
-            "time",
-            "radius",
-            "solver",
-            "sel",
-            "isel",
-            "interp",
-            "to_dataframe",
-            "to_netcdf",
-        )
-    },
-    **{symbol: f"dataset.{name}" for symbol, name in SYMBOLS.items()},
-}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -111,9 +72,6 @@ class Result(AnswersGuesses):
         and the others
     saved : the content of `summary.json`, if the results were read from a folder
     """
-
-    noun = "result"
-    instead = OF_RESULTS
 
     scene: Scene
     methods: Mapping[str, Method]
@@ -371,11 +329,7 @@ class Result(AnswersGuesses):
         """
         if quantity not in self.dataset.variables:
             names = [str(name) for name in self.dataset.variables]
-            otherwise = f"give one of {', '.join(names)}"
-            if quantity in METHODS:
-                otherwise = f"write result.dataset.sel(solver={quantity!r}), or {otherwise}"
-            word = SYMBOLS.get(str(quantity), str(quantity))
-            hint = did_you_mean(word, () if quantity in METHODS else names, otherwise)
+            hint = did_you_mean(quantity, names, f"give one of {', '.join(names)}")
             raise SceneError(f"no {shown(quantity)} in these results{hint}")
         return self.dataset[quantity]
 

@@ -20,7 +20,7 @@ from .judgement import Judged
 from .predictions.memory import refuse_beyond_memory
 from .result import Result, methods_with_fields
 from .scope import chosen_methods, methods_of, refuse
-from .table import Answers, tabulate
+from .table import answers_of, tabulate
 
 
 @naming_arguments
@@ -208,7 +208,7 @@ def judged(
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]), units)
     ) + tuple(unchecked(problem, solutions))
     dataset = tabulate(scene, solutions)
-    answers = Answers.of(dataset)
+    answers = answers_of(dataset)
     notes = [note for solution in solutions.values() for note in solution.notes]
     return Result(
         scene,
@@ -241,7 +241,7 @@ def with_others(
         result,
         methods={**result.methods, **programs},
         dataset=dataset,
-        answers=Answers.of(dataset),
+        answers=answers_of(dataset),
         solutions=solutions,
         stages={**result.stages, **{name: Stages(name) for name in others}},
         of_others=tuple(others),

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 Arrays = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
 """Dimensions, values and attributes of arrays, by name."""
 
+Answers = dict[str, dict[str, Array]]
+"""The numbers of the answer, by method."""
+
 COUNTED = ("mode", "edge", "step")
 """Dimensions in which the numbers of two methods may differ; the first ones correspond."""
 
@@ -210,29 +213,13 @@ def by_method(dataset: "xarray.Dataset", quantity: str, times: Any = ...) -> dic
     return {name: values for name, values in selected.items() if not np.isnan(values).all()}
 
 
-class Answers(dict[str, dict[str, Array]]):
-    """The numbers of the answer, by method; an unknown key is answered with a known one."""
-
-    @classmethod
-    def of(cls, dataset: "xarray.Dataset") -> "Answers":
-        """Return the numbers in a dataset and their errors; NaN if a method or a scene has none."""
-        names = [*REPORTED, *map(error_name, REPORTED)]
-        arrays = {name: dataset[name].values for name in names if name in dataset}
-        return cls(
-            {
-                str(solver): {
-                    name: arrays[name][row] if name in arrays else np.asarray(np.nan)
-                    for name in names
-                }
-                for row, solver in enumerate(dataset["solver"].values)
-            }
-        )
-
-    def __missing__(self, key: object) -> dict[str, Array]:
-        """Raise a KeyError that says what to write instead."""
-        first = next(iter(self), "mdr")
-        number = key if key in self.get(first, {}) else "time_to_90"
-        raise KeyError(
-            f"no method {key!r} in these answers: write answers[{first!r}][{number!r}]; the "
-            f"methods are {', '.join(self)}"
-        )
+def answers_of(dataset: "xarray.Dataset") -> Answers:
+    """Return the numbers in a dataset and their errors; NaN if a method or a scene has none."""
+    names = [*REPORTED, *map(error_name, REPORTED)]
+    arrays = {name: dataset[name].values for name in names if name in dataset}
+    return {
+        str(solver): {
+            name: arrays[name][row] if name in arrays else np.asarray(np.nan) for name in names
+        }
+        for row, solver in enumerate(dataset["solver"].values)
+    }

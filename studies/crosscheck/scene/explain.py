@@ -1,7 +1,4 @@
-"""Explain errors in a scene in one line: the key, the error, and what to write instead.
-
-Keys for features that ringwear does not have are answered by what to use instead.
-"""
+"""Explain errors in a scene in one line: the key, the error, and what to write instead."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -11,145 +8,12 @@ from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from ..problem.fields import KINDS, ProfileSection, Section
+from ..problem.fields import KINDS, Section
 from ..problem.suggestions import did_you_mean, nearest
 from ..problem.written import shown
 
 # least similarity of an unknown key to the suggested one in another table
 LEAST_SIMILARITY_ELSEWHERE = 0.75
-
-KINDS_OF_PROFILES = [name for name, section in KINDS.items() if issubclass(section, ProfileSection)]
-
-ROTATION = (
-    "give sliding_speed = omega times radius, the distance of the punch from the axis of rotation, "
-    "as in the scene pin_on_disc; if the punch turns about its own axis, give the speed of the rim "
-    "and a wear coefficient in proportion to the radius, as in the scene rotating_pin"
-)
-BONDED = (
-    "layers are bonded to each other and to the base, and no other interface is modelled: leave it "
-    "out, there is nothing to give"
-)
-BOTH_WEAR = (
-    "wear is that of the punch: if both bodies wear, give the sum of both coefficients as "
-    "punch.wear_coefficient, or for each ring as punch.wear_coefficients"
-)
-# advice by words in the names of unknown keys
-WORDS = {
-    "friction": "ringwear has no friction: give sliding_speed, and wear coefficients measured with "
-    "the actual friction",
-    "traction": "ringwear has no friction: pressures are normal to the surface",
-    "adhesion": "ringwear has no adhesion: contact presses, and does not pull",
-    "adhesive": "ringwear has no adhesion: contact presses, and does not pull",
-    "surface_energy": "ringwear has no adhesion: contact presses, and does not pull",
-    "layer": "layers are tables: [[half_space.layers]] with thickness, youngs_modulus and "
-    "poisson_ratio, from the surface down; half_space describes the base below them",
-    "coating": "a coating is a layer: [[half_space.layers]] with thickness, youngs_modulus and "
-    "poisson_ratio; half_space describes the base below it",
-    "substrate": "the substrate is half_space itself; the layers on it are [[half_space.layers]]",
-    "thickness": "a thickness belongs to a layer: [[half_space.layers]] with thickness, "
-    "youngs_modulus and poisson_ratio; half_space.rigid = true for a rigid base",
-    "yield": "ringwear has no plasticity: compare the stresses inside, in stress.png and "
-    "half_space.vtu, with the yield stress",
-    "plastic": "ringwear has no plasticity: compare the stresses inside, in stress.png and "
-    "half_space.vtu, with the yield stress",
-    "hardness": "Archard's law is written with k = K / H: divide the dimensionless coefficient by "
-    "the hardness, and give punch.wear_coefficient",
-    "temperature": "ringwear has no temperature: give the wear coefficients and moduli of the hot "
-    "state",
-    "thermal": "ringwear has no temperature: give the wear coefficients and moduli of the hot "
-    "state",
-    "exponent": "the wear rate is k p v: another power of the pressure is not possible; "
-    "profile.exponent is the exponent of a power-law face",
-    "rough": "ringwear has no statistical roughness: give a measured profile, profile = { kind = "
-    "'table', file = ... }",
-    "viscosity": "ringwear has no viscoelasticity: give the modulus at the time scale of the "
-    "contact",
-    "relaxation": "ringwear has no viscoelasticity: give the modulus at the time scale of the "
-    "contact",
-    "angular": ROTATION,
-    "rotation": ROTATION,
-    "omega": ROTATION,
-    "rpm": ROTATION,
-    "revolution": ROTATION,
-    "diameter": "give punch.radius, half of it",
-    "shear_modulus": "give youngs_modulus = 2 G (1 + nu) with poisson_ratio = nu",
-    "reduced_modulus": "give plane_strain_modulus, or youngs_modulus and punch_youngs_modulus",
-}
-# keys by other names and symbols that users may write
-OTHER_KEYS = {
-    "nu": "poisson_ratio",
-    "poisson": "poisson_ratio",
-    "E": "youngs_modulus",
-    "modulus": "youngs_modulus",
-    "E_star": "plane_strain_modulus",
-    "F": "normal_force",
-    "pressure": "mean_pressure",
-    "p": "mean_pressure",
-    "depth": "indentation",
-    "v": "sliding_speed",
-    "velocity": "sliding_speed",
-    "k": "wear_coefficient",
-    "a": "radius",
-    "R": "radius",
-    "time": "times",
-    "dt": "step",
-    "tol": "rtol",
-    "tolerance": "rtol",
-}
-# prefix of the keys of layers, and these keys by other names that users may write
-LAYER = "half_space.layers.0."
-KEYS_OF_LAYERS = {"height": "thickness", "depth": "thickness", "h": "thickness", "t": "thickness"}
-# advice by words in the names of unknown keys of a table, by the prefix of the table; it comes
-# before that of `WORDS`
-OF_GROUND = {
-    "wear": BOTH_WEAR,
-    **dict.fromkeys(("bond", "interface", "delamination", "slip"), BONDED),
-}
-WORDS_OF_TABLES = {
-    "half_space.": OF_GROUND,
-    LAYER: OF_GROUND
-    | {"plane_strain_modulus": "give youngs_modulus = E* (1 - nu^2) with poisson_ratio = nu"},
-}
-# advice by other names of kinds of profiles
-OTHER_KINDS = {
-    "sphere": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than that "
-    "of the contact, and exactly a 'ball' (ball_radius)",
-    "spherical": "a sphere is a 'parabola' (curvature_radius) if its radius is much greater than "
-    "that of the contact, and exactly a 'ball' (ball_radius)",
-    "hertz": "give 'parabola' with curvature_radius",
-    "paraboloid": "give 'parabola' with curvature_radius",
-    "flat": "a flat face needs no profile: leave it out",
-    "annulus": "a hollow punch has punch.inner_radius",
-    "hollow": "a hollow punch has punch.inner_radius",
-    "fillet": "give 'rounded_rim' with flat_radius and curvature_radius",
-    "conical": "give 'cone' with its slope",
-}
-
-
-def not_modelled(key: str, prefix: str = "") -> str | None:
-    """Return advice for a key of a feature that ringwear does not have; None if there is none.
-
-    Parameters
-    ----------
-    key : the unknown key, without the name of its table
-    prefix : of the table in which it is, such as ``half_space.``
-    """
-    names = key.lower(), OTHER_KEYS.get(key, "")
-    for words in (WORDS_OF_TABLES.get(prefix, {}), WORDS):
-        for word, advice in words.items():
-            if any(word in name for name in names):
-                return advice
-    return None
-
-
-def kind_instead(profile: object) -> str:
-    """Return advice for a profile whose kind is missing or does not exist."""
-    kind = profile.get("kind") if isinstance(profile, Mapping) else None
-    if kind is None:
-        return "is missing"
-    if (advice := OTHER_KINDS.get(str(kind).lower())) is not None:
-        return advice
-    return f"there is no kind {shown(kind)}{did_you_mean(str(kind), KINDS_OF_PROFILES)}"
 
 
 def explain(error: ValidationError, scene: type[Section]) -> str:
@@ -200,7 +64,7 @@ def _fault(fault: ErrorDetails, errors: list[ErrorDetails], scene: type[Section]
         remedy = "" if isinstance(fault["input"], Mapping) or "give " in message else remedy
         line = f"{key}: {message}" if key else message
     elif kind.startswith("union_tag"):
-        line = f"{key}.kind: {kind_instead(fault['input'])}"
+        line = f"{key}.kind: {message}"
     else:
         line = f"{key} = {shown(fault['input'])}: {message}"
     if not remedy:
@@ -222,8 +86,13 @@ def _in_plain_words(fault: ErrorDetails) -> str:
         return "should be a table"
     if fault["type"] == "model_attributes_type":
         return "should be a table with a kind"
+    if fault["type"] == "union_tag_not_found":
+        return "is missing"
+    if fault["type"] == "union_tag_invalid":
+        tag, kinds = fault["ctx"]["tag"], _quoted(fault["ctx"]["expected_tags"])
+        return f"there is no kind {shown(tag)}{did_you_mean(tag, kinds)}"
     if fault["type"] == "literal_error":
-        words = re.findall(r"'(.*?)'", fault["ctx"]["expected"])
+        words = _quoted(fault["ctx"]["expected"])
         suggestion = did_you_mean(str(fault["input"]), words)
         return f"should be one of {', '.join(words)}{suggestion}"
     if fault["type"] == "list_type":
@@ -235,14 +104,14 @@ def _in_plain_words(fault: ErrorDetails) -> str:
     return re.sub(r"\b(?:Input|List|Value) should", "should", message)
 
 
+def _quoted(text: str) -> list[str]:
+    """Return the words in quotes of a text."""
+    return re.findall(r"'(.*?)'", text)
+
+
 def _in_place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     """Return what to write instead of an unknown key, in its own table or in another one."""
-    advice = not_modelled(unknown, section.prefix)
-    # advice on layers is of no use within a layer
-    if advice is not None and not (section.prefix == LAYER and "[[half_space.layers]]" in advice):
-        return advice
-    names = keys_of(section)
-    known_keys = f"the keys here are {', '.join(names)}"
+    known_keys = f"the keys here are {', '.join(keys_of(section))}"
     match = place_of(unknown, section, scene)
     return f"did you mean {match}? Else {known_keys}" if match else known_keys
 
@@ -253,27 +122,25 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     It is a key of the table `section`, or one of another table such as ``punch.rings``. The result
     is empty if no key is similar.
     """
-    names, word = keys_of(section), OTHER_KEYS.get(unknown, unknown)
-    if section.prefix == LAYER:
-        word = KEYS_OF_LAYERS.get(unknown, word)
-    if word in names:
-        return word
+    names = keys_of(section)
+    if unknown in names:
+        return unknown
     tables = {
         info.alias or name: keys_of(info.annotation)
         for name, info in scene.model_fields.items()
         if isinstance(info.annotation, type) and issubclass(info.annotation, Section)
     }
-    match = nearest(word, names)
+    match = nearest(unknown, names)
     if match and section not in (scene, *(info.annotation for info in scene.model_fields.values())):
         # in a table within a table, such as a profile, its own keys come first
         return match
     for table, keys in tables.items():
-        if word in keys:
-            return f"{table}.{word}"
+        if unknown in keys:
+            return f"{table}.{unknown}"
     if match:
         return match
     for table, keys in tables.items():
-        if match := nearest(word, keys, LEAST_SIMILARITY_ELSEWHERE):
+        if match := nearest(unknown, keys, LEAST_SIMILARITY_ELSEWHERE):
             return f"{table}.{match}"
     return ""
 

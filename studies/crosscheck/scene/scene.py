@@ -11,7 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from math import isnan
 from pathlib import Path
-from typing import Annotated, ClassVar, NoReturn, Self, overload
+from typing import Annotated, Self, overload
 
 import tomli_w
 from pydantic import AfterValidator, Field, ValidationError, model_validator
@@ -37,19 +37,6 @@ from .explain import explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
 from .sources import line_of, tables_of, text_of
 
-# the right call, by names of attributes and methods that users may guess
-OTHER_CALLS = {
-    **dict.fromkeys(("from_dict", "parse", "from_json"), "Scene.from_table({...})"),
-    **dict.fromkeys(("from_file", "read", "open", "from_path"), "Scene.load(file)"),
-    **dict.fromkeys(("to_dict", "as_dict", "to_table"), "scene.table()"),
-    **dict.fromkeys(("save", "write", "to_file", "dump"), "Path(file).write_text(scene.to_toml())"),
-    **dict.fromkeys(("run", "solve", "compute"), "ringwear.run(scene)"),
-    "plot": "ringwear.run(scene).plot()",
-    **dict.fromkeys(("replace", "set", "update", "change"), "scene.changed({'punch.rings': 3})"),
-    **dict.fromkeys(("check", "validate", "is_valid", "plan"), "ringwear.plan(scene)"),
-    **dict.fromkeys(("bundled", "list", "names"), "`ringwear scenes` on the command line"),
-}
-
 
 def check_method(method: str) -> str:
     """Refuse the name of a method that is not registered."""
@@ -73,17 +60,7 @@ class LoadAttribute(classmethod):
         return super().__get__(None, kind) if scene is None else scene.load_
 
 
-class SceneType(type(Section)):  # type: ignore[misc]
-    """The metaclass of `Scene`, which suggests the right call for a missing attribute."""
-
-    def __getattr__(cls, name: str) -> object:
-        """Raise AttributeError with the right call for a missing attribute of the class."""
-        if name.startswith("_") or name not in OTHER_CALLS:
-            return super().__getattr__(name)
-        raise AttributeError(f"Scene has no {name!r}: write {OTHER_CALLS[name]}")
-
-
-class Scene(AnswersGuesses, Section, metaclass=SceneType):
+class Scene(AnswersGuesses, Section):
     """A complete, validated scene.
 
     It is a frozen value. `load`, `from_toml` and `from_table` read it, its constructor takes
@@ -107,8 +84,6 @@ class Scene(AnswersGuesses, Section, metaclass=SceneType):
     >>> scene.units, scene.punch.radius, scene.half_space.youngs_modulus
     ('SI', 0.005, 2000000000.0)
     """
-
-    noun: ClassVar[str] = "scene"
 
     title: Annotated[str, AfterValidator(check_one_line)] = ""
     units: Annotated[str, AfterValidator(check_one_line)] = Field(
@@ -291,8 +266,7 @@ class Scene(AnswersGuesses, Section, metaclass=SceneType):
                 suggestion := key_meant(key, Scene)
             ):
                 raise SceneError(
-                    f"a scene has no key {key!r}: write changed({{{suggestion!r}: "
-                    f"{shown(value)}}}), or changed({suggestion.replace('.', '__')}={shown(value)})"
+                    f"a scene has no key {key!r}: write changed({{{suggestion!r}: {shown(value)}}})"
                 )
         table = without_alternatives(self.table(), set(values))
         for key, value in values.items():
@@ -336,17 +310,9 @@ class Scene(AnswersGuesses, Section, metaclass=SceneType):
         """The units of the scene's numbers; those of times are lengths if it has no speed."""
         return UnitNames.of(self.units, self.load_.times_are_distances)
 
-    def __getitem__(self, key: object) -> NoReturn:
-        """Raise a TypeError that says what to write instead."""
-        key = dotted(key)
-        place = key if key in keys_of(Scene) else key_meant(key, Scene)
-        raise TypeError(f"a scene has no [{key!r}]: write scene.{place or 'punch.rings'}")
-
-    @classmethod
-    def _hint(cls, name: str) -> str:
-        """Return the right call instead of an attribute; it does not exist."""
-        call = OTHER_CALLS.get(name) or f"scene.{place_of(name, Scene, Scene)}"
-        return ": see dir(scene)" if call == "scene." else f": write {call}"
+    def _nearest(self, name: str) -> str:
+        """Return the key that an unknown attribute probably means; empty if none is similar."""
+        return place_of(name, Scene, Scene)
 
     @cached_property
     def problem(self) -> Problem:
