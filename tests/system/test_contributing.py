@@ -41,10 +41,14 @@ def add_inner_force(patch, factor):
     """Add a quantity: the force on the innermost ring, times a factor that is 1 if it is right."""
     patch.setattr(quantities, "QUANTITIES", quantities.QUANTITIES.copy())
 
-    @quantities.over_time("", "force", "force on the innermost ring")
-    def inner_force(state):
-        return factor * state.ring_forces[:, 0]
-
+    inner_force = quantities.Quantity(
+        "inner_force",
+        "time",
+        "force",
+        "force on the innermost ring",
+        lambda state: factor * state.ring_forces[:, 0],
+    )
+    quantities.QUANTITIES["inner_force"] = inner_force
     # all tables are built from the declarations when the module is imported
     for table in (sampler.QUANTITIES, quantities.DESCRIBED):
         patch.setitem(table, "inner_force", inner_force)
