@@ -4,7 +4,7 @@ Numbers are drawn in the units of the scene and of `results.nc`; SI units have p
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...mdr import D0, P0
 from ...meshes import Array, Indices
-from ..crosscheck import Problem, Scene
+from ..crosscheck import Problem, Result, Scene
 from .style import (
     Look,
     axis_start,
@@ -49,25 +49,6 @@ SMALLEST, LARGEST = 1e-2, 1e4
 FAR_APART = 10.0
 # ratio of the height of the whole face to that of its worn part above which the rest is cut off
 CUT_BEYOND = 3.0
-
-
-class Drawn(Protocol):
-    """The attributes of a result that its figures need."""
-
-    @property
-    def scene(self) -> Scene:
-        """The scene that was solved."""
-        ...
-
-    @property
-    def coordinates(self) -> dict[str, Array]:
-        """Names of methods, times and radii, by their names in the table."""
-        ...
-
-    @property
-    def of_others(self) -> tuple[str, ...]:
-        """Names of other programs."""
-        ...
 
 
 class Scale:
@@ -111,7 +92,7 @@ class Scale:
         self.many_rings = len(self.problem.wear_coefficients) > 24
 
     @classmethod
-    def of(cls, result: Drawn) -> "Scale":
+    def of(cls, result: Result) -> "Scale":
         """Return the axes of a result, with a look for each of its methods."""
         return cls(result.scene, looks_of(result.coordinates["solver"], result.of_others))
 

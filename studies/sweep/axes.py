@@ -155,12 +155,6 @@ class Sweep:
         kinds: dict[str, type | UnionType] = {"base": str | dict, "keep": list}
         kinds |= dict.fromkeys(("axes", "zip", "random", "profiles"), dict)
         for key, value in table.items():
-            if key in ("punch", "half_space", "load"):
-                raise SceneError(
-                    f"{key} is a key of a scene, not of a sweep: compute a scene by `ringwear "
-                    'run`, or give its file as base, with [axes] of keys in quotes, "punch.rings" '
-                    "= [2, 4]"
-                )
             if not isinstance(value, kinds.get(key, ())):
                 raise SceneError(
                     f"{key} = {shown(value)} is invalid: give base, keep (a list of quantities), "

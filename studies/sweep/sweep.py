@@ -96,10 +96,6 @@ def sweep(
     >>> rates = sweep("five_rings", random=designs, keep="steady_wear_rate", methods="direct")
     >>> best = rates.steady_wear_rate.squeeze("solver").to_series().nlargest(5)
     """
-    if isinstance(store, list | tuple):
-        raise SceneError(
-            f"store = {shown(store)}: write keep={shown(store)} for quantities to keep"
-        )
     plan = planned(scene, axes, keep, zip, random, methods)
     processes = executor is not None or (isinstance(workers, int) and workers > 1)
     if plan.heights and (store is not None or processes):

@@ -17,7 +17,7 @@ from ..wear.contact_edges import pressures_beside_edges, widths_at_edges
 from ..wear.evolution import Evolution, evolve, evolve_in_equal_steps
 from ..wear.first_contact import load_of
 from ..wear.flat_contact import FittedPress
-from ..wear.history import History, Pressed
+from ..wear.history import History, UnwornPart
 from ..wear.unilateral import Mask
 from ..wear.wearing_punch import WearingPunch
 from .error_factors import error_factor
@@ -138,7 +138,7 @@ class MovingContact(Evaluation):
             return history
         at_start = (history.distances == 0) & (history.force == history.force[0])
         depth = np.where(at_start, self.start.indentation, history.depth)
-        pressed = Pressed(
+        pressed = UnwornPart(
             self.start,
             np.where(at_start, self.start.force, 0.0),
             np.where(at_start[:, None], 0.0, history.pressure),

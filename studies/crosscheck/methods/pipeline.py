@@ -35,7 +35,12 @@ from ..wear.falling_force import refuse_tension
 from ..wear.first_contact import covers_face, first_contact, load_at_start
 from ..wear.fitted_press import fit_presses
 from ..wear.flat_contact import FittedPress
-from ..wear.step_control import MOST_STEPS, steps_between, why_too_many_steps
+from ..wear.step_control import (
+    MOST_LINEAR_STEPS,
+    MOST_STEPS,
+    steps_between,
+    why_too_many_steps,
+)
 from ..wear.unilateral import Interval
 from .base import Discretised, Method, Solution, SystemSize
 from .error_factors import error_factor
@@ -88,7 +93,8 @@ class ComplianceMethod(Method):
                 "a contact problem is solved at each of wear.times, and a step ends at each time "
                 "of the load: give fewer"
             )
-        if reason := why_too_many_steps(steps, remedy, MOST_STEPS[problem.full_contact]):
+        most = MOST_LINEAR_STEPS if problem.full_contact else MOST_STEPS
+        if reason := why_too_many_steps(steps, remedy, most):
             return reason
         if not len(problem.times) and problem.indentation is not None:
             return (

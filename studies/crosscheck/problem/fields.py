@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -331,18 +331,25 @@ class WearTable(Section):
             )
 
 
+Profile = (
+    Parabola
+    | Ball
+    | Cone
+    | TruncatedCone
+    | TruncatedParaboloid
+    | Concave
+    | Power
+    | RoundedRim
+    | HeightTable
+)
+PROFILES: dict[str, type[Section]] = {
+    get_args(section.model_fields["kind"].annotation)[0]: section for section in get_args(Profile)
+}
+
 # types of values by the names that pydantic inserts into locations of errors; messages omit these
 KINDS: dict[str, type[Section]] = {
     "number": Section,
     "graded": WearTable,
     "over time": OverTime,
-    "parabola": Parabola,
-    "ball": Ball,
-    "cone": Cone,
-    "truncated_cone": TruncatedCone,
-    "truncated_paraboloid": TruncatedParaboloid,
-    "concave": Concave,
-    "power": Power,
-    "rounded_rim": RoundedRim,
-    "table": HeightTable,
+    **PROFILES,
 }

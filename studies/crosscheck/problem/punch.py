@@ -9,19 +9,12 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from ....meshes.errors import SceneError
 from ....meshes.radial import Array, alternating_edges
 from .fields import (
-    Ball,
-    Concave,
-    Cone,
+    PROFILES,
     Height,
-    HeightTable,
     NotNegative,
-    Parabola,
     Positive,
-    Power,
-    RoundedRim,
+    Profile,
     Section,
-    TruncatedCone,
-    TruncatedParaboloid,
     Unit,
     WearTable,
     check_increasing,
@@ -86,21 +79,8 @@ class PunchSection(Section):
     recess: Annotated[list[NotNegative], Unit("length")] | None = optional(
         "a height of missing material, 0 or more, for each ring"
     )
-    profile: (
-        Parabola
-        | Ball
-        | Cone
-        | TruncatedCone
-        | TruncatedParaboloid
-        | Concave
-        | Power
-        | RoundedRim
-        | HeightTable
-        | None
-    ) = optional(
-        "a table with a kind and its keys; kinds are parabola, ball, cone, truncated_cone, "
-        "truncated_paraboloid, concave, power, rounded_rim and table",
-        discriminator="kind",
+    profile: Profile | None = optional(
+        f"a table with a kind and its keys; kinds are {', '.join(PROFILES)}", discriminator="kind"
     )
     heights: list[Height] = Field(
         default=[],

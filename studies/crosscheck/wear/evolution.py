@@ -398,9 +398,9 @@ def evolve(
             previous, current = middle, following
             passed = current.time > RETRY_AFTER * tension_at
             try_modes = try_modes or passed or not current.press.contact.all()
-        if control.taken + control.rejected > MOST_STEPS[False]:
+        if control.taken + control.rejected > MOST_STEPS:
             raise SceneError(
-                f"the march took more than {MOST_STEPS[False]} steps to a sliding distance of "
+                f"the march took more than {MOST_STEPS} steps to a sliding distance of "
                 f"{current.distance:.3g}: give a larger rtol"
             )
     end_steps()
@@ -427,10 +427,9 @@ def evolve_in_equal_steps(punch: WearingPunch, times: Array, step: float) -> Evo
         if there are too many steps
     """
     counts = steps_between(times, step).astype(int)
-    if counts.sum() > MOST_STEPS[False]:
+    if counts.sum() > MOST_STEPS:
         raise SceneError(
-            f"{counts.sum()} steps are needed, more than {MOST_STEPS[False]}: "
-            "give a larger wear.step"
+            f"{counts.sum()} steps are needed, more than {MOST_STEPS}: give a larger wear.step"
         )
     stages, steps = ContactStages(punch), list[Step]()
     first = previous = current = stages.press_unworn()

@@ -21,7 +21,7 @@ from ..problem.problem import Problem
 from ..problem.profile import InitialProfile, moments
 from ..sizes.cells import cells_of, graded_to_worn_layers
 from .contact_edges import contact_runs, nodes
-from .unilateral import Contact, Interval, Load, Mask, Press
+from .unilateral import Contact, ContactSolution, Interval, Load, Mask
 
 # Change of the start by smaller cells that is tolerated, over rtol; and the largest rtol that
 # counts, because cells do not get coarser beyond it.
@@ -62,7 +62,7 @@ class UnwornPunch:
     profile: InitialProfile
     load: Load
 
-    def pressed_on(self, space: PressureSpace) -> tuple[Array, Press]:
+    def pressed_on(self, space: PressureSpace) -> tuple[Array, ContactSolution]:
         """Return the matrix (size, size) of the compliance on a space, and the contact there."""
         matrix, weights = self.compliance(space).matrix, space.weights
         heights = moments(self.profile, space)
@@ -232,7 +232,7 @@ def _unworn_edge(radius: Array, step: Array, node: int, direction: int) -> tuple
 
 
 def _penetrating_parts(
-    space: PressureSpace, displacement: Array, press: Press, profile: InitialProfile
+    space: PressureSpace, displacement: Array, press: ContactSolution, profile: InitialProfile
 ) -> list[tuple[float, float]]:
     """Return the parts of the face that penetrate the half-space between nodes without contact.
 
@@ -245,7 +245,7 @@ def _penetrating_parts(
         Space of the solution.
     displacement : (size,) array
         Coefficients of the displacement of the half-space.
-    press : Press
+    press : ContactSolution
         Solution on that space.
     profile : InitialProfile
         Unworn face.

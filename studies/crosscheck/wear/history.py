@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from ....meshes.radial import Array, Indices
-from .unilateral import Mask, Press
+from .unilateral import ContactSolution, Mask
 
 if TYPE_CHECKING:
     from .flat_contact import FittedPress, FlatStart
@@ -16,7 +16,7 @@ Start: TypeAlias = "FlatStart | FittedPress"
 """The solution for the unworn punch, on functions that represent it better than the space."""
 
 
-class Pressed(NamedTuple):
+class UnwornPart(NamedTuple):
     """The part of a history's pressure that is a multiple of the unworn solution, and the rest.
 
     The pressure at each time is ``force / start.force`` times the pressure of `start`, plus `rest`.
@@ -43,7 +43,7 @@ class Instant(NamedTuple):
     ----------
     time, distance : float
         Time since the start, and sliding distance until then.
-    press : Press
+    press : ContactSolution
         Pressures, gaps and contact.
     integral : (size,) array
         Integral of the pressure over the sliding distance.
@@ -53,7 +53,7 @@ class Instant(NamedTuple):
 
     time: float
     distance: float
-    press: Press
+    press: ContactSolution
     integral: Array
     work: float = 0.0
 
@@ -78,7 +78,7 @@ class History:
         Moments of the gap, zero in contact.
     contact : (T, size) array of bool
         Whether each basis function is in contact.
-    pressed : Pressed, optional
+    pressed : UnwornPart, optional
         The part of the pressure that was applied since the punch last slid, if there is any. No
         wear has changed it yet.
     integral : (T, size) array
@@ -103,7 +103,7 @@ class History:
     integral: Array
     even_wear: Array
     uniform: Array
-    pressed: Pressed | None = None
+    pressed: UnwornPart | None = None
 
     @classmethod
     def in_full_contact(
@@ -142,7 +142,7 @@ class History:
             pressure=self.pressure + np.outer(forces, start.pressure),
             depth=self.depth + forces * start.indentation,
             force=self.force + forces,
-            pressed=Pressed(start, forces, self.pressure),
+            pressed=UnwornPart(start, forces, self.pressure),
         )
 
     def __getitem__(self, index: Indices | slice) -> "History":

@@ -13,7 +13,7 @@ import numpy as np
 from ....meshes.radial import Array
 from ..problem.loading import Loading
 from .history import History, Instant
-from .unilateral import Press
+from .unilateral import ContactSolution
 from .wearing_punch import WearingPunch
 
 # times at which pressures are checked: over the duration of each segment of the load, and how many
@@ -129,7 +129,7 @@ class Relaxing:
         history = self.at(np.array([self.until]))
         state = self._loading.at(np.array([self.until - self.start.time]))
         work = self.start.work + float(state.work[0])
-        press = Press(
+        press = ContactSolution(
             history.pressure[0],
             history.gap[0],
             float(history.indentation[0]),

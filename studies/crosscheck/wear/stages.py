@@ -24,7 +24,7 @@ from scipy.sparse import csr_matrix, diags
 from ....meshes.radial import Array
 from .history import Instant
 from .step_control import StepError
-from .unilateral import Contact, Load, Mask, Press
+from .unilateral import Contact, ContactSolution, Load, Mask
 from .wearing_punch import WearingPunch
 
 # diagonal coefficient of Alexander's method: implicit part of each stage, over the step
@@ -96,14 +96,14 @@ class ContactStages:
         press = self._contact(0.0).press(self.punch.moments, self.at(0.0)[0])
         return Instant(0.0, 0.0, press, np.zeros(len(self.weights)))
 
-    def press_worn(self, integral: Array, load: Load) -> Press:
+    def press_worn(self, integral: Array, load: Load) -> ContactSolution:
         """Return the contact of the worn punch under a load.
 
         `integral` (size,) is the integral H of the pressure over the sliding distance.
         """
         return self._contact(0.0).press(self.punch.moments + self.wear @ integral, load)
 
-    def distance_to_wear(self, press: Press) -> float:
+    def distance_to_wear(self, press: ContactSolution) -> float:
         """Return the sliding distance in which a punch wears by its indentation, on average."""
         worn = float((self.wear @ press.pressure).sum()) / np.pi
         return press.indentation / worn if worn > 0 else np.inf
@@ -213,7 +213,7 @@ class ContactStages:
         slopes = self._cells_within(~came) * (self._slopes_of_wear @ defect)
         return StepError(depth, float(np.linalg.norm(slopes)), float(np.linalg.norm(slopes_after)))
 
-    def _damped(self, defect: Array, dt: float, press: Press) -> Array:
+    def _damped(self, defect: Array, dt: float, press: ContactSolution) -> Array:
         """Return an error of H less the part that the next stage of length `dt` removes.
 
         It is ``(1 + dt A^-1 K)^-1`` times the error, on the contact: where the pressure follows the

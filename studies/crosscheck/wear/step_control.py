@@ -12,9 +12,9 @@ import numpy as np
 from ....meshes.radial import Array
 from ..problem.norms import LEAST_SLOPE
 
-# Greatest number of steps in time, by whether the punch is in full contact: then a step is only a
-# product of matrices, and else a contact problem.
-MOST_STEPS = {True: 2_000_000, False: 200_000}
+# greatest number of steps, each of which is a contact problem, and of steps in full contact, which
+# are only products of matrices
+MOST_STEPS, MOST_LINEAR_STEPS = 200_000, 2_000_000
 # length of the first step over the distance in which a punch wears by its indentation, or over the
 # total sliding distance if that is shorter
 FIRST_STEP = 1e-5
@@ -34,7 +34,7 @@ def steps_between(times: Array, step: float) -> Array:
     return np.ceil(np.diff(times, prepend=0.0) / step * (1 - 1e-12))
 
 
-def why_too_many_steps(count: float, remedy: str, max_steps: int = MOST_STEPS[True]) -> str:
+def why_too_many_steps(count: float, remedy: str, max_steps: int = MOST_LINEAR_STEPS) -> str:
     """Return why a march of `count` steps is refused, with the remedy; empty if it is not."""
     return (
         f"{count:.3g} steps are needed to reach the last time, more than {max_steps}: {remedy}"

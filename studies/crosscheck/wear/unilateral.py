@@ -52,7 +52,7 @@ class Interval:
 
 
 @dataclass(frozen=True, eq=False)
-class Press:
+class ContactSolution:
     """The solution of a contact problem.
 
     Parameters
@@ -248,7 +248,7 @@ class Contact:
             return self._solve_for_contact(moments, load, contact, refactorise=True)
         return pressure, gap, indentation
 
-    def press(self, moments: Array, load: Load, start: Mask | None = None) -> Press:
+    def press(self, moments: Array, load: Load, start: Mask | None = None) -> ContactSolution:
         """Solve the contact problem under a load.
 
         Parameters
@@ -269,7 +269,7 @@ class Contact:
             # without a force, the punch rests on its point nearest to the half-space
             indentation = float((moments / self.weights).min())
             gap, zero = moments - indentation * self.weights, np.zeros(len(moments))
-            return Press(zero, gap, indentation, 0.0, zero > 0, 1)
+            return ContactSolution(zero, gap, indentation, 0.0, zero > 0, 1)
         contact = np.ones(len(moments), dtype=bool) if start is None else start
         if load.force is not None:
             contact = self._not_empty(contact, moments)
@@ -280,7 +280,7 @@ class Contact:
             violations = np.where(contact, pressure < 0, gap < -roundoff)
             if not violations.any():
                 force = load.force if load.force is not None else float(self.weights @ pressure)
-                return Press(pressure, gap, indentation, force, contact, count)
+                return ContactSolution(pressure, gap, indentation, force, contact, count)
             if count > 40:
                 # changes of many nodes at a time may cycle: change the lowest index only
                 violations[np.flatnonzero(violations)[0] + 1 :] = False
