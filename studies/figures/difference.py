@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from ...meshes import Array, Indices
+from ...meshes import Array
 from ..crosscheck import FieldComparison, FieldDifference, Result
 from .scale import Scale, shown_times
 from .style import (
@@ -157,9 +157,8 @@ def _draw_map(
     image = _greatest_in_cells(field.relative, radii, cells)
     rows = cell_edges(heights)
     if len(heights) > ROWS:
-        starts = _starts_of_rows(heights)
-        image = np.fmax.reduceat(image, starts, axis=0)
-        rows = np.append(heights[starts], heights[-1])
+        rows = np.linspace(heights[0], heights[-1], ROWS + 1)
+        image = _greatest_in_cells(image.T, heights, rows).T
     if not ticks:
         rows = rows.clip(heights[0], heights[-1])
     values = np.ma.masked_invalid(np.maximum(image, limits[0]))
@@ -211,13 +210,13 @@ def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
     return np.where(shown > 0, heights, first), ticks
 
 
-def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
-    """Return the greatest of values (T, R) at the radii in each cell (T, n).
+def _greatest_in_cells(values: Array, places: Array, cells: Array) -> Array:
+    """Return the greatest of values (T, R) at increasing places in each cell (T, n).
 
-    A cell without radii has the value of the nearest cell with some; cells inside the first radius
-    and outside the last one are NaN.
+    A cell without places has the value of the nearest cell with some; cells before the first place
+    and after the last one are NaN.
     """
-    number = np.clip(np.searchsorted(cells, radii, side="right") - 1, 0, len(cells) - 2)
+    number = np.clip(np.searchsorted(cells, places, side="right") - 1, 0, len(cells) - 2)
     greatest = np.full((len(values), len(cells) - 1), np.nan)
     filled, starts = np.unique(number, return_index=True)
     greatest[:, filled] = np.fmax.reduceat(values, starts, axis=1)
@@ -226,16 +225,6 @@ def _greatest_in_cells(values: Array, radii: Array, cells: Array) -> Array:
     nearest = filled[np.abs(middle[empty, None] - middle[filled]).argmin(axis=1)]
     greatest[:, empty] = greatest[:, nearest]
     return greatest
-
-
-def _starts_of_rows(heights: Array) -> Indices:
-    """Return the index of the first time of each row of a map, from the heights (T,) of all times.
-
-    At most `ROWS` rows are equally high; rows without times are left out.
-    """
-    ends = np.linspace(heights[0], heights[-1], ROWS + 1)
-    row = np.clip(np.searchsorted(ends, heights, side="right") - 1, 0, ROWS - 1)
-    return np.unique(row, return_index=True)[1]
 
 
 def _face(scale: Scale) -> tuple[float, float]:

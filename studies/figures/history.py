@@ -21,9 +21,6 @@ from .style import (
     show_values,
 )
 
-# width and height of a label such as "90 %", over those of the panel
-LABEL_WIDTH, LABEL_HEIGHT = 0.12, 0.09
-
 
 def draw_history(result: Result) -> Figure:
     """Draw displacement and RMS slope over time, and the differences of methods from the first.
@@ -74,63 +71,14 @@ def draw_history(result: Result) -> Figure:
 
 
 def _mark_running_in(axes: Axes, result: Result, scale: Scale) -> None:
-    """Mark the times at which 90 % and 99 % of the running-in are complete.
-
-    Labels are preferably at the bottom, to the left and to the right of the two lines. They are
-    elsewhere if they would cover curves, the other label, or the end of the panel.
-    """
-    times = {
-        percentage: scale.shown("time", float(result.first(f"time_to_{percentage}")))
-        for percentage in (90, 99)
-    }
+    """Mark the times at which 90 % and 99 % of the running-in are complete, above the panel."""
     start, end = axes.get_xlim()
-    shown = {percentage: time for percentage, time in times.items() if start < time < end}
-    if not shown:
-        return
-    for time in shown.values():
-        axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
-    place = axes.transAxes.inverted()
-    # points of all lines, over width and height of the panel
-    taken = np.concatenate(
-        [
-            place.transform(
-                line.get_path().interpolated(50).transformed(line.get_transform()).vertices
-            )
-            for line in axes.lines
-        ]
-    )
-    for percentage, time in shown.items():
-        position = float(place.transform(axes.transData.transform((time, axes.get_ylim()[0])))[0])
-        sides = ("right", "left") if percentage == 90 else ("left", "right")
-        bottoms = (0.01, 0.01 + LABEL_HEIGHT, 0.99 - LABEL_HEIGHT, 0.99 - 2 * LABEL_HEIGHT)
-        boxes = {
-            (side, bottom): _label_box(position, side, bottom)
-            for bottom in bottoms
-            for side in sides
-        }
-        (side, bottom), box = min(boxes.items(), key=lambda item: _covered(taken, item[1]))
-        axes.text(
-            *(time, bottom, f"{percentage} %"),
-            transform=axes.get_xaxis_transform(),
-            ha=side,
-            va="bottom",
-        )
-        taken = np.vstack([taken, np.linspace(box[0], box[1], 50)])
-
-
-def _label_box(position: float, side: str, bottom: float) -> Array:
-    """Return lower left and upper right corner of a label beside a line, over the panel's sizes."""
-    left = position - LABEL_WIDTH if side == "right" else position
-    return np.array([[left, bottom], [left + LABEL_WIDTH, bottom + LABEL_HEIGHT]])
-
-
-def _covered(points: Array, box: Array) -> float:
-    """Return how many points a label would cover; infinity if it would leave the panel."""
-    if box[0, 0] < 0 or box[1, 0] > 1:
-        return np.inf
-    # the line at the edge of the label is not covered
-    inside = (points > box[0] + [0.005, 0.0]) & (points < box[1] - [0.005, 0.0])
-    return float(inside.all(axis=1).sum())
+    for percentage, side in ((90, "right"), (99, "left")):
+        time = scale.shown("time", float(result.first(f"time_to_{percentage}")))
+        if start < time < end:
+            axes.axvline(time, color="0.6", linewidth=0.6, zorder=0)
+            place = axes.get_xaxis_transform()
+            axes.text(time, 1.01, f"{percentage} %", transform=place, ha=side, va="bottom")
 
 
 def _draw_differences(axes: Axes, times: Array, methods: dict[str, Array], scale: Scale) -> None:
