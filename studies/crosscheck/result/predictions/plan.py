@@ -94,11 +94,6 @@ def _work_of_steps(problem: Problem, order: float) -> float:
     return float(steps * order**2)
 
 
-# Functions that predict the work of dense algebra from a problem and its thousands of pressures, by
-# whether the punch is in full contact.
-DENSE_WORK = {True: _work_of_modes, False: _work_of_steps}
-
-
 def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
     """Return about how much work a method has for a problem.
 
@@ -107,7 +102,7 @@ def predict_work(method: Method, problem: Problem, size: SystemSize) -> float:
     """
     order, step = size.pressures / 1e3, method.step(problem)
     steps = float(steps_between(problem.times, step).sum()) if step else 0.0
-    dense = DENSE_WORK[problem.full_contact](problem, order)
+    dense = (_work_of_modes if problem.full_contact else _work_of_steps)(problem, order)
     return 0.02 + dense + 0.1 * (size.unknowns / 1e4) ** 1.5 + 6e-4 * steps * order**2
 
 
@@ -194,17 +189,11 @@ def _with_refinement(
     if rtol is None:
         return Cost(size, first, notes=solution.notes)
     finer = replace(problem, rtol=rtol)
-    sizes = method.system_size(finer), size
-    if problem.full_contact:
-        works = [
-            predict_work(method, *arguments)
-            for arguments in zip((finer, problem), sizes, strict=True)
-        ]
-        growth = works[0] / works[1]
-    else:
-        # there are more cells and more steps; the start and the steady state are reused
-        growth = (sizes[0].pressures / sizes[1].pressures) ** 2
-    return Cost(size, first, first * growth, finer.rtol, notes=solution.notes)
+    work, finer_work = (
+        predict_work(method, each, each_size)
+        for each, each_size in ((problem, size), (finer, method.system_size(finer)))
+    )
+    return Cost(size, first, first * finer_work / work, finer.rtol, notes=solution.notes)
 
 
 @naming_arguments
