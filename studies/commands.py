@@ -227,8 +227,7 @@ def _study(options: argparse.Namespace) -> Status:
     name, scene = options.study, Scene.load(options.scene)
     out = _out(options, name)
     given = {each: getattr(options, each, None) for each in STUDIES[name].options}
-    # an abscissa that is the default is as none
-    given = {each: value for each, value in given.items() if value not in (None, [], (), "size")}
+    given = {each: value for each, value in given.items() if value not in (None, [], ())}
     setup = {"study": name, "scene": scene.to_toml(), "quick": options.quick, "options": given}
     text = rows_before(out, name, setup) if options.resume else ""
     with output_folder(out, f"study {name}", ["report.html"]) as folder:
@@ -244,6 +243,8 @@ def _study(options: argparse.Namespace) -> Status:
             conclusions = list(results.conclusions)
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
+    if results is not None and len(results.answer):
+        print_markdown(results.to_markdown().splitlines())
     print_lines(conclusions)
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE

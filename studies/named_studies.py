@@ -5,6 +5,7 @@ The module of a study is imported only when the study is conducted.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..meshes import SceneError
@@ -26,23 +27,25 @@ class NamedStudy:
     place : module and name of this function, as in `documented`
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
     scene : name of the default scene
+    question : what the study does, if one function conducts several studies
     """
 
     load: "Callable[[], Callable[..., Study]]"
     place: str
     seconds: int
     scene: str = "five_rings"
+    question: str = ""
 
     @property
     def purpose(self) -> str:
         """What the study does, in one phrase."""
-        return documented(self.place).purpose
+        return self.question or documented(self.place).purpose
 
     @property
     def options(self) -> tuple[str, ...]:
         """Names of its parameters besides the scene, `quick` and `record`."""
         names = documented(self.place).parameters
-        return tuple(name for name in names if name not in ("scene", "quick", "record"))
+        return tuple(name for name in names if name not in ("scene", "study", "quick", "record"))
 
 
 def _paper() -> "Callable[..., Study]":
@@ -51,16 +54,10 @@ def _paper() -> "Callable[..., Study]":
     return paper
 
 
-def _convergence() -> "Callable[..., Study]":
-    from .convergence import convergence
+def _accuracy(name: str) -> "Callable[..., Study]":
+    from .accuracy import accuracy
 
-    return convergence
-
-
-def _refinement() -> "Callable[..., Study]":
-    from .refinement import refinement
-
-    return refinement
+    return partial(accuracy, study=name)
 
 
 def _truncation() -> "Callable[..., Study]":
@@ -81,20 +78,24 @@ def _extremes() -> "Callable[..., Study]":
     return extremes
 
 
-def _tradeoff() -> "Callable[..., Study]":
-    from .tradeoff import tradeoff
-
-    return tradeoff
-
-
+ACCURACY = "accuracy:accuracy"
 STUDIES: dict[str, NamedStudy] = {
     "paper": NamedStudy(_paper, "paper.study:paper", 30),
-    "convergence": NamedStudy(_convergence, "convergence:convergence", 20),
-    "refinement": NamedStudy(_refinement, "refinement:refinement", 10),
+    "convergence": NamedStudy(
+        *(partial(_accuracy, "convergence"), ACCURACY, 20),
+        question="Tell which order each quantity has, and whether it is that of theory",
+    ),
+    "refinement": NamedStudy(
+        *(partial(_accuracy, "refinement"), ACCURACY, 10),
+        question="Tell which mesh needs the fewest unknowns for an accuracy",
+    ),
     "truncation": NamedStudy(_truncation, "truncation:truncation", 3),
     "march": NamedStudy(_march, "march:march", 2),
     "extremes": NamedStudy(_extremes, "extremes:extremes", 20),
-    "tradeoff": NamedStudy(_tradeoff, "tradeoff:tradeoff", 20),
+    "tradeoff": NamedStudy(
+        *(partial(_accuracy, "tradeoff"), ACCURACY, 20),
+        question="Tell which method needs the fewest seconds for an accuracy",
+    ),
 }
 
 
@@ -114,7 +115,7 @@ def study(
 
     Parameters
     ----------
-    name : ``"convergence"``, ``"refinement"``, ``"extremes"``, ``"tradeoff"``, ``"truncation"``,
+    name : ``"convergence"``, ``"refinement"``, ``"tradeoff"``, ``"extremes"``, ``"truncation"``,
         ``"march"`` or ``"paper"``
     scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
         study's own scene
@@ -129,26 +130,26 @@ def study(
         meshes, degree, units
             your mesh files or scikit-fem meshes, from coarse to fine, the degree of the finite
             elements on them, and the unit of lengths in the files, if it is not that of the scene
-            (`convergence`, `refinement`)
+            (`convergence`, `refinement`, `tradeoff`)
         elements
-            elements of scikit-fem, by name, or your own (`convergence`)
+            elements of scikit-fem, by name, or your own (the same)
         steps
-            time steps in the units of the scene, from coarse to fine (`convergence`, `march`)
+            time steps in the units of the scene, from coarse to fine (the same, and `march`)
         radii
             truncation radii in punch radii (`truncation`)
         key, values, or vary
             a key of the scene and its values, or values by keys (`extremes`)
         against
-            abscissa of the figures: ``"size"`` (the size that the theoretical order refers to),
-            ``"unknowns"`` or ``"seconds"`` (`convergence`)
+            abscissa of the figure: ``"size"`` (the size that the theoretical order refers to),
+            ``"unknowns"`` or ``"seconds"`` (`convergence`, `refinement`, `tradeoff`)
         record
             rows so far (`Record` of `studies/study/record.py`)
 
     Returns
     -------
     Study
-        It has `table`, `orders`, `conclusions`, `figures`, `to_markdown()`, `to_latex()` and
-        `save(folder)`.
+        It has `answer`, `table`, `orders`, `conclusions`, `figures`, `to_markdown()`,
+        `to_latex()` and `save(folder)`.
 
     Raises
     ------
@@ -162,7 +163,7 @@ def study(
     --------
     >>> import ringwear
     >>> truncation = ringwear.study("truncation", "five_rings", quick=True)
-    >>> [float(order) for order in truncation.orders["expected"]]
+    >>> [float(order) for order in truncation.orders["theory"]]
     [1.0, 5.0, 9.0, 13.0]
     """
     if not isinstance(name, str) or name not in STUDIES:

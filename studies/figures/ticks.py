@@ -89,6 +89,24 @@ def decades(low: float, high: float, most: int) -> Array:
     return parts[(parts >= low * (1 - 1e-9)) & (parts <= high * (1 + 1e-9))]
 
 
+MANTISSAS = (
+    *((1,), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9)),
+    *(tuple(np.arange(1, 10, 0.1)), tuple(np.arange(1, 10, 0.01))),
+)
+"""Sets of mantissas of ticks; the first set that yields at least two ticks is used."""
+
+
+def spread(low: float, high: float, most: int = 5) -> Array:
+    """Return 2 to `most` round numbers on a logarithmic axis, powers of ten if two fit."""
+    tens = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1)
+    for mantissas in MANTISSAS:
+        values = np.outer(tens, mantissas).ravel()
+        values = values[(low <= values) & (values <= high)]
+        if len(values) > 1:
+            break
+    return values[:: -(-len(values) // most) or 1]
+
+
 def short_number(value: float) -> str:
     """Return a number of up to three digits as text: 0.25, 12000, 2·10⁻⁵."""
     rounded = float(f"{value:.{DIGITS}g}") + 0.0

@@ -28,11 +28,26 @@ SYMBOLS = {
 """Symbols that plain LaTeX cannot read, and the code that prints each of them."""
 
 
+MOST_COLUMNS = 5
+"""Greatest number of columns that fit a page and a terminal."""
+
+
+def blocks(table: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return a table as several of up to `MOST_COLUMNS` columns, each with the first column."""
+    first, *others = table.columns
+    return [
+        table[[first, *others[start : start + MOST_COLUMNS - 1]]]
+        for start in range(0, len(others), MOST_COLUMNS - 1)
+    ]
+
+
 def to_markdown(table: pd.DataFrame) -> str:
-    """Return a table in the pipe syntax of Markdown."""
+    """Return a table in the pipe syntax of Markdown, with aligned columns."""
     rows = [[str(name) for name in table.columns], *cells(table)]
-    lines = ["| " + " | ".join(_escape_pipes(cell) for cell in row) + " |" for row in rows]
-    return "\n".join([lines[0], "|" + "---|" * len(table.columns), *lines[1:]]) + "\n"
+    rows = [[_escape_pipes(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    rows.insert(1, ["-" * width for width in widths])
+    return "".join(f"| {' | '.join(map(str.ljust, row, widths))} |\n" for row in rows)
 
 
 def to_latex(table: pd.DataFrame) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -32,8 +32,10 @@ from .errors import (
 from .extrapolation import FieldLevels, richardson
 from .functions import Named, values_of_functions
 from .record import CRASHED, REFUSED, SOLVED, Record, Row
-from .reference import Reference, reference
 from .way import ALL, START, Case, Part, Way
+
+if TYPE_CHECKING:
+    from .reference import Reference
 
 GREATEST_GROWTH = 10.0
 """Greatest factor from level to level with which seconds and unknowns are extrapolated."""
@@ -41,8 +43,6 @@ EXPECTED_LEVELS = 10
 """Number of levels of an endless way that progress counts with before its growth is known."""
 MOST_RUNS, ENOUGH_SECONDS = 5, 0.25
 """Greatest number of runs of a level; fewer are enough if they take longer than this in all."""
-Keep = Callable[[Case, Way, Any, Solution], Any]
-"""Function (case, way, level, solution) -> what a study keeps of the solution."""
 
 
 def measure(
@@ -51,11 +51,11 @@ def measure(
     quantities: Sequence[str],
     record: Record,
     functions: Named | None = None,
-    exact: Callable[[Case], Reference] | None = None,
+    *,
+    exact: "Callable[[Case], Reference]",
     runs: int = 1,
     most_unknowns: float = math.inf,
     only_promised: bool = False,
-    keep: Keep | None = None,
 ) -> pd.DataFrame:
     """Solve every level, and return the table of errors.
 
@@ -68,12 +68,11 @@ def measure(
     quantities : names as in results.nc, and those of finite elements
     record : rows so far, and the file that they are written to
     functions : functions of a result that the user defines, by the names of their quantities
-    exact : function of a case that returns its reference; by default `reference`
+    exact : function of a case that returns its reference
     runs : least number of times that a level is solved; its seconds are the median
     most_unknowns : a way ends before a level that would have more unknowns, by the growth of the
         last two levels
     only_promised : whether errors are taken only at times at which the accuracy is promised
-    keep : function whose values are appended to `record.kept`
 
     Raises
     ------
@@ -86,11 +85,11 @@ def measure(
         listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
         progress = Progress([way for _, ways_of_case in listed for way in ways_of_case])
         for case, ways_of_case in listed:
-            case_reference = exact(case) if exact else reference(case, names, functions)
+            case_reference = exact(case)
             parts = parts_of(case, case_reference.values, names)
             for way in ways_of_case:
                 judge = _Judge(case, way, parts, case_reference, functions, only_promised)
-                _measure_way(case, way, judge, record, progress, runs, most_unknowns, keep)
+                _measure_way(case, way, judge, record, progress, runs, most_unknowns)
     return record.table
 
 
@@ -102,7 +101,6 @@ def _measure_way(
     progress: "Progress",
     runs: int,
     most_unknowns: float,
-    keep: Keep | None,
 ) -> None:
     """Solve the levels of a way that an earlier run has not solved, and add their rows."""
     earlier = record.earlier(case.name, way.name)
@@ -132,8 +130,6 @@ def _measure_way(
         judged = judge.rows(facts, solution)
         record.add(rows or judged)
         sizes.append(solution.unknowns)
-        if keep:
-            record.kept.append(keep(case, way, level, solution))
         previous = solution
 
 
@@ -272,7 +268,7 @@ class _Judge:
     case: Case
     way: Way
     parts: Sequence[Part]
-    exact: Reference
+    exact: "Reference"
     functions: Named
     only_promised: bool
     levels: list[tuple[float, Results]] = field(default_factory=list)

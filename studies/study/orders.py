@@ -38,6 +38,8 @@ RADIUS = "radius"
 """Column that makes the other columns fields."""
 COLUMNS = ("quantity", "order", "low", "high", "limit", "index", "asymptotic")
 """Columns of the table, to which a right value and a tolerance add others."""
+DIFFERS = "differs from theory"
+"""Beginning of the remark on an order of a study that does."""
 KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
 """Columns of a study that tell its sequences of levels apart."""
 
@@ -73,8 +75,8 @@ def orders(
         index
             the grid convergence index: an estimate of the relative error of the finest level
         asymptotic
-            "yes" or "no": whether the last three levels have the same order as those before, to
-            0.15; "unknown" for three levels
+            1 if the last three levels have the same order as those before, to 0.15, or else 0; NaN
+            for three levels
 
         With `right` or `tolerance`, also `computed` (on the finest level), `target` (the right
         value or else the limit), `ratio` of the two, `tolerance`, and `within`.
@@ -174,7 +176,7 @@ def _of_numbers(
             index = INDEX_SAFETY_FACTOR * abs(distance / values[-1])
     row = {
         **dict(zip(COLUMNS, (str(name), *fitted, limit, index), strict=False)),
-        "asymptotic": _asymptotic(before, last) if compared else "unknown",
+        "asymptotic": _asymptotic(before, last) if compared else np.nan,
     }
     if np.isnan(right) and tolerance is None:
         return row
@@ -220,13 +222,13 @@ def _of_fields(table: pd.DataFrame, by: str, name: Hashable) -> dict[str, Any]:
         index = INDEX_SAFETY_FACTOR * weight * changes[-1] / norm(values[-1])
     return {
         **dict(zip(COLUMNS, (str(name), *fitted, limit, index), strict=False)),
-        "asymptotic": _asymptotic(before, last) if compared else "unknown",
+        "asymptotic": _asymptotic(before, last) if compared else np.nan,
     }
 
 
-def _asymptotic(before: float, last: float) -> str:
-    """Return whether two orders agree, in a word."""
-    return "yes" if abs(last - before) <= ORDER_TOLERANCE else "no"
+def _asymptotic(before: float, last: float) -> float:
+    """Return 1 if two orders agree, and 0 if they do not."""
+    return float(abs(last - before) <= ORDER_TOLERANCE)
 
 
 def _of_study(table: pd.DataFrame, by: str) -> list[dict[str, Any]]:
@@ -265,9 +267,7 @@ def fit(levels: pd.DataFrame, by: str = "size", floor: float = 0.0) -> dict[str,
         # of a study, this is the true error of the limit
         "limit": abs(last.get("limit", np.nan)),
         "index": last.get("index", np.nan),
-        "asymptotic": _asymptotic(*between[-2:]) if len(between) > 1 else "unknown",
+        "asymptotic": _asymptotic(*between[-2:]) if len(between) > 1 else np.nan,
         "last order": between[-1] if len(between) else np.nan,
-        "levels": len(levels),
-        "fitted": int(counted.sum()),
         "finest error": errors[-1],
     }

@@ -144,6 +144,8 @@ class Way:
         include those of all levels before
     promises : whether the level is a tolerance that the solution promises to keep
     without : quantities of finite elements that are not computed, because they would tell nothing
+    largest : greatest size that counts in the observed order, because larger ones are not yet in
+        the asymptotic range; 0 if levels are not similar to each other, so that there is no order
     """
 
     name: str
@@ -156,6 +158,7 @@ class Way:
     sequential: bool = False
     promises: bool = False
     without: frozenset[str] = frozenset()
+    largest: float = np.inf
 
     @property
     def count(self) -> int | None:

@@ -145,12 +145,8 @@ import numpy as np
 
 from .crosscheck import Solution
 from .study.accept import accept
-from .study.draw import draw
-from .study.measure import measure
-from .study.record import Record
+from .study.declared import Declared, conduct
 from .study.reference import Reference
-from .study.study import Study, remarks
-from .study.theory import conclude_orders, observed_orders
 from .study.way import Case, Theory, Way
 
 
@@ -162,15 +158,20 @@ def trapezoids(scene="flat_punch", *, quick=False, record=None):
         integral = (values[0] / 2 + values[1:-1].sum() + values[-1] / 2) / count
         return Solution({}, {"integral": np.asarray(integral)}, {}, {}, count + 1)
 
-    scene, record = accept("trapezoids", scene), record or Record()
+    scene = accept("trapezoids", scene)
     counts = (2, 4, 8, 16) if quick else (2, 4, 8, 16, 32, 64)
     way = Way("trapezoids", "rule", counts, solve, "width", lambda n: 1 / n, lambda *_: Theory(2.0))
     exact = Reference({"integral": np.asarray(np.expm1(1))}, lambda part: 0.0)
-    table = measure([Case.of(scene)], [way], ("integral",), record, exact=lambda case: exact)
-    fits = observed_orders(table, [way])
-    sentences = (*conclude_orders(fits), *remarks(record, quick))
-    figures = {"trapezoids": draw(table, orders=fits)}
-    return Study("trapezoids", scene, table, fits, sentences, figures)
+    declared = Declared(
+        name="trapezoids",
+        question="how many trapezoids does exp need?",
+        scene=scene,
+        cases=[Case.of(scene)],
+        ways=lambda case: [way],
+        quantities=("integral",),
+        exact=lambda case: exact,
+    )
+    return conduct(declared, record, quick)
 '''
 
 

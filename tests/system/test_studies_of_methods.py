@@ -30,12 +30,13 @@ ONE_RING = {
 @pytest.mark.gmsh
 def test_orders_of_one_ring_are_those_of_theory(tmp_path):
     fits = conduct("convergence", tmp_path).orders
-    judged = fits[(fits["case"] == "one ring") & fits["expected"].notna()]
+    judged = fits[(fits["case"] == "one ring") & fits["theory"].notna()]
     starts = judged[judged["quantity"] == "indentation"]
-    assert set(starts["agrees"]) == {"yes"}
-    assert dict(zip(starts["way"], starts["expected"], strict=True)) == ONE_RING
+    assert not starts["remark"].str.startswith("differs").any()
+    assert dict(zip(starts["way"], starts["theory"], strict=True)) == ONE_RING
     # of the scene, orders of MDR and of elements of degree one agree as well
-    scene = fits[(fits["case"] == "scene") & (fits["agrees"] == "yes")]
+    scene = fits[(fits["case"] == "scene") & fits["theory"].notna()]
+    scene = scene[~scene["remark"].str.startswith("differs")]
     assert {"P1, graded", "Q1, graded", "MDR degree 1, graded"} <= set(scene["way"])
     written = pd.read_csv(tmp_path / "convergence.csv")
     assert {"mdr", "bem", "fem"} == set(written["method"])
@@ -45,14 +46,8 @@ def test_orders_of_one_ring_are_those_of_theory(tmp_path):
 @pytest.mark.gmsh
 def test_orders_of_far_fields_are_those_of_theory(tmp_path):
     fits = conduct("truncation", tmp_path).orders
-    assert set(fits["agrees"]) == {"yes"}
-    assert fits["expected"].tolist() == [1, 5, 9, 13]
-
-
-@pytest.mark.slow
-def test_the_stability_limit_of_the_papers_grid_is_listed(tmp_path):
-    results = conduct("march", tmp_path)
-    assert (results.tables["paper_grid"]["relative difference from 4/(pi n k)"].abs() <= 0.15).all()
+    assert not fits["remark"].str.startswith("differs").any()
+    assert fits["theory"].tolist() == [1, 5, 9, 13]
 
 
 @pytest.mark.slow

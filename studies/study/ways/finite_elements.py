@@ -33,7 +33,7 @@ from ...crosscheck import (
     pole_orders,
     triangle_degree,
 )
-from ..errors import BY_PRESSURES, ENERGY, states
+from ..errors import ENERGY, states
 from ..way import Way
 from . import theories
 from .subdivision import subdivided, triangulated
@@ -82,8 +82,6 @@ HALVED = "element size (uniform)"
 PARTED = "element size (graded)"
 RAISED = "$10^{-k}$, $k$ the degree"
 COUNTED = r"1 / $\sqrt{\mathrm{unknowns}}$"
-ONLY_ON_UNIFORM_MESHES = frozenset({BY_PRESSURES})
-"""Quantities that explain orders on uniform meshes."""
 OWN_MESHES = "your meshes"
 """Name of the way through the meshes of the user."""
 
@@ -217,7 +215,6 @@ def graded_to_edges(
     return Way(
         *(label, "fem", parts, solve, PARTED, size),
         theory=theories.for_own_element if element else theory,
-        without=ONLY_ON_UNIFORM_MESHES,
     )
 
 
@@ -244,9 +241,7 @@ def layered(degrees: Sequence[int], rings: int) -> Way:
 
     theory = partial(theories.for_layers, DIGITS_PER_DEGREE if rings == 1 else np.nan)
     name = "quadrilaterals in layers"
-    return Way(
-        *(name, "fem", degrees, solve, RAISED, size), theory=theory, without=ONLY_ON_UNIFORM_MESHES
-    )
+    return Way(name, "fem", degrees, solve, RAISED, size, theory)
 
 
 def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, object]) -> Way:
@@ -266,7 +261,7 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
         at_level = replace(problem, rtol=level, fem=FemAccuracy.model_validate(chosen))
         return solved(problem, half_space_on(at_level, fem_sizes(at_level)))
 
-    return Way(name, "fem", tolerances, solve, COUNTED)
+    return Way(name, "fem", tolerances, solve, COUNTED, largest=0.0)
 
 
 def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
@@ -278,7 +273,7 @@ def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
         mesh = fem_sizes(at_rtol).mesh
         return on_mesh(problem, mesh, level, pole_orders(at_rtol, truncation(mesh)))
 
-    return Way("rising degree", "fem", degrees, solve, COUNTED)
+    return Way("rising degree", "fem", degrees, solve, COUNTED, largest=0.0)
 
 
 def coarsest(problem: Problem) -> MeshTri:

@@ -60,17 +60,7 @@ def tolerances(entry: Method, rtols: Sequence[float]) -> Way:
         return solved_by(entry, replace(problem, rtol=level))
 
     name = entry.name.upper() if entry.name in METHODS else entry.name
-    return Way(name, entry.name, rtols, solve, TOLERANCE, float, promises=True)
-
-
-def as_run(entry: Method) -> Way:
-    """Return the way of one level: a run of a method at the tolerance of the scene."""
-
-    def solve(problem: Problem, _: str, __: Solution | None) -> Solution:
-        return solved_by(entry, problem)
-
-    name = entry.name.upper() if entry.name in METHODS else entry.name
-    return Way(name, entry.name, ("its tolerance",), solve, TOLERANCE)
+    return Way(name, entry.name, rtols, solve, TOLERANCE, float, promises=True, largest=0.0)
 
 
 def closed_form() -> Way:

@@ -4,8 +4,7 @@ import pytest
 
 from ringwear import Scene
 from ringwear.studies.crosscheck.methods.inside.interior import first_and_last_in_contact
-from ringwear.studies.figures.ticks import short_number
-from ringwear.studies.study.draw import ticks
+from ringwear.studies.figures.ticks import short_number, spread
 
 
 @pytest.mark.parametrize(
@@ -18,7 +17,7 @@ from ringwear.studies.study.draw import ticks
     ],
 )
 def test_ticks_of_short_axes_are_round_numbers(limits, labels):
-    written = [short_number(value) for value in ticks(*limits)]
+    written = [short_number(value) for value in spread(*limits)]
     assert 2 <= len(written) <= 5
     if len(labels) > 1:
         assert set(written) <= set(labels)
