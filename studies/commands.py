@@ -59,8 +59,12 @@ def _run(options: argparse.Namespace) -> Status:
     # collect garbage less often: nearly all objects of a run live to its end, and searching them
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
-    scene = Scene.of(options.scene, options.methods, options.rtol, options.quantities)
     from .crosscheck import refuse_beyond_memory
+    from .study.own import load_methods
+
+    methods = load_methods(options.methods)
+    names = [entry for entry in methods if isinstance(entry, str)] or None
+    scene = Scene.of(options.scene, names, options.rtol, options.quantities)
 
     refuse_beyond_memory(scene, limit=options.memory)
     pictures: tuple[Picture, ...] = ()
@@ -75,7 +79,7 @@ def _run(options: argparse.Namespace) -> Status:
         from .report.page import show
         from .report.printed import print_account
 
-        result = run(scene, memory=options.memory)
+        result = run(scene, methods=methods or None, memory=options.memory)
         write_numbers(result.dataset, result.summary, folder.hidden, options.csv)
         account = Account(result)
         page = not (options.no_figures or options.no_report)
@@ -243,8 +247,8 @@ def _study(options: argparse.Namespace) -> Status:
             conclusions = list(results.conclusions)
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
-    if results is not None and len(results.answer):
-        print_markdown(results.to_markdown().splitlines())
+    if results is not None:
+        print_markdown(results.printed())
     print_lines(conclusions)
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE

@@ -2,11 +2,14 @@
 
 The table has a row for each way, and a column for each quantity with its observed order, that of
 theory in parentheses, and the error of the finest level. Further columns have the unknowns and the
-seconds, or the step or the radius, with which all these quantities are within 1e-2, 1e-4 and 1e-6.
-They are interpolated between levels on logarithmic scales. Up to eight sentences follow.
+seconds, or the step or the radius, from which on the worst quantity is within 1e-2, 1e-4 and 1e-6,
+and the same for each quantity. They are interpolated between levels on logarithmic scales. A way
+that failed has the reason. Up to eight sentences of up to thirty words follow.
 """
 
-from collections.abc import Iterator, Sequence
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,16 +25,14 @@ GOALS = (1e-2, 1e-4, 1e-6)
 """Relative errors whose cost is told."""
 COSTS = {"step": ("step",), "reach": ("reach",)}
 """What an accuracy costs, by the axis of the study; otherwise unknowns and seconds."""
-CHEAPEST = {
-    "seconds": "costs least by",
-    "step": "allows the longest steps to",
-    "reach": "needs the least radius by",
-}
-"""How a sentence names the cheapest way."""
+CHEAPEST = {"seconds": "the cheapest", "step": "the longest step", "reach": "the least radius"}
+"""How a sentence names the least cost."""
 WORST = "worst quantity"
 """Name of the quantity of a level with the greatest error."""
-MOST_NAMED = 4
-"""Greatest number of things that a sentence names; it counts the others."""
+MOST_WORDS, MOST_WORDS_OF_PART, MOST_SENTENCES = 30, 18, 8
+"""Greatest numbers of words of a sentence and of a thing that it lists, and of sentences."""
+MOST_LETTERS = 60
+"""Greatest length of a reason in the table."""
 
 
 def worst(table: pd.DataFrame, by: Sequence[str] = ("case", "way", "level")) -> pd.DataFrame:
@@ -46,6 +47,7 @@ def worst(table: pd.DataFrame, by: Sequence[str] = ("case", "way", "level")) -> 
         error=rows["error"].abs(),
         estimate=groups["estimate"].max().to_numpy(),
         reference=groups["reference"].max().to_numpy(),
+        of=list(map(str, map(Part, rows["quantity"], rows["when"]))),
         quantity=WORST,
         when="all",
     )
@@ -81,53 +83,73 @@ def reached(costs: Array, errors: Array, goal: float) -> float:
 def costs_of(table: pd.DataFrame, axis: str = "size") -> pd.DataFrame:
     """Return what each way costs to be within each goal in each quantity, and in the worst one.
 
-    It is NaN if the finest level is not within the goal.
+    It is NaN if the finest level is not within the goal. Of one quantity, there is no worst one.
     """
     rows, names = list[dict[str, object]](), COSTS.get(axis, ("unknowns", "seconds"))
-    errors = table[table["quantity"] != EIGENVALUE].dropna(subset=["error"])
-    each = pd.concat([errors, worst(errors)])
+    each = table[table["quantity"] != EIGENVALUE].dropna(subset=["error"])
+    parts = each[["quantity", "when"]].drop_duplicates()
+    if len(parts) > 1 and WORST not in set(parts["quantity"]):
+        each = pd.concat([worst(each), each])
     for key, levels in each.groupby(list(KEYS_OF_STUDIES), sort=False):
         sizes = levels["error"].abs().to_numpy()
         ends = {"finest error": sizes[-1], "reference": levels["reference"].max()}
+        ends |= {"of": levels["of"].iloc[-1]} if "of" in levels else {}
         for goal in GOALS:
             told = {name: reached(levels[name].to_numpy(float), sizes, goal) for name in names}
             key_of = dict(zip(KEYS_OF_STUDIES, key, strict=True))
             rows.append(key_of | {"goal": goal} | told | ends)
-    return pd.DataFrame(rows).drop_duplicates()
+    return pd.DataFrame(rows)
 
 
 def answer(measured: pd.DataFrame, fits: pd.DataFrame, costs: pd.DataFrame) -> pd.DataFrame:
-    """Return the answer as texts: a row for each way, a column for each quantity and each goal."""
-    rows, names = [], [*costs][5:-2]
+    """Return the answer as texts: a row for each way, a column for each quantity and each cost."""
+    rows, names = [], [name for name in ("unknowns", "seconds", "step", "reach") if name in costs]
     orders = {tuple(row[key] for key in KEYS_OF_STUDIES): row for row in fits.to_dict("records")}
-    several, solved = measured["case"].nunique() > 1, measured.dropna(subset=["error"])
-    parts = solved[["quantity", "when"]].drop_duplicates()
-    columns = ["way", *(str(Part(*part)) for part in parts.itertuples(index=False))]
-    for (case, way), levels in solved.groupby(["case", "way"], sort=False):
-        row = {"way": f"{case}: {way}" if several else way}
+    parts = dict.fromkeys(map(Part, measured["quantity"], measured["when"]))
+    columns = ["case", "way", *(str(part) for part in parts if pd.notna(part.quantity))]
+    for (case, way), levels in measured.groupby(["case", "way"], sort=False):
+        row = {"case": case, "way": way}
         for (quantity, when), each in levels.groupby(["quantity", "when"], sort=False):
             fit = orders.get((case, way, quantity, when), {})
-            order, theory = (short(fit.get(name, np.nan), ".2f") for name in ("order", "theory"))
+            order, theory = (
+                short(fit.get(name, np.nan), form)
+                for name, form in (("order", ".2f"), ("theory", ".2g"))
+            )
             # of values of a key, the greatest error counts
             error = each["error"].abs().max() if "key" in each else abs(each["error"].iloc[-1])
             words = f"{order} ({theory})" if theory else order
             row[str(Part(quantity, when))] = ", ".join(filter(None, (words, short(error))))
         of_way = costs[(costs["case"] == case) & (costs["way"] == way)] if len(costs) else costs
-        for cost in of_way[of_way["quantity"] == WORST].to_dict("records") if len(costs) else ():
+        for cost in of_way.to_dict("records"):
             told = [short(cost[name], ".0f" if name == "unknowns" else "g") for name in names]
-            head = f"{short(cost['goal'], '.0e')} in all: {', '.join(names)}"
-            row[head] = ", ".join(filter(None, told))
+            head = f"{Part(cost['quantity'], cost['when'])}, {' and '.join(names)}"
+            row[f"{head}: {short(cost['goal'], '.0e')}"] = ", ".join(filter(None, told))
         if "verdict" in levels and not len(costs):
-            row["within tolerance"] = f"{(levels['verdict'] == 'within').sum()} of {len(levels)}"
+            judged = levels[levels["quantity"] == WORST]
+            row["within tolerance"] = f"{(judged['verdict'] == 'within').sum()} of {len(judged)}"
+        for reason in levels["message"].dropna().head(1):
+            row["not solved: because"] = textwrap.shorten(reason, MOST_LETTERS, placeholder=" ...")
         rows.append(row)
     table = pd.DataFrame(rows).fillna("")
-    return table[[*columns, *(name for name in table if name not in columns)]]
+    columns = columns[table["case"].nunique() == 1 :]
+    known = [name for name in columns if name in table]
+    others = table.columns.difference(["case", *columns], sort=False)
+    return table[[*known, *others]]
 
 
-def listed(parts: Sequence[str]) -> str:
-    """Return the first few of some parts in words, and how many others there are."""
-    others = len(parts) - MOST_NAMED
-    return "; ".join([*parts[:MOST_NAMED], *([f"and {others} more"] if others > 0 else [])])
+def sentence(head: str, parts: Sequence[str] = ()) -> str:
+    """Return a sentence of up to `MOST_WORDS` words that lists parts; it counts those left out."""
+    words_of_parts = [part.rstrip(".").split(" ") for part in parts]
+    texts = [
+        " ".join([*words[:MOST_WORDS_OF_PART], *["..."] * (len(words) > MOST_WORDS_OF_PART)])
+        for words in words_of_parts
+    ]
+    for count in range(len(texts), -1, -1):
+        left = [f"{len(texts) - count} more"] if count < len(texts) else []
+        line = f"{head}{'; '.join(texts[:count] + left)}."
+        if len(line.split()) <= MOST_WORDS:
+            break
+    return line
 
 
 def conclude(
@@ -140,38 +162,22 @@ def conclude(
     """Yield what differs from theory, the cheapest way for each goal, and what is not reached."""
     several = measured["case"].nunique() > 1
 
-    def name(row: dict[str, object]) -> str:
+    def name(row: Mapping[Any, Any]) -> str:
         return f"{row['case']}: {row['way']}" if several else str(row["way"])
 
     judged = fits[fits["theory"].notna() & fits["order"].notna()]
     if len(judged):
-        differing = judged[judged["remark"].str.startswith(DIFFERS)]
         off = [
             f"{name(row)}, {Part(row['quantity'], row['when'])}: {row['order']:.2f}, not "
             f"{row['theory']:.3g}"
-            for row in differing.to_dict("records")
+            for row in judged[judged["remark"].str.startswith(DIFFERS)].to_dict("records")
         ]
-        tail = f"; the others are {listed(off)}" if off else ""
-        yield f"{len(judged) - len(off)} of {len(judged)} orders agree with theory{tail}."
-    by, seen = axis if axis in COSTS else "seconds", set[str]()
-    of_all = costs[costs["quantity"] == WORST] if len(costs) else costs
-    for goal, rows in of_all.groupby("goal", sort=False) if len(costs) else ():
-        told = list[str]()
-        for _, ways in rows.dropna(subset=[by]).groupby("case", sort=False):
-            best = ways.loc[ways[by].idxmax() if by == "step" else ways[by].idxmin()]
-            told.append(f"{name(dict(best))} ({short(best[by], 'g')}{' s' * (by == 'seconds')})")
-        words = f"{CHEAPEST[by]} {listed(told)}" if told else "is reached by no way"
-        missed = {
-            name(row): f"{name(row)} ({short(row['finest error'])})"
-            for row in rows[rows[by].isna()].to_dict("records")
-        }
-        # who misses a greater error misses this one, too
-        if new := [text for way, text in missed.items() if way not in seen]:
-            words += f"; it is below the error of the finest level of {listed(new)}"
-        if (least := rows["reference"].max()) > goal:
-            words += f"; the reference itself errs by up to {short(least)}"
-        seen |= missed.keys()
-        yield f"An error of {short(goal, '.0e')} in all these quantities {words}."
+        tail = "; the others: " if off else ""
+        yield sentence(
+            f"{len(judged) - len(off)} of {len(judged)} orders agree with theory{tail}", off
+        )
+    if len(costs):
+        yield from conclude_costs(costs, axis, name)
     if (eigenvalues := table[table["quantity"] == EIGENVALUE]["error"]).size:
         stable = "stable" if eigenvalues.min() >= STABLE else "unstable: change the degree"
         yield f"The least eigenvalue of the multipliers is {eigenvalues.min():.2g}: {stable}."
@@ -185,8 +191,36 @@ def conclude(
         ]
         stated = promised[promised["estimate"].notna()]
         unsafe = (stated["error"].abs() > stated[["estimate", "reference"]].max(axis=1)).sum()
-        tail = f"; wrong are {listed(bad)}" if bad else ""
-        yield (
-            f"Of {len(promised)} errors with a tolerance, {words}; {unsafe} exceed the estimate of "
-            f"the method{tail}."
-        )
+        head = f"{len(promised)} errors with a tolerance: {words}; {unsafe} exceed their estimate"
+        yield sentence(head + "; wrong: " * bool(bad), bad)
+
+
+def conclude_costs(
+    costs: pd.DataFrame, axis: str, name: Callable[[Mapping[Any, Any]], str]
+) -> Iterator[str]:
+    """Yield the cheapest way for each goal, which ways do not reach the first, and why."""
+    # the first quantity is the worst one, if there are several
+    quantity, by = costs["quantity"].iloc[0], axis if axis in COSTS else "seconds"
+    of_all = costs[costs["quantity"] == quantity]
+    words, missed = quantity.replace("_", " "), pd.DataFrame()
+    for goal, rows in of_all.groupby("goal", sort=False):
+        told = [
+            ways.loc[ways[by].idxmax() if by == "step" else ways[by].idxmin()]
+            for _, ways in rows.dropna(subset=[by]).groupby("case", sort=False)
+        ]
+        best = [f"{name(way)} ({short(way[by], 'g')}{' s' * (by == 'seconds')})" for way in told]
+        head = f"{short(float(goal), '.0e')} in the {words}"
+        missed = missed if len(missed) else rows[rows[by].isna()]
+        if not best:
+            yield f"No way is within {head}."
+            break
+        yield sentence(f"{CHEAPEST[by].capitalize()} within {head}: ", best)
+    if len(missed):
+        parts = [
+            f"{name(row)} ({short(row['finest error'])}{', ' + row['of'] if 'of' in row else ''})"
+            for row in missed.to_dict("records")
+        ]
+        goal = short(missed["goal"].iloc[0], ".0e")
+        yield sentence(f"Not within {goal} even on the finest level, which errs by: ", parts)
+    if (least := of_all["reference"].max()) > GOALS[-1]:
+        yield f"Errors below {short(least)} mean nothing, because the reference errs by up to that."

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from ..crosscheck import Scene
-from .answer import conclude, costs_of, worst
+from .answer import MOST_SENTENCES, WORST, conclude, costs_of, worst
 from .draw import figures_of, titled
 from .functions import Named
 from .measure import measure
@@ -29,6 +29,12 @@ SHOWN = (
     ("least_eigenvalue", "all"),
 )
 """Quantities of the answer, with their values of `when`, if the user names none."""
+FIGURE_AXES = {
+    "size": ("size", "seconds"),
+    "unknowns": ("unknowns", "seconds"),
+    "key": ("parameter",),
+}
+"""Columns of the abscissas of the figure, where they are not the axis alone."""
 STATED_FACTOR = 3.0
 """Greatest ratio of an error to its estimate that still counts as stated."""
 
@@ -50,7 +56,7 @@ class Declared:
     shown : names of the quantities in the answer and the figure; empty for `SHOWN`
     functions : functions of a result that the user defines
     exact : function of a case that returns its reference; by default `reference`
-    worst : whether the answer has the worst quantity of each case instead of every quantity
+    worst : whether the figure has the worst quantity of each case, and the answer has it, too
     xlabel, labels : label of the axis, if it is not that of the ways; those of keys
     runs, most_unknowns, only_promised : as in `measure`
     remarks : further sentences
@@ -117,25 +123,26 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
             value=[value for _, _, value in named],
         )
     table = table.assign(verdict=verdicts(table)) if table["tolerance"].notna().any() else table
-    measured = worst(table) if declared.worst else shown(table, declared.shown, functions)
+    failed, measured = table[table["quantity"].isna()], shown(table, declared.shown, functions)
+    # worst quantities are first
+    measured = pd.concat([worst(table), measured]) if declared.worst else measured
+    measured = pd.concat([measured, failed]) if len(failed) else measured
     if axis == "key":
         measured = measured.assign(case=measured["key"], level=measured["value"])
     fits = observed_orders(measured if declared.worst else table, ways)
     costs = costs_of(measured, axis) if axis != "key" else pd.DataFrame()
     figures = figures_of(
         declared.name,
-        measured,
-        axis,
+        measured[measured["quantity"].isin([WORST, np.nan])] if declared.worst else measured,
+        FIGURE_AXES.get(axis, (axis,)),
         titled(declared.scene.title, declared.question),
         orders=fits,
         xlabel=declared.xlabel,
         labels=declared.labels,
     )
-    sentences = (
-        *conclude(table, measured, fits, costs, axis),
-        *declared.remarks,
-        *remarks(record, quick),
-    )
+    last = [*declared.remarks, *remarks(record, quick)]
+    first = list(conclude(table, measured, fits, costs, axis))[: MOST_SENTENCES - len(last)]
+    sentences = (*first, *last)
     tables = {"costs": costs} if len(costs) else {}
     return Study(
         *(declared.name, declared.scene, table, fits, sentences, figures, tables),
@@ -149,7 +156,7 @@ def shown(table: pd.DataFrame, names: Collection[str], functions: Collection[str
     chosen = [
         part.quantity in (*names, *functions) or (not names and part in SHOWN) for part in parts
     ]
-    rows = table[np.array(chosen, dtype=bool)] if any(chosen) else table
+    rows = table[np.array(chosen, dtype=bool)] if any(chosen) else table.dropna(subset="quantity")
     own = rows["quantity"].isin([*functions])
     return pd.concat([rows[own], rows[~own]])
 

@@ -7,8 +7,8 @@ itself; crosses at the upper end are runs without a result.
 """
 
 import textwrap
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -39,6 +39,8 @@ XLABELS = {
     "seconds": "processor time (s)",
     "reach": "radius of the mesh / a",
 }
+KEYS = ("case", "quantity", "when")
+"""Columns whose values the titles of panels have, if they differ."""
 ABSCISSAS = ("size", "unknowns", "seconds")
 """Abscissas that a user can choose: the size that theory refers to, and costs."""
 WITH_SLOPES = {"size": 1.0, "step": 1.0, "reach": -1.0}
@@ -62,29 +64,51 @@ def titled(*parts: str) -> str:
     return ": ".join(filter(None, parts))
 
 
-def _groups(table: pd.DataFrame, axis: str) -> tuple[list[str], list[tuple]]:
-    """Return the columns that tell panels apart, and the values and rows of each panel."""
-    by = ["case", *(["refined"] if axis == "size" else []), "quantity", "when"]
-    column = "parameter" if axis == "key" else axis
-    return by, list(table.dropna(subset=["error", column]).groupby(by, sort=False))
+class _Panel(NamedTuple):
+    """Values that the rows of a panel share, and its abscissa, by their columns; and the rows."""
+
+    key: dict[str, str]
+    x: str
+    rows: pd.DataFrame
+
+    @property
+    def part(self) -> Part:
+        """The quantity, whose panels are below each other."""
+        return Part(self.key["quantity"], self.key["when"])
+
+    @property
+    def kind(self) -> tuple[str, ...]:
+        """What the panels of a row share."""
+        return self.x, self.key["case"], self.key.get("refined", "")
+
+
+def _panels(table: pd.DataFrame, axes: Sequence[str], y: str) -> list[_Panel]:
+    """Return the panels: over each abscissa one for each case, quantity and kind of size."""
+    panels = list[_Panel]()
+    for x in axes:
+        by = ["case", *(["refined"] if x == "size" else []), "quantity", "when"]
+        groups = table.dropna(subset=[x, y]).groupby(by, sort=False)
+        panels += [_Panel(dict(zip(by, key, strict=True)), x, rows) for key, rows in groups]
+    return panels
 
 
 def figures_of(
-    name: str, table: pd.DataFrame, axis: str, title: str, **settings: Any
+    name: str, table: pd.DataFrame, axes: Sequence[str], title: str, **settings: Any
 ) -> dict[str, Figure]:
     """Return the figure of a study by its name, or of each case if there are many panels."""
-    several = len(_groups(table, axis)[1]) > MOST_PANELS
+    several = len(_panels(table, axes, "error")) > MOST_PANELS
     ways, figures = table.drop_duplicates("way"), dict[str, Figure]()
     looks = looks_of_ways(zip(ways["way"], ways["method"], strict=True))
     for case, rows in table.groupby("case" if several else lambda _: "", sort=False):
         file = f"{name} {case}".strip().replace(" ", "_")
-        figures[file] = draw(rows, axis, title=titled(str(case), title), looks=looks, **settings)
+        figures[file] = draw(rows, axes, title=titled(str(case), title), looks=looks, **settings)
     return figures
 
 
 def draw(
     table: pd.DataFrame,
-    axis: str = "size",
+    axes: Sequence[str] = ("size",),
+    y: str = "error",
     orders: pd.DataFrame | None = None,
     title: str = "",
     xlabel: str = "",
@@ -96,71 +120,77 @@ def draw(
     Parameters
     ----------
     table : table of `measure`, or rows of it
-    axis : `size`, `unknowns`, `seconds`, `step`, `reach` or `key`
+    axes : columns of the abscissas; each has rows of panels of its own
+    y : column of the ordinate
     orders : table of observed orders, whose theoretical orders are drawn as triangles
-    title, xlabel : texts above and at the axes; by default the abscissa is named by the table
-    labels : labels of keys
+    title, xlabel : texts above and at the axes; by default the table names the abscissa
+    labels : labels of the abscissa by case
     looks : looks of ways, by their names
     """
-    ways = table.drop_duplicates("way")
+    ways, panels = table.drop_duplicates("way"), _panels(table, axes, y)
     looks = looks or looks_of_ways(zip(ways["way"], ways["method"], strict=True))
-    x = "parameter" if axis == "key" else axis
-    by, groups = _groups(table, axis)
-    count = max(len(groups), 1)
-    keys = pd.DataFrame([key for key, _ in groups], columns=by)
-    varied = [name for name in by if keys[name].nunique() > 1]
-    # each kind of size has a row of its own
-    parts = len(keys[["quantity", "when"]].drop_duplicates())
-    kinds = keys["refined"].nunique() > 1 if axis == "size" else False
-    rows_of_kinds = kinds and 1 < parts <= MOST_COLUMNS
-    across = parts if rows_of_kinds else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, min(4, count))
-    down = -(-count // across)
+    parts = list(dict.fromkeys(panel.part for panel in panels))
+    kinds = list(dict.fromkeys(panel.kind for panel in panels))
+    count = max(len(panels), 1)
+    if len(kinds) > 1 and 1 < len(parts) <= MOST_COLUMNS:
+        across = len(parts)
+        places = [(kinds.index(panel.kind), parts.index(panel.part)) for panel in panels]
+    else:
+        across = {4: 2, 5: 3, 6: 3, 9: 3}.get(count, min(MOST_COLUMNS, count))
+        places = [divmod(number, across) for number in range(count)]
+    down = 1 + max(row for row, _ in places)
+    varied = [name for name in KEYS if len({panel.key[name] for panel in panels}) > 1]
     width = PAGE if across > 1 else 0.62 * PAGE
     height = 0.95 + (PANEL_HEIGHT + 0.3) * down + 0.15 * -(-len(ways) // max(1, int(width / 1.7)))
     with in_style():
         figure, grid = new_panels(width, height, down, across)
-        for number, (panel, (key, rows)) in enumerate(zip(grid.flat, groups, strict=False)):
-            named = dict(zip(by, key, strict=True))
-            _draw_panel(panel, rows, x, looks)
-            if orders is not None and axis in WITH_SLOPES:
-                _draw_slopes(panel, rows, x, looks, orders, WITH_SLOPES[axis])
-            _complete_panel(panel, rows, table[table["case"] == named["case"]], x, looks)
-            panel.set_title(_panel_title(named, varied))
-            if kinds or number + across >= count or xlabel == "":
-                label = xlabel or XLABELS.get(x) or ", ".join(rows["refined"].dropna().unique())
-                label = named["case"] if axis == "key" else label
-                panel.set_xlabel(textwrap.fill((labels or {}).get(label, label), 42))
-        for panel in list(grid.flat)[len(groups) :]:
-            panel.set_axis_off()
-        for panel in grid[:, 0]:
-            panel.set_ylabel("relative error")
+        for panel, place in zip(panels, places, strict=False):
+            sub, x, rows, case = grid[place], panel.x, panel.rows, panel.key["case"]
+            _draw_panel(sub, rows, x, y, looks)
+            if orders is not None and len(orders) and x in WITH_SLOPES and y == "error":
+                _draw_slopes(sub, rows, x, looks, orders, WITH_SLOPES[x])
+            _complete_panel(sub, rows, table[table["case"] == case], x, y, looks)
+            sub.set_title(_panel_title(panel, varied))
+            kind = ", ".join(rows["refined"].dropna().unique()) if x == "size" else x
+            label = (labels or {}).get(case, case) if x == "parameter" else XLABELS.get(x, kind)
+            sub.set_xlabel(textwrap.fill(xlabel or label, 42))
+        for place in set(np.ndindex(grid.shape)) - set(places[: len(panels)]):
+            grid[place].set_axis_off()
+        for row in range(down):
+            grid[row, 0].set_ylabel("relative error" if y == "error" else y)
         return complete(figure, [title], list(grid.flat), across=0.52, down=0.66)
 
 
-def _panel_title(key: dict[str, str], varied: list[str]) -> str:
+def _panel_title(panel: _Panel, varied: list[str]) -> str:
     """Return the title of a panel: the values that differ between panels."""
-    words = [key["case"]] if "case" in varied else []
+    words = [panel.key["case"]] if "case" in varied else []
     if {"quantity", "when"} & set(varied) or not words:
-        words.append(str(Part(key["quantity"], key["when"])))
+        words.append(str(panel.part))
     return "\n".join(textwrap.wrap(": ".join(words), 34))
 
 
-def _draw_panel(axes: "Axes", rows: pd.DataFrame, x: str, looks: Mapping[str, Look]) -> None:
+def _draw_panel(
+    axes: "Axes", rows: pd.DataFrame, x: str, y: str, looks: Mapping[str, Look]
+) -> None:
     """Draw the curves of a panel, and the spread of seconds."""
     for way, levels in rows.groupby("way", sort=False):
         look, levels = looks[str(way)], levels.sort_values(x) if x == "parameter" else levels
-        abscissa, errors = levels[x].to_numpy(float), _drawn(levels["error"])
-        axes.plot(abscissa, errors, **look)
+        abscissa = levels[x].to_numpy(float)
+        values = _drawn(levels[y]) if y == "error" else levels[y].to_numpy(float)
+        axes.plot(abscissa, values, **look)
         if x == "seconds" and "least seconds" in levels and levels["least seconds"].notna().any():
             spread_of = [
                 abscissa - levels["least seconds"].to_numpy(float),
                 levels["greatest seconds"].to_numpy(float) - abscissa,
             ]
             style: Look = {"fmt": "none", "color": look["color"], "linewidth": 0.6}
-            axes.errorbar(abscissa, errors, xerr=spread_of, **style)
-    values = rows[x].to_numpy(float)
-    set_logarithmic(axes, "y")
-    if (values > 0).all() and (x != "parameter" or values.max() > 8 * values.min()):
+            axes.errorbar(abscissa, values, xerr=spread_of, **style)
+    places = rows[x].to_numpy(float)
+    if y == "error" or (rows[y] > 0).all():
+        set_logarithmic(axes, "y")
+    else:
+        set_linear(axes, "y", most=4)
+    if (places > 0).all() and (x != "parameter" or places.max() > 8 * places.min()):
         set_logarithmic(axes, "x")
     else:
         set_linear(axes, "x", most=4)
@@ -198,9 +228,30 @@ def _draw_slopes(
 
 
 def _complete_panel(
-    axes: "Axes", rows: pd.DataFrame, table: pd.DataFrame, x: str, looks: Mapping[str, Look]
+    axes: "Axes",
+    rows: pd.DataFrame,
+    table: pd.DataFrame,
+    x: str,
+    y: str,
+    looks: Mapping[str, Look],
 ) -> None:
     """Shade a panel, mark what has no place on its axes, and set ticks."""
+    if y == "error":
+        _shade(axes, rows, x)
+    for way, levels in rows[rows[y] == 0].groupby("way", sort=False):
+        _mark(axes, levels[x], 0.04, looks[str(way)] | {"linestyle": ""})
+    lost = table[table["error"].isna() & table["outcome"].isin(["refused", "crashed"])]
+    for way, levels in lost.dropna(subset=[x]).groupby("way", sort=False):
+        _mark(axes, levels[x], 0.96, looks[str(way)] | {"linestyle": "", "marker": "x"})
+    # marks widen the horizontal axis
+    axes.set_xlim(axes.get_xlim())
+    for axis in (axes.xaxis, axes.yaxis):
+        if axis.get_scale() == "log":
+            _set_ticks(axis)
+
+
+def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
+    """Shade errors above what is promised, and those below the error of the reference."""
     low, high = axes.get_ylim()
     promised = rows.dropna(subset=["tolerance"]).sort_values(x).drop_duplicates(x)
     if len(promised) > 1 and x in ("size", "parameter"):
@@ -214,16 +265,6 @@ def _complete_panel(
     elif floor.max() > low:
         axes.axhspan(low / 10, floor.max(), **shade)
     axes.set_ylim(low, high)
-    for way, levels in rows[rows["error"] == 0].groupby("way", sort=False):
-        _mark(axes, levels[x], 0.04, looks[str(way)] | {"linestyle": ""})
-    lost = table[table["error"].isna() & table["outcome"].isin(["refused", "crashed"])]
-    for way, levels in lost.dropna(subset=[x]).groupby("way", sort=False):
-        _mark(axes, levels[x], 0.96, looks[str(way)] | {"linestyle": "", "marker": "x"})
-    # marks widen the horizontal axis
-    axes.set_xlim(axes.get_xlim())
-    for axis in (axes.xaxis, axes.yaxis):
-        if axis.get_scale() == "log":
-            _set_ticks(axis)
 
 
 def _set_ticks(axis: "Axis") -> None:

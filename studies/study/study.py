@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
+from pandas.api.types import is_numeric_dtype
 
 from ...meshes import RingwearError, SceneError
 from ..crosscheck import AnswersGuesses, Scene, make, output_folder, shown
 from ..figures.style import html_of, in_style
-from ..tables.writing import write_csv
-from .answer import answer, listed
-from .formats import blocks, to_latex, to_markdown
+from ..tables.writing import INTERRUPTED, write_csv
+from .answer import answer, sentence
+from .draw import draw, titled
+from .formats import blocks, for_terminal, to_latex, to_markdown
 from .orders import KEYS_OF_STUDIES
 from .record import SOLVED, Record
 from .way import Part
@@ -57,7 +59,7 @@ class Study(AnswersGuesses):
     noun = "study"
     instead = (
         dict.fromkeys(("df", "data", "results", "rows", "dataset"), "table")
-        | dict.fromkeys(("figure", "plot", "show"), "figures")
+        | dict.fromkeys(("figure", "show"), "figures")
         | dict.fromkeys(("to_csv", "write_all", "export", "to_file"), "save(folder)")
         | {"summary": "conclusions", "verdict": "conclusions"}
     )
@@ -75,7 +77,7 @@ class Study(AnswersGuesses):
     @property
     def answer(self) -> pd.DataFrame:
         """How accurate each way is and what an accuracy costs by it, as texts; a row for each."""
-        if "error" not in self.measured or self.measured["error"].isna().all():
+        if not len(self.measured):
             return pd.DataFrame()
         return answer(self.measured, self.orders, self.tables.get("costs", pd.DataFrame()))
 
@@ -89,9 +91,34 @@ class Study(AnswersGuesses):
     def _repr_html_(self) -> str:
         """Return the conclusions, the orders and the figures as HTML, for notebooks."""
         parts = [f"<pre>{escape(repr(self))}</pre>"]
-        parts += [self._for_papers("").to_html(index=False, max_rows=40)]
+        parts += [part.to_html(index=False) for part in blocks(self._for_papers(""))]
         parts += map(html_of, self.figures.values())
         return "".join(parts)
+
+    def plot(self, x: str = "seconds", y: str = "error") -> "Figure":
+        """Return a figure of one column of `table` over another, as in the figure of the study.
+
+        Parameters
+        ----------
+        x, y : names of columns that have numbers
+
+        Raises
+        ------
+        SceneError
+            if the table has no such column, or no numbers in both
+        """
+        for name in (x, y):
+            if name not in self.measured or not is_numeric_dtype(self.measured[name]):
+                columns = ", ".join(self.measured.select_dtypes("number"))
+                raise SceneError(f"plot has no numbers {shown(name)}: give two of {columns}")
+        if self.measured[[x, y]].dropna().empty:
+            raise SceneError(f"plot: no level has both {x} and {y}")
+        title = titled(self.scene.title, self.purpose)
+        return draw(self.measured, (x,), y, orders=self.orders, title=title)
+
+    def printed(self) -> list[str]:
+        """Return the lines of the answer on a terminal: up to 40 of up to 100 letters."""
+        return for_terminal(self.answer) if len(self.answer) else []
 
     def to_markdown(self, table: str = "") -> str:
         """Return a table in Markdown, as in the files of `save` and on the terminal.
@@ -184,4 +211,10 @@ def remarks(record: Record, quick: bool = False) -> list[str]:
         f"{row['case']}, {row['way']}, level {row['level']} {row['outcome']}: {row['message']}"
         for row in failed.to_dict("records")
     ]
-    return [*([listed(texts)] if texts else []), *([QUICK] if quick else []), *record.remarks]
+    others = [remark for remark in record.remarks if remark != INTERRUPTED]
+    return [
+        *([sentence("", texts)] if texts else []),
+        *([sentence("", others)] if others else []),
+        *([QUICK] if quick else []),
+        *([INTERRUPTED] if INTERRUPTED in record.remarks else []),
+    ]

@@ -95,9 +95,16 @@ def test_costs_have_each_quantity_and_the_worst_one():
     table = pd.DataFrame({"error": [0.1, -0.001], "unknowns": [100, 400], "seconds": [1.0, 2.0]})
     table = table.assign(case="scene", way="uniform", quantity="indentation", when="start")
     table = table.assign(level=["0", "1"], estimate=np.nan, reference=1e-9)
-    costs = costs_of(table).set_index(["quantity", "goal"])
-    assert costs.unknowns["indentation", 1e-2] == costs.unknowns["worst quantity", 1e-2] == 200
+    both = pd.concat([table, table.assign(quantity="pressure", error=[1.0, 0.1])])
+    costs = costs_of(both.reset_index()).set_index(["quantity", "goal"])
+    # halfway on logarithmic scales; the pressure does not reach it, nor the worst quantity
+    assert costs.unknowns["indentation", 1e-2] == 200
+    assert np.isnan(costs.unknowns["pressure", 1e-2])
+    assert np.isnan(costs.unknowns["worst quantity", 1e-2])
+    assert costs.of["worst quantity", 1e-2] == "pressure, start"
     assert np.isnan(costs.seconds["indentation", 1e-4])
+    # one quantity has no worst one
+    assert set(costs_of(table)["quantity"]) == {"indentation"}
 
 
 def test_quantities_are_names_and_functions():
