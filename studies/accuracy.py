@@ -91,8 +91,8 @@ CELL_FACTORS, QUICK_CELL_FACTORS = (0.25, 0.5, 1.0, 2.0), (0.125, 0.25, 0.5)
 """Numbers of cells of a moving contact, over the number for rtol 1e-4."""
 DEGREES = {False: range(2, 5), True: range(2, 17)}
 """Degrees of the displacement for which stable multipliers exist, by quadrilaterals or not."""
-DEGREE_MESH_RTOL, MOST_UNKNOWNS, MOST_UNKNOWNS_QUICK = 1e-7, 100_000, 40_000
-"""Tolerance of the mesh on which the degree is raised; unknowns of the finest adaptive mesh."""
+DEGREE_MESH_RTOL = 1e-7
+"""Tolerance of the mesh on which the degree is raised."""
 TOLERANCES = {
     (True, False): tuple(10.0**-digits for digits in range(1, 9)),
     (True, True): tuple(10.0**-digits for digits in range(1, 4)),
@@ -211,7 +211,6 @@ def accuracy(
         exact=exact if timed else None,
         worst=timed and not quantities,
         runs=RUNS if timed else 1,
-        most_unknowns=MOST_UNKNOWNS_QUICK if quick else MOST_UNKNOWNS,
     )
     return conduct(declared, record, quick)
 
@@ -296,7 +295,7 @@ def ways_of_unknowns(_: Case, named: Sequence[str], quick: bool) -> list[Way]:
     ways = [
         halved(range(3 if quick else 4)),
         by_tolerance("triangles graded before solving", rtols, triangles),
-        adaptive(),
+        adaptive(range(18 if quick else 24)),
     ]
     if not unavailable():  # gmsh makes the layered meshes
         ways.append(by_tolerance("the default: layers and degrees", rtols, {"mesher": "quads"}))

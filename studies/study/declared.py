@@ -5,7 +5,6 @@ measured (quantities), and over which axis errors are drawn. `conduct` measures 
 one answer, the one figure and the sentences of every study.
 """
 
-import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -58,7 +57,7 @@ class Declared:
     exact : function of a case that returns its reference; by default `reference`
     worst : whether the figure has the worst quantity of each case, and the answer has it, too
     xlabel, labels : label of the axis, if it is not that of the ways; those of keys
-    runs, most_unknowns, only_promised : as in `measure`
+    runs, only_promised : as in `measure`
     remarks : further sentences
     """
 
@@ -76,7 +75,6 @@ class Declared:
     xlabel: str = ""
     labels: Mapping[str, str] = field(default_factory=dict)
     runs: int = 1
-    most_unknowns: float = math.inf
     only_promised: bool = False
     remarks: Sequence[str] = ()
 
@@ -104,7 +102,6 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
         functions,
         exact=declared.exact or exact,
         runs=declared.runs,
-        most_unknowns=declared.most_unknowns,
         only_promised=declared.only_promised,
     )
     if axis == "step":

@@ -214,9 +214,9 @@ def _draw_slopes(
         fits = orders[(orders[[*keys]] == pd.Series(keys)).all(axis=1)]
         errors = levels["error"].abs().to_numpy(float)
         for order in fits["theory"].dropna():
-            if len(errors) > 1 and 0 < errors[0] < triangles.get(order, (np.inf,))[0]:
+            if len(errors) > 1 and 0 < errors[-2] < triangles.get(order, (np.inf,))[0]:
                 places = levels[x].to_numpy(float)
-                triangles[order] = errors[0], places, errors, looks[str(way)]["color"]
+                triangles[order] = errors[-2], places, errors, looks[str(way)]["color"]
     labels = [
         draw_slope_triangle(axes, places, errors, sign * order, color)
         for order, (_, places, errors, color) in triangles.items()
@@ -308,7 +308,7 @@ def separate(labels: Iterable["Annotation"], axes: "Axes") -> None:
 def draw_slope_triangle(
     axes: "Axes", sizes: Array, errors: Array, order: float, color: str
 ) -> "Annotation":
-    """Draw a slope triangle below the first two points of a curve; return its label.
+    """Draw a slope triangle below the last two points of a curve; return its label.
 
     Parameters
     ----------
@@ -317,12 +317,12 @@ def draw_slope_triangle(
     order : theoretical order of convergence, whose size the label shows
     color : colour of the curve
     """
-    coarse_size, second_size, *_ = sizes
+    *_, coarse_size, second_size = sizes
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    # half the way to the second point, but wide enough to be seen
+    # half the way to the last point, but wide enough to be seen
     width = max(np.log(second_size / coarse_size) / 2, SHARE * np.log(right / left), key=abs)
     middle_size = coarse_size * np.exp(np.copysign(width, second_size - coarse_size))
-    high_error = errors[0] / max(2, (high / low) ** (SHARE / 2))
+    high_error = errors[-2] / max(2, (high / low) ** (SHARE / 2))
     low_error = high_error * (middle_size / coarse_size) ** order
     axes.plot(
         [middle_size, coarse_size, coarse_size, middle_size],

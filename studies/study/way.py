@@ -6,7 +6,7 @@ nothing is written as text and read back. It also receives the solution of the l
 adaptive refinement needs.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -133,8 +133,7 @@ class Way:
     ----------
     name : name in tables and in the legend, such as "P2, graded"
     method : name of the method, which determines the colour: `mdr`, `bem`, `fem`, `naive`, ...
-    levels : the levels, from coarse to fine; an endless iterable such as `itertools.count()` ends
-        at the greatest number of unknowns of `measure`
+    levels : the levels, from coarse to fine
     solve : function (problem, level, solution of the level before) -> solution
     refined : what the size is, as the label of an axis; curves share a panel only if it is the same
     size : function of the level that returns the size to which the theory refers; None for
@@ -150,7 +149,7 @@ class Way:
 
     name: str
     method: str
-    levels: Iterable[Level]
+    levels: Sequence[Level]
     solve: Solve
     refined: str
     size: Callable[[Level], float] | None = None
@@ -159,8 +158,3 @@ class Way:
     promises: bool = False
     without: frozenset[str] = frozenset()
     largest: float = np.inf
-
-    @property
-    def count(self) -> int | None:
-        """Number of levels; None if they are endless."""
-        return len(self.levels) if isinstance(self.levels, Sequence) else None

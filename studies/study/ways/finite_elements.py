@@ -7,7 +7,6 @@ accurate only if the meshes of a sequence are similar. All lengths are in punch 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -300,10 +299,10 @@ def halved(halvings: Sequence[int]) -> Way:
     return Way("uniform triangles", "fem", halvings, solve, COUNTED)
 
 
-def adaptive() -> Way:
+def adaptive(levels: Sequence[int]) -> Way:
     """Return the way through triangles that are refined where the error indicator is greatest.
 
-    Each level refines the mesh of the level before; it ends at the greatest number of unknowns.
+    Each level refines the mesh of the level before, to about 1.15 times the unknowns.
     """
 
     def solve(problem: Problem, __: int, previous: Solution | None) -> Solution:
@@ -317,7 +316,7 @@ def adaptive() -> Way:
         return on_mesh(problem, mesh, degree, poles, with_indicators=True)
 
     theory = theories.for_adaptive_meshes
-    return Way("adaptive triangles", "fem", count(), solve, COUNTED, None, theory, sequential=True)
+    return Way("adaptive triangles", "fem", levels, solve, COUNTED, None, theory, sequential=True)
 
 
 def poles_without_error(problem: Problem, mesh: Mesh) -> tuple[int, ...]:

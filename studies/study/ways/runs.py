@@ -118,6 +118,7 @@ def steps_on_coarse_space(march: str, lengths: Sequence[float], case: Problem) -
     return Way(f"{march} Euler", "mdr", lengths, solve, STEP, float, theory)
 
 
+@lru_cache(maxsize=4)
 def coarse_stability_limit(problem: Problem) -> float:
     """Return the greatest stable explicit step on the coarse space."""
     wear = on_coarse_space(problem).wear
@@ -144,20 +145,14 @@ def explicit_steps(parts: Sequence[float]) -> Way:
 
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
         marched = replace(
-            problem, mdr=COARSE_SPACE, march="explicit", step=level * stable_step(problem)
+            problem,
+            mdr=COARSE_SPACE,
+            march="explicit",
+            step=level * coarse_stability_limit(problem),
         )
         return method("mdr").solve(marched, Stages("mdr"))
 
     return Way("MDR, explicit Euler", "mdr", parts, solve, STABLE_STEP, float)
-
-
-@lru_cache(maxsize=4)
-def stable_step(problem: Problem) -> float:
-    """Return the greatest stable explicit step of MDR on the coarse elements."""
-    coarse = replace(problem, mdr=MdrAccuracy.model_validate(COARSE_SPACE))
-    wear = method("mdr").solve(coarse, Stages("mdr")).wear
-    assert wear is not None
-    return wear.stability_limit()
 
 
 def paper_grid(springs: Sequence[int]) -> Way:
