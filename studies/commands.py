@@ -225,6 +225,7 @@ def _compare(options: argparse.Namespace) -> Status:
 
 def _study(options: argparse.Namespace) -> Status:
     from .named_studies import study
+    from .study.formats import for_terminal
     from .study.interrupted import as_before, rows_before
     from .tables.writing import keep_tables, keeping_rows
 
@@ -247,8 +248,8 @@ def _study(options: argparse.Namespace) -> Status:
             conclusions = list(results.conclusions)
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
-    if results is not None:
-        print_markdown(results.printed())
+    if results is not None and len(results.answer):
+        print_markdown(for_terminal(results.answer))
     print_lines(conclusions)
     _print_files(folder, failures)
     return Status.FAILED if failures or INTERRUPTED in conclusions else Status.DONE

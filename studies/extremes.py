@@ -30,7 +30,7 @@ from .study.accept import accept
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
 from .study.own import Methods, Quantities, read_methods, read_quantities
-from .study.record import Record
+from .study.record import REFUSED, Record
 from .study.reference import Reference, reference
 from .study.study import Study
 from .study.way import Case, Level, Way
@@ -119,7 +119,10 @@ def extremes(
             except SceneError as failure:
                 if "no key" in str(failure):
                     raise
-                refuse(record, name_of(key, value), str(failure), ways(Case.of(scene)))
+                facts = {"case": name_of(key, value), "level": "", "outcome": REFUSED}
+                facts |= {"message": str(failure)}
+                listed_ways = ways(Case.of(scene))
+                record.add([facts | {"way": way.name, "method": way.method} for way in listed_ways])
     declared = Declared(
         *("extremes", "where does the scene stop being accurate?", scene, cases, ways, wanted),
         axis="key",
@@ -148,13 +151,6 @@ def case_of(scene: Scene, key: str, value: Any, number: int) -> Case:
     # the radii at which fields are compared follow from the scene, and may refuse it, too
     _ = case.problem.face
     return case
-
-
-def refuse(record: Record, name: str, message: str, ways: Sequence[Way]) -> None:
-    """Add the rows of a value that the scene refuses, unless an earlier run has them."""
-    if not record.earlier(name, ways[0].name):
-        facts = {"case": name, "level": "", "outcome": "refused", "message": message}
-        record.add([facts | {"way": way.name, "method": way.method} for way in ways])
 
 
 def name_of(key: str, value: Any) -> str:
@@ -189,13 +185,11 @@ def parse(text: str) -> tuple[str, list[float]]:
     SceneError
         if the text has another form
     """
-    found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):(\d+)", text.strip())
+    found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):([1-9]\d*)", text.strip())
     try:
-        if not found:
-            raise ValueError
-        key, geometric = found[1], bool(found[2])
-        low, high, count = float(found[3]), float(found[4]), int(found[5])
-        if count < 1 or (geometric and min(low, high) <= 0):
+        key, geometric, *ends, count = found.groups() if found else ()
+        low, high = map(float, ends)
+        if geometric and min(low, high) <= 0:
             raise ValueError
     except ValueError:
         raise SceneError(
@@ -207,7 +201,7 @@ def parse(text: str) -> tuple[str, list[float]]:
     # whole numbers stay whole, because some keys take no others
     return key, [
         int(value) if value.is_integer() and abs(value) < 1e6 else float(f"{value:.9g}")
-        for value in map(float, spaced(low, high, count))
+        for value in map(float, spaced(low, high, int(count)))
     ]
 
 

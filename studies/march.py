@@ -12,15 +12,15 @@ from dataclasses import replace
 import numpy as np
 
 from ..meshes import SceneError
-from .crosscheck import Problem, Scene, Source
-from .study.accept import accept, steps_of
+from .crosscheck import Problem, Source
+from .study.accept import accept, steps_of, with_times
 from .study.declared import Declared, conduct
 from .study.own import Quantities, read_quantities
 from .study.record import Record
 from .study.reference import Reference, solution_as_reference
 from .study.study import Study
 from .study.way import Case
-from .study.ways.runs import coarse_stability_limit, on_coarse_space, steps_on_coarse_space
+from .study.ways import runs
 
 PARTS = tuple(0.5 / 2**n for n in range(1, 9))
 """Steps of the implicit march whose order is fitted, over the earliest time after the start."""
@@ -61,20 +61,20 @@ def march(
         raise SceneError("study march is about a constant load: give load.normal_force one number")
     case, last = Case.of(scene), slice(QUICK_LEVELS if quick else None)
     problem, given, words = case.problem, steps_of(scene, steps), scene.unit_names
-    limit, earliest = coarse_stability_limit(problem), problem.earliest
+    limit, earliest = runs.coarse_stability_limit(problem), problem.earliest
     stable = [step for step in given if step <= limit]
     explicit = stable if given else [min(part * limit, earliest) for part in EXPLICIT[last]]
     implicit = given or [part * earliest for part in PARTS[last]]
-    ways = [steps_on_coarse_space("implicit", implicit, problem)]
+    ways = [runs.steps("implicit", implicit, problem)]
     if not given:
         longer = longer_steps(problem, QUICK_LONG_FACTOR if quick else LONG_FACTOR)
         # longer steps have no order
         ways[0] = replace(ways[0], levels=[*longer, *implicit], largest=implicit[0])
     if explicit:
-        ways.append(steps_on_coarse_space("explicit", sorted(set(explicit))[::-1], problem))
+        ways.append(runs.steps("explicit", sorted(set(explicit))[::-1], problem))
 
     def exact(case: Case) -> Reference:
-        return solution_as_reference(on_coarse_space(case.problem))
+        return solution_as_reference(runs.on_coarse_space(case.problem))
 
     unit = words.name("time")
     written = words.write(limit * problem.units.time, "time", 3)
@@ -90,13 +90,6 @@ def march(
         remarks=[f"{stability}{left_out}."],
     )
     return conduct(declared, record, quick)
-
-
-def with_times(scene: Scene) -> Scene:
-    """Return a scene with times; one without any gets a time at which half of it has run in."""
-    if scene.problem.earliest:
-        return scene
-    return scene.changed({"wear.times": [0.0, 0.5 * scene.problem.units.time]})
 
 
 def longer_steps(problem: Problem, factor: float) -> list[float]:

@@ -25,13 +25,11 @@ class NamedStudy:
     ----------
     place : module and name of its function, as in `documented`
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
-    scene : name of the default scene
     question : what the study does, if one function conducts several studies; it takes the name
     """
 
     place: str
     seconds: int
-    scene: str = "five_rings"
     question: str = ""
 
     @property
@@ -150,5 +148,5 @@ def study(
     from .figures.style import in_style
 
     with in_style():
-        result = conduct(listed.scene if scene is None else scene, quick=quick, **options)
+        result = conduct("five_rings" if scene is None else scene, quick=quick, **options)
     return replace(result, purpose=listed.purpose)

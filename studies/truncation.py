@@ -20,14 +20,15 @@ from .study.study import Study
 from .study.way import Case
 from .study.ways.truncated import exact_on_layers, far_fields
 
-RADII, RADII_QUICK = (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024), (4, 5, 6, 7, 8)
-RADII_ON_LAYERS, RADII_ON_LAYERS_QUICK = (
-    (1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 7.0, 10.0, 16.0),
-    (1.6, 2.0, 2.5, 3.2, 4.0, 5.0),
-)
-"""Truncation radii in punch radii, so that the size a/R decreases."""
-RATIOS, RATIO_QUICK = (0.0, 0.3, 0.4999, 0.5), 0.3
+RADII = {
+    False: (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024),
+    True: (1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 7.0, 10.0, 16.0),
+}
+"""Truncation radii in punch radii, so that the size a/R decreases, by whether there are layers."""
+RATIOS = (0.3, 0.0, 0.4999, 0.5)
 """Poisson's ratios that are tested besides that of the scene."""
+QUICK_RADII, QUICK_RATIOS = 5, 1
+"""Numbers of radii and ratios of the quick study, from the first on."""
 
 
 def truncation(
@@ -56,15 +57,13 @@ def truncation(
     problem = replace(Case.of(scene).with_one_ring().problem, ground=ground)
     if ground.layered:
         cases = [Case("layers", None, problem)]
-        chosen = chosen or (RADII_ON_LAYERS_QUICK if quick else RADII_ON_LAYERS)
     else:
-        tested = {RATIO_QUICK} if quick else set(RATIOS)
+        tested = RATIOS[: QUICK_RATIOS if quick else None]
         cases = [
             Case(f"nu = {ratio:g}", None, replace(problem, ground=Ground.half_space(ratio)), ratio)
             for ratio in sorted({problem.poisson_ratio, *tested})
         ]
-        chosen = chosen or (RADII_QUICK if quick else RADII)
-    ways = far_fields(chosen, ground)
+    ways = far_fields(chosen or RADII[ground.layered][: QUICK_RADII if quick else None], ground)
 
     def exact(case: Case) -> Reference:
         return exact_on_layers(case.problem) if ground.layered else exact_start(case.problem)

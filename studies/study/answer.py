@@ -35,13 +35,15 @@ MOST_LETTERS = 60
 """Greatest length of a reason in the table."""
 
 
-def worst(table: pd.DataFrame, by: Sequence[str] = ("case", "way", "level")) -> pd.DataFrame:
+def worst(table: pd.DataFrame) -> pd.DataFrame:
     """Return one row for each level: that of its quantity with the greatest error.
 
     Its estimate and the error of its reference are the greatest of all quantities of the level.
     """
     solved = table.dropna(subset=["error"])
-    groups = solved.assign(error=solved["error"].abs()).groupby(list(by), sort=False)
+    groups = solved.assign(error=solved["error"].abs()).groupby(
+        ["case", "way", "level"], sort=False
+    )
     rows = solved.loc[groups["error"].idxmax()]
     return rows.assign(
         error=rows["error"].abs(),

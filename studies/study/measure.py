@@ -8,15 +8,13 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-import psutil
 from threadpoolctl import threadpool_limits
 
-from ...meshes import RingwearError
+from ...meshes import Array, RingwearError
 from ..crosscheck import LOG, Results, Solution, allowed_error
 from ..tables.writing import keeping_rows
 from .errors import (
@@ -28,7 +26,7 @@ from .errors import (
     promised_times,
     values_of,
 )
-from .extrapolation import FieldLevels, richardson
+from .extrapolation import richardson
 from .functions import Named, values_of_functions
 from .record import CRASHED, REFUSED, SOLVED, Record, Row
 from .way import ALL, START, Case, Part, Way
@@ -134,7 +132,6 @@ def _solve(
         **{"case": case.name, "parameter": case.parameter, "way": way.name},
         **{"method": way.method, "refined": way.refined, "level": str(level)},
     }
-    _reset_peak()
     start = time.process_time()
     try:
         solution, seconds = timed(partial(way.solve, case.problem, level, previous), runs)
@@ -150,8 +147,7 @@ def _solve(
         facts["tolerance"] = level / case.problem.rtol * allowed_error(case.problem)
     if runs > 1:
         facts |= {"least seconds": min(seconds), "greatest seconds": max(seconds)}
-    facts |= {"seconds": float(np.median(seconds)), "peak MiB": round(_peak_mebibytes(), 1)}
-    return facts, solution
+    return facts | {"seconds": float(np.median(seconds))}, solution
 
 
 def timed(solve: Callable[[], Solution], runs: int) -> tuple[Solution, list[float]]:
@@ -239,69 +235,24 @@ class _Judge:
         missing = any(part.quantity not in values for _, values in self.levels)
         if len(self.levels) < 3 or missing or part.quantity in ITSELF:
             return np.nan, np.nan
+        name, exact, problem = part.quantity, self.exact.values, self.case.problem
         sizes, levels = zip(*self.levels, strict=True)
-        fields = _Fields(part, levels, self.exact.values, self.case)
-        signed = np.array([fields.error(values) for values in levels])
+        signed = np.array([error(part, values, exact, problem) for values in levels])
         # one number has a sign, which shows whether the last levels converge monotonically
-        value = np.asarray(levels[-1][part.quantity])
-        is_norm = value.ndim > (part.when != ALL) or (part.when != START and value.size > 1)
-        return richardson(np.array(sizes), signed, fields if is_norm else None)
-
-
-@dataclass(frozen=True)
-class _Fields(FieldLevels):
-    """The last three levels of a quantity whose error is a norm."""
-
-    part: Part
-    levels: Sequence[Results]
-    exact: Results
-    case: Case
-
-    def error(self, values: Results) -> float:
-        """Return the error of values against the reference."""
-        return error(self.part, values, self.exact, self.case.problem)
-
-    def _norm(self, deviation: np.ndarray) -> float:
-        name = self.part.quantity
-        overlap = tuple(slice(0, n) for n in deviation.shape)
-        return abs(self.error({name: np.asarray(self.exact[name])[overlap] + deviation}))
-
-    @property
-    def _values(self) -> list[np.ndarray]:
-        """The values of the levels, cut to the part that all have, such as relaxation times."""
-        name = self.part.quantity
-        arrays = [np.asarray(values[name]) for values in (*self.levels, self.exact)]
+        value = np.asarray(levels[-1][name])
+        if value.ndim <= (part.when != ALL) and (part.when == START or value.size <= 1):
+            return richardson(np.array(sizes), signed)
+        arrays = [np.asarray(values[name]) for values in (*levels, exact)]
+        # the part that all levels have, such as the first relaxation times
         shapes = zip(*(array.shape for array in arrays), strict=True)
-        common = tuple(slice(0, min(sizes)) for sizes in shapes)
-        return [array[common] for array in arrays]
+        common = tuple(slice(0, min(lengths)) for lengths in shapes)
+        first, second, third, right = (array[common] for array in arrays)
 
-    @property
-    def changes(self) -> np.ndarray:
-        """(n-1,) relative norms of the differences between neighbouring levels."""
-        first, second, third, _ = self._values
-        return np.array([self._norm(second - first), self._norm(third - second)])
+        def norm(deviation: Array) -> float:
+            return abs(error(part, {name: right + deviation}, exact, problem))
 
-    def error_of_limit(self, weight: float) -> float:
-        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
-        _, coarse, fine, exact = self._values
-        return self._norm(fine + weight * (fine - coarse) - exact)
+        def error_of_limit(weight: float) -> float:
+            return norm(third + weight * (third - second) - right)
 
-
-def _reset_peak() -> None:
-    """Start to measure the peak memory of this process anew, which is possible only on Linux."""
-    try:
-        Path("/proc/self/clear_refs").write_text("5", "ascii")
-    except OSError:
-        # other systems report the memory after the level, or the maximum over all levels so far
-        return
-
-
-def _peak_mebibytes() -> float:
-    """Return the peak memory of this process in MiB, on Linux since the last `_reset_peak`."""
-    try:
-        status = Path("/proc/self/status").read_text("ascii")
-    except OSError:
-        memory = psutil.Process().memory_info()
-        return float(getattr(memory, "peak_wset", memory.rss)) / 2**20
-    (line,) = (line for line in status.splitlines() if line.startswith("VmHWM"))
-    return float(line.split()[1]) / 2**10
+        changes = np.array([norm(second - first), norm(third - second)])
+        return richardson(np.array(sizes), signed, changes, error_of_limit)

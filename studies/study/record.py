@@ -16,7 +16,7 @@ from ..tables.writing import without_formulas
 COLUMNS = (
     *("case", "way", "method", "level", "size", "unknowns", "seconds", "quantity", "when"),
     *("error", "estimate", "tolerance", "index", "limit", "reference", "computed", "parameter"),
-    *("refined", "least seconds", "greatest seconds", "peak MiB", "outcome", "message"),
+    *("refined", "least seconds", "greatest seconds", "outcome", "message"),
 )
 """Columns of every table of levels; `studies/study/README.md` explains them."""
 SOLVED, REFUSED, CRASHED = "solved", "refused", "crashed"

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
-from pandas.api.types import is_numeric_dtype
 
 from ...meshes import RingwearError, SceneError
 from ..crosscheck import AnswersGuesses, Scene, make, output_folder, shown
@@ -16,7 +15,7 @@ from ..figures.style import html_of, in_style
 from ..tables.writing import INTERRUPTED, write_csv
 from .answer import answer, sentence
 from .draw import draw, titled
-from .formats import blocks, for_terminal, to_latex, to_markdown
+from .formats import blocks, to_latex, to_markdown
 from .orders import KEYS_OF_STUDIES
 from .record import SOLVED, Record
 from .way import Part
@@ -105,20 +104,15 @@ class Study(AnswersGuesses):
         Raises
         ------
         SceneError
-            if the table has no such column, or no numbers in both
+            if no level has numbers in both columns
         """
-        for name in (x, y):
-            if name not in self.measured or not is_numeric_dtype(self.measured[name]):
-                columns = ", ".join(self.measured.select_dtypes("number"))
-                raise SceneError(f"plot has no numbers {shown(name)}: give two of {columns}")
-        if self.measured[[x, y]].dropna().empty:
-            raise SceneError(f"plot: no level has both {x} and {y}")
+        numbers = self.measured.select_dtypes("number")
+        if not {x, y} <= {*numbers} or numbers[[x, y]].dropna().empty:
+            raise SceneError(
+                f"no level has {shown(x)} and {shown(y)}: give two of {', '.join(numbers)}"
+            )
         title = titled(self.scene.title, self.purpose)
         return draw(self.measured, (x,), y, orders=self.orders, title=title)
-
-    def printed(self) -> list[str]:
-        """Return the lines of the answer on a terminal: up to 40 of up to 100 letters."""
-        return for_terminal(self.answer) if len(self.answer) else []
 
     def to_markdown(self, table: str = "") -> str:
         """Return a table in Markdown, as in the files of `save` and on the terminal.

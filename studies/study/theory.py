@@ -15,9 +15,7 @@ COLUMNS = (
 """Columns of the table of observed orders: keys, numbers, and one column of words."""
 
 
-def observed_orders(
-    table: pd.DataFrame, ways: Sequence[Way] | Mapping[str, Sequence[Way]]
-) -> pd.DataFrame:
+def observed_orders(table: pd.DataFrame, ways: Mapping[str, Sequence[Way]]) -> pd.DataFrame:
     """Return one row for each quantity of each way: its observed and its theoretical order.
 
     The order is the slope of log error over log size, by least squares over the levels whose error
@@ -29,11 +27,9 @@ def observed_orders(
     Parameters
     ----------
     table : table of `measure`
-    ways : the ways, with their theory; those of each case by its name, if they differ. Rows of
-        other ways have no order
+    ways : the ways of each case by its name, with their theory
     """
-    by_case = ways if isinstance(ways, Mapping) else dict.fromkeys(table["case"], ways)
-    listed = {(case, way.name): way for case, each in by_case.items() for way in each}
+    listed = {(case, way.name): way for case, each in ways.items() for way in each}
     rows = []
     for key, levels in sequences(table[table["size"] > 0]):
         way = listed.get((key["case"], key["way"]))

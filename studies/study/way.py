@@ -158,3 +158,8 @@ class Way:
     promises: bool = False
     without: frozenset[str] = frozenset()
     largest: float = np.inf
+
+
+def inverse(level: float) -> float:
+    """Return the size of a level that is a number of cells."""
+    return 1 / level

@@ -90,7 +90,7 @@ def test_a_user_quantity_replaces_the_groups():
     assert results.table["quantity"].unique().tolist() == ["first_depth"]
     assert (results.table["error"].abs() <= results.table["tolerance"]).all()
     assert results.table["estimate"].isna().all()
-    assert set(results.tables) == {"digit_price"}
+    assert set(results.tables) == {"costs"}
 
 
 @pytest.mark.slow

@@ -33,7 +33,7 @@ from ...crosscheck import (
     triangle_degree,
 )
 from ..errors import ENERGY, states
-from ..way import Way
+from ..way import Way, inverse
 from . import theories
 from .subdivision import subdivided, triangulated
 from .wear import wear_on
@@ -205,14 +205,11 @@ def graded_to_edges(
         mesh = subdivided(graded_base(tuple(edges.tolist()), base, quads), level, edges, quads)
         return on_mesh(problem, mesh, degree, POLES, element)
 
-    def size(level: int) -> float:
-        return 1 / level
-
     floor = FLOOR_OVER_RIM_SIZE * base.rim_size
     theory = partial(theories.for_graded_elements, degree, floor, HISTORY_FLOOR)
     label = f"{name or kind(degree, quads)}, graded"
     return Way(
-        *(label, "fem", parts, solve, PARTED, size),
+        *(label, "fem", parts, solve, PARTED, inverse),
         theory=theories.for_own_element if element else theory,
     )
 

@@ -20,7 +20,7 @@ from ...crosscheck import (
     radial_sizes,
     solved_to_accuracy,
 )
-from ..way import Way
+from ..way import Way, inverse
 from . import naive, theories
 
 TOLERANCE, STEP, STABLE_STEP, SPRINGS, ELEMENTS = (
@@ -72,25 +72,28 @@ def closed_form() -> Way:
     return Way("direct integration", "direct", (1,), solve, "one level", float)
 
 
-def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float = 1e-4) -> Way:
-    """Return the way through time steps of an Euler march on an accurate space of MDR.
+def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float | None = None) -> Way:
+    """Return the way through time steps of an Euler march on one space of MDR.
 
     Parameters
     ----------
     march : `implicit` or `explicit`
     lengths : steps in a / (E* k_max v0), from coarse to fine
     case : problem of the case, which tells whether steps are short enough to have an order
-    rtol : tolerance of the space
+    rtol : tolerance of the space; None for the coarse one of explicit marches
     """
 
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        marched = replace(problem, march=march, step=level, rtol=rtol)
+        marched = replace(problem, march=march, step=level)
+        if rtol is None:
+            return on_coarse_space(marched)
         if refusal := method("mdr").refusal(marched):
             raise SolverError(refusal)
-        return method("mdr").solve(marched, Stages("mdr"))
+        return method("mdr").solve(replace(marched, rtol=rtol), Stages("mdr"))
 
     theory = partial(theories.for_steps, why_no_order(case, lengths))
-    return Way(f"MDR, {march} Euler", "mdr", lengths, solve, STEP, float, theory)
+    name = f"{march} Euler" if rtol is None else f"MDR, {march} Euler"
+    return Way(name, "mdr", lengths, solve, STEP, float, theory)
 
 
 def why_no_order(problem: Problem, lengths: Sequence[float]) -> str:
@@ -99,23 +102,6 @@ def why_no_order(problem: Problem, lengths: Sequence[float]) -> str:
         return theories.STEP_WITH_CONTACT
     short = max(lengths) <= LONGEST_STEP_FRACTION * problem.earliest
     return "" if short else theories.LONG_STEPS
-
-
-def steps_on_coarse_space(march: str, lengths: Sequence[float], case: Problem) -> Way:
-    """Return the way through time steps on one coarse space of MDR.
-
-    Parameters
-    ----------
-    march : `implicit` or `explicit`
-    lengths : steps in a / (E* k_max v0), from coarse to fine
-    case : problem of the case
-    """
-
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        return on_coarse_space(replace(problem, march=march, step=level))
-
-    theory = partial(theories.for_steps, why_no_order(case, lengths))
-    return Way(f"{march} Euler", "mdr", lengths, solve, STEP, float, theory)
 
 
 @lru_cache(maxsize=4)
@@ -161,10 +147,7 @@ def paper_grid(springs: Sequence[int]) -> Way:
     def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
         return solved_by(method("mdr-grid"), replace(problem, mdr=MdrAccuracy(grid=level)))
 
-    def size(level: int) -> float:
-        return 1 / level
-
-    return Way("the paper's grid", "mdr-grid", springs, solve, SPRINGS, size)
+    return Way("the paper's grid", "mdr-grid", springs, solve, SPRINGS, inverse)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from ....meshes import Compliance, Ground, SizeField, relative_stiffness
 from ....meshes.by_gmsh import graded, truncation_with_interfaces
 from ...crosscheck import Problem, Solution, press_flat
 from ..reference import Reference
-from ..way import Solve, Theory, Way
+from ..way import Solve, Theory, Way, inverse
 from .subdivision import FLAT, triangulated
 
 ORDERS = {"clamped": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -86,13 +86,10 @@ def _outwards_on_layers(loads: int, radii: Sequence[float], rigid: bool) -> Way:
 
 
 def _way(name: str, radii: Sequence[float], solve: Solve, theory: Theory) -> Way:
-    def size(level: float) -> float:
-        return 1 / level
-
     def theory_of(*_: str) -> Theory:
         return theory
 
-    return Way(name, "fem", tuple(radii), solve, "$a/R$", size, theory_of)
+    return Way(name, "fem", tuple(radii), solve, "$a/R$", inverse, theory_of)
 
 
 @lru_cache(maxsize=16)

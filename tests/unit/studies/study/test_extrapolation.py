@@ -44,7 +44,7 @@ def levels_of(errors, theory, reference=0.0):
     table = pd.DataFrame({"size": SIZES, "error": errors, "unknowns": 1 / SIZES})
     constant = {"case": "scene", "way": "h", "quantity": "indentation", "when": "start"}
     table = table.assign(**constant, reference=reference, index=np.nan, limit=np.nan)
-    (row,) = observed_orders(table, [way]).to_dict("records")
+    (row,) = observed_orders(table, {"scene": [way]}).to_dict("records")
     return row
 
 
@@ -89,7 +89,7 @@ class Fields:
 def test_richardsons_limit_of_fields_is_exact(order):
     fields = Fields(order)
     errors = np.abs(fields.wrong).max(axis=1)
-    limit, index = richardson(SIZES, errors, fields)
+    limit, index = richardson(SIZES, errors, fields.changes, fields.error_of_limit)
     assert limit == pytest.approx(0, abs=1e-12)
     # the distance of the finest level from the limit, times Roache's factor
     assert index == pytest.approx(1.25 * errors[-1])

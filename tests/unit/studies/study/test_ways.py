@@ -64,7 +64,7 @@ def order(sizes, errors):
 def fits_of(case, way, exact, *quantities):
     """Return the observed order of each quantity of a way, by name and `when`."""
     table = measure([case], [way], quantities, Record(), exact=lambda _: exact)
-    fits = observed_orders(table, [way])
+    fits = observed_orders(table, {case.name: [way]})
     return {(row["quantity"], row["when"]): row for row in fits.to_dict("records")}
 
 
@@ -163,7 +163,7 @@ def test_adaptive_energy_errors_fall_at_the_best_order_and_are_indicated(degree,
     table = measure([case], [way], ("energy",), Record(), exact=lambda _: exact)
     ratio = table["estimate"] / table["error"]
     assert 1 < ratio.min() < ratio.max() < 10
-    (row,) = observed_orders(table, [way]).to_dict("records")
+    (row,) = observed_orders(table, {case.name: [way]}).to_dict("records")
     # N^(-1/2) is the size of elements in the plane, and the energy norm of the error its power k
     assert row["order"] == pytest.approx(degree, abs=0.5)
 
@@ -246,7 +246,7 @@ def test_truncation_by_every_far_field(ratio):
     case = replace(ONE, problem=replace(ONE.problem, ground=ground))
     ways, exact = far_fields((4, 5, 6, 7), ground), exact_start(ONE.problem)
     table = measure([case], ways, ("indentation",), Record(), exact=lambda _: exact)
-    fits = observed_orders(table, ways).set_index("way")
+    fits = observed_orders(table, {case.name: ways}).set_index("way")
     assert not fits["remark"].str.startswith(DIFFERS).any()
     assert fits["theory"].tolist() == [1, 5, 9, 13]
     caps = {"clamped": 0.3, "1 pole": 7e-5, "2 poles": 3e-8, "3 poles": 2e-11}
