@@ -5,7 +5,6 @@ The module of a study is imported only when the study is conducted.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ..meshes import SceneError
@@ -23,13 +22,17 @@ class NamedStudy:
 
     Parameters
     ----------
-    place : module and name of its function, as in `documented`
+    load : imports the module of the study, and returns its function
+    place : module and name of this function, as in `documented`
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
+    scene : name of the default scene
     question : what the study does, if one function conducts several studies; it takes the name
     """
 
+    load: "Callable[[], Callable[..., Study]]"
     place: str
     seconds: int
+    scene: str = "five_rings"
     question: str = ""
 
     @property
@@ -44,22 +47,59 @@ class NamedStudy:
         return tuple(name for name in names if name not in ("scene", "study", "quick", "record"))
 
 
+def _paper() -> "Callable[..., Study]":
+    from .paper.study import paper
+
+    return paper
+
+
+def _accuracy() -> "Callable[..., Study]":
+    from .accuracy import accuracy
+
+    return accuracy
+
+
+def _truncation() -> "Callable[..., Study]":
+    from .truncation import truncation
+
+    return truncation
+
+
+def _march() -> "Callable[..., Study]":
+    from .march import march
+
+    return march
+
+
+def _extremes() -> "Callable[..., Study]":
+    from .extremes import extremes
+
+    return extremes
+
+
 ACCURACY = "accuracy:accuracy"
 STUDIES: dict[str, NamedStudy] = {
-    "paper": NamedStudy("paper.study:paper", 30),
+    "paper": NamedStudy(_paper, "paper.study:paper", 30),
     "convergence": NamedStudy(
+        _accuracy,
         ACCURACY,
         20,
         question="Tell which order each quantity has, and whether it is that of theory",
     ),
     "refinement": NamedStudy(
-        ACCURACY, 10, question="Tell which mesh needs the fewest unknowns for an accuracy"
+        _accuracy,
+        ACCURACY,
+        10,
+        question="Tell which mesh needs the fewest unknowns for an accuracy",
     ),
-    "truncation": NamedStudy("truncation:truncation", 3),
-    "march": NamedStudy("march:march", 2),
-    "extremes": NamedStudy("extremes:extremes", 20),
+    "truncation": NamedStudy(_truncation, "truncation:truncation", 3),
+    "march": NamedStudy(_march, "march:march", 2),
+    "extremes": NamedStudy(_extremes, "extremes:extremes", 20),
     "tradeoff": NamedStudy(
-        ACCURACY, 20, question="Tell which method needs the fewest seconds for an accuracy"
+        _accuracy,
+        ACCURACY,
+        20,
+        question="Tell which method needs the fewest seconds for an accuracy",
     ),
 }
 
@@ -142,11 +182,10 @@ def study(
             accepted = ", ".join(listed.options) or "none but quick"
             raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
     options |= {"study": name} if listed.question else {}
-    module, _, function = listed.place.partition(":")
-    conduct: Callable[..., Study] = getattr(import_module(f"{__package__}.{module}"), function)
+    conduct = listed.load()
     # matplotlib is loaded only by those who conduct a study
     from .figures.style import in_style
 
     with in_style():
-        result = conduct("five_rings" if scene is None else scene, quick=quick, **options)
+        result = conduct(listed.scene if scene is None else scene, quick=quick, **options)
     return replace(result, purpose=listed.purpose)
