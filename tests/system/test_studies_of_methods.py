@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, SceneError, study
+from ringwear import Scene, SceneError, main, study
 
 
 def conduct(name, out):
@@ -104,3 +104,37 @@ def test_direct_integration_is_timed_for_the_steady_state():
     assert (by_mdr["error"].abs() <= by_mdr["tolerance"]).all()
     assert (by_mdr["estimate"] >= by_mdr["error"].abs()).all()
     assert table[table["method"] == "direct"]["tolerance"].isna().all()
+
+
+def test_a_method_that_fails_is_a_row_with_the_reason(tmp_path, capsys):
+    """The others go on; the answer fits a terminal, and the sentences are few and short."""
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from ringwear import method\n"
+        "class Failing(type(method('mdr'))):\n"
+        "    name = 'failing'\n"
+        "    def solve(self, problem, stages):\n"
+        "        raise ValueError('it fails for a reason with more words than fit a table')\n"
+    )
+    options = ["--vary", "half_space.poisson_ratio=0.1:0.3:2", "--methods", f"mdr,{file}:Failing"]
+    out = tmp_path / "out"
+    assert main(["study", "extremes", "flat_punch", "--quick", *options, "--out", str(out)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    table = [line for line in lines if line.startswith("|")]
+    assert len(table) <= 40
+    assert max(map(len, table)) <= 100
+    sentences = lines[lines.index(table[-1]) + 1 : -2]
+    assert 0 < len(sentences) <= 8
+    assert max(len(line.split()) for line in sentences) <= 30
+    answer = pd.read_csv(out / "answer.csv").set_index("way")
+    assert "it fails for a reason" in answer["not solved: because"]["failing"]
+    assert answer["within tolerance"]["MDR"] == "2 of 2"
+
+
+def test_any_two_columns_are_drawn():
+    results = study("truncation", quick=True, radii=[4, 5, 6])
+    axes, *_ = results.plot(x="unknowns", y="seconds").axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("unknowns", "seconds")
+    assert len(axes.get_lines()) == 4
+    with pytest.raises(SceneError, match="no level has 'way' and 'error': give two of"):
+        results.plot(x="way")
