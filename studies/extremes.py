@@ -125,9 +125,9 @@ def extremes(
                 record.add([facts | {"way": way.name, "method": way.method} for way in listed_ways])
     declared = Declared(
         *("extremes", "where does the scene stop being accurate?", scene, cases, ways, wanted),
+        exact=exact,
         axis="key",
         functions=functions,
-        exact=exact,
         worst=True,
         only_promised=True,
         labels=AXES,

@@ -70,7 +70,6 @@ def truncation(
 
     question = "how far away must the outer boundary be?"
     declared = Declared(
-        *("truncation", question, scene, cases, lambda _: ways, ("indentation",), "reach"),
-        exact=exact,
+        *("truncation", question, scene, cases, lambda _: ways, ("indentation",), exact, "reach"),
     )
     return conduct(declared, record, quick)
