@@ -41,7 +41,7 @@ from .study.own import (
     read_quantities,
 )
 from .study.record import Record
-from .study.reference import Reference, reference
+from .study.reference import reference
 from .study.study import Study
 from .study.way import ONE_RING, Case, Way
 from .study.ways import runs
@@ -125,7 +125,7 @@ CASES = {
 }
 """Groups of quantities of `tradeoff`; each group is computed by itself."""
 REFERENCE, REFERENCE_QUICK, RUNS = 1e-9, 1e-6, 3
-"""Tolerances of the reference of `tradeoff`, and how often each of its levels is solved."""
+"""Tolerances of the reference, that of a quick `tradeoff`, and how often it solves each level."""
 
 
 def accuracy(
@@ -197,10 +197,6 @@ def accuracy(
     def ways(case: Case) -> list[Way]:
         return [*selection.ways(case, bundled, quick), *own]
 
-    def exact(case: Case) -> Reference:
-        rtol = REFERENCE_QUICK if quick else REFERENCE
-        return reference(case, wanted, functions, rtol, quick)
-
     wanted = names if names or (timed and functions) else selection.quantities
     wanted = (*wanted, EIGENVALUE) if by_name and not names else wanted
     cases = [whole]
@@ -216,9 +212,18 @@ def accuracy(
     ):
         cases = [whole.with_one_ring(), whole]
     declared = Declared(
-        *(study, selection.question, scene, cases, ways, wanted, against or selection.axis, names),
+        *(study, selection.question, scene, cases, ways, wanted),
+        exact=partial(
+            reference,
+            names=wanted,
+            functions=functions,
+            rtol=REFERENCE_QUICK if timed and quick else REFERENCE,
+            quick=quick,
+            confirmed=timed or not quick,
+        ),
+        axis=against or selection.axis,
+        shown=names,
         functions=functions,
-        exact=exact if timed else None,
         worst=timed and not quantities,
         runs=RUNS if timed else 1,
     )

@@ -119,15 +119,14 @@ def extremes(
             except SceneError as failure:
                 if "no key" in str(failure):
                     raise
-                facts = {"case": name_of(key, value), "level": "", "outcome": REFUSED}
-                facts |= {"message": str(failure)}
-                listed_ways = ways(Case.of(scene))
-                record.add([facts | {"way": way.name, "method": way.method} for way in listed_ways])
+                facts = {"case": name_of(key, value), "outcome": REFUSED, "message": str(failure)}
+                for way in ways(Case.of(scene)):
+                    record.add([facts | {"way": way.name, "method": way.method, "level": ""}])
     declared = Declared(
         *("extremes", "where does the scene stop being accurate?", scene, cases, ways, wanted),
+        exact=exact,
         axis="key",
         functions=functions,
-        exact=exact,
         worst=True,
         only_promised=True,
         labels=AXES,

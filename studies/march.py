@@ -83,9 +83,8 @@ def march(
     stability = f"Explicit steps are stable below {written} on the coarse elements of this study"
     declared = Declared(
         *("march", "which time step does a history need?", scene, [case], lambda _: ways),
-        *(QUANTITIES, "step", names or ("indentation", "pressure", "ring_force", "profile")),
+        *(QUANTITIES, exact, "step", names or ("indentation", "pressure", "ring_force", "profile")),
         functions=functions,
-        exact=exact,
         xlabel="time step" + f" ({unit})" * (unit != "1"),
         remarks=[f"{stability}{left_out}."],
     )

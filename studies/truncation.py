@@ -68,9 +68,8 @@ def truncation(
     def exact(case: Case) -> Reference:
         return exact_on_layers(case.problem) if ground.layered else exact_start(case.problem)
 
-    question = "how far away must the outer boundary be?"
     declared = Declared(
-        *("truncation", question, scene, cases, lambda _: ways, ("indentation",), "reach"),
-        exact=exact,
+        *("truncation", "how far away must the outer boundary be?", scene, cases),
+        *(lambda _: ways, ("indentation",), exact, "reach"),
     )
     return conduct(declared, record, quick)

@@ -17,7 +17,7 @@ from .draw import figures_of, titled
 from .functions import Named
 from .measure import measure
 from .record import SOLVED, Record
-from .reference import Reference, reference
+from .reference import Reference
 from .study import Study, remarks
 from .theory import observed_orders
 from .way import START, Case, Part, Way
@@ -50,11 +50,11 @@ class Declared:
     cases : what is solved
     ways : function of a case that returns how it is solved, with the theory of each way
     quantities : names as in results.nc, and those of finite elements
+    exact : function of a case that returns its reference, such as `reference`
     axis : abscissa of the figure, and what an accuracy costs: `size`, `unknowns`, `seconds`,
         `step` (time), `reach` (radius of a mesh) or `key` (a key of the scene that is varied)
     shown : names of the quantities in the answer and the figure; empty for `SHOWN`
     functions : functions of a result that the user defines
-    exact : function of a case that returns its reference; by default `reference`
     worst : whether the figure has the worst quantity of each case, and the answer has it, too
     xlabel, labels : label of the axis, if it is not that of the ways; those of keys
     runs, only_promised : as in `measure`
@@ -67,10 +67,10 @@ class Declared:
     cases: Sequence[Case]
     ways: Callable[[Case], Sequence[Way]]
     quantities: Sequence[str]
+    exact: Callable[[Case], Reference]
     axis: str = "size"
     shown: Sequence[str] = ()
     functions: Named = field(default_factory=dict)
-    exact: Callable[[Case], Reference] | None = None
     worst: bool = False
     xlabel: str = ""
     labels: Mapping[str, str] = field(default_factory=dict)
@@ -90,9 +90,6 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
     record, axis, names = record or Record(), declared.axis, declared.quantities
     functions = declared.functions
 
-    def exact(case: Case) -> Reference:
-        return reference(case, names, functions, quick=quick, confirmed=not quick)
-
     ways = {case.name: list(declared.ways(case)) for case in declared.cases}
     table = measure(
         declared.cases,
@@ -100,7 +97,7 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
         names,
         record,
         functions,
-        exact=declared.exact or exact,
+        exact=declared.exact,
         runs=declared.runs,
         only_promised=declared.only_promised,
     )

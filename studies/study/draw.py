@@ -43,7 +43,8 @@ ABSCISSAS = ("size", "unknowns", "seconds")
 """Abscissas that a user can choose: the size that theory refers to, and costs."""
 WITH_SLOPES = {"size": 1.0, "step": 1.0, "reach": -1.0}
 """Abscissas that theory refers to, and the sign of orders over them."""
-MOST_COLUMNS = 4
+MOST_COLUMNS, MOST_IN_ROW = 4, 3
+"""Greatest number of quantities that have columns, and of panels in a row otherwise."""
 MOST_PANELS = 20
 """Greatest number of panels of a figure; with more, each case has a figure."""
 GREATEST_ERROR = 1e3
@@ -132,7 +133,7 @@ def draw(
         across = len(parts)
         places = [(kinds.index(panel.kind), parts.index(panel.part)) for panel in panels]
     else:
-        across = {4: 2, 5: 3, 6: 3, 9: 3}.get(count, min(MOST_COLUMNS, count))
+        across = -(-count // -(-count // MOST_IN_ROW))
         places = [divmod(number, across) for number in range(count)]
     down = 1 + max(row for row, _ in places)
     varied = [name for name in KEYS if len({panel.key[name] for panel in panels}) > 1]
@@ -236,7 +237,7 @@ def _complete_panel(
         _shade(axes, rows, x)
     for way, levels in rows[rows[y] == 0].groupby("way", sort=False):
         _mark(axes, levels[x], 0.04, looks[str(way)] | {"linestyle": ""})
-    lost = table[table["error"].isna() & table["outcome"].isin(["refused", "crashed"])]
+    lost = table[table["quantity"].isna()]
     for way, levels in lost.dropna(subset=[x]).groupby("way", sort=False):
         _mark(axes, levels[x], 0.96, looks[str(way)] | {"linestyle": "", "marker": "x"})
     # marks widen the horizontal axis
@@ -247,7 +248,7 @@ def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
     """Shade errors above what is promised, and those below the error of the reference."""
     low, high = axes.get_ylim()
     promised = rows.dropna(subset=["tolerance"]).sort_values(x).drop_duplicates(x)
-    if len(promised) > 1 and x in ("size", "parameter"):
+    if len(promised) > 1 and x == "parameter":
         axes.plot(promised[x], promised["tolerance"], color="0.4", linewidth=0.7)
         axes.fill_between(promised[x], promised["tolerance"], 1e12, color=RED, alpha=0.07, lw=0)
     floor = rows.groupby(x)["reference"].max()

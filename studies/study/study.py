@@ -111,8 +111,7 @@ class Study(AnswersGuesses):
             raise SceneError(
                 f"no level has {shown(x)} and {shown(y)}: give two of {', '.join(numbers)}"
             )
-        title = titled(self.scene.title, self.purpose)
-        return draw(self.measured, (x,), y, orders=self.orders, title=title)
+        return draw(self.measured, (x,), y, self.orders, titled(self.scene.title, self.purpose))
 
     def to_markdown(self, table: str = "") -> str:
         """Return a table in Markdown, as in the files of `save` and on the terminal.

@@ -113,7 +113,7 @@ def test_a_method_that_fails_is_a_row_with_the_reason(tmp_path, capsys):
         "from ringwear import method\n"
         "class Failing(type(method('mdr'))):\n"
         "    name = 'failing'\n"
-        "    def solve(self, problem, stages):\n"
+        "    def discretise(self, problem, stages):\n"
         "        raise ValueError('it fails for a reason with more words than fit a table')\n"
     )
     options = ["--vary", "half_space.poisson_ratio=0.1:0.3:2", "--methods", f"mdr,{file}:Failing"]
