@@ -9,7 +9,7 @@ compliance is then singular, and results computed with it are wrong without any 
 The ratio needs no solution of the half-space. Functions on the contact overlap only with their
 neighbours, so that it takes some milliseconds, a twentieth to a hundredth of the time of the
 condensation (tests/physics/test_operators.py). It does not show how far the energy of a pressure is
-from the exact one; `ringwear study elements` does.
+from the exact one; `ringwear study refinement --mesh` does.
 """
 
 import numpy as np
@@ -99,6 +99,5 @@ def refuse_singular(ratio: float, pressures: int, displacements: int) -> None:
             f"the pair of spaces is singular: some of the {pressures} contact pressures displace "
             f"nothing, because they do no work on any of the {displacements} displacements of the "
             "contact; use pressures of a degree below that of the displacements, or continuous "
-            "pressures, or at least two facets on each ring (ringwear study elements compares "
-            "pairs)"
+            "pressures, or at least two facets on each ring"
         )

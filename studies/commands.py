@@ -75,10 +75,12 @@ def _run(
     # collect garbage less often: nearly all objects of a run live to its end, and searching them
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
-    memory = given.pop("memory", None)
-    read = Scene.of(scene, **given)
     from .crosscheck import refuse_beyond_memory
+    from .study.own import load_methods
 
+    memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
+    names = [entry for entry in methods if isinstance(entry, str)] or None
+    read = Scene.of(scene, names, **given)
     refuse_beyond_memory(read, limit=memory)
     pictures: tuple[Picture, ...] = ()
     if not no_figures:
@@ -92,7 +94,7 @@ def _run(
         from .report.page import show
         from .report.printed import print_account
 
-        result = run(read, memory=memory)
+        result = run(read, methods=methods or None, memory=memory)
         write_numbers(result.dataset, result.summary, folder.hidden, csv)
         account = Account(result)
         page = not (no_figures or no_report)
@@ -279,6 +281,7 @@ def _study(
     resume : continue the study in the directory
     """
     from .named_studies import study as conduct_study
+    from .study.formats import for_terminal
     from .study.interrupted import as_before, rows_before
     from .tables.writing import keep_tables, keeping_rows
 
@@ -298,6 +301,8 @@ def _study(
             conclusions = list(results.conclusions)
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
+    if results is not None and len(results.answer):
+        print_markdown(for_terminal(results.answer))
     print_lines(conclusions)
     status = _finish(folder, failures)
     return Status.FAILED if INTERRUPTED in conclusions else status

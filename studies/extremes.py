@@ -18,40 +18,38 @@ which the accuracy is promised (`crosscheck/verdict/promise.py`).
 
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from ..meshes import RingwearError, SceneError
-from .crosscheck import Problem, Scene, Solution, Source, allowed_error, method, shown
+from .crosscheck import Problem, Scene, Solution, Source, method, shown
 from .study.accept import accept
-from .study.draw import draw, titled, worst
+from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
-from .study.measure import measure
 from .study.own import Methods, Quantities, read_methods, read_quantities
-from .study.record import SOLVED, Record
+from .study.record import REFUSED, Record
 from .study.reference import Reference, reference
-from .study.study import Study, remarks
-from .study.way import Case, Level, Part, Way
-from .study.ways.runs import NaiveSizes, as_run, naive_elements
+from .study.study import Study
+from .study.way import Case, Level, Way
+from .study.ways.runs import NaiveSizes, naive_elements, tolerances
 
-VERDICTS = ("within", "degraded", "unjudged", "refused", "wrong", "crashed")
-"""Verdicts from the best to the worst."""
 METHODS = ("mdr", "bem", "fem", "naive")
 DEFAULT_METHODS = ("mdr", "fem", "naive")
 NAIVE = NaiveSizes(cells=20, steps=2000)
 """Sizes that a user of a naive solver might choose, whatever the scene is."""
 FINER, FINEST = 0.01, 1e-9
 """Tolerance of the reference over that of the scene, and the finest one."""
-STATED_FACTOR = 3.0
-"""Greatest ratio of an error to its estimate that still counts as stated."""
 VALUES, QUICK_VALUES = 7, 3
 """Numbers of values of each key that is varied by itself."""
 SMALL = 1e-4
 """Least width of a ring and earliest time that are tried by themselves, over those of the scene."""
+RATIO, NEAREST = "half_space.poisson_ratio", 1e-7
+"""Key of Poisson's ratio, which is drawn as 1 - 2 nu, and the place of 1/2 on this axis."""
+AXES = {RATIO: r"$1 - 2 \nu$, with 0 at $10^{-7}$", "wear.times": "earliest time"}
+"""Labels of axes by keys; others are labelled with the key."""
 
 
 def extremes(
@@ -65,7 +63,7 @@ def extremes(
     quick: bool = False,
     record: Record | None = None,
 ) -> Study:
-    """Vary keys of a scene one after the other, and judge every run against its true error.
+    """Tell where a scene stops being accurate if one of its keys varies over decades.
 
     Parameters
     ----------
@@ -96,15 +94,14 @@ def extremes(
     scene = accept("extremes", scene, any_punch=True, radial_wear=True, layered=True)
     names, functions = read_quantities(quantities, DEFAULT)
     named, own = read_methods(methods or DEFAULT_METHODS, METHODS, "extremes")
-    record, rtol = record or Record(), scene.accuracy.rtol
+    record = record or Record()
     varied = {key: list(values)} if key else values_of_keys(scene, vary, quick)
     entries = [*(method(name) for name in named if name != "naive"), *own]
-    ways = [watched(as_run(entry)) for entry in entries]
-    if "naive" in named:
-        ways.append(naive_elements([NAIVE]))
     wanted = names or (() if functions else DEFAULT)
-    runs = [Varied.of(scene, key, value) for key, listed in varied.items() for value in listed]
-    by_case = {run.name: run for run in runs}
+
+    def ways(case: Case) -> list[Way]:
+        listed = [watched(tolerances(entry, [case.problem.rtol])) for entry in entries]
+        return [*listed, *([naive_elements([NAIVE])] if "naive" in named else [])]
 
     def exact(case: Case) -> Reference:
         finer = max(FINER * case.problem.rtol, FINEST)
@@ -114,63 +111,48 @@ def extremes(
             record.remarks.append(f"{case.name}: no reference: {failure}")
             return Reference({}, lambda _: np.nan)
 
-    for run in runs:
-        if run.case is None and not record.earlier(run.name, ways[0].name):
-            facts = {"case": run.name, "level": "", "outcome": "refused", "message": run.refusal}
-            record.add([facts | {"way": way.name, "method": way.method} for way in ways])
-    cases = [run.case for run in runs if run.case]
-    measured = measure(cases, ways, wanted, record, functions, exact, only_promised=True)
-    table = judged(measured, by_case, rtol)
-    levels = verdicts(table)
-    return Study(
-        "extremes",
-        scene,
-        table,
-        conclusions=(*conclude(levels), *remarks(record, quick)),
-        figures=dict(figures_of(scene, table, levels)),
-        tables={"verdicts": levels} if len(levels) else {},
+    cases = list[Case]()
+    for key, listed in varied.items():
+        for value in listed:
+            try:
+                cases.append(case_of(scene, key, value, len(cases)))
+            except SceneError as failure:
+                if "no key" in str(failure):
+                    raise
+                facts = {"case": name_of(key, value), "outcome": REFUSED, "message": str(failure)}
+                for way in ways(Case.of(scene)):
+                    record.add([facts | {"way": way.name, "method": way.method, "level": ""}])
+    declared = Declared(
+        *("extremes", "where does the scene stop being accurate?", scene, cases, ways, wanted),
+        exact=exact,
+        axis="key",
+        functions=functions,
+        worst=True,
+        only_promised=True,
+        labels=AXES,
     )
+    return conduct(declared, record, quick)
 
 
-@dataclass(frozen=True, eq=False)
-class Varied:
-    """The scene with one value of a key.
+def case_of(scene: Scene, key: str, value: Any, number: int) -> Case:
+    """Return the scene with one value of a key, and the place of this value on its axis.
 
-    Parameters
-    ----------
-    key, value : the key and its value
-    position : place of the value on the axis of the figure
-    case : what is solved; None if the scene refuses the value
-    refusal : why it does
+    Raises
+    ------
+    SceneError
+        if the scene has no such key, or cannot have that value
     """
-
-    key: str
-    value: Any
-    position: float
-    case: Case | None
-    refusal: str = ""
-
-    @property
-    def name(self) -> str:
-        """Name of the case in the table."""
-        return _name(self.key, self.value)
-
-    @classmethod
-    def of(cls, scene: Scene, key: str, value: Any) -> "Varied":
-        """Return the scene with one value of a key, or why it cannot have that value."""
-        position = float(value) if isinstance(value, int | float) else np.nan
-        try:
-            case = Case.of(scene.changed({key: value}), _name(key, value), None, position)
-            # the radii at which fields are compared follow from the scene, and may refuse it, too
-            _ = case.problem.face
-        except SceneError as failure:
-            if "no key" in str(failure):
-                raise
-            return cls(key, value, position, None, str(failure))
-        return cls(key, value, position, case)
+    first = value[0] if isinstance(value, list) and value else value
+    place = float(number)
+    if isinstance(first, int | float) and not isinstance(first, bool):
+        place = max(1 - 2 * first, NEAREST) if key == RATIO else float(first)
+    case = Case.of(scene.changed({key: value}), name_of(key, value), None, place)
+    # the radii at which fields are compared follow from the scene, and may refuse it, too
+    _ = case.problem.face
+    return case
 
 
-def _name(key: str, value: Any) -> str:
+def name_of(key: str, value: Any) -> str:
     """Return a value of a key in words."""
     number = f"{value:.9g}" if isinstance(value, int | float) else str(value)
     return f"{key} = {number}"
@@ -202,13 +184,11 @@ def parse(text: str) -> tuple[str, list[float]]:
     SceneError
         if the text has another form
     """
-    found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):(\d+)", text.strip())
+    found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):([1-9]\d*)", text.strip())
     try:
-        if not found:
-            raise ValueError
-        key, geometric = found[1], bool(found[2])
-        low, high, count = float(found[3]), float(found[4]), int(found[5])
-        if count < 1 or (geometric and min(low, high) <= 0):
+        key, geometric, *ends, count = found.groups() if found else ()
+        low, high = map(float, ends)
+        if geometric and min(low, high) <= 0:
             raise ValueError
     except ValueError:
         raise SceneError(
@@ -220,7 +200,7 @@ def parse(text: str) -> tuple[str, list[float]]:
     # whole numbers stay whole, because some keys take no others
     return key, [
         int(value) if value.is_integer() and abs(value) < 1e6 else float(f"{value:.9g}")
-        for value in map(float, spaced(low, high, count))
+        for value in map(float, spaced(low, high, int(count)))
     ]
 
 
@@ -261,156 +241,3 @@ def watched(way: Way) -> Way:
             return way.solve(problem, level, previous)
 
     return replace(way, solve=solve)
-
-
-def judged(table: pd.DataFrame, runs: Mapping[str, Varied], rtol: float) -> pd.DataFrame:
-    """Return the table with key, value and verdict of each row, and the tolerance of its case."""
-    of_rows = [runs[name] for name in table["case"]]
-    tolerance = np.array(
-        [allowed_error(run.case.problem) if run.case else rtol for run in of_rows], dtype=float
-    )
-    error, estimate = table["error"].abs(), table["estimate"]
-    verdict = np.select(
-        [
-            table["outcome"] != SOLVED,
-            error.isna(),
-            error <= tolerance,
-            error <= STATED_FACTOR * estimate,
-        ],
-        [table["outcome"], "unjudged", "within", "degraded"],
-        "wrong",
-    )
-    return table.assign(
-        tolerance=tolerance,
-        key=[run.key for run in of_rows],
-        value=[run.value for run in of_rows],
-        parameter=[run.position for run in of_rows],
-        verdict=verdict,
-    )
-
-
-def verdicts(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row for each run: its worst verdict, and the quantity that decides it."""
-    if table.empty:
-        return pd.DataFrame()
-    rank = table["verdict"].map(VERDICTS.index)
-    size = table["error"].abs().fillna(0.0)
-    rows = table.assign(rank=rank, decisive=size).sort_values(["rank", "decisive"], kind="stable")
-    order = {name: number for number, name in enumerate(dict.fromkeys(table["case"]))}
-    last = rows.groupby(["case", "way"], sort=False).tail(1)
-    last = last.sort_values("case", key=lambda names: names.map(order), kind="stable")
-    columns = ["key", "value", "case", "parameter", "way", "method", "verdict", "quantity", "when"]
-    return last[[*columns, "error", "estimate", "tolerance", "seconds", "message"]].reset_index(
-        drop=True
-    )
-
-
-def figures_of(
-    scene: Scene, table: pd.DataFrame, levels: pd.DataFrame
-) -> Iterator[tuple[str, Any]]:
-    """Yield the figures: the greatest error of each run, by key; and each quantity of one key."""
-    solved = table[(table["outcome"] == SOLVED) & table["error"].notna()]
-    if solved.empty:
-        return
-    drawn = worst(solved, ("case", "way")).drop(columns="verdict")
-    drawn = drawn.merge(levels[["case", "way", "verdict"]], on=["case", "way"])
-    lost = levels[levels["verdict"].isin(["refused", "crashed"])]
-    drawn = pd.concat([drawn, lost.assign(refined="")]) if len(lost) else drawn
-    keys = {key: number for number, key in enumerate(dict.fromkeys(table["key"]))}
-    placed = drawn.assign(parameter=_places(drawn), number=drawn["key"].map(keys))
-    placed = placed.sort_values(["number", "parameter"], kind="stable")
-    axis = _label(placed)
-    # each of several panels has the label of its own axis as its title
-    placed = placed.assign(key=placed["key"].replace(AXES))
-    title = titled(scene.title, "greatest error of all quantities over each key")
-    yield "extremes", draw(placed, "parameter", ("key",), True, title=title, xlabel=axis)
-    if len(keys) == 1:
-        rows = solved.assign(parameter=_places(solved)).sort_values("parameter", kind="stable")
-        yield (
-            "extremes_by_quantity",
-            draw(
-                rows,
-                "parameter",
-                ("quantity", "when"),
-                estimates=True,
-                title=titled(scene.title, *map(str, keys)),
-                xlabel=_label(rows),
-            ),
-        )
-
-
-def _label(rows: pd.DataFrame) -> str:
-    """Return the label of the axis of a parameter."""
-    keys = rows["key"].unique()
-    return (
-        AXES.get(str(keys[0]), str(keys[0]))
-        if len(keys) == 1
-        else "value, in the unit of the scene"
-    )
-
-
-RATIO, NEAREST = "half_space.poisson_ratio", 1e-7
-"""Key of Poisson's ratio, which is drawn as 1 - 2 nu, and the place of 1/2 on this axis."""
-AXES = {RATIO: r"$1 - 2 \nu$, with 0 at $10^{-7}$", "wear.times": "earliest time"}
-"""Labels of axes by keys; others are labelled with the key."""
-
-
-def _places(rows: pd.DataFrame) -> list[float]:
-    """Return the place of each row on its axis: the value, the first of a list, or the number."""
-    numbers_of_values = {
-        name: float(number) for number, name in enumerate(dict.fromkeys(map(str, rows["value"])))
-    }
-    places = list[float]()
-    for key, value in zip(rows["key"], rows["value"], strict=True):
-        first = value[0] if isinstance(value, list) and value else value
-        if key == RATIO and isinstance(first, int | float):
-            places.append(max(1 - 2 * float(first), NEAREST))
-        elif isinstance(first, int | float) and not isinstance(first, bool):
-            places.append(float(first))
-        else:
-            places.append(numbers_of_values[str(value)])
-    return places
-
-
-def conclude(levels: pd.DataFrame) -> Iterator[str]:
-    """Yield the number of runs with each verdict, and where each way fails."""
-    if levels.empty:
-        return
-    for way, rows in levels.groupby("way", sort=False):
-        counts = rows["verdict"].value_counts()
-        words = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if name in counts)
-        yield f"{way}: {len(rows)} runs: {words}."
-    for (way, key), rows in levels.groupby(["way", "key"], sort=False):
-        failed = rows[~rows["verdict"].isin(["within", "unjudged"])]
-        for (verdict, why), same in _reasons(failed).groupby(["verdict", "why"], sort=False):
-            values = ", ".join(_short(value) for value in same["value"])
-            yield f"{way}, {key} = {values}: {verdict}: {why}."
-
-
-def _short(value: Any) -> str:
-    """Return a value of a key in words: of a list, only the first number."""
-    return f"[{value[0]}, ...]" if isinstance(value, list) and len(value) > 1 else str(value)
-
-
-def _reasons(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return rows with a column that says why they have their verdict.
-
-    Runs with an error are one group, with the range of their errors.
-    """
-    why = []
-    for row in rows.to_dict("records"):
-        if isinstance(row["message"], str) and row["message"]:
-            why.append(row["message"].rstrip("."))
-            continue
-        same = rows[(rows["verdict"] == row["verdict"]) & rows["error"].notna()]
-        errors = same["error"].abs()
-        ends = dict.fromkeys([errors.min(), errors.max()])
-        size = " to ".join(f"{end:.2g}" for end in ends)
-        parts = dict.fromkeys(
-            str(Part(quantity, when))
-            for quantity, when in zip(same["quantity"], same["when"], strict=True)
-        )
-        stated = same["estimate"].max()
-        tail = f", stated up to {stated:.2g}" if np.isfinite(stated) else ""
-        why.append(f"errors of {size}{tail} ({'; '.join(parts)})")
-    return rows.assign(why=why)

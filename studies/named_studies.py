@@ -24,10 +24,12 @@ class NamedStudy(NamedTuple):
     ----------
     place : module and name of its function, as in `documented`
     seconds : run time of the version for ``--quick`` on a machine of two cores, in seconds
+    question : what the study does, if one function conducts several studies; it takes the name
     """
 
     place: str
     seconds: int
+    question: str = ""
 
     def load(self) -> "Callable[..., Study]":
         """Import the module of the study; return its function."""
@@ -38,23 +40,30 @@ class NamedStudy(NamedTuple):
     @property
     def purpose(self) -> str:
         """What the study does, in one phrase."""
-        return documented(self.place).purpose
+        return self.question or documented(self.place).purpose
 
     @property
     def options(self) -> tuple[str, ...]:
         """Names of its parameters besides the scene, `quick` and `record`."""
         names = documented(self.place).parameters
-        return tuple(name for name in names if name not in ("scene", "quick", "record"))
+        return tuple(name for name in names if name not in ("scene", "study", "quick", "record"))
 
 
+ACCURACY = "accuracy:accuracy"
 STUDIES = {
     "paper": NamedStudy("paper.study:paper", 30),
-    "convergence": NamedStudy("convergence:convergence", 20),
-    "refinement": NamedStudy("refinement:refinement", 10),
+    "convergence": NamedStudy(
+        ACCURACY, 20, "Tell which order each quantity has, and whether it is that of theory"
+    ),
+    "refinement": NamedStudy(
+        ACCURACY, 10, "Tell which mesh needs the fewest unknowns for an accuracy"
+    ),
     "truncation": NamedStudy("truncation:truncation", 3),
     "march": NamedStudy("march:march", 2),
     "extremes": NamedStudy("extremes:extremes", 20),
-    "tradeoff": NamedStudy("tradeoff:tradeoff", 20),
+    "tradeoff": NamedStudy(
+        ACCURACY, 20, "Tell which method needs the fewest seconds for an accuracy"
+    ),
     "operators": NamedStudy("operators:operators", 2),
 }
 
@@ -74,7 +83,7 @@ def study(
 
     Parameters
     ----------
-    name : ``"convergence"``, ``"refinement"``, ``"extremes"``, ``"tradeoff"``, ``"truncation"``,
+    name : ``"convergence"``, ``"refinement"``, ``"tradeoff"``, ``"extremes"``, ``"truncation"``,
         ``"march"``, ``"operators"`` or ``"paper"``
     scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
         study's own scene
@@ -89,26 +98,26 @@ def study(
         meshes, degree, units
             your mesh files or scikit-fem meshes, from coarse to fine, the degree of the finite
             elements on them, and the unit of lengths in the files, if it is not that of the scene
-            (`convergence`, `refinement`)
+            (`convergence`, `refinement`, `tradeoff`)
         elements
-            elements of scikit-fem, by name, or your own (`convergence`)
+            elements of scikit-fem, by name, or your own (the same)
         steps
-            time steps in the units of the scene, from coarse to fine (`convergence`, `march`)
+            time steps in the units of the scene, from coarse to fine (the same, and `march`)
         radii
             truncation radii in punch radii (`truncation`)
         key, values, or vary
             a key of the scene and its values, or values by keys (`extremes`)
         against
-            abscissa of the figures: ``"size"`` (the size that the theoretical order refers to),
-            ``"unknowns"`` or ``"seconds"`` (`convergence`)
+            abscissa of the figure: ``"size"`` (the size that the theoretical order refers to),
+            ``"unknowns"`` or ``"seconds"`` (`convergence`, `refinement`, `tradeoff`)
         record
             rows so far (`Record` of `studies/study/record.py`)
 
     Returns
     -------
     Study
-        It has `table`, `orders`, `conclusions`, `figures`, `to_markdown()`, `to_latex()` and
-        `save(folder)`.
+        It has `answer`, `table`, `orders`, `conclusions`, `figures`, `to_markdown()`,
+        `to_latex()` and `save(folder)`.
 
     Raises
     ------
@@ -122,7 +131,7 @@ def study(
     --------
     >>> import ringwear
     >>> truncation = ringwear.study("truncation", "five_rings", quick=True)
-    >>> [float(order) for order in truncation.orders["expected"]]
+    >>> [float(order) for order in truncation.orders["theory"]]
     [1.0, 5.0, 9.0, 13.0]
     """
     if not isinstance(name, str) or name not in STUDIES:
@@ -135,6 +144,7 @@ def study(
         if option not in (*listed.options, "record"):
             accepted = ", ".join(listed.options) or "none but quick"
             raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
+    options |= {"study": name} if listed.question else {}
     conduct = listed.load()
     # matplotlib is loaded only by those who conduct a study
     from .figures.style import in_style

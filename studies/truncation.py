@@ -1,4 +1,4 @@
-"""Truncation: the error of the outer boundary of the mesh over a/R, for every far field.
+"""Truncation: the error of the outer boundary of the mesh over its radius, for every far field.
 
 Theory: with n poles, the first neglected pole decays as ``1/rho^(2n+1)``, and its energy outside R
 as ``(a/R)^(4n+1)``. Hence the order is 1, 5, 9, 13 for a clamped boundary and for one, two, three
@@ -13,23 +13,22 @@ from dataclasses import replace
 from ..meshes import Ground
 from .crosscheck import Source, numbers
 from .study.accept import accept
-from .study.draw import draw, titled
-from .study.measure import measure
+from .study.declared import Declared, conduct
 from .study.record import Record
 from .study.reference import Reference, exact_start
-from .study.study import Study, remarks
-from .study.theory import conclude_orders, observed_orders
+from .study.study import Study
 from .study.way import Case
 from .study.ways.truncated import exact_on_layers, far_fields
 
-RADII, RADII_QUICK = (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024), (4, 5, 6, 7, 8)
-RADII_ON_LAYERS, RADII_ON_LAYERS_QUICK = (
-    (1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 7.0, 10.0, 16.0),
-    (1.6, 2.0, 2.5, 3.2, 4.0, 5.0),
-)
-"""Truncation radii in punch radii, so that the size a/R decreases."""
-RATIOS, RATIO_QUICK = (0.0, 0.3, 0.4999, 0.5), 0.3
+RADII = {
+    False: (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024),
+    True: (1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 7.0, 10.0, 16.0),
+}
+"""Truncation radii in punch radii, so that the size a/R decreases, by whether there are layers."""
+RATIOS = (0.3, 0.0, 0.4999, 0.5)
 """Poisson's ratios that are tested besides that of the scene."""
+QUICK_RADII, QUICK_RATIOS = 5, 1
+"""Numbers of radii and ratios of the quick study, from the first on."""
 
 
 def truncation(
@@ -39,7 +38,7 @@ def truncation(
     quick: bool = False,
     record: Record | None = None,
 ) -> Study:
-    """Move the outer boundary of the mesh outwards, and compare the orders of far fields.
+    """Tell how far away the outer boundary of the mesh must be, for each far field.
 
     Parameters
     ----------
@@ -54,27 +53,23 @@ def truncation(
         if the scene or an option does not fit the study
     """
     scene = accept("truncation", scene, radial_wear=True, layered=True)
-    record, ground = record or Record(), scene.problem.ground
+    ground, chosen = scene.problem.ground, tuple(numbers("radii", radii))
     problem = replace(Case.of(scene).with_one_ring().problem, ground=ground)
-    chosen = tuple(numbers("radii", radii))
     if ground.layered:
         cases = [Case("layers", None, problem)]
-        chosen = chosen or (RADII_ON_LAYERS_QUICK if quick else RADII_ON_LAYERS)
     else:
-        tested = {RATIO_QUICK} if quick else set(RATIOS)
+        tested = RATIOS[: QUICK_RATIOS if quick else None]
         cases = [
             Case(f"nu = {ratio:g}", None, replace(problem, ground=Ground.half_space(ratio)), ratio)
             for ratio in sorted({problem.poisson_ratio, *tested})
         ]
-        chosen = chosen or (RADII_QUICK if quick else RADII)
-    ways = far_fields(chosen, ground)
+    ways = far_fields(chosen or RADII[ground.layered][: QUICK_RADII if quick else None], ground)
 
     def exact(case: Case) -> Reference:
         return exact_on_layers(case.problem) if ground.layered else exact_start(case.problem)
 
-    table = measure(cases, ways, ("indentation",), record, exact=exact)
-    fits = observed_orders(table, ways)
-    title = titled(scene.title, "truncation part of the error of the indentation at the start")
-    figures = {"truncation": draw(table, panels=("case",), orders=fits, title=title)}
-    sentences = (*conclude_orders(fits), *remarks(record, quick))
-    return Study("truncation", scene, table, fits, sentences, figures)
+    declared = Declared(
+        *("truncation", "how far away must the outer boundary be?", scene, cases),
+        *(lambda _: ways, ("indentation",), exact, "reach"),
+    )
+    return conduct(declared, record, quick)

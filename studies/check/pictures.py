@@ -60,5 +60,5 @@ def draw_refinement(check: "Check") -> Figure:
         for size, error in zip(row.sizes, row.errors, strict=True)
     )
     # neither the other program nor the figure states errors of its own
-    table = table.assign(estimate=np.nan, tolerance=np.nan, reference=0.0)
-    return draw(table, panels=("case",), title=titled(check.scene.title, "errors against ours"))
+    table = table.assign(tolerance=np.nan, reference=0.0, quantity="errors", when="all", outcome="")
+    return draw(table, title=titled(check.scene.title, "errors against ours"))

@@ -8,6 +8,8 @@ OF_ANY_PUNCH = "convergence, extremes and tradeoff"
 OF_RADIAL_WEAR = "convergence, extremes, march, refinement, tradeoff and truncation"
 OF_LAYERS = "extremes, tradeoff and truncation"
 """Names of the studies that accept any punch, wear along the radius, and layers."""
+DEFAULT_TIMES = (0.0, 0.01, 0.1, 1.0)
+"""Times of scenes without any, in a / (E* k_max v0)."""
 
 
 def accept(
@@ -91,3 +93,11 @@ def steps_of(scene: Scene, steps: object) -> list[float]:
         if not 0 < step <= longest:
             raise SceneError(f"--steps {step:g}: give steps above 0, up to {longest:.3g}")
     return [step / scene.problem.units.time for step in given]
+
+
+def with_times(scene: Scene) -> Scene:
+    """Return a scene with times of wear: its own, or `DEFAULT_TIMES` if it has none."""
+    if scene.problem.earliest:
+        return scene
+    times = [time * scene.problem.units.time for time in DEFAULT_TIMES]
+    return scene.changed({"wear.times": times})

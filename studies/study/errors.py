@@ -11,10 +11,9 @@ column `when`:
 - ``all``: quantities that do not depend on time.
 
 Some quantities belong to finite elements only, and are not in results.nc: `energy`, the error of
-the displacement in the energy norm, `stress_on_axis`, `least_eigenvalue`, the least ratio of the
-energies of a pressure by finite elements and by MDR, and `indentation_by_pressures`, the error of
-the start if the pressures of a level act on the exact half-space. A function of a result that the
-user defines is a quantity, too.
+the displacement in the energy norm, `stress_on_axis`, and `least_eigenvalue`, the least ratio of
+the energies of a pressure by finite elements and by MDR. A function of a result that the user
+defines is a quantity, too.
 
 The error of a single number has a sign. All other errors are norms.
 """
@@ -26,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from ...mdr import energy, flat_punch_of
+from ...mdr import energy
 from ...meshes import Array, PressureSpace
 from ..crosscheck import (
     COMPARED_MODES,
@@ -37,16 +36,14 @@ from ..crosscheck import (
     Results,
     Solution,
     differences,
-    press_flat,
     unresolved,
 )
 from .way import ALL, LATER, START, Case, Part
 from .ways.axis_stresses import element_stresses
 
 ENERGY, STRESS, EIGENVALUE = "energy", "stress_on_axis", "least_eigenvalue"
-BY_PRESSURES = "indentation_by_pressures"
 """Quantities of finite elements that are not in results.nc."""
-ITSELF = (ENERGY, EIGENVALUE, BY_PRESSURES)
+ITSELF = (ENERGY, EIGENVALUE)
 """Quantities whose entry in the column `error` is the value itself."""
 DEFAULT = (
     *("indentation", "normal_force", "pressure", "profile", "ring_force", "rms_slope"),
@@ -211,11 +208,6 @@ def values_of(case: Case, solution: Solution, names: Collection[str]) -> Results
             exact = energy.compliance(compliance.space)
             least = least_ratio_of_energies(compliance.factor, exact.factor)
             values[EIGENVALUE] = np.array(least)
-        if BY_PRESSURES in names:
-            space = solution.wear.compliance.space
-            depth = press_flat(energy.compliance(space)).indentation
-            exact_depth = flat_punch_of(space.inner_radius).indentation
-            values[BY_PRESSURES] = np.array(depth / exact_depth - 1)
     if half_space is not None and STRESS in names and solution.unknowns <= MOST_UNKNOWNS_INSIDE:
         states = states_inside(case.problem, solution)
         if len(states):

@@ -9,7 +9,8 @@ levels give p by least squares, with an interval.
 116 (1994), doi 10.1115/1.2910291.
 """
 
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -23,17 +24,6 @@ LOWEST_ORDER, HIGHEST_ORDER = 0.05, 20.0
 """Bounds of the search for an order."""
 CONFIDENCE = 0.95
 """Confidence level of the interval of an observed order, for normally distributed scatter."""
-
-
-class FieldLevels(Protocol):
-    """Fields on the levels of a sequence, for quantities whose error is a norm."""
-
-    @property
-    def changes(self) -> Array:
-        """(n-1,) relative norms of the differences between neighbouring levels."""
-
-    def error_of_limit(self, weight: float) -> float:
-        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
 
 
 class Fitted(NamedTuple):
@@ -127,7 +117,10 @@ def weight_of_limit(sizes: Array, order: float) -> float:
 
 
 def richardson(
-    sizes: Array, errors: Array, fields: FieldLevels | None = None
+    sizes: Array,
+    errors: Array,
+    changes: Array | None = None,
+    error_of_limit: Callable[[float], float] | None = None,
 ) -> tuple[float, float]:
     """Return the error of Richardson's limit and the grid convergence index, both relative.
 
@@ -137,21 +130,22 @@ def richardson(
     Parameters
     ----------
     sizes, errors : (n,) of the levels, from coarse to fine; errors are relative and have signs
-    fields : fields on the levels, if the errors are norms, which have no sign. The order is then
-        computed from the norms of the differences between levels. The limit is a field, and its
-        error is a norm, too
+    changes : (n-1,) relative norms of the differences between levels, if the errors are norms,
+        which have no sign
+    error_of_limit : function of w that returns the relative error of the field
+        ``finest + w * (finest - second finest)``, for norms
     """
     undetermined = np.nan, np.nan
     if len(sizes) < 3 or not np.isfinite(errors[-3:]).all():
         return undetermined
     sizes, errors = sizes[-3:], errors[-3:]
-    changes = errors[:-1] - errors[1:] if fields is None else fields.changes[-2:]
+    changes = errors[:-1] - errors[1:] if changes is None else changes[-2:]
     order = order_of_three(sizes, changes)
     if np.isnan(order):
         return undetermined
     weight = weight_of_limit(sizes, order)
     distance = weight * changes[-1]
-    if fields is not None:
-        return fields.error_of_limit(weight), float(INDEX_SAFETY_FACTOR * distance)
+    if error_of_limit is not None:
+        return error_of_limit(weight), float(INDEX_SAFETY_FACTOR * distance)
     index = INDEX_SAFETY_FACTOR * abs(distance) / (1 + errors[2])
     return float(errors[2] - distance), float(index)

@@ -1,6 +1,7 @@
 """Write tables of studies in Markdown and LaTeX, for papers and notes."""
 
 import re
+from itertools import groupby
 
 import numpy as np
 import pandas as pd
@@ -28,11 +29,65 @@ SYMBOLS = {
 """Symbols that plain LaTeX cannot read, and the code that prints each of them."""
 
 
+WIDTH, MOST_LINES = 100, 40
+"""Greatest width of a table in letters, and its greatest number of lines on a terminal."""
+
+
+def blocks(table: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return a table as several of up to `WIDTH` letters, each with the first column.
+
+    Columns ``TITLE: NAME`` become columns NAME of a table whose first column is headed by TITLE.
+    Each value of a first column `case` heads tables of its own. Rows and columns without an entry
+    are left out.
+    """
+    parts, cases = list[pd.DataFrame](), [("", table)]
+    if "case" in table.columns[:1]:
+        cases = list(table.drop(columns="case").groupby(table["case"], sort=False))
+    first, *others = cases[0][1].columns
+    for title, names in groupby(others, lambda name: str(name).rpartition(": ")[0]):
+        listed = [first, *names]
+        for case, rows in cases:
+            part = rows[listed]
+            part = part.loc[:, (part != "").any()]
+            if title:
+                part = part[(part.iloc[:, 1:] != "").any(axis=1)]
+            head = ": ".join(filter(None, (str(case), title))) or first
+            shorter = [str(name).removeprefix(f"{title}: ") for name in part.columns[1:]]
+            part.columns = pd.Index([head, *shorter])
+            parts += _of_width(part)
+    return parts
+
+
+def _of_width(table: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return a table as several of up to `WIDTH` letters; none if it has one column only."""
+    rows, parts = [list(map(str, table.columns)), *cells(table)], list[list[int]]()
+    widths = [3 + max(map(len, column)) for column in zip(*rows, strict=True)]
+    for number, width in enumerate(widths[1:], 1):
+        if not parts or 1 + widths[0] + sum(widths[each] for each in parts[-1]) + width > WIDTH:
+            parts.append([])
+        parts[-1].append(number)
+    return [table.iloc[:, [0, *part]] for part in parts]
+
+
+def for_terminal(table: pd.DataFrame) -> list[str]:
+    """Return the first blocks of a table in Markdown, in up to `MOST_LINES` lines."""
+    lines, texts = list[str](), [to_markdown(block).splitlines() for block in blocks(table)]
+    for text in texts:
+        if lines and len(lines) + len(text) + 2 > MOST_LINES:
+            break
+        lines += [*([""] if lines else []), *text]
+    if len(lines) < sum(map(len, texts)):
+        lines = [*lines[: MOST_LINES - 1], "The other columns and rows are in answer.md."]
+    return lines
+
+
 def to_markdown(table: pd.DataFrame) -> str:
-    """Return a table in the pipe syntax of Markdown."""
+    """Return a table in the pipe syntax of Markdown, with aligned columns."""
     rows = [[str(name) for name in table.columns], *cells(table)]
-    lines = ["| " + " | ".join(_escape_pipes(cell) for cell in row) + " |" for row in rows]
-    return "\n".join([lines[0], "|" + "---|" * len(table.columns), *lines[1:]]) + "\n"
+    rows = [[_escape_pipes(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    rows.insert(1, ["-" * width for width in widths])
+    return "".join(f"| {' | '.join(map(str.ljust, row, widths))} |\n" for row in rows)
 
 
 def to_latex(table: pd.DataFrame) -> str:

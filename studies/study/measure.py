@@ -4,20 +4,17 @@ The table is tidy: it has one row for each quantity of each level, with the colu
 `record.COLUMNS`. A level that fails has one row, with the reason.
 """
 
-import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-import psutil
 from threadpoolctl import threadpool_limits
 
-from ...meshes import RingwearError
+from ...meshes import Array, RingwearError
 from ..crosscheck import LOG, Results, Solution, allowed_error
 from ..tables.writing import keeping_rows
 from .errors import (
@@ -29,20 +26,16 @@ from .errors import (
     promised_times,
     values_of,
 )
-from .extrapolation import FieldLevels, richardson
+from .extrapolation import richardson
 from .functions import Named, values_of_functions
 from .record import CRASHED, REFUSED, SOLVED, Record, Row
-from .reference import Reference, reference
 from .way import ALL, START, Case, Part, Way
 
-GREATEST_GROWTH = 10.0
-"""Greatest factor from level to level with which seconds and unknowns are extrapolated."""
-EXPECTED_LEVELS = 10
-"""Number of levels of an endless way that progress counts with before its growth is known."""
+if TYPE_CHECKING:
+    from .reference import Reference
+
 MOST_RUNS, ENOUGH_SECONDS = 5, 0.25
 """Greatest number of runs of a level; fewer are enough if they take longer than this in all."""
-Keep = Callable[[Case, Way, Any, Solution], Any]
-"""Function (case, way, level, solution) -> what a study keeps of the solution."""
 
 
 def measure(
@@ -51,11 +44,10 @@ def measure(
     quantities: Sequence[str],
     record: Record,
     functions: Named | None = None,
-    exact: Callable[[Case], Reference] | None = None,
+    *,
+    exact: "Callable[[Case], Reference]",
     runs: int = 1,
-    most_unknowns: float = math.inf,
     only_promised: bool = False,
-    keep: Keep | None = None,
 ) -> pd.DataFrame:
     """Solve every level, and return the table of errors.
 
@@ -68,12 +60,9 @@ def measure(
     quantities : names as in results.nc, and those of finite elements
     record : rows so far, and the file that they are written to
     functions : functions of a result that the user defines, by the names of their quantities
-    exact : function of a case that returns its reference; by default `reference`
+    exact : function of a case that returns its reference
     runs : least number of times that a level is solved; its seconds are the median
-    most_unknowns : a way ends before a level that would have more unknowns, by the growth of the
-        last two levels
     only_promised : whether errors are taken only at times at which the accuracy is promised
-    keep : function whose values are appended to `record.kept`
 
     Raises
     ------
@@ -84,13 +73,14 @@ def measure(
     names = (*quantities, *functions)
     with threadpool_limits(1), keeping_rows(record.remarks):
         listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
-        progress = Progress([way for _, ways_of_case in listed for way in ways_of_case])
+        progress = Progress(sum(len(way.levels) for _, each in listed for way in each))
         for case, ways_of_case in listed:
-            case_reference = exact(case) if exact else reference(case, names, functions)
+            case_reference = exact(case)
             parts = parts_of(case, case_reference.values, names)
             for way in ways_of_case:
                 judge = _Judge(case, way, parts, case_reference, functions, only_promised)
-                _measure_way(case, way, judge, record, progress, runs, most_unknowns, keep)
+                _measure_way(case, way, judge, record, progress, runs)
+                progress.passed += len(way.levels)
     return record.table
 
 
@@ -101,29 +91,23 @@ def _measure_way(
     record: Record,
     progress: "Progress",
     runs: int,
-    most_unknowns: float,
-    keep: Keep | None,
 ) -> None:
     """Solve the levels of a way that an earlier run has not solved, and add their rows."""
     earlier = record.earlier(case.name, way.name)
-    done = _is_complete(way, earlier, most_unknowns)
-    progress.begin(way)
-    previous, sizes, seconds_before = None, list[float](), 0.0
+    done = _is_complete(way, earlier)
+    previous, seconds_before = None, 0.0
     for number, level in enumerate(way.levels):
-        if way.count is None and _would_exceed(sizes, most_unknowns):
-            return
         rows = earlier.get(str(level), [])
         # extrapolation needs the two levels before the first new one, and some ways need them all
         needed = way.sequential or number >= len(earlier) - 2
         if rows and (done or not needed):
             record.add(rows)
-            sizes.append(rows[0]["unknowns"])
             if rows[0]["outcome"] != SOLVED:
                 return
             continue
-        progress.announce(case, level, sizes, most_unknowns)
+        progress.announce(number, case, way, level)
         facts, solution = _solve(case, way, level, previous, runs)
-        progress.finish(facts["seconds"])
+        progress.seconds.append(facts["seconds"])
         if solution is None:
             record.add([facts])
             return
@@ -131,27 +115,13 @@ def _measure_way(
             seconds_before = facts["seconds"] = seconds_before + facts["seconds"]
         judged = judge.rows(facts, solution)
         record.add(rows or judged)
-        sizes.append(solution.unknowns)
-        if keep:
-            record.kept.append(keep(case, way, level, solution))
         previous = solution
 
 
-def _is_complete(way: Way, earlier: dict[str, list[Row]], most_unknowns: float) -> bool:
-    """Return whether an earlier run has solved all levels of a way."""
-    if not earlier:
-        return False
-    first_rows = [rows[0] for rows in earlier.values()]
-    if first_rows[-1]["outcome"] != SOLVED:
-        return True
-    if way.count is not None:
-        return len(earlier) == way.count
-    return _would_exceed([row["unknowns"] for row in first_rows], most_unknowns)
-
-
-def _would_exceed(sizes: Sequence[float], most_unknowns: float) -> bool:
-    """Return whether the next level would have more unknowns than the greatest number."""
-    return len(sizes) > 1 and sizes[-1] * growth(sizes) > most_unknowns
+def _is_complete(way: Way, earlier: dict[str, list[Row]]) -> bool:
+    """Return whether an earlier run has solved all levels of a way, or has failed."""
+    outcomes = [rows[0]["outcome"] for rows in earlier.values()]
+    return outcomes[-1:] not in ([], [SOLVED]) or len(earlier) == len(way.levels)
 
 
 def _solve(
@@ -162,7 +132,6 @@ def _solve(
         **{"case": case.name, "parameter": case.parameter, "way": way.name},
         **{"method": way.method, "refined": way.refined, "level": str(level)},
     }
-    _reset_peak()
     start = time.process_time()
     try:
         solution, seconds = timed(partial(way.solve, case.problem, level, previous), runs)
@@ -178,8 +147,7 @@ def _solve(
         facts["tolerance"] = level / case.problem.rtol * allowed_error(case.problem)
     if runs > 1:
         facts |= {"least seconds": min(seconds), "greatest seconds": max(seconds)}
-    facts |= {"seconds": float(np.median(seconds)), "peak MiB": round(_peak_mebibytes(), 1)}
-    return facts, solution
+    return facts | {"seconds": float(np.median(seconds))}, solution
 
 
 def timed(solve: Callable[[], Solution], runs: int) -> tuple[Solution, list[float]]:
@@ -194,75 +162,30 @@ def timed(solve: Callable[[], Solution], runs: int) -> tuple[Solution, list[floa
     return solution, seconds
 
 
-def growth(values: Sequence[float]) -> float:
-    """Return the factor between the last two values, 1 to `GREATEST_GROWTH`."""
-    if len(values) < 2 or not values[-2]:
-        return 1.0
-    return float(np.clip(values[-1] / values[-2], 1.0, GREATEST_GROWTH))
-
-
 @dataclass
 class Progress:
-    """Number of the level that begins, and estimate of the time left.
+    """Number of the level that begins, and an estimate of the time left.
 
-    The levels left of a way are extrapolated from the growth of its last two levels. The ways that
-    have not begun are expected to take as long as those before, on average.
+    The levels left are expected to take as long as those before, on average.
 
     Parameters
     ----------
-    ways : all ways, each as often as there are cases for it
+    total : number of the levels of all ways, each as often as there are cases for it
+    passed : number of the levels of the ways before
+    seconds : processor seconds of the levels that were solved
     """
 
-    ways: Sequence[Way]
-    begun: int = 0
-    levels_before: int = 0
+    total: int
+    passed: int = 0
     seconds: list[float] = field(default_factory=list)
-    totals: list[float] = field(default_factory=list)
 
-    def begin(self, way: Way) -> None:
-        """Begin a way."""
-        if self.begun:
-            self.totals.append(sum(self.seconds))
-            self.levels_before += len(self.seconds)
-        self.way, self.seconds = way, []
-        self.begun += 1
-
-    def announce(
-        self, case: Case, level: object, sizes: Sequence[float], most_unknowns: float
-    ) -> None:
-        """Log which level begins, and about how many seconds are left."""
-        done = len(self.seconds)
-        left = self._levels_left(sizes, most_unknowns)
-        factors = growth(self.seconds) ** np.arange(1, left + 1)
-        this_way = self.seconds[-1] * factors.sum() if done else 0.0
-        later_ways = self.ways[self.begun :]
-        mean = float(np.mean([*self.totals, sum(self.seconds) + this_way]))
-        seconds_left = this_way + mean * len(later_ways)
-        number = self.levels_before + done + 1
-        total = number - 1 + left + sum(way.count or EXPECTED_LEVELS for way in later_ways)
-        LOG.info(
-            "   level %d of %s%d%s: %s, %s, %s ...",
-            number,
-            "" if all(way.count for way in self.ways) else "about ",
-            total,
-            f", about {seconds_left:.0f} s left" if number > 1 else "",
-            case.name,
-            self.way.name,
-            level,
-        )
-
-    def _levels_left(self, sizes: Sequence[float], most_unknowns: float) -> int:
-        """Return the number of levels of this way that are left, this one included."""
-        if self.way.count is not None:
-            return self.way.count - len(self.seconds)
-        if growth(sizes) > 1 and math.isfinite(most_unknowns):
-            ratio = max(most_unknowns / sizes[-1], 1.0)
-            return max(1, math.ceil(math.log(ratio) / math.log(growth(sizes))))
-        return max(1, EXPECTED_LEVELS - len(self.seconds))
-
-    def finish(self, seconds: float) -> None:
-        """Count a level that took some seconds."""
-        self.seconds.append(seconds)
+    def announce(self, number: int, case: Case, way: Way, level: object) -> None:
+        """Log which level of a way begins, from 0, and about how many seconds are left."""
+        number += self.passed
+        left = sum(self.seconds) / max(len(self.seconds), 1) * (self.total - number)
+        time_left = f", about {left:.0f} s left" if self.seconds else ""
+        words = f"{number + 1} of {self.total}{time_left}: {case.name}, {way.name}, {level} ..."
+        LOG.info("   level %s", words)
 
 
 @dataclass
@@ -272,7 +195,7 @@ class _Judge:
     case: Case
     way: Way
     parts: Sequence[Part]
-    exact: Reference
+    exact: "Reference"
     functions: Named
     only_promised: bool
     levels: list[tuple[float, Results]] = field(default_factory=list)
@@ -312,69 +235,24 @@ class _Judge:
         missing = any(part.quantity not in values for _, values in self.levels)
         if len(self.levels) < 3 or missing or part.quantity in ITSELF:
             return np.nan, np.nan
+        name, exact, problem = part.quantity, self.exact.values, self.case.problem
         sizes, levels = zip(*self.levels, strict=True)
-        fields = _Fields(part, levels, self.exact.values, self.case)
-        signed = np.array([fields.error(values) for values in levels])
+        signed = np.array([error(part, values, exact, problem) for values in levels])
         # one number has a sign, which shows whether the last levels converge monotonically
-        value = np.asarray(levels[-1][part.quantity])
-        is_norm = value.ndim > (part.when != ALL) or (part.when != START and value.size > 1)
-        return richardson(np.array(sizes), signed, fields if is_norm else None)
-
-
-@dataclass(frozen=True)
-class _Fields(FieldLevels):
-    """The last three levels of a quantity whose error is a norm."""
-
-    part: Part
-    levels: Sequence[Results]
-    exact: Results
-    case: Case
-
-    def error(self, values: Results) -> float:
-        """Return the error of values against the reference."""
-        return error(self.part, values, self.exact, self.case.problem)
-
-    def _norm(self, deviation: np.ndarray) -> float:
-        name = self.part.quantity
-        overlap = tuple(slice(0, n) for n in deviation.shape)
-        return abs(self.error({name: np.asarray(self.exact[name])[overlap] + deviation}))
-
-    @property
-    def _values(self) -> list[np.ndarray]:
-        """The values of the levels, cut to the part that all have, such as relaxation times."""
-        name = self.part.quantity
-        arrays = [np.asarray(values[name]) for values in (*self.levels, self.exact)]
+        value = np.asarray(levels[-1][name])
+        if value.ndim <= (part.when != ALL) and (part.when == START or value.size <= 1):
+            return richardson(np.array(sizes), signed)
+        arrays = [np.asarray(values[name]) for values in (*levels, exact)]
+        # the part that all levels have, such as the first relaxation times
         shapes = zip(*(array.shape for array in arrays), strict=True)
-        common = tuple(slice(0, min(sizes)) for sizes in shapes)
-        return [array[common] for array in arrays]
+        common = tuple(slice(0, min(lengths)) for lengths in shapes)
+        first, second, third, right = (array[common] for array in arrays)
 
-    @property
-    def changes(self) -> np.ndarray:
-        """(n-1,) relative norms of the differences between neighbouring levels."""
-        first, second, third, _ = self._values
-        return np.array([self._norm(second - first), self._norm(third - second)])
+        def norm(deviation: Array) -> float:
+            return abs(error(part, {name: right + deviation}, exact, problem))
 
-    def error_of_limit(self, weight: float) -> float:
-        """Return the relative error of the field ``finest + weight * (finest - second finest)``."""
-        _, coarse, fine, exact = self._values
-        return self._norm(fine + weight * (fine - coarse) - exact)
+        def error_of_limit(weight: float) -> float:
+            return norm(third + weight * (third - second) - right)
 
-
-def _reset_peak() -> None:
-    """Start to measure the peak memory of this process anew, which is possible only on Linux."""
-    try:
-        Path("/proc/self/clear_refs").write_text("5", "ascii")
-    except OSError:
-        # other systems report the memory after the level, or the maximum over all levels so far
-        return
-
-
-def _peak_mebibytes() -> float:
-    """Return the peak memory of this process in MiB, on Linux since the last `_reset_peak`."""
-    try:
-        status = Path("/proc/self/status").read_text("ascii")
-    except OSError:
-        memory = psutil.Process().memory_info()
-        return float(getattr(memory, "peak_wset", memory.rss)) / 2**20
-    (line,) = (line for line in status.splitlines() if line.startswith("VmHWM"))
-    return float(line.split()[1]) / 2**10
+        changes = np.array([norm(second - first), norm(third - second)])
+        return richardson(np.array(sizes), signed, changes, error_of_limit)

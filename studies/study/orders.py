@@ -22,6 +22,7 @@ from ...meshes import Array, SceneError
 from ..crosscheck import did_you_mean, shown
 from .extrapolation import (
     INDEX_SAFETY_FACTOR,
+    Fitted,
     order_of_changes,
     order_of_errors,
     order_of_three,
@@ -38,6 +39,8 @@ RADIUS = "radius"
 """Column that makes the other columns fields."""
 COLUMNS = ("quantity", "order", "low", "high", "limit", "index", "asymptotic")
 """Columns of the table, to which a right value and a tolerance add others."""
+DIFFERS = "differs from theory"
+"""Beginning of the remark on an order of a study that does."""
 KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
 """Columns of a study that tell its sequences of levels apart."""
 
@@ -73,8 +76,8 @@ def orders(
         index
             the grid convergence index: an estimate of the relative error of the finest level
         asymptotic
-            "yes" or "no": whether the last three levels have the same order as those before, to
-            0.15; "unknown" for three levels
+            1 if the last three levels have the same order as those before, to 0.15, or else 0; NaN
+            for three levels
 
         With `right` or `tolerance`, also `computed` (on the finest level), `target` (the right
         value or else the limit), `ratio` of the two, `tolerance`, and `within`.
@@ -152,30 +155,20 @@ def _of_numbers(
     """Return the row of a column with one number on each level."""
     sizes, values = _levels(table, by, name)
     errors, changes = np.abs(values - right), values[:-1] - values[1:]
+    last, asymptotic = _last_orders(sizes, changes)
     if np.isfinite(right):
         fitted = order_of_errors(sizes, errors)
-        before, last = (
-            order_of_errors(sizes[part], errors[part]).order
-            for part in (slice(-3, -1), slice(-2, None))
-        )
-        compared = len(sizes) > 2
+        pairs = [
+            order_of_errors(sizes[n : n + 2], errors[n : n + 2]) for n in range(len(sizes) - 1)
+        ]
+        asymptotic = _asymptotic(*(pair.order for pair in pairs[-2:]))
     else:
         monotonic = (np.sign(changes) == np.sign(changes[-1])).all()
         fitted = order_of_changes(sizes, np.abs(changes) if monotonic else changes * np.nan)
-        last = order_of_three(sizes[-3:], changes[-2:])
-        compared = len(sizes) > 3
-        before = order_of_three(sizes[-4:-1], changes[-3:-1]) if compared else np.nan
-    last_three = order_of_three(sizes[-3:], changes[-2:])
-    limit = index = np.nan
-    if np.isfinite(last_three):
-        distance = weight_of_limit(sizes, last_three) * changes[-1]
-        limit = values[-1] - distance
-        if right != 0 and values[-1]:
-            index = INDEX_SAFETY_FACTOR * abs(distance / values[-1])
-    row = {
-        **dict(zip(COLUMNS, (str(name), *fitted, limit, index), strict=False)),
-        "asymptotic": _asymptotic(before, last) if compared else "unknown",
-    }
+    distance = weight_of_limit(sizes, last) * changes[-1]
+    limit = values[-1] - distance
+    relative = abs(distance / values[-1]) if right != 0 and values[-1] else np.nan
+    row = _row(name, fitted, limit, relative, asymptotic)
     if np.isnan(right) and tolerance is None:
         return row
     target = limit if np.isnan(right) else right
@@ -210,23 +203,32 @@ def _of_fields(table: pd.DataFrame, by: str, name: Hashable) -> dict[str, Any]:
         return float(np.sqrt(np.sum(weights * field**2) / np.sum(weights)))
 
     changes = np.array([norm(fine - coarse) for coarse, fine in pairwise(values)])
-    fitted = order_of_changes(sizes, changes)
-    last, compared = order_of_three(sizes[-3:], changes[-2:]), len(sizes) > 3
-    before = order_of_three(sizes[-4:-1], changes[-3:-1]) if compared else np.nan
-    limit = index = np.nan
-    if np.isfinite(last):
-        weight = weight_of_limit(sizes, last)
-        limit = norm(values[-1] + weight * (values[-1] - values[-2]))
-        index = INDEX_SAFETY_FACTOR * weight * changes[-1] / norm(values[-1])
-    return {
-        **dict(zip(COLUMNS, (str(name), *fitted, limit, index), strict=False)),
-        "asymptotic": _asymptotic(before, last) if compared else "unknown",
-    }
+    last, asymptotic = _last_orders(sizes, changes)
+    weight = weight_of_limit(sizes, last)
+    limit = norm(values[-1] + weight * (values[-1] - values[-2]))
+    relative = weight * changes[-1] / norm(values[-1])
+    return _row(name, order_of_changes(sizes, changes), limit, relative, asymptotic)
 
 
-def _asymptotic(before: float, last: float) -> str:
-    """Return whether two orders agree, in a word."""
-    return "yes" if abs(last - before) <= ORDER_TOLERANCE else "no"
+def _row(
+    name: Hashable, fitted: Fitted, limit: float, distance: float, asymptotic: float
+) -> dict[str, Any]:
+    """Return the row of a column; `distance` is that of the finest level to the limit, relative."""
+    index = INDEX_SAFETY_FACTOR * distance
+    return dict(zip(COLUMNS, (str(name), *fitted, limit, index, asymptotic), strict=True))
+
+
+def _last_orders(sizes: Array, changes: Array) -> tuple[float, float]:
+    """Return the order of the last three levels, and whether those before have the same."""
+    last = order_of_three(sizes[-3:], changes[-2:])
+    if len(sizes) < 4:
+        return last, np.nan
+    return last, _asymptotic(order_of_three(sizes[-4:-1], changes[-3:-1]), last)
+
+
+def _asymptotic(before: float, last: float) -> float:
+    """Return 1 if two orders agree, and 0 if they do not."""
+    return float(abs(last - before) <= ORDER_TOLERANCE)
 
 
 def _of_study(table: pd.DataFrame, by: str) -> list[dict[str, Any]]:
@@ -265,9 +267,7 @@ def fit(levels: pd.DataFrame, by: str = "size", floor: float = 0.0) -> dict[str,
         # of a study, this is the true error of the limit
         "limit": abs(last.get("limit", np.nan)),
         "index": last.get("index", np.nan),
-        "asymptotic": _asymptotic(*between[-2:]) if len(between) > 1 else "unknown",
+        "asymptotic": _asymptotic(*between[-2:]) if len(between) > 1 else np.nan,
         "last order": between[-1] if len(between) else np.nan,
-        "levels": len(levels),
-        "fitted": int(counted.sum()),
         "finest error": errors[-1],
     }

@@ -96,12 +96,8 @@ def read_methods(
     """
     if not given:
         return tuple(known), ()
-    entries: list[Any] = [given] if isinstance(given, str | Method) else list(given)
     names, own = list[str](), list[Method]()
-    for entry in entries:
-        if isinstance(entry, str) and ".py:" in entry:
-            value = _load("--methods", entry)
-            entry = value() if isinstance(value, type) else value
+    for entry in load_methods(given):
         if isinstance(entry, Method):
             try:
                 check_one_line(entry.name)
@@ -118,6 +114,26 @@ def read_methods(
                 f"{', '.join(known)}, or methods of your own"
             )
     return tuple(names), tuple(own)
+
+
+def load_methods(given: Methods) -> list[str | Method]:
+    """Return names of methods, and methods; those given as ``FILE.py:NAME`` are loaded.
+
+    Raises
+    ------
+    SceneError
+        if a file does not define such a method
+    """
+    methods = list[str | Method]()
+    for entry in [given] if isinstance(given, str | Method) else given or ():
+        if isinstance(entry, str) and ".py:" in entry:
+            value = _load("--methods", entry)
+            method = value() if isinstance(value, type) else value
+            if not isinstance(method, Method):
+                raise SceneError(f"--methods {entry}: is not a method: give {FORM} of a method")
+            entry = method
+        methods.append(entry)
+    return methods
 
 
 SHORT_NAMES = {

@@ -16,7 +16,7 @@ from ..tables.writing import without_formulas
 COLUMNS = (
     *("case", "way", "method", "level", "size", "unknowns", "seconds", "quantity", "when"),
     *("error", "estimate", "tolerance", "index", "limit", "reference", "computed", "parameter"),
-    *("refined", "least seconds", "greatest seconds", "peak MiB", "outcome", "message"),
+    *("refined", "least seconds", "greatest seconds", "outcome", "message"),
 )
 """Columns of every table of levels; `studies/study/README.md` explains them."""
 SOLVED, REFUSED, CRASHED = "solved", "refused", "crashed"
@@ -39,13 +39,11 @@ class Record:
     file : CSV file; None to keep the rows only in memory
     rows : the rows so far
     remarks : sentences about an interruption, and about what was left out
-    kept : what a study keeps of its solutions, for figures of meshes and fields
     """
 
     file: Path | None = None
     rows: list[Row] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
-    kept: list[Any] = field(default_factory=list)
     _earlier: dict[Place, dict[str, list[Row]]] = field(default_factory=dict)
 
     @classmethod

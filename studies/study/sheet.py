@@ -84,12 +84,10 @@ def draw_columns(table: pd.DataFrame, fitted: pd.DataFrame, by: str) -> "Figure"
         levels = table[[by, name]].dropna().sort_values(by, ascending=False)
         for size, value in levels.to_numpy(float):
             distance = abs(value - target) / (abs(target) or 1.0)
-            rows.append({"size": size, "error": distance, "column": name})
-    tidy = pd.DataFrame(rows).assign(
-        case="", way="table", method="table", refined=by, estimate=np.nan, tolerance=np.nan
-    )
-    note = "Relative to the right value, or to Richardson's limit."
-    return draw(tidy.assign(reference=0.0), panels=("column",), note=note)
+            rows.append({"size": size, "error": distance, "quantity": name})
+    constant = {"case": "", "way": "distance to the right value, or to Richardson's limit"}
+    constant |= {"when": "all", "method": "table", "refined": by, "outcome": ""}
+    return draw(pd.DataFrame(rows).assign(**constant, tolerance=np.nan, reference=0.0))
 
 
 def orders_of_file(

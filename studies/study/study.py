@@ -1,22 +1,23 @@
-"""Results of a study: a table of levels, orders of convergence, figures and conclusions."""
+"""Results of a study: the answer, a table of levels, orders of convergence, and the figure."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
 from ...meshes import RingwearError, SceneError
 from ..crosscheck import AnswersGuesses, Scene, make, output_folder, shown
 from ..figures.style import html_of, in_style
-from ..tables.writing import write_csv
-from .formats import to_latex, to_markdown
+from ..tables.writing import INTERRUPTED, write_csv
+from .answer import answer, sentence
+from .draw import draw, titled
+from .formats import blocks, to_latex, to_markdown
+from .orders import KEYS_OF_STUDIES
 from .record import SOLVED, Record
-from .theory import paper_table
 from .way import Part
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ QUICK = (
     "With --quick, levels are coarse and few: orders and costs are those of coarse levels, and "
     "may differ from those of the whole study."
 )
-MOST_COLUMNS = 6
-"""Greatest number of quantities in the table of levels for a paper."""
 
 
 @dataclass(frozen=True)
@@ -39,18 +38,20 @@ class Study(AnswersGuesses):
     name : name of the study, as on the command line
     scene : scene that was studied
     table : tidy table: one row for each quantity of each level (`studies/study/README.md`)
-    orders : one row for each sequence of levels: observed and theoretical order, and Richardson's
-        limit; empty for studies without orders
-    conclusions : sentences that summarise the tables and figures
+    orders : one row for each sequence of levels: numbers of its observed order, that of theory and
+        Richardson's limit, and a remark in words; empty for studies without orders
+    conclusions : up to eight sentences that summarise the answer
     figures : figures by the name of their file, without its extension
-    tables : further tables by the name of their file, without its extension
-    purpose : subject of the study, shown on its page
+    tables : further tables by the name of their file, without its extension; `costs` has the
+        numbers of what an accuracy costs
+    purpose : the question of the study
+    measured : rows of the table that the answer and the figure show
 
     Examples
     --------
     >>> import ringwear
     >>> march = ringwear.study("march", "five_rings", quick=True)
-    >>> sorted(set(march.orders["expected"].dropna()))  # both Euler methods have order 1
+    >>> sorted(set(march.orders["theory"].dropna()))  # both Euler methods have order 1
     [1.0]
     """
 
@@ -62,21 +63,14 @@ class Study(AnswersGuesses):
     figures: "Mapping[str, Figure]" = field(default_factory=dict)
     tables: Mapping[str, pd.DataFrame] = field(default_factory=dict)
     purpose: str = ""
+    measured: pd.DataFrame = field(default_factory=pd.DataFrame)
 
     @property
-    def levels(self) -> pd.DataFrame:
-        """One row for each level, and a column with the errors of each quantity, as for a paper."""
-        if "outcome" not in self.table or not (self.table["outcome"] == SOLVED).any():
+    def answer(self) -> pd.DataFrame:
+        """How accurate each way is and what an accuracy costs by it, as texts; a row for each."""
+        if not len(self.measured):
             return pd.DataFrame()
-        solved = self.table[(self.table["outcome"] == SOLVED) & self.table["quantity"].notna()]
-        pairs = zip(solved["quantity"], solved["when"], strict=True)
-        named = solved.assign(part=[str(Part(*pair)) for pair in pairs])
-        keys = ["case", "way", "level", "unknowns", "seconds"]
-        if named["case"].nunique() == 1:
-            keys = keys[1:]
-        wide = named.pivot_table("error", keys, "part", sort=False).reset_index()
-        shown_parts = list(dict.fromkeys(named["part"]))[:MOST_COLUMNS]
-        return wide[[*keys, *shown_parts]].rename_axis(columns=None)
+        return answer(self.measured, self.orders, self.tables.get("costs", pd.DataFrame()))
 
     def __repr__(self) -> str:
         """Return the name, the number of levels, and the conclusions."""
@@ -88,30 +82,47 @@ class Study(AnswersGuesses):
     def _repr_html_(self) -> str:
         """Return the conclusions, the orders and the figures as HTML, for notebooks."""
         parts = [f"<pre>{escape(repr(self))}</pre>"]
-        main_table = paper_table(self.orders) if len(self.orders) else self.levels
-        parts.append(main_table.to_html(index=False, max_rows=40, float_format="{:.4g}".format))
+        parts += [part.to_html(index=False) for part in blocks(self._for_papers(""))]
         parts += map(html_of, self.figures.values())
         return "".join(parts)
 
-    def to_markdown(self, table: str = "") -> str:
-        """Return a table in Markdown, as in the files of `save`.
+    def plot(self, x: str = "seconds", y: str = "error") -> "Figure":
+        """Return a figure of one column of `table` over another, as in the figure of the study.
 
         Parameters
         ----------
-        table : ``"levels"``, ``"orders"``, or the name of one of `tables`; by default that of the
-            levels, with one column for each quantity
+        x, y : names of columns that have numbers
+
+        Raises
+        ------
+        SceneError
+            if no level has numbers in both columns
         """
-        return to_markdown(self._for_papers(table))
+        numbers = self.measured.select_dtypes("number")
+        if not {x, y} <= {*numbers} or numbers[[x, y]].dropna().empty:
+            raise SceneError(
+                f"no level has {shown(x)} and {shown(y)}: give two of {', '.join(numbers)}"
+            )
+        return draw(self.measured, (x,), y, self.orders, titled(self.scene.title, self.purpose))
+
+    def to_markdown(self, table: str = "") -> str:
+        """Return a table in Markdown, as in the files of `save` and on the terminal.
+
+        Parameters
+        ----------
+        table : ``"answer"``, ``"orders"``, or the name of one of `tables`; by default the answer.
+            Wide tables are split
+        """
+        return "\n".join(map(to_markdown, blocks(self._for_papers(table))))
 
     def to_latex(self, table: str = "") -> str:
-        """Return a table as a LaTeX `tabular`, which needs the package `booktabs`.
+        """Return a table as `tabular` of up to five columns, which need the package `booktabs`.
 
         Parameters
         ----------
-        table : ``"levels"``, ``"orders"``, or the name of one of `tables`; by default that of the
-            levels, with one column for each quantity
+        table : as in `to_markdown`
         """
-        return to_latex(self._for_papers(table))
+        return "\n".join(map(to_latex, blocks(self._for_papers(table))))
 
     def save(self, folder: str | Path) -> list[str]:
         """Write the same files as ``ringwear study NAME --out folder``; return their names.
@@ -132,7 +143,7 @@ class Study(AnswersGuesses):
     def write(self, folder: Path) -> list[str]:
         """Write tables, figures and the page to a folder; return a message for each failure."""
         failures = list[str]()
-        tables = {name: table for name, table in self._tables().items() if name != "levels"}
+        tables = self._tables()
         if not any(table is self.table for table in tables.values()):
             tables |= {self.name: self.table}
         for name, table in tables.items():
@@ -150,26 +161,30 @@ class Study(AnswersGuesses):
         return failures + make(folder / "report.html", write)
 
     def _for_papers(self, name: str) -> pd.DataFrame:
-        """Return a table by its name, with the few columns that a paper shows.
+        """Return a table by its name; of orders and costs, the keys are one column.
 
         Raises
         ------
         SceneError
             if there is no such table; the message lists the names of the existing tables
         """
-        tables = self._tables()
-        name = "levels" if name in ("", self.name) and "levels" in tables else name or self.name
-        if name == self.name and name not in tables:
-            return self.table
+        tables = {self.name: self.table} | self._tables()
+        name = name or ("answer" if "answer" in tables else self.name)
         if name not in tables:
             raise SceneError(
                 f"this study has no table {shown(name)}: give one of {', '.join(tables)}"
             )
-        return paper_table(self.orders) if name == "orders" else tables[name]
+        table = tables[name]
+        if name not in ("orders", "costs"):
+            return table
+        keys = table[list(KEYS_OF_STUDIES)].to_numpy()
+        labels = [f"{case}: {way}, {Part(*part)}" for case, way, *part in keys]
+        numbers = table.drop(columns=[*KEYS_OF_STUDIES, "remark"], errors="ignore")
+        return pd.concat([pd.Series(labels, table.index, name="way"), numbers], axis=1)
 
     def _tables(self) -> dict[str, pd.DataFrame]:
         """Return every table that has columns, without the tidy one, by the name of its file."""
-        tables = {"levels": self.levels, "orders": self.orders, **self.tables}
+        tables = {"answer": self.answer, "orders": self.orders, **self.tables}
         return {name: table for name, table in tables.items() if len(table)}
 
 
@@ -181,26 +196,10 @@ def remarks(record: Record, quick: bool = False) -> list[str]:
         f"{row['case']}, {row['way']}, level {row['level']} {row['outcome']}: {row['message']}"
         for row in failed.to_dict("records")
     ]
-    return [*texts, *([QUICK] if quick else []), *record.remarks]
-
-
-def choose_parts(
-    table: pd.DataFrame, drawn: Sequence[tuple[str, str]], chosen: Sequence[str]
-) -> pd.DataFrame:
-    """Return the rows that a figure shows: those of the chosen quantities, or else of some.
-
-    Parameters
-    ----------
-    table : table of `measure`
-    drawn : quantities, with their values of `when`, that are drawn by default
-    chosen : names of the quantities that the user asks for; empty for the default
-    """
-    if chosen:
-        return table[table["quantity"].isin(chosen)]
-    return rows_of(table, drawn)
-
-
-def rows_of(table: pd.DataFrame, parts: Collection[tuple[str, str]]) -> pd.DataFrame:
-    """Return the rows of a table of some quantities, with their values of `when`."""
-    pairs = zip(table["quantity"], table["when"], strict=True)
-    return table[np.array([pair in parts for pair in pairs], dtype=bool)]
+    others = [remark for remark in record.remarks if remark != INTERRUPTED]
+    return [
+        *([sentence("", texts)] if texts else []),
+        *([sentence("", others)] if others else []),
+        *([QUICK] if quick else []),
+        *([INTERRUPTED] if INTERRUPTED in record.remarks else []),
+    ]

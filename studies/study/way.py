@@ -6,7 +6,7 @@ nothing is written as text and read back. It also receives the solution of the l
 adaptive refinement needs.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, TypeAlias
 
@@ -133,8 +133,7 @@ class Way:
     ----------
     name : name in tables and in the legend, such as "P2, graded"
     method : name of the method, which determines the colour: `mdr`, `bem`, `fem`, `naive`, ...
-    levels : the levels, from coarse to fine; an endless iterable such as `itertools.count()` ends
-        at the greatest number of unknowns of `measure`
+    levels : the levels, from coarse to fine
     solve : function (problem, level, solution of the level before) -> solution
     refined : what the size is, as the label of an axis; curves share a panel only if it is the same
     size : function of the level that returns the size to which the theory refers; None for
@@ -144,11 +143,13 @@ class Way:
         include those of all levels before
     promises : whether the level is a tolerance that the solution promises to keep
     without : quantities of finite elements that are not computed, because they would tell nothing
+    largest : greatest size that counts in the observed order, because larger ones are not yet in
+        the asymptotic range; 0 if levels are not similar to each other, so that there is no order
     """
 
     name: str
     method: str
-    levels: Iterable[Level]
+    levels: Sequence[Level]
     solve: Solve
     refined: str
     size: Callable[[Level], float] | None = None
@@ -156,8 +157,9 @@ class Way:
     sequential: bool = False
     promises: bool = False
     without: frozenset[str] = frozenset()
+    largest: float = np.inf
 
-    @property
-    def count(self) -> int | None:
-        """Number of levels; None if they are endless."""
-        return len(self.levels) if isinstance(self.levels, Sequence) else None
+
+def inverse(level: float) -> float:
+    """Return the size of a level that is a number of cells."""
+    return 1 / level

@@ -125,35 +125,6 @@ def table(radii, heights):
     return {"punch__profile": {"kind": "table", "radii": radii, "heights": heights}}
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"punch__recess": [0.0, 0.1]}, "recess|3 rings"),
-        (
-            {"punch__profile": {"kind": "table", "file": "nowhere.csv"}},
-            "nowhere.csv|cannot be read",
-        ),
-        (table([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0]), "step|recess"),
-        (table([0.0, 1.0], [0.0, 1.0]), "radii|rim"),
-        (table([0.0, 2.0], [0.0, float("nan")]), "heights"),
-        (
-            {
-                "punch__profile": {
-                    "kind": "rounded_rim",
-                    "flat_radius": 3.0,
-                    "curvature_radius": 1.0,
-                }
-            },
-            "flat_radius",
-        ),
-    ],
-)
-def test_impossible_profiles_are_refused(changes, words):
-    with pytest.raises(SceneError) as caught:
-        SCENE.changed(**changes)
-    assert all(word in str(caught.value) for word in words.split("|")), caught.value
-
-
 def test_negative_heights_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = SCENE.with_heights(lambda r: r - 0.5).problem

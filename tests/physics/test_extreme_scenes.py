@@ -16,7 +16,7 @@ from ringwear.studies.study.measure import measure
 from ringwear.studies.study.record import Record
 from ringwear.studies.study.reference import reference
 from ringwear.studies.study.way import Case
-from ringwear.studies.study.ways.runs import as_run
+from ringwear.studies.study.ways.runs import tolerances
 
 FOLDER = Path(__file__).parent / "extreme_scenes"
 PANELS = tomllib.loads((FOLDER / "panels.toml").read_text("utf-8"))
@@ -79,7 +79,7 @@ def test_methods_keep_their_accuracy_where_the_naive_choice_fails(name):
         case, record = Case.of(scene), Record()
         table = measure(
             [case],
-            [watched(as_run(method(solver)))],
+            [watched(tolerances(method(solver), [case.problem.rtol]))],
             DEFAULT,
             record,
             exact=lambda case: reference(case, rtol=0.01 * case.problem.rtol, confirmed=False),

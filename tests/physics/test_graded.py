@@ -107,19 +107,6 @@ def test_steady_pressure_is_the_wear_rate_over_the_coefficient(last, shape):
     np.testing.assert_allclose(table["indentation"].diff("time")[:, -1], rate, rtol=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("punch", "remedy"),
-    [
-        (along(1.0), "give a value for each of radii"),
-        (along(1.0, 2.0, radii=(0.5, 0.4)), "that do not decrease"),
-        (along(1.0, 0.0), r"wear_coefficient.values.1: 0.0.*positive"),
-    ],
-)
-def test_invalid_tables_are_refused(punch, remedy):
-    with pytest.raises(SceneError, match=remedy):
-        scene(**punch)
-
-
 def test_methods_for_constant_coefficients_accept_tables_of_steps():
     for method in ("direct", "mdr-grid"):
         with pytest.raises(SceneError, match="many rings"):

@@ -141,68 +141,40 @@ def test_a_kind_of_profile_needs_a_class_and_a_second_reading(monkeypatch):
     assert all(row.holds for row in run(scene).anchors)
 
 
-TRAPEZOIDS = '''
-"""How the trapezoidal rule converges."""
-
-import numpy as np
-
-from .crosscheck import Solution
-from .study.accept import accept
-from .study.draw import draw
-from .study.measure import measure
-from .study.record import Record
-from .study.reference import Reference
-from .study.study import Study, remarks
-from .study.theory import conclude_orders, observed_orders
-from .study.way import Case, Theory, Way
-
-
-def trapezoids(scene="flat_punch", *, quick=False, record=None):
-    """Integrate exp from 0 to 1 with ever more trapezoids."""
-
-    def solve(problem, count, previous):
-        values = np.exp(np.linspace(0, 1, count + 1))
-        integral = (values[0] / 2 + values[1:-1].sum() + values[-1] / 2) / count
-        return Solution({}, {"integral": np.asarray(integral)}, {}, {}, count + 1)
-
-    scene, record = accept("trapezoids", scene), record or Record()
-    counts = (2, 4, 8, 16) if quick else (2, 4, 8, 16, 32, 64)
-    way = Way("trapezoids", "rule", counts, solve, "width", lambda n: 1 / n, lambda *_: Theory(2.0))
-    exact = Reference({"integral": np.asarray(np.expm1(1))}, lambda part: 0.0)
-    table = measure([Case.of(scene)], [way], ("integral",), record, exact=lambda case: exact)
-    fits = observed_orders(table, [way])
-    sentences = (*conclude_orders(fits), *remarks(record, quick))
-    figures = {"trapezoids": draw(table, orders=fits)}
-    return Study("trapezoids", scene, table, fits, sentences, figures)
-'''
-
-
 @pytest.fixture
-def trapezoids(monkeypatch, tmp_path):
-    """Add a study by a file beside those in `studies/` and a row in `STUDIES`."""
-    (tmp_path / "trapezoids.py").write_text(TRAPEZOIDS, "utf-8")
+def locking(monkeypatch, tmp_path):
+    """Add the study of CONTRIBUTING.md: a file in `studies/` and a row in `STUDIES`."""
+    (code,) = re.findall(r"^```python\n(.*?)^```", CONTRIBUTING, re.MULTILINE | re.DOTALL)
+    assert len(code.splitlines()) <= 40
+    (tmp_path / "locking.py").write_text(code, "utf-8")
     folders = [*ringwear.studies.__path__, str(tmp_path)]
     monkeypatch.setattr(ringwear.studies, "__path__", folders)
 
-    row = NamedStudy("trapezoids:trapezoids", 1)
-    monkeypatch.setitem(STUDIES, "trapezoids", row)
+    row = NamedStudy("locking:locking", 1)
+    monkeypatch.setitem(STUDIES, "locking", row)
     yield row
-    sys.modules.pop("ringwear.studies.trapezoids", None)
+    sys.modules.pop("ringwear.studies.locking", None)
 
 
-def test_a_study_needs_a_file_and_a_row(trapezoids, tmp_path, capsys):
+@pytest.mark.slow
+@pytest.mark.gmsh
+def test_a_study_needs_a_file_and_a_row(locking, tmp_path, capsys):
     assert "studies/named_studies.py" in files_named_for("a study")
-    results = study("trapezoids", quick=True)
-    assert results.purpose == trapezoids.purpose
-    assert results.orders["order"].item() == pytest.approx(2, abs=0.05)
+    results = study("locking", quick=True)
+    assert results.purpose == locking.purpose
+    errors = results.orders.set_index(["case", "way"])["finest error"]
+    # linear elements lock near 1/2, those of degree 4 do not
+    assert errors["nu = 0.4999", "P1, graded"] > 5 * errors["nu = 0.3", "P1, graded"]
+    assert errors["nu = 0.4999", "P4, graded"] < 1e-4
+    assert results.answer["way"].tolist() == ["P1, graded", "P2, graded", "P4, graded"] * 2
     with pytest.raises(SystemExit, match="0"):
         main(["study", "--help"])
-    assert "Integrate exp from 0 to 1" in capsys.readouterr().out
+    assert "Tell which degree of the elements" in capsys.readouterr().out
     out = tmp_path / "out"
-    assert main(["study", "trapezoids", "--quick", "--out", str(out)]) == 0
-    assert len(pd.read_csv(out / "trapezoids.csv")) == 4
-    assert (out / "trapezoids.png").exists()
-    assert "1 of 1 orders" in capsys.readouterr().out
+    assert main(["study", "locking", "--quick", "--out", str(out)]) == 0
+    assert len(pd.read_csv(out / "locking.csv")) == 12
+    assert (out / "locking.png").exists()
+    assert "orders agree with theory" in capsys.readouterr().out
     # a study takes no shaped punches unless it says so
-    assert main(["study", "trapezoids", "sphere", "--quick", "--out", str(tmp_path / "no")]) == 2
+    assert main(["study", "locking", "sphere", "--quick", "--out", str(tmp_path / "no")]) == 2
     assert "leave out punch.recess" in capsys.readouterr().err

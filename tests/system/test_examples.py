@@ -86,9 +86,10 @@ def test_wear_scars(show):
 
 
 @pytest.mark.gmsh
-def test_the_notebook_has_the_outputs_of_its_cells(capsys):
+@pytest.mark.parametrize("name", ["first_steps", pytest.param("orders", marks=pytest.mark.slow)])
+def test_the_notebook_has_the_outputs_of_its_cells(name, capsys):
     """The printed text and the last value of each cell equal the outputs stored in the notebook."""
-    notebook = json.loads((EXAMPLES / "first_steps.ipynb").read_text("utf-8"))
+    notebook = json.loads((EXAMPLES / f"{name}.ipynb").read_text("utf-8"))
     cells, names = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"], {}
     for cell in cells:
         code = ast.parse("".join(cell["source"]))

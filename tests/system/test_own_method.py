@@ -12,6 +12,7 @@ from ringwear import (
     Method,
     Scene,
     load,
+    main,
     method,
     pressure_spaces,
     run,
@@ -95,3 +96,18 @@ def test_springs_relax_independently():
     np.testing.assert_allclose(dataset.pressure, pressure, rtol=1e-9)
     depth = dataset.indentation - dataset.steady_wear_rate * dataset.time
     np.testing.assert_allclose(depth, float(depth[0]), rtol=1e-9)
+
+
+def test_a_method_of_a_file_is_run_from_the_command_line(tmp_path, capsys):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from ringwear import method\n"
+        "class Mine(type(method('mdr'))):\n"
+        "    name = 'mine'\n"
+        "number = 1\n"
+    )
+    run_flat = ["run", "flat_punch", "--rtol", "1e-2", "--no-figures", "--methods"]
+    assert main([*run_flat, f"mdr,{file}:Mine", "--out", str(tmp_path / "out")]) == 0
+    assert load(tmp_path / "out").dataset.solver.values.tolist() == ["mdr", "mine"]
+    assert main([*run_flat, f"mdr,{file}:number", "--out", str(tmp_path / "no")]) == 2
+    assert "is not a method" in capsys.readouterr().err

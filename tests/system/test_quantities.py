@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from groups import nightly
 
-from ringwear import Scene, SceneError, main, run
+from ringwear import Scene, main, run
 
 FIVE = Scene.load("five_rings").changed(methods=["mdr", "fem"])
 PAIR = ["indentation", "relaxation_time"]
@@ -124,20 +124,6 @@ def test_unknowns_grow_with_every_digit():
         for rtol in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
     ]
     assert (np.diff(np.log(sizes)) > np.log(1.2)).all()
-
-
-@pytest.mark.parametrize(
-    ("names", "changes"),
-    [
-        (["indentations"], {}),
-        ([], {}),
-        (["indentation"], {"wear": {}}),
-        (["steady"], {"wear": {"times": [1.0], "steady": False}}),
-    ],
-)
-def test_quantities_that_a_scene_does_not_have_are_refused(names, changes):
-    with pytest.raises(SceneError, match="quantities"):
-        _ = FIVE.changed(output__quantities=names, **changes).problem
 
 
 def test_the_option_quantities_of_the_command(tmp_path):

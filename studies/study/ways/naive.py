@@ -154,6 +154,13 @@ def press(
     return Face(stiffness, MeshLine(on_punch))
 
 
+def pressed(problem: Problem, outer: float, cells: int) -> tuple[Face, Array]:
+    """Return the face of a problem, and the non-dimensional wear coefficients in its nodes (n,)."""
+    length, hole = problem.units.length, problem.inner_radius
+    face = press(length, hole * length, problem.units.modulus, problem.poisson_ratio, outer, cells)
+    return face, problem.merged.at(np.clip(face.radii / length, hole, 1.0))
+
+
 def solve(
     problem: Problem, outer: float = OUTER, cells: int = DEFAULT_CELLS, step: float = STEP
 ) -> Results:
@@ -169,11 +176,10 @@ def solve(
     step : time step in the unit of the scene
     """
     units = problem.units
-    length, hole = units.length, problem.inner_radius * units.length
-    face = press(length, hole, units.modulus, problem.poisson_ratio, outer, cells)
+    length = units.length
+    face, wear = pressed(problem, outer, cells)
     radii = face.radii / length
     # wear rate per pressure, in the units of the scene
-    wear = problem.merged.at(np.clip(radii, problem.inner_radius, 1.0))
     wear = wear * units.wear_rate / units.pressure
     heights = (problem.profile(radii) + problem.profile.standoff) * units.displacement
     pressure_per_height = np.linalg.solve(face.mass, face.stiffness)
@@ -218,10 +224,7 @@ def stable_step(problem: Problem, cells: int) -> float:
 
     It is two over the greatest rate at which wear makes pressures decay at a fixed indentation.
     """
-    units, hole = problem.units, problem.inner_radius
-    face = press(
-        units.length, hole * units.length, units.modulus, problem.poisson_ratio, OUTER, cells
-    )
-    wear = problem.merged.at(np.clip(face.radii / units.length, hole, 1.0))
-    pressures = np.linalg.solve(face.mass, face.stiffness) * units.displacement / units.pressure
+    face, wear = pressed(problem, OUTER, cells)
+    scale = problem.units.displacement / problem.units.pressure
+    pressures = np.linalg.solve(face.mass, face.stiffness) * scale
     return float(2 / np.abs(np.linalg.eigvals(pressures * wear[:, None])).max())

@@ -31,7 +31,7 @@ from ....meshes import (
     graded_breakpoints,
 )
 from ...crosscheck import Problem, Solution, scaled_cells, with_rtol
-from ..way import Way
+from ..way import Way, inverse
 from . import theories
 from .subdivision import subdivided
 from .wear import wear_on
@@ -67,11 +67,8 @@ def uniform_radii(method: str, degree: int, counts: Sequence[int]) -> Way:
         inside = (edges[:-1, None] + np.diff(edges)[:, None] * np.arange(level) / level).ravel()
         return on_radii(problem, method, np.append(inside, 1.0), degree)
 
-    def size(level: int) -> float:
-        return 1 / level
-
     name = f"{method.upper()} degree {degree}, uniform"
-    return Way(name, method, counts, solve, COUNTED, size, theories.for_uniform_meshes)
+    return Way(name, method, counts, solve, COUNTED, inverse, theories.for_uniform_meshes)
 
 
 def graded_radii(method: str, degree: int, gradings: Sequence[float]) -> Way:
@@ -115,11 +112,8 @@ def cells(method: str, factors: Sequence[float], degree: int = 0, quads: bool = 
         half_space = elements_on(problem, at_level, level, degree, quads)
         return wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
 
-    def size(level: float) -> float:
-        return 1 / level
-
     name = f"{'Q' if quads else 'P'}{degree} below cells" if method == "fem" else method.upper()
-    return Way(name, method, factors, solve, SCALED, size, theories.for_cells)
+    return Way(name, method, factors, solve, SCALED, inverse, theories.for_cells)
 
 
 def elements_on(

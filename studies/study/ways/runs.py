@@ -20,7 +20,7 @@ from ...crosscheck import (
     radial_sizes,
     solved_to_accuracy,
 )
-from ..way import Way
+from ..way import Way, inverse
 from . import naive, theories
 
 TOLERANCE, STEP, STABLE_STEP, SPRINGS, ELEMENTS = (
@@ -60,17 +60,7 @@ def tolerances(entry: Method, rtols: Sequence[float]) -> Way:
         return solved_by(entry, replace(problem, rtol=level))
 
     name = entry.name.upper() if entry.name in METHODS else entry.name
-    return Way(name, entry.name, rtols, solve, TOLERANCE, float, promises=True)
-
-
-def as_run(entry: Method) -> Way:
-    """Return the way of one level: a run of a method at the tolerance of the scene."""
-
-    def solve(problem: Problem, _: str, __: Solution | None) -> Solution:
-        return solved_by(entry, problem)
-
-    name = entry.name.upper() if entry.name in METHODS else entry.name
-    return Way(name, entry.name, ("its tolerance",), solve, TOLERANCE)
+    return Way(name, entry.name, rtols, solve, TOLERANCE, float, promises=True, largest=0.0)
 
 
 def closed_form() -> Way:
@@ -82,25 +72,28 @@ def closed_form() -> Way:
     return Way("direct integration", "direct", (1,), solve, "one level", float)
 
 
-def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float = 1e-4) -> Way:
-    """Return the way through time steps of an Euler march on an accurate space of MDR.
+def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float | None = None) -> Way:
+    """Return the way through time steps of an Euler march on one space of MDR.
 
     Parameters
     ----------
     march : `implicit` or `explicit`
     lengths : steps in a / (E* k_max v0), from coarse to fine
     case : problem of the case, which tells whether steps are short enough to have an order
-    rtol : tolerance of the space
+    rtol : tolerance of the space; None for the coarse one of explicit marches
     """
 
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        marched = replace(problem, march=march, step=level, rtol=rtol)
+        marched = replace(problem, march=march, step=level)
+        if rtol is None:
+            return on_coarse_space(marched)
         if refusal := method("mdr").refusal(marched):
             raise SolverError(refusal)
-        return method("mdr").solve(marched, Stages("mdr"))
+        return method("mdr").solve(replace(marched, rtol=rtol), Stages("mdr"))
 
     theory = partial(theories.for_steps, why_no_order(case, lengths))
-    return Way(f"MDR, {march} Euler", "mdr", lengths, solve, STEP, float, theory)
+    name = f"{march} Euler" if rtol is None else f"MDR, {march} Euler"
+    return Way(name, "mdr", lengths, solve, STEP, float, theory)
 
 
 def why_no_order(problem: Problem, lengths: Sequence[float]) -> str:
@@ -111,23 +104,7 @@ def why_no_order(problem: Problem, lengths: Sequence[float]) -> str:
     return "" if short else theories.LONG_STEPS
 
 
-def steps_on_coarse_space(march: str, lengths: Sequence[float], case: Problem) -> Way:
-    """Return the way through time steps on one coarse space of MDR.
-
-    Parameters
-    ----------
-    march : `implicit` or `explicit`
-    lengths : steps in a / (E* k_max v0), from coarse to fine
-    case : problem of the case
-    """
-
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        return on_coarse_space(replace(problem, march=march, step=level))
-
-    theory = partial(theories.for_steps, why_no_order(case, lengths))
-    return Way(f"{march} Euler", "mdr", lengths, solve, STEP, float, theory)
-
-
+@lru_cache(maxsize=4)
 def coarse_stability_limit(problem: Problem) -> float:
     """Return the greatest stable explicit step on the coarse space."""
     wear = on_coarse_space(problem).wear
@@ -154,20 +131,14 @@ def explicit_steps(parts: Sequence[float]) -> Way:
 
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
         marched = replace(
-            problem, mdr=COARSE_SPACE, march="explicit", step=level * stable_step(problem)
+            problem,
+            mdr=COARSE_SPACE,
+            march="explicit",
+            step=level * coarse_stability_limit(problem),
         )
         return method("mdr").solve(marched, Stages("mdr"))
 
     return Way("MDR, explicit Euler", "mdr", parts, solve, STABLE_STEP, float)
-
-
-@lru_cache(maxsize=4)
-def stable_step(problem: Problem) -> float:
-    """Return the greatest stable explicit step of MDR on the coarse elements."""
-    coarse = replace(problem, mdr=MdrAccuracy.model_validate(COARSE_SPACE))
-    wear = method("mdr").solve(coarse, Stages("mdr")).wear
-    assert wear is not None
-    return wear.stability_limit()
 
 
 def paper_grid(springs: Sequence[int]) -> Way:
@@ -176,10 +147,7 @@ def paper_grid(springs: Sequence[int]) -> Way:
     def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
         return solved_by(method("mdr-grid"), replace(problem, mdr=MdrAccuracy(grid=level)))
 
-    def size(level: int) -> float:
-        return 1 / level
-
-    return Way("the paper's grid", "mdr-grid", springs, solve, SPRINGS, size)
+    return Way("the paper's grid", "mdr-grid", springs, solve, SPRINGS, inverse)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from ....meshes import Compliance, Ground, SizeField, relative_stiffness
 from ....meshes.by_gmsh import graded, truncation_with_interfaces
 from ...crosscheck import Problem, Solution, press_flat
 from ..reference import Reference
-from ..way import Solve, Theory, Way
+from ..way import Solve, Theory, Way, inverse
 from .subdivision import FLAT, triangulated
 
 ORDERS = {"clamped": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -46,7 +46,7 @@ def far_fields(radii: Sequence[float], ground: Ground) -> list[Way]:
     interfaces = tuple(ground.depths.tolist())
     outers = sorted({truncation_with_interfaces(interfaces, radius) for radius in radii})
     count = 1 if ground.rigid else len(ORDERS_ON_LAYERS)
-    return [_outwards_on_layers(loads, outers) for loads in range(count)]
+    return [_outwards_on_layers(loads, outers, ground.rigid) for loads in range(count)]
 
 
 def start(depth: float, unknowns: int) -> Solution:
@@ -74,24 +74,22 @@ def _outwards(poles: int, radii: Sequence[float]) -> Way:
     return _way(name, radii, solve, Theory(order, ROUNDOFF, REASON, "roundoff"))
 
 
-def _outwards_on_layers(loads: int, radii: Sequence[float]) -> Way:
+def _outwards_on_layers(loads: int, radii: Sequence[float], rigid: bool) -> Way:
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
         compliances, unknowns = condensed_on_layers(level, problem.ground)
         return start(press_flat(compliances[loads]).indentation, unknowns)
 
     name, order = tuple(ORDERS_ON_LAYERS.items())[loads]
     theory = Theory(order, DISCRETISATION_ERROR, REASON, "the error of the elements")
+    theory = theory._replace(order=np.nan, reason=RIGID) if rigid else theory
     return _way(name, radii, solve, theory)
 
 
 def _way(name: str, radii: Sequence[float], solve: Solve, theory: Theory) -> Way:
-    def size(level: float) -> float:
-        return 1 / level
-
     def theory_of(*_: str) -> Theory:
         return theory
 
-    return Way(name, "fem", tuple(radii), solve, "$a/R$", size, theory_of)
+    return Way(name, "fem", tuple(radii), solve, "$a/R$", inverse, theory_of)
 
 
 @lru_cache(maxsize=16)

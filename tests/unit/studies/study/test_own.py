@@ -3,15 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.linalg import eigh
 from skfem import ElementTriCR, ElementTriP2, Mesh
 
 from ringwear import Rings, Scene, SceneError, SizeField, bisection, energy, method
 from ringwear.meshes.half_space import contact_radii
-from ringwear.studies.refinement import costs
+from ringwear.studies.study.answer import costs_of, reached
 from ringwear.studies.study.errors import EIGENVALUE, values_of
-from ringwear.studies.study.mesh_figures import DrawnLevel, worst_place
 from ringwear.studies.study.own import (
     degree_of,
     read_elements,
@@ -19,7 +19,6 @@ from ringwear.studies.study.own import (
     read_methods,
     read_quantities,
 )
-from ringwear.studies.study.reference import reference
 from ringwear.studies.study.way import Case
 from ringwear.studies.study.ways.finite_elements import own_meshes
 
@@ -62,32 +61,50 @@ def test_a_mesh_file_fits_if_its_ring_edges_are_vertices(tmp_path):
         read_meshes(case_of().problem, [3])
 
 
-@pytest.mark.parametrize(("rim_size", "ring_size", "edge"), [(1e-4, 0.2, 0.5), (0.2, 1e-4, 1.0)])
-def test_the_worst_place_is_where_the_mesh_is_coarse(rim_size, ring_size, edge):
+def test_the_least_eigenvalue_is_the_least_ratio_of_energies_on_the_same_pressures():
     case = case_of()
-    mesh = bisection.mesh(SizeField(tuple(EDGES), rim_size, ring_size, 0.5, 4.0))
+    mesh = bisection.mesh(SizeField(tuple(EDGES), 0.1, 0.1, 0.5, 4.0))
     (level,), way = own_meshes({"mine": mesh}, 3).levels, own_meshes({"mine": mesh}, 3)
-    solution, exact = way.solve(case.problem, level, None), reference(case, confirmed=False)
-    place = worst_place(case, DrawnLevel.of(case, way, level, solution, exact.values))
-    assert place.edge == edge
-    assert edge in place.facet
-    assert 0.5 < place.share <= 1
-    # the least eigenvalue is the least ratio of energies on the same pressures
+    solution = way.solve(case.problem, level, None)
     values = values_of(case, solution, (EIGENVALUE,))
     compliance = solution.wear.compliance
     ratios = eigh(compliance.matrix, energy.compliance(compliance.space).matrix, eigvals_only=True)
     assert float(values[EIGENVALUE]) == pytest.approx(ratios.min(), rel=1e-6)
 
 
-def test_costs_are_those_of_the_first_level_that_reaches_a_goal():
-    import pandas as pd
+@pytest.mark.parametrize(
+    ("errors", "cost"),
+    [
+        # halfway on both logarithmic scales
+        ([1e-1, 1e-3], 200),
+        # already the coarsest level
+        ([1e-3, 1e-4], 100),
+        ([1e-1, 2e-2], np.nan),
+        # an error that is small by chance does not count
+        ([1e-3, 1e-1], np.nan),
+        # the solution is the reference itself
+        ([1e-1, 0.0], 400),
+    ],
+)
+def test_the_cost_of_an_accuracy_is_interpolated(errors, cost):
+    found = reached(np.array([100.0, 400.0]), np.array(errors), 1e-2)
+    assert found == pytest.approx(cost, nan_ok=True)
 
-    table = pd.DataFrame({"error": [0.02, -0.005], "unknowns": [100, 400], "seconds": [1.0, 2.0]})
+
+def test_costs_have_each_quantity_and_the_worst_one():
+    table = pd.DataFrame({"error": [0.1, -0.001], "unknowns": [100, 400], "seconds": [1.0, 2.0]})
     table = table.assign(case="scene", way="uniform", quantity="indentation", when="start")
-    by_goal = costs(table).set_index("goal")
-    assert by_goal.unknowns[1e-2] == 400
-    assert np.isnan(by_goal.unknowns[1e-3])
-    assert by_goal["least error"][1e-3] == 0.005
+    table = table.assign(level=["0", "1"], estimate=np.nan, reference=1e-9)
+    both = pd.concat([table, table.assign(quantity="pressure", error=[1.0, 0.1])])
+    costs = costs_of(both.reset_index()).set_index(["quantity", "goal"])
+    # halfway on logarithmic scales; the pressure does not reach it, nor the worst quantity
+    assert costs.unknowns["indentation", 1e-2] == 200
+    assert np.isnan(costs.unknowns["pressure", 1e-2])
+    assert np.isnan(costs.unknowns["worst quantity", 1e-2])
+    assert costs.of["worst quantity", 1e-2] == "pressure, start"
+    assert np.isnan(costs.seconds["indentation", 1e-4])
+    # one quantity has no worst one
+    assert set(costs_of(table)["quantity"]) == {"indentation"}
 
 
 def test_quantities_are_names_and_functions():
