@@ -112,7 +112,6 @@ def test_a_kind_of_profile_needs_a_class_and_a_second_reading(monkeypatch):
     named = files_named_for("a kind of profile")
     files = (
         "studies/crosscheck/problem/fields.py",
-        "studies/crosscheck/problem/punch.py",
         "studies/crosscheck/anchors/reading.py",
     )
     assert set(files) <= set(named)
