@@ -125,23 +125,23 @@ def place_of(unknown: str, section: type[Section], scene: type[Section]) -> str:
     names = keys_of(section)
     if unknown in names:
         return unknown
-    tables = {
-        info.alias or name: keys_of(info.annotation)
-        for name, info in scene.model_fields.items()
+    tables = [
+        info.annotation
+        for info in scene.model_fields.values()
         if isinstance(info.annotation, type) and issubclass(info.annotation, Section)
-    }
+    ]
     match = nearest(unknown, names)
-    if match and section not in (scene, *(info.annotation for info in scene.model_fields.values())):
+    if match and section not in (scene, *tables):
         # in a table within a table, such as a profile, its own keys come first
         return match
-    for table, keys in tables.items():
-        if unknown in keys:
-            return f"{table}.{unknown}"
+    for table in tables:
+        if unknown in keys_of(table):
+            return table.prefix + unknown
     if match:
         return match
-    for table, keys in tables.items():
-        if match := nearest(unknown, keys, LEAST_SIMILARITY_ELSEWHERE):
-            return f"{table}.{match}"
+    for table in tables:
+        if match := nearest(unknown, keys_of(table), LEAST_SIMILARITY_ELSEWHERE):
+            return table.prefix + match
     return ""
 
 
