@@ -22,8 +22,7 @@ from ..crosscheck import (
     run,
     shown,
 )
-from ..wear_step.limits import limits_on_mesh
-from ..wear_step.words import describe
+from ..wear_step.limits import describe, limits_on_mesh
 from . import abaqus, calculix
 from .keywords import Model, State
 from .mesh import deck_mesh, layered_mesh
