@@ -7,7 +7,7 @@ strain modulus of the first layer 1.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from functools import lru_cache
 
 import numpy as np
 from scipy.special import j0, j1
@@ -24,8 +24,12 @@ EXTRA_POINTS = 24
 VALUES_PER_BLOCK = 2**21
 
 
+@lru_cache(maxsize=64)
 def spectrum(ground: Ground) -> tuple[Array, Array]:
-    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights."""
+    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights.
+
+    The arrays are cached and must not be modified.
+    """
     s, weights = wave_numbers(ground, reach=2.0)
     return s, (relative_compliance(ground, s) - 1) * weights
 
@@ -82,28 +86,6 @@ def added_slope(ring_edges: Array, steps: Array, radii: Array, ground: Ground) -
     """Return the slope of the displacement (R, ...) that layers add at radii (R,)."""
     s, loads = ring_spectrum(ring_edges, steps, ground)
     return -_summed(j1, s, (s * loads.T).T, radii)
-
-
-class OfStates(NamedTuple):
-    """What layers add to the displacement of M states, each at a radius of its own.
-
-    Parameters
-    ----------
-    wave_numbers : (k,) wave numbers; none for a half-space
-    loads : (k, M) contributions of the states (`ring_spectrum`)
-    """
-
-    wave_numbers: Array
-    loads: Array
-
-    def displacement(self, radii: Array) -> Array:
-        """Return the added displacement (M,) at radii (M,)."""
-        return np.einsum("mk,km->m", j0(np.outer(radii, self.wave_numbers)), self.loads)
-
-    def slope(self, radii: Array) -> Array:
-        """Return the slope (M,) of the added displacement at radii (M,)."""
-        waves = j1(np.outer(radii, self.wave_numbers)) * self.wave_numbers
-        return -np.einsum("mk,km->m", waves, self.loads)
 
 
 def _summed(bessel: Callable[[Array], Array], s: Array, loads: Array, radii: Array) -> Array:

@@ -16,14 +16,11 @@ and s_zz by J_0(s r). Nothing is singular at Poisson's ratio 1/2.
 """
 
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.floating]
-Indices = NDArray[np.int64]
+from ..radial import Array, Indices, gauss
 
 # decay exponent at which exponentials count as zero: exp(-36) = 2e-16 is roundoff
 NEGLIGIBLE_EXPONENT = 36.0
@@ -256,12 +253,6 @@ def wave_numbers(
     doubling = np.geomspace(first_panel, widest, int(np.log2(widest / first_panel)) + 2)
     even = np.linspace(widest, end, int(np.ceil((end - widest) / widest)) + 1)[1:]
     panels = np.concatenate([[0.0], doubling, even])
-    node, weight = _gauss(POINTS)
+    node, weight = gauss(POINTS)
     half = np.diff(panels)[:, None] / 2
     return (panels[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
-
-
-@cache
-def _gauss(count: int) -> tuple[Array, Array]:
-    node, weight = np.polynomial.legendre.leggauss(count)
-    return node, weight

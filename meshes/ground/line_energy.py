@@ -17,7 +17,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from .ground import Array, Ground, relative_compliance, wave_numbers
+from ..radial import Array
+from .ground import Ground, relative_compliance, wave_numbers
 
 # Size, relative to the largest coefficient, below which the last coefficients of the flat punch's
 # line density are left out. For moduli that differ much they are noise.

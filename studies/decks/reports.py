@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ...meshes import Array, SceneError
+from ...meshes import Array, SceneError, ring_of
 from ..crosscheck import Scene
 from ..wear_step.contact_nodes import contact_mass
 
@@ -124,8 +124,8 @@ class Deck:
         def wear(radii: Array) -> Array:
             if time == 0:
                 return np.ones_like(radii)
-            ring = np.clip(np.searchsorted(edges, radii, "right") - 1, 0, len(inner) - 1)
-            fraction = (radii - edges[ring]) / (edges[ring + 1] - edges[ring])
+            ring = ring_of(edges, radii)
+            fraction = (radii - edges[ring]) / np.diff(edges)[ring]
             values = inner[ring] + fraction * (outer[ring] - inner[ring])
             jumps = edges[1:-1][inner[1:] != outer[:-1]]
             away_from_jumps = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
