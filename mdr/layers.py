@@ -17,6 +17,7 @@ from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, unit_gauss
 
 # greatest width of a quadrature panel, relative to the thickness of the first layer
+# (tests/physics/test_layers.py)
 WIDEST_PANEL = 2.0
 # number of Gauss points on a panel in addition to the degree of the pressure
 EXTRA_POINTS = 24

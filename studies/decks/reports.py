@@ -205,7 +205,8 @@ def read_dat(path: Path) -> pd.DataFrame:
 
 def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
     """Yield the vertical components in each block of nodes: quantity, node set, time, values."""
-    title, values = None, list[float]()
+    block: tuple[str, str, float] | None = None
+    values = list[float]()
     with path.open(encoding="utf-8", errors="replace") as lines:
         for line in lines:
             words = line.split()
@@ -213,16 +214,13 @@ def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
                 values.append(fortran_number(words[2]))
                 continue
             if words:
-                if title and values:
-                    yield title["quantity"], title["set"], _time(title), np.array(values)
-                title, values = DAT_TITLE.search(line), []
-    if title and values:
-        yield title["quantity"], title["set"], _time(title), np.array(values)
-
-
-def _time(title: re.Match[str]) -> float:
-    """Return the time in the title of a block."""
-    return fortran_number(title["time"])
+                if block and values:
+                    yield *block, np.array(values)
+                block, values = None, []
+                if title := DAT_TITLE.search(line):
+                    block = title["quantity"], title["set"], fortran_number(title["time"])
+    if block and values:
+        yield *block, np.array(values)
 
 
 def fortran_number(text: str) -> float:

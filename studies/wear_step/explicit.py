@@ -52,26 +52,16 @@ class ExplicitWear:
     ----------
     nodes : the nodes
     treatment : how pressures are computed from the forces on the nodes
-    nodal_wear : (k,) wear coefficients at all nodes, over the greatest
+    wear : (n,) wear coefficients of the nodes in contact, over the greatest
     force : the force; None if the indentation is given
     touching : numbers of the nodes in contact; the others carry no force
     """
 
     nodes: ContactNodes
     treatment: str
-    nodal_wear: Array
+    wear: Array
     force: float | None
     touching: Indices
-
-    @cached_property
-    def wear(self) -> Array:
-        """(n,) wear coefficients of the nodes in contact."""
-        return self.nodal_wear[self.touching]
-
-    @cached_property
-    def radii(self) -> Array:
-        """(n,) radii of the nodes in contact."""
-        return self.nodes.radii[self.touching]
 
     @cached_property
     def _stiffness(self) -> Array:
@@ -155,7 +145,7 @@ def explicit(
     touching : numbers of the nodes in contact; by default all
     """
     force = None if problem.indentation is not None else 1.0
-    wear = wear_at_nodes(problem.merged, nodes.radii)
     if touching is None:
         touching = np.arange(len(nodes.radii))
+    wear = wear_at_nodes(problem.merged, nodes.radii[touching])
     return ExplicitWear(nodes, treatment, wear, force, touching)

@@ -56,7 +56,7 @@ def test_modes_reproduce_marches(element, force):
     update = explicit(scene.problem, nodes_of(element, 15), "per node")
     assert (update.force is None) == (force == "decaying")
     count, step = 40 * 400, 0.3 * update.limit / 400
-    profile = np.zeros(len(update.radii))
+    profile = np.zeros(len(update.wear))
     for _ in range(count):
         profile = profile + step * update.wear * update.pressures(profile)
     exact = update.exact(np.array([count * step]))[0]
