@@ -20,9 +20,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from ..meshes.ground.ground import HALF_SPACE, Ground
+from ..meshes.ground.ground import HALF_SPACE, Ground, spectrum
 from ..meshes.radial import Array
-from .layers import spectrum
 
 # number of quadrature angles; 36 of them already give 15 digits of the stiffness for b from 1e-4 to
 # .9999

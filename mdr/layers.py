@@ -7,12 +7,11 @@ strain modulus of the first layer 1.
 """
 
 from collections.abc import Callable
-from functools import lru_cache
 
 import numpy as np
 from scipy.special import j0, j1
 
-from ..meshes.ground.ground import Ground, relative_compliance, wave_numbers
+from ..meshes.ground.ground import Ground, spectrum
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, unit_gauss
 
@@ -23,16 +22,6 @@ WIDEST_PANEL = 2.0
 EXTRA_POINTS = 24
 # number of values of Bessel functions that are stored at a time
 VALUES_PER_BLOCK = 2**21
-
-
-@lru_cache(maxsize=64)
-def spectrum(ground: Ground) -> tuple[Array, Array]:
-    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights.
-
-    The arrays are cached and must not be modified.
-    """
-    s, weights = wave_numbers(ground, reach=2.0)
-    return s, (relative_compliance(ground, s) - 1) * weights
 
 
 def added_by_layers(space: PressureSpace, ground: Ground) -> Array:

@@ -16,11 +16,14 @@ and s_zz by J_0(s r). Nothing is singular at Poisson's ratio 1/2.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..radial import Array, Indices, gauss
+Array = NDArray[np.floating]
+Indices = NDArray[np.int64]
 
 # decay exponent at which exponentials count as zero: exp(-36) = 2e-16 is roundoff
 NEGLIGIBLE_EXPONENT = 36.0
@@ -253,6 +256,22 @@ def wave_numbers(
     doubling = np.geomspace(first_panel, widest, int(np.log2(widest / first_panel)) + 2)
     even = np.linspace(widest, end, int(np.ceil((end - widest) / widest)) + 1)[1:]
     panels = np.concatenate([[0.0], doubling, even])
-    node, weight = gauss(POINTS)
+    node, weight = _gauss(POINTS)
     half = np.diff(panels)[:, None] / 2
     return (panels[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
+
+
+@lru_cache(maxsize=64)
+def spectrum(ground: Ground) -> tuple[Array, Array]:
+    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights.
+
+    The arrays are cached and must not be modified.
+    """
+    s, weights = wave_numbers(ground, reach=2.0)
+    return s, (relative_compliance(ground, s) - 1) * weights
+
+
+@cache
+def _gauss(count: int) -> tuple[Array, Array]:
+    node, weight = np.polynomial.legendre.leggauss(count)
+    return node, weight

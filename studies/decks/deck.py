@@ -171,11 +171,12 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
         mesh = layered_mesh(edges, choice.size, choice.reach, quadratic, ground)
     else:
         mesh = deck_mesh(edges, choice.size, choice.reach, quadratic)
-    steps = describe([limits_on_mesh(scene, mesh.mesh, choice.element)])
-    heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))
-    model = Model(scene, mesh, ground.greatest_poisson_ratio > LOCKING, heads)
+    model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
     writer.refuse_small_elements(model)
     punch_states = states(scene, _times(scene, choice.times), model.radii)
+    steps = describe([limits_on_mesh(scene, mesh.mesh, choice.element)])
+    heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))
+    model = replace(model, wear_steps=heads)
     # contact decks have linear elements, whose nodes are the corners
     linear_model = replace(model, mesh=replace(mesh, quadratic=False))
     files = dict[str, list[str]]()

@@ -81,10 +81,11 @@ class StepLimits:
     @property
     def updates(self) -> float:
         """Number of recommended updates until 99 % of the running-in; NaN if that is not known."""
-        if not self.scene.problem.full_contact:
+        problem = self.scene.problem
+        if not problem.full_contact or "time_to_99" not in problem.remaining_parts:
             return np.nan
         answer = run(self.scene, ["mdr"], TIME_RTOL, quantities=["indentation"]).dataset
-        time = answer["time_to_99"].item() / self.scene.problem.units.time
+        time = answer["time_to_99"].item() / problem.units.time
         return max(time / self.limit() / RECOMMENDED, 1.0)
 
 
