@@ -227,7 +227,7 @@ class Reported:
     @property
     def graded(self) -> bool:
         """Whether the wear coefficient varies along the radius (a table in the scene)."""
-        return bool(self.reading.table)
+        return self.problem.graded is not None
 
     @property
     def full_contact(self) -> bool:
