@@ -26,7 +26,7 @@ from ..methods.base import Solution
 from ..problem.problem import Problem
 from ..problem.quantities import HISTORIES, STEADY
 from ..scene.scene import Scene
-from . import answers, balances, fields, flat, identities, inputs, modes, steady
+from . import answers, closed_forms, fields, identities, inputs, modes
 from .anchor import Anchor, Rows, judge
 from .reading import Reading
 from .reported import Reported
@@ -67,16 +67,16 @@ FIELDS_OF_CONTACT = "pressure profile displacement indentation normal_force"
 CHECKS = (
     Check(inputs.check_inputs),
     Check(answers.check_table),
-    Check(steady.check_steady_state, " ".join(sorted(STEADY))),
-    Check(balances.check_forces, "ring_force pressure"),
-    Check(balances.check_mean_contact_radius, "mean_contact_radius normal_force pressure"),
-    Check(balances.check_worn_volumes, "ring_worn_volume"),
-    Check(flat.check_start, "indentation", _full_contact),
-    Check(flat.check_start_pressures, "pressure ring_force", _full_contact),
+    Check(closed_forms.check_steady_state, " ".join(sorted(STEADY))),
+    Check(identities.check_forces, "ring_force pressure"),
+    Check(identities.check_mean_contact_radius, "mean_contact_radius normal_force pressure"),
+    Check(identities.check_worn_volumes, "ring_worn_volume"),
+    Check(closed_forms.check_start, "indentation", _full_contact),
+    Check(closed_forms.check_start_pressures, "pressure ring_force", _full_contact),
     Check(modes.check_relaxation_times, "running_in_time"),
     Check(modes.check_modes_of_history, "", _full_contact),
     Check(fields.check_output, "indentation pressure profile displacement", _sliding),
-    Check(flat.check_wear, "indentation pressure profile", _given_force_and_sliding),
+    Check(closed_forms.check_wear, "indentation pressure profile", _given_force_and_sliding),
     Check(answers.check_times_of_running_in, "indentation", _has_times),
     Check(answers.check_time_to_full_contact, "time_to_full_contact"),
     Check(answers.check_repeated_numbers),

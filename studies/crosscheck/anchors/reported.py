@@ -72,9 +72,9 @@ class Reported:
 
     Attributes
     ----------
-    times, forces, distances, work : (T,)
-        The compared times at which the force is not zero, with the force, the sliding distance and
-        the integral of the force over the sliding distance up to then; non-dimensional.
+    times, forces, work : (T,)
+        The compared times at which the force is not zero, with the force and the integral of the
+        force over the sliding distance up to then; non-dimensional.
     has_slid : (T,)
         Whether the force has done work by a time.
     includes_start : bool
@@ -104,7 +104,7 @@ class Reported:
             self.problem.compared_rows[self.in_contact],
             times[self.in_contact],
         )
-        self.forces, self.distances, self.work = self.reading.load(self.times)
+        self.forces, _, self.work = self.reading.load(self.times)
         self.has_slid, self.includes_start = self.work > 0, 0 in self.times
         # the steady state belongs to the last force and speed, and is checked for unit values
         force, speed = (float(load.values[-1]) for load in (self.reading.force, self.reading.speed))
@@ -203,11 +203,6 @@ class Reported:
             return np.zeros(len(self.times))
         largest = (self.take("pressure") * self.face.areas).max(axis=1)
         return EDGE_QUADRATURE_FACTOR * largest + self.too_few_radii
-
-    @cached_property
-    def area(self) -> float:
-        """Area of the face, over a^2."""
-        return float(np.pi * (1 - self.inner_radius) * (1 + self.inner_radius))
 
     @cached_property
     def uniform_displacement(self) -> Array:

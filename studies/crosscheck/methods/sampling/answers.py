@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .....meshes.radial import Array, ring_of
+from .....meshes.radial import Array
 from ...problem.norms import Results
 from ...problem.problem import Problem
 from ...problem.quantities import ANSWER, STATES
@@ -174,22 +174,17 @@ def _forces(problem: Problem, ring_forces: Array) -> Array:
 
 
 def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
-    """Return the smallest and the largest steady pressure (N,) on each ring of the scene."""
-    face, pressure = problem.face, steady["steady_pressure"]
-    first = np.flatnonzero(np.diff(face.ring, prepend=-1))
-    least, greatest = (extreme.reduceat(pressure, first) for extreme in (np.minimum, np.maximum))
-    if problem.graded is not None:
-        # k p is constant over the face, and k is linear between the edges of the modelled rings:
-        # the extremes are at these edges, where the face has no radii
-        rate = np.sum(face.weights * pressure) / np.sum(face.areas)
-        rings = problem.graded
-        middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
-        at_ends = rate / rings.wear_coefficients
-        ring = ring_of(problem.ring_edges, middles)
-        for index in range(len(least)):
-            least[index] = at_ends[:, ring == index].min()
-            greatest[index] = at_ends[:, ring == index].max()
-    return least, greatest
+    """Return the smallest and the largest steady pressure (N,) on each ring of the scene.
+
+    In the steady state k p is constant over the face, and k is linear between the edges of rings:
+    the extremes are at these edges, where the face has no radii.
+    """
+    face, rings = problem.face, problem.graded or problem.rings
+    rate = np.sum(face.weights * steady["steady_pressure"]) / np.sum(face.areas)
+    at_ends = rate / rings.wear_coefficients
+    first = np.searchsorted(rings.ring_edges, problem.ring_edges[:-1])
+    least, greatest = (extreme.reduceat(at_ends, first, 1) for extreme in (np.minimum, np.maximum))
+    return least.min(axis=0), greatest.max(axis=0)
 
 
 def _peak(press: FittedPress) -> float:
