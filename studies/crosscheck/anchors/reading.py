@@ -26,33 +26,6 @@ GAUSS_POINTS = 24
 
 
 @dataclass(frozen=True, eq=False)
-class OverTime:
-    """A load that is linear between times, and constant before the first and after the last.
-
-    Parameters
-    ----------
-    times : (K,) in the scene's unit
-    values : (K,) over the greatest of them
-    greatest : the greatest value, in the scene's unit
-    """
-
-    times: Array
-    values: Array
-    greatest: float
-
-    @classmethod
-    def of(cls, load: float | TomlTable) -> "OverTime":
-        """Return a load that a scene gives as a number, or as a table of times and values."""
-        table = load if isinstance(load, dict) else {"times": [0.0], "values": [load]}
-        values = np.array(table["values"], dtype=float)
-        return cls(np.array(table["times"], dtype=float), values / values.max(), values.max())
-
-    def at(self, times: Array) -> Array:
-        """Return the values at times, over the greatest value."""
-        return np.interp(times, self.times, self.values)
-
-
-@dataclass(frozen=True, eq=False)
 class Reading:
     """The numbers of a scene, read directly from its TOML.
 
@@ -63,7 +36,8 @@ class Reading:
     edges : (N+1,) ring edges over the punch radius
     wear_radii, wear : (M,) radii over the punch radius, all ring edges among them, and the wear
         coefficients there, over the greatest; linear between, with two equal radii at a step
-    force, speed : the load over time
+    force, speed : (2, K) times and values of the load, in the scene's units; linear between, and
+        constant before the first time and after the last
     times : (T,) times of the scene, in its unit
     units : the units of non-dimensional numbers, in the scene's units
     heights : functions of the unworn heights over the radius, both in the scene's unit
@@ -76,8 +50,8 @@ class Reading:
     edges: Array
     wear_radii: Array
     wear: Array
-    force: OverTime
-    speed: OverTime
+    force: Array
+    speed: Array
     times: Array
     units: Units
     heights: tuple[Height, ...]
@@ -99,9 +73,9 @@ class Reading:
         edges = _edges(punch)
         wear_radii, wear = _wear(punch, edges)
         fastest = float(wear.max())
-        force = OverTime.of(load.get("normal_force", load.get("mean_pressure", 1.0)))
-        speed = OverTime.of(load.get("sliding_speed", 1.0))
-        greatest = force.greatest
+        force = _over_time(load.get("normal_force", load.get("mean_pressure", 1.0)))
+        speed = _over_time(load.get("sliding_speed", 1.0))
+        greatest = force[1].max()
         if "mean_pressure" in load:
             greatest *= np.pi * (radius**2 - punch.get("inner_radius", 0.0) ** 2)
         if "indentation" in load:
@@ -109,9 +83,9 @@ class Reading:
             profile, unit = scene.problem.profile, scene.problem.units.displacement
             depth = load["indentation"] - profile.standoff * unit
             greatest = radius * modulus * depth / flat_punch_of(float(edges[0]), ground).indentation
-        time = radius / modulus / fastest / speed.greatest
-        profile = scene.punch.profile
-        of_profile = [profile.height_over(radius)] if profile else []
+        time = radius / modulus / fastest / speed[1].max()
+        face = scene.punch.profile
+        of_profile = [face.height_over(radius)] if face else []
         return cls(
             rtol=toml.get("accuracy", {}).get("rtol", 1e-4),
             average=toml.get("output", {}).get("gradient_average", "line"),
@@ -126,11 +100,6 @@ class Reading:
             recess=np.zeros(len(edges) - 1) + np.array(punch.get("recess", 0.0)),
             ground=ground,
         )
-
-    @property
-    def knots(self) -> Array:
-        """(K,) times between which force and speed are linear, including the time 0."""
-        return np.unique(np.concatenate([[0.0], self.force.times, self.speed.times]))
 
     def wear_at(self, radii: Array) -> Array:
         """Return the wear coefficient at radii (over the punch radius), over the greatest."""
@@ -189,22 +158,22 @@ class Reading:
         All are non-dimensional, (T,). Between knots force and speed are linear in time, so that
         Simpson's rule integrates their product exactly.
         """
-        until, knots = np.atleast_1d(times) * self.units.time, self.knots
-        at_knots = np.zeros((2, len(knots)))
-        at_knots[:, 1:] = np.cumsum(self._integrals(knots[:-1], knots[1:]), axis=1)
-        last = np.searchsorted(knots, until, side="right") - 1
-        distance, work = at_knots[:, last] + self._integrals(knots[last], until)
-        return self.force.at(until), distance / self.units.time, work / self.units.time
-
-    def _integrals(self, starts: Array, ends: Array) -> Array:
-        """Return distance and work (2, n) from times to others before the next knots."""
-        speeds, forces = (
-            np.array([load.at(times) for times in (starts, (starts + ends) / 2, ends)])
-            for load in (self.speed, self.force)
+        until = np.atleast_1d(times) * self.units.time
+        grid = np.unique(np.concatenate([[0.0], self.force[0], self.speed[0], until]))
+        points = np.array([grid[:-1], (grid[1:] + grid[:-1]) / 2, grid[1:]])
+        forces, speeds = (
+            np.interp(points, *load) / load[1].max() for load in (self.force, self.speed)
         )
-        distance = speeds[[0, 2]].sum(axis=0) / 2
-        work = np.array([1, 4, 1]) @ (forces * speeds) / 6
-        return (ends - starts) * np.array([distance, work])
+        rates = np.array([1, 4, 1]) @ np.array([speeds, forces * speeds]) / 6
+        sums = np.cumsum(rates * np.diff(grid), axis=1) / self.units.time
+        distance, work = np.pad(sums, ((0, 0), (1, 0)))[:, np.searchsorted(grid, until)]
+        return np.interp(until, *self.force) / self.force[1].max(), distance, work
+
+
+def _over_time(load: float | TomlTable) -> Array:
+    """Return the times and the values (2, K) of a load, which a scene may give as a number."""
+    table = load if isinstance(load, dict) else {"times": [0.0], "values": [load]}
+    return np.array([table["times"], table["values"]], dtype=float)
 
 
 def _plane_strain_modulus(material: TomlTable) -> float:
@@ -253,8 +222,9 @@ def _wear(punch: TomlTable, edges: Array) -> tuple[Array, Array]:
         # two coefficients alternate from the centre
         on_rings = np.resize(np.array(given, dtype=float), len(edges) - 1)
         return np.repeat(edges, 2)[1:-1], np.repeat(on_rings, 2)
-    radii, values = np.array(given["radii"]) / punch["radius"], np.array(given["values"])
-    nearest = edges[np.abs(radii[:, None] - edges).argmin(axis=1)]
+    radii, values = (np.array(given[key], dtype=float) for key in ("radii", "values"))
+    radii /= punch["radius"]
+    nearest = edges[np.searchsorted((edges[1:] + edges[:-1]) / 2, radii)]
     radii = np.where(np.abs(radii - nearest) <= SAME_RADIUS, nearest, radii)
     missing = np.setdiff1d(edges, radii)
     places = np.searchsorted(radii, missing)

@@ -107,7 +107,10 @@ class Reported:
         self.forces, _, self.work = self.reading.load(self.times)
         self.has_slid, self.includes_start = self.work > 0, 0 in self.times
         # the steady state belongs to the last force and speed, and is checked for unit values
-        force, speed = (float(load.values[-1]) for load in (self.reading.force, self.reading.speed))
+        force, speed = (
+            float(values[-1] / values.max())
+            for _, values in (self.reading.force, self.reading.speed)
+        )
         self._load_factors = dict.fromkeys((*STEADY, "indentation_steady"), force)
         self._load_factors["steady_wear_rate"] = force * speed
         self._last_force = force
