@@ -238,14 +238,11 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
     ) -> "Compliance":
         return fitted_half_space(edges, sizes, degree, scaled_ground).compliance()
 
-    def coarser() -> "Compliance":
-        return even_half_space(
-            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
-        ).compliance()
-
     return Discretised(
         compliance,
-        coarser,
+        lambda: even_half_space(
+            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
+        ).compliance(),
         half_space.unknowns,
         half_space=half_space,
         notes=tuple(filter(None, [unloadable()])),

@@ -222,10 +222,6 @@ class MovingContact(Evaluation):
         depth = self.history.depth
         return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
 
-    def _unresolved_on_cells(self) -> Array:
-        """Return what cells do not resolve (T,), also at a fitted start, outside the contact."""
-        return self._unresolved
-
     def _lost_bend(self) -> Array:
         """Return the bend (T,) of the worn face and the displacement that linear functions lose.
 
@@ -269,8 +265,8 @@ class MovingContact(Evaluation):
     floors: ClassVar = {
         "profile": _lost_bend_of_worn_face,
         "displacement": _lost_bend,
-        "displacement_centre": _unresolved_on_cells,
-        "displacement_max": _unresolved_on_cells,
+        # also at a fitted start, because cells represent the face outside the contact
+        **dict.fromkeys(("displacement_centre", "displacement_max"), lambda each: each._unresolved),
         "pressure": _pressure_at_free_edges,
         "contact_radius": _cell_at_edge,
         "rms_slope": _error_of_slopes_at_start,
