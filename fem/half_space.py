@@ -110,19 +110,13 @@ class HalfSpace:
         """Number of displacement unknowns and pole amplitudes."""
         return self.solid.unknowns + len(self.poles)
 
-    @property
-    def _elasticity(self) -> tuple[float, float]:
-        """Poisson's ratio and shear modulus."""
-        ground = self.solid.modelled_ground
-        return ground.poisson_ratios[0], ground.shear_moduli[0]
-
     def far_fields_at(self, points: Array) -> tuple[Array, Array]:
         """Return displacements (k, n, 2) and stresses (k, n, 4) of the poles at points (n, 2).
 
         On layers, loads on the contact replace the poles (`layered_far_field.py`).
         """
         if not (ground := self.solid.modelled_ground).layered:
-            return poles(points, self.poles, *self._elasticity)
+            return poles(points, self.poles, ground.poisson_ratios[0], ground.shear_moduli[0])
         from .layered_far_field import loaded_fields  # homogeneous half-spaces do not need it
 
         return loaded_fields(points, len(self.poles), ground, truncation(self.solid.mesh))

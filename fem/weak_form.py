@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 import skfem
-from skfem import Element, ElementLinePp, ElementQuadP, Mesh, MeshQuad
+from skfem import Element, ElementQuadP, Mesh, MeshQuad
 from skfem.quadrature import get_quadrature
 
 from ..meshes.errors import SceneError
@@ -114,30 +114,5 @@ def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
 
 def tables(element: Element, points: Array) -> tuple[Array, Array]:
     """Return the values (n, q) and reference gradients (n, 2, q) of an element's functions."""
-    # a user's element that derives from ElementQuadP may have other functions
-    if type(element) is ElementQuadP:
-        return _products(element.p, points)
     pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
     return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])
-
-
-def _products(degree: int, points: Array) -> tuple[Array, Array]:
-    """Return the `tables` of scikit-fem's `ElementQuadP`, equal to the last digit.
-
-    Its functions are products of those of `ElementLinePp`, which are evaluated only once at the few
-    distinct coordinates of a quadrature.
-    """
-    line = ElementLinePp(degree)
-    coordinates, number = np.unique(points, return_inverse=True)
-    pairs = [line.lbasis(coordinates[None], i) for i in range(degree + 1)]
-    values = np.array([value for value, _ in pairs])
-    slopes = np.array([slope[0] for _, slope in pairs])
-    # order of the functions: corners, sides from the first on, inside
-    higher = np.arange(2, degree + 1)
-    low, high = np.zeros_like(higher), np.ones_like(higher)
-    inside = np.indices((degree - 1, degree - 1)).reshape(2, -1) + 2
-    first = np.concatenate([[0, 1, 1, 0], higher, high, higher, low, inside[0]])[:, None]
-    second = np.concatenate([[0, 0, 1, 1], low, higher, high, higher, inside[1]])[:, None]
-    at_x, at_y = number.reshape(points.shape)
-    x, y = values[first, at_x], values[second, at_y]
-    return x * y, np.stack([slopes[first, at_x] * y, slopes[second, at_y] * x], axis=1)

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from ..meshes.ground.ground import HALF_SPACE, Ground, relative_compliance, wave_numbers
+from ..meshes.ground.ground import HALF_SPACE, Ground, spectrum
 from ..meshes.radial import Array
 
 # number of quadrature angles; 36 of them already give 15 digits of the stiffness for b from 1e-4 to
@@ -147,12 +147,11 @@ def _kernel_of_layers(ground: Ground, radii: Array) -> Array:
     """Return ``2 int_0^inf (Phi(k) - 1) J_0(k r) J_0(k s) dk`` (R, R) at radii (R,)."""
     from scipy.special import j0
 
-    wave_number, weight = wave_numbers(ground, reach=2.0)
+    s, weights = spectrum(ground)
     kernel = np.zeros((len(radii), len(radii)))
-    for part in np.array_split(np.arange(len(wave_number)), 1 + len(wave_number) // BLOCK):
-        waves = j0(np.outer(radii, wave_number[part]))
-        added = relative_compliance(ground, wave_number[part]) - 1
-        kernel += (waves * (2 * weight[part] * added)) @ waves.T
+    for part in np.array_split(np.arange(len(s)), 1 + len(s) // BLOCK):
+        waves = j0(np.outer(radii, s[part]))
+        kernel += (waves * (2 * weights[part])) @ waves.T
     return kernel
 
 

@@ -23,15 +23,14 @@ import numpy as np
 from scipy.special import ellipe, ellipkm1, elliprd
 
 from ..meshes.ground.ground import HALF_SPACE, Ground
+from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import (
     Array,
-    cut_evenly,
     from_axis,
-    graded_breakpoints,
     ring_areas,
     unit_gauss,
 )
-from .layers import OfStates, added_displacement, added_slope, ring_spectrum
+from .layers import added_displacement, added_slope
 
 # number of (radius, disc) pairs that are evaluated together, small enough for the cache
 PAIRS_PER_BLOCK = 2**16
@@ -126,20 +125,23 @@ def greatest_displacement(ring_edges: Array, pressures: Array, ground: Ground = 
     For ring pressures (N,) it is a number; for pressures (N, M) of M states it is (M,).
     """
     states = pressures.reshape(len(pressures), -1)
-    cells = cut_evenly(ring_edges, ground.first_thickness)
+    linear = np.ones(len(ring_edges) - 1, dtype=np.int64)
+    whole = PressureSpace(ring_edges, linear, ring_edges)
+    cells = whole.no_wider(ground.first_thickness).breakpoints
     radii = np.unique(np.linspace(cells[:-1], cells[1:], SAMPLES_PER_CELL))
     values = displacement(ring_edges, states, radii, ground)
     (discs, steps), best = pressure_steps(ring_edges, states), values.argmax(axis=0)
-    added = OfStates(*ring_spectrum(ring_edges, steps, ground))
     low, high = radii[np.maximum(best - 1, 0)], radii[np.minimum(best + 1, len(radii) - 1)]
     # the slope changes its sign between the neighbours of the greatest value: bisect
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        slopes = np.sum(disc_slope(discs, middle[:, None]) * steps.T, axis=1)
-        rises = slopes + added.slope(middle) > 0
+        slopes = disc_slope(discs, middle[:, None]) @ steps
+        slopes += added_slope(ring_edges, steps, middle, ground)
+        # each state at its own radius
+        rises = slopes.diagonal() > 0
         low, high = np.where(rises, middle, low), np.where(rises, high, middle)
-    top = np.sum(disc_displacement(discs, low[:, None]) * steps.T, axis=1)
-    greatest = np.maximum(values.max(axis=0), top + added.displacement(low))
+    top = displacement(ring_edges, states, low, ground).diagonal()
+    greatest = np.maximum(values.max(axis=0), top)
     return greatest.reshape(pressures.shape[1:])[()]
 
 
@@ -168,8 +170,8 @@ def slopes_everywhere(
     """
     widths, factor = np.diff(from_axis(ring_edges)), 0.15
     sizes = np.minimum(widths, np.append(widths[1:], np.inf)) * factor**0.5
-    breakpoints, _ = graded_breakpoints(ring_edges, sizes, factor, axis_size=1.0)
-    breakpoints = cut_evenly(breakpoints, 2 * ground.first_thickness)
+    graded = PressureSpace.graded(ring_edges, sizes, factor, 1, axis_size=1.0)
+    breakpoints = graded.no_wider(2 * ground.first_thickness).breakpoints
     left, right, width = breakpoints[:-1], breakpoints[1:], np.diff(breakpoints)[:, None]
     from_left, node, weight = np.isin(left, ring_edges), *unit_gauss(POINTS)
     at_edge = (from_left | np.isin(right, ring_edges))[:, None]

@@ -12,11 +12,8 @@ from ..meshes.ground.ground import HALF_SPACE, Ground
 from ..meshes.ground.line_energy import even_legendre, line_energy_modes
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
+from .layers import WIDEST_PANEL
 from .transforms import EXTRA_POINTS, line_density, panel_quadrature, panels_from_axis
-
-# greatest width of a quadrature panel, relative to the thickness of the first layer
-# (tests/physics/test_layers.py)
-WIDEST_PANEL = 2.0
 
 
 def compliance(

@@ -7,27 +7,21 @@ strain modulus of the first layer 1.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from scipy.special import j0, j1
 
-from ..meshes.ground.ground import Ground, relative_compliance, wave_numbers
+from ..meshes.ground.ground import Ground, spectrum
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array, unit_gauss
 
 # greatest width of a quadrature panel, relative to the thickness of the first layer
+# (tests/physics/test_layers.py)
 WIDEST_PANEL = 2.0
 # number of Gauss points on a panel in addition to the degree of the pressure
 EXTRA_POINTS = 24
 # number of values of Bessel functions that are stored at a time
 VALUES_PER_BLOCK = 2**21
-
-
-def spectrum(ground: Ground) -> tuple[Array, Array]:
-    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights."""
-    s, weights = wave_numbers(ground, reach=2.0)
-    return s, (relative_compliance(ground, s) - 1) * weights
 
 
 def added_by_layers(space: PressureSpace, ground: Ground) -> Array:
@@ -82,28 +76,6 @@ def added_slope(ring_edges: Array, steps: Array, radii: Array, ground: Ground) -
     """Return the slope of the displacement (R, ...) that layers add at radii (R,)."""
     s, loads = ring_spectrum(ring_edges, steps, ground)
     return -_summed(j1, s, (s * loads.T).T, radii)
-
-
-class OfStates(NamedTuple):
-    """What layers add to the displacement of M states, each at a radius of its own.
-
-    Parameters
-    ----------
-    wave_numbers : (k,) wave numbers; none for a half-space
-    loads : (k, M) contributions of the states (`ring_spectrum`)
-    """
-
-    wave_numbers: Array
-    loads: Array
-
-    def displacement(self, radii: Array) -> Array:
-        """Return the added displacement (M,) at radii (M,)."""
-        return np.einsum("mk,km->m", j0(np.outer(radii, self.wave_numbers)), self.loads)
-
-    def slope(self, radii: Array) -> Array:
-        """Return the slope (M,) of the added displacement at radii (M,)."""
-        waves = j1(np.outer(radii, self.wave_numbers)) * self.wave_numbers
-        return -np.einsum("mk,km->m", waves, self.loads)
 
 
 def _summed(bessel: Callable[[Array], Array], s: Array, loads: Array, radii: Array) -> Array:

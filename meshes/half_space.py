@@ -271,11 +271,11 @@ def _is_folded(mesh: Mesh) -> bool:
 
 
 def corner_angles(mesh: Mesh) -> Array:
-    """Return the angles (corners, m) at the corners of each element, which must be convex."""
+    """Return the angles (corners, m) at the corners of each element, negative at reflex corners."""
     corners = corner_offsets(mesh)
     following, preceding = (np.roll(corners, shift, axis=1) - corners for shift in (-1, 1))
     cross = following[0] * preceding[1] - following[1] * preceding[0]
-    return np.arctan2(np.abs(cross), (following * preceding).sum(axis=0))
+    return np.arctan2(cross * np.sign(cross.sum(axis=0)), (following * preceding).sum(axis=0))
 
 
 def truncation(mesh: Mesh) -> float:
@@ -324,10 +324,4 @@ def quality(mesh: Mesh) -> Array:
     It is .87 for an equilateral triangle, 1 for a rectangle, 0 for a flat element, and negative for
     an element that is not convex.
     """
-    corners = corner_offsets(mesh)
-    sides = np.roll(corners, -1, axis=1) - corners
-    sides = sides / np.linalg.norm(sides, axis=0)
-    previous_sides = np.roll(sides, 1, axis=1)
-    sines = previous_sides[0] * sides[1] - previous_sides[1] * sides[0]
-    # the sine is negative at a reflex corner
-    return (sines * np.sign(sines.sum(axis=0))).min(axis=0)
+    return np.sin(corner_angles(mesh)).min(axis=0)

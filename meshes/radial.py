@@ -113,16 +113,6 @@ def exact_sum(first: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
     return rounded, (first - (rounded - second_as_added)) + (second - second_as_added)
 
 
-def cut_evenly(breakpoints: Array, widest: float) -> Array:
-    """Return element boundaries at distances up to `widest`: wider elements are cut evenly."""
-    counts = np.maximum(np.ceil(np.diff(breakpoints) / widest), 1).astype(int)
-    cuts = [
-        np.linspace(left, right, count + 1)[1:]
-        for left, right, count in zip(breakpoints[:-1], breakpoints[1:], counts, strict=True)
-    ]
-    return np.concatenate([breakpoints[:1], *cuts])
-
-
 def layers(span: float, smallest: float, factor: float) -> Array:
     """Return the distances of the boundaries of graded layers from a singular point.
 

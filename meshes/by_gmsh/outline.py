@@ -89,37 +89,6 @@ def add_corners(geometry: Any, outline: Outline) -> Corners:
     return Corners(origin, surface_end, axis_ends)
 
 
-class Part(NamedTuple):
-    """A part of the first layer between two upright lines, or its ends.
-
-    Parameters
-    ----------
-    on_surface : tags of its curves along the surface, outwards
-    end : tag of the point on the surface where it ends; None for the last part, which ends at the
-        arc
-    radius : radius of that point
-    """
-
-    on_surface: Sequence[int]
-    end: int | None = None
-    radius: float = np.inf
-
-
-class Block(NamedTuple):
-    """Tags of the surface of a part of the first layer, and of the curves that bound it.
-
-    Parameters
-    ----------
-    surface : the surface
-    bottom : the curve along the bottom
-    sides : the upright lines at both ends
-    """
-
-    surface: int
-    bottom: int
-    sides: tuple[int, int]
-
-
 def add_surfaces(
     geometry: Any,
     outline: Outline,

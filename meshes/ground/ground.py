@@ -16,7 +16,7 @@ and s_zz by J_0(s r). Nothing is singular at Poisson's ratio 1/2.
 """
 
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -259,6 +259,16 @@ def wave_numbers(
     node, weight = _gauss(POINTS)
     half = np.diff(panels)[:, None] / 2
     return (panels[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
+
+
+@lru_cache(maxsize=64)
+def spectrum(ground: Ground) -> tuple[Array, Array]:
+    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights.
+
+    The arrays are cached and must not be modified.
+    """
+    s, weights = wave_numbers(ground, reach=2.0)
+    return s, (relative_compliance(ground, s) - 1) * weights
 
 
 @cache

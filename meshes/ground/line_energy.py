@@ -17,7 +17,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from .ground import Array, Ground, relative_compliance, wave_numbers
+from .ground import Array, Ground, spectrum
 
 # Size, relative to the largest coefficient, below which the last coefficients of the flat punch's
 # line density are left out. For moduli that differ much they are noise.
@@ -62,15 +62,14 @@ def line_energy(ground: Ground) -> Array:
 
     For higher j it is the identity.
     """
-    s, weights = wave_numbers(ground, reach=2.0)
+    s, weights = spectrum(ground)
     # spherical Bessel functions are negligible if their order is well above the argument
     highest = float(s.max(initial=0.0))
     count = int(highest / 2 + 4 * highest ** (1 / 3)) + 12
     signs = np.resize([1.0, -1.0], count)[:, None]
     scale = np.sqrt(4 * np.arange(count) + 1)[:, None]
     transforms = signs * scale * spherical_bessel(s, 2 * count)[::2]
-    layer_weights = (2 / np.pi) * (relative_compliance(ground, s) - 1) * weights
-    return np.eye(count) + (transforms * layer_weights) @ transforms.T
+    return np.eye(count) + (transforms * (2 / np.pi * weights)) @ transforms.T
 
 
 @lru_cache(maxsize=128)

@@ -8,8 +8,9 @@ import pandas as pd
 
 from ...meshes import Array
 from ..crosscheck import FIELDS, QUANTITIES, Method, Problem, Results, Scene, Solution, Stages
-from ..wear_step.sawtooth import ROWS
 
+ROWS = 10
+"""Number of successive updates in which the pressure of a node has to alternate in a sawtooth."""
 ASK_FOR_ROWS = (
     f"or give the rows of {ROWS} consecutive updates of the wear, which show whether the step of "
     "these is too long for the mesh"

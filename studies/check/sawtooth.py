@@ -1,20 +1,97 @@
-"""Tell whether the pressures of another program are a sawtooth of too long a wear step."""
+"""Tell whether the pressures of another program are a sawtooth of too long a wear step.
 
+An update that is too long for a mesh makes the pressure of a node jump up and down from row to row.
+Where negative pressures are set to zero, the jumps saturate between zero and about twice the right
+pressure, and the indentation remains right. The tables have consecutive updates.
+"""
+
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...meshes import Array
 from ..crosscheck import Scene
 from ..estimate.diagnose import CONSISTENT, EXPLAINS, Diagnosis
 from ..wear_step.elements import ELEMENTS
-from ..wear_step.sawtooth import Sawtooth, find
-from .other_program import OtherProgram
+from .other_program import ROWS, OtherProgram
 
 if TYPE_CHECKING:
     from .errors import ErrorAtTime
 
 TOO_LONG = "wear step too long"
 """Name of the mistake."""
+SMALL, STEADY_RATIO = 0.02, 0.97
+"""Least size of jumps over the mean pressure, and least ratio of successive jumps: small ones must
+not decay. Noise has the ratio 2/3."""
+LARGE, LASTING_RATIO, LASTING_GROWTH = 0.1, 0.7, 0.85
+"""The same for jumps that may be irregular but must last, and least size of the later ones over the
+earlier ones."""
+LAST_ROWS = 40
+"""Number of the last rows in which a sawtooth is sought, and to which models are compared."""
+FEWEST_RADII = 3
+"""Least number of radii of a table."""
+
+
+@dataclass(frozen=True)
+class Sawtooth:
+    """Pressures that jump up and down from update to update.
+
+    Parameters
+    ----------
+    size : of the jumps at the worst radius, over the mean pressure
+    number : number of that radius
+    step : mean step between the rows
+    limit : the longest stable step of a mesh with nodes at the radii; NaN if none can be made
+    element : element of that mesh
+    """
+
+    size: float
+    number: int
+    step: float
+    limit: float = np.nan
+    element: str = ""
+
+
+def find(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
+    """Return the last sawtooth in a table, without its limit; None without one.
+
+    Far beyond the limit pressures are irregular, and some rows show it, but others do not.
+
+    Parameters
+    ----------
+    times : (T,) increasing
+    pressures : (T, R) pressures of nodes, from inside to outside
+    mean : mean pressure
+    """
+    if pressures.shape[1] < FEWEST_RADII:
+        return None
+    ends = range(len(times), ROWS - 1, -ROWS // 2)
+    windows = (slice(end - ROWS, end) for end in ends)
+    found = (_in_rows(times[rows], pressures[rows], mean) for rows in windows)
+    return next(filter(None, found), None)
+
+
+def _in_rows(times: Array, pressures: Array, mean: float) -> Sawtooth | None:
+    """Return the sawtooth in some rows, without its limit; None if there is none."""
+    # half the distances (T - 2, R) from lines through the rows before and after
+    shares = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None]
+    bent = (pressures[1:-1] - (1 - shares) * pressures[:-2] - shares * pressures[2:]) / 2
+    alternates = (bent[1:] * bent[:-1] < 0).all(axis=0)
+    sizes = np.where(alternates, np.median(np.abs(bent), axis=0), 0.0) / mean
+    number = int(sizes.argmax())
+    near = bent[:, max(0, number - 1) : number + 2]
+    squares, half = (near**2).sum(axis=1), len(near) // 2
+    if not squares[:-1].sum() > 0 or not squares[:half].sum() > 0:
+        return None
+    ratio = -(near[1:] * near[:-1]).sum() / squares[:-1].sum()
+    growth = np.sqrt(squares[-half:].sum() / squares[:half].sum())
+    size = float(sizes[number])
+    steady = size > SMALL and ratio > STEADY_RATIO
+    lasting = size > LARGE and ratio > LASTING_RATIO and growth > LASTING_GROWTH
+    if not (steady or lasting):
+        return None
+    return Sawtooth(size, number, float(np.diff(times).mean()))
 
 
 def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Sawtooth | None:
@@ -29,7 +106,8 @@ def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Saw
     table = program.pressures(scene)
     if table is None:
         return None
-    problem, (times, radii, pressures) = scene.problem, table
+    problem, radii = scene.problem, table[1]
+    times, pressures = (values[-LAST_ROWS:] for values in table[::2])
     area = np.pi * (1 - problem.inner_radius**2)
     mean = float(problem.loading.at(times[-1:]).force[0]) / area
     found = find(times, pressures, mean)
@@ -39,7 +117,7 @@ def sawtooth_of(scene: Scene, program: OtherProgram, element: str | None) -> Saw
     from ..wear_step.models import limit_of_models
 
     limit, model = limit_of_models(problem, times, radii, pressures, element)
-    return Sawtooth(found.size, found.number, found.step, limit, model)
+    return replace(found, limit=limit, element=model)
 
 
 def diagnosis_of(

@@ -90,19 +90,12 @@ class DeckMesh:
     @cached_property
     def faces(self) -> list[tuple[int, int]]:
         """Elements at the contact, from inside to outside, each with its side there, from 1."""
-        number = {int(facet): place for place, facet in enumerate(self._facets)}
-        on_contact = np.isin(self.mesh.t2f, self._facets)
-        facet_cells = sorted(
-            (number[int(self.mesh.t2f[side, cell])], int(cell))
-            for side, cell in np.argwhere(on_contact)
-        )
-        ends = [set(self.mesh.facets[:, self._facets[place]]) for place, _ in facet_cells]
-        corners = [self.cells[cell, :4] for _, cell in facet_cells]
-        sides = [
-            next(s for s in range(4) if {nodes[s], nodes[(s + 1) % 4]} == facet_ends)
-            for facet_ends, nodes in zip(ends, corners, strict=True)
-        ]
-        return [(cell, side + 1) for (_, cell), side in zip(facet_cells, sides, strict=True)]
+        cells = self.mesh.f2t[0, self._facets]
+        ends = np.sort(self.mesh.facets[:, self._facets], axis=0)
+        corners = self.cells[cells, :4].T
+        sides = np.sort([corners, np.roll(corners, -1, axis=0)], axis=0)
+        numbers = (sides == ends[:, None]).all(axis=0).argmax(axis=0) + 1
+        return list(zip(cells.tolist(), numbers.tolist(), strict=True))
 
     @property
     def axis(self) -> Indices:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ...meshes import Array, SceneError
+from ...meshes import Array, SceneError, ring_of
 from ..crosscheck import Scene
 from ..wear_step.contact_nodes import contact_mass
 
@@ -124,8 +124,8 @@ class Deck:
         def wear(radii: Array) -> Array:
             if time == 0:
                 return np.ones_like(radii)
-            ring = np.clip(np.searchsorted(edges, radii, "right") - 1, 0, len(inner) - 1)
-            fraction = (radii - edges[ring]) / (edges[ring + 1] - edges[ring])
+            ring = ring_of(edges, radii)
+            fraction = (radii - edges[ring]) / np.diff(edges)[ring]
             values = inner[ring] + fraction * (outer[ring] - inner[ring])
             jumps = edges[1:-1][inner[1:] != outer[:-1]]
             away_from_jumps = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
@@ -205,7 +205,8 @@ def read_dat(path: Path) -> pd.DataFrame:
 
 def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
     """Yield the vertical components in each block of nodes: quantity, node set, time, values."""
-    title, values = None, list[float]()
+    block: tuple[str, str, float] | None = None
+    values = list[float]()
     with path.open(encoding="utf-8", errors="replace") as lines:
         for line in lines:
             words = line.split()
@@ -213,16 +214,13 @@ def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
                 values.append(fortran_number(words[2]))
                 continue
             if words:
-                if title and values:
-                    yield title["quantity"], title["set"], _time(title), np.array(values)
-                title, values = DAT_TITLE.search(line), []
-    if title and values:
-        yield title["quantity"], title["set"], _time(title), np.array(values)
-
-
-def _time(title: re.Match[str]) -> float:
-    """Return the time in the title of a block."""
-    return fortran_number(title["time"])
+                if block and values:
+                    yield *block, np.array(values)
+                block, values = None, []
+                if title := DAT_TITLE.search(line):
+                    block = title["quantity"], title["set"], fortran_number(title["time"])
+    if block and values:
+        yield *block, np.array(values)
 
 
 def fortran_number(text: str) -> float:

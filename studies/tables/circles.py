@@ -1,6 +1,7 @@
 """Means over circles of values that a code or an instrument has on a grid."""
 
 import numpy as np
+import pandas as pd
 
 from ...meshes import Array
 
@@ -26,11 +27,6 @@ def on_circles(x: Array, y: Array, values: Array) -> tuple[Array, Array, float]:
     rings = np.round(radii / greatest / ROUNDOFF)
     if len(np.unique(rings)) > MOST_CIRCLES:
         rings = np.round(radii / greatest * MOST_CIRCLES)
-    _, ring, counts = np.unique(rings, return_inverse=True, return_counts=True)
-    mean_radii, mean_values = (np.bincount(ring, each) / counts for each in (radii, values))
-    order = np.argsort(ring, kind="stable")
-    first = np.append(0, np.cumsum(counts)[:-1])
-    greatest_values, least_values = (
-        extreme.reduceat(values[order], first) for extreme in (np.maximum, np.minimum)
-    )
-    return mean_radii, mean_values, float((greatest_values - least_values).max())
+    circles = pd.DataFrame({"radius": radii, "value": values}).groupby(rings)
+    means, spreads = circles.mean(), circles["value"].max() - circles["value"].min()
+    return means["radius"].to_numpy(), means["value"].to_numpy(), float(spreads.max())

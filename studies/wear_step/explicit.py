@@ -1,4 +1,4 @@
-"""Explicit updates of a worn profile: their longest stable step, and their errors.
+"""Explicit updates of a worn profile: their longest stable step, and the limit of short steps.
 
 A program with elements updates the profile at its contact nodes by ``f += k v p dt``. In contact,
 ``p = g F - G f`` under a given force F, with a matrix G of the mesh. Euler's explicit method is
@@ -11,13 +11,10 @@ by the factor ``|1 - l dt|`` with each update. Non-dimensional: time unit a / (E
 greatest wear coefficient k.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.sparse.linalg import eigs
 
 from ...meshes import Array, Indices
@@ -33,10 +30,6 @@ LEAST_PART = 1e-3
 ZERO_RATE = 1e-7
 """Rate of a mode over the greatest one below which it is roundoff: even wear does not decay, nor
 does a node on the axis whose pressure follows from those of others."""
-WORN_IN = 0.01
-"""Part of the running-in of the indentation that is left when it counts as complete."""
-INSIDE = 0.94
-"""Radius inside which pressures are compared: at the rim they are infinite at the start."""
 
 
 def wear_at_nodes(rings: Rings, radii: Array) -> Array:
@@ -59,26 +52,16 @@ class ExplicitWear:
     ----------
     nodes : the nodes
     treatment : how pressures are computed from the forces on the nodes
-    nodal_wear : (k,) wear coefficients at all nodes, over the greatest
+    wear : (n,) wear coefficients of the nodes in contact, over the greatest
     force : the force; None if the indentation is given
     touching : numbers of the nodes in contact; the others carry no force
     """
 
     nodes: ContactNodes
     treatment: str
-    nodal_wear: Array
+    wear: Array
     force: float | None
     touching: Indices
-
-    @cached_property
-    def wear(self) -> Array:
-        """(n,) wear coefficients of the nodes in contact."""
-        return self.nodal_wear[self.touching]
-
-    @cached_property
-    def radii(self) -> Array:
-        """(n,) radii of the nodes in contact."""
-        return self.nodes.radii[self.touching]
 
     @cached_property
     def _stiffness(self) -> Array:
@@ -139,99 +122,14 @@ class ExplicitWear:
         values = values[np.abs(values) > LEAST_PART * np.abs(values).max()]
         return float((2 * values.real / np.abs(values) ** 2).min())
 
-    @cached_property
-    def _modes(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128], Array]:
-        """Rates (n,), wear of the modes at the start (n, n), and the rates that are not zero."""
+    def exact(self, times: Array) -> Array:
+        """Return the worn profiles (T, n) of this mesh at times (T,) without any error of steps."""
         rates, vectors = np.linalg.eig(self.wear[:, None] * self.relief)
         parts = vectors * np.linalg.solve(vectors, (self.wear * self.start).astype(complex))
-        return rates, parts, np.abs(rates) > ZERO_RATE * np.abs(rates).max()
-
-    def exact(self, times: Array) -> Array:
-        """Return the worn profiles (T, n) of this mesh without any error of the steps."""
-        return self._worn(lambda rates: -np.expm1(-rates * times[:, None]), times)
-
-    def after(self, step: float, counts: Array) -> Array:
-        """Return the worn profiles (T, n) after so many updates (T,) by a stable step."""
-        return self._worn(lambda rates: 1 - (1 - rates * step) ** counts[:, None], step * counts)
-
-    def _worn(
-        self, decayed: Callable[[NDArray[np.complex128]], NDArray[np.complex128]], elapsed: Array
-    ) -> Array:
-        """Return the worn profiles (T, n) after times (T,).
-
-        `decayed` is a function from the rates of the modes to the parts (T, n) of their wear rates
-        that have decayed.
-        """
-        rates, parts, decays = self._modes
-        rest = np.where(decays, rates, 1.0)
-        grown = np.where(decays, decayed(rest) / rest, elapsed[:, None])
+        decays = np.abs(rates) > ZERO_RATE * np.abs(rates).max()
+        rest, elapsed = np.where(decays, rates, 1.0), times[:, None]
+        grown = np.where(decays, -np.expm1(-rest * elapsed) / rest, elapsed)
         return (grown @ parts.T).real
-
-    def march(self, step: float, count: int) -> Iterator[tuple[Array, Array]]:
-        """Yield pressures (n,) and the profile (n,) before each of so many updates by a step."""
-        profile = np.zeros(len(self.wear))
-        for _ in range(count):
-            pressure = self.pressures(profile)
-            yield pressure, profile
-            profile = profile + step * self.wear * pressure
-
-    @cached_property
-    def running_in_time(self) -> float:
-        """Time after which `WORN_IN` of the running-in is left."""
-        rates, parts, decays = self._modes
-        forces = self._forces_of_indentation
-        # the rate of the mean wear, or of the force at a fixed indentation, is a sum of decays
-        changes = np.where(decays, (forces @ parts).real / np.where(decays, rates.real, 1.0), 0.0)
-        total = changes.sum()
-
-        def remaining(log_time: float) -> float:
-            decay = np.exp(-np.where(decays, rates.real, 0.0) * np.exp(log_time))
-            return float(changes @ decay / total) - WORN_IN
-
-        slowest = float(rates.real[decays].min())
-        return float(np.exp(brentq(remaining, np.log(1e-9 / slowest), np.log(60 / slowest))))
-
-    def errors(self, part: float, first: float) -> dict[str, float]:
-        """Return the greatest relative errors by a step, of indentation, profile and pressure.
-
-        Parameters
-        ----------
-        part : step over the longest stable one
-        first : time from which errors count
-        """
-        step = part * self.limit
-        last = max(int(np.ceil(self.running_in_time / step)), 2)
-        counts = np.geomspace(max(first / step, 1.0), max(last, first / step + 1), 24)
-        counts = np.unique(np.round(counts))
-        worn, exact = self.after(step, counts), self.exact(counts * step)
-        inner = self.radii < INSIDE
-        weights = self.nodes.mass.sum(axis=1)[self.touching][inner]
-
-        def size(fields: Array) -> Array:
-            return np.sqrt((fields[:, inner] ** 2) @ weights / weights.sum())
-
-        pressures, right = self.pressures(worn), self.pressures(exact)
-        depths = self.depth(exact)
-        return {
-            "indentation": float(np.max(np.abs(self.depth(worn) / depths - 1))),
-            "profile": float(np.max(size(worn - exact) / size(exact))),
-            "pressure": float(np.max(size(pressures - right) / size(right))),
-        }
-
-    def step_for(self, error: float, first: float) -> dict[str, float]:
-        """Return the step, over the longest stable one, with an error of each quantity.
-
-        It is at most 1, and 0 if even a thousandth of that step has a larger error.
-        """
-        parts = np.geomspace(1e-3, 1.0, 25)
-        found = [self.errors(part, first) for part in parts]
-        steps = {}
-        for name in found[0]:
-            good = np.array([row[name] <= error for row in found])
-            # the longest of the steps below which all are accurate enough
-            count = len(good) if good.all() else int(np.argmin(good))
-            steps[name] = float(parts[count - 1]) if count else 0.0
-        return steps
 
 
 def explicit(
@@ -247,7 +145,7 @@ def explicit(
     touching : numbers of the nodes in contact; by default all
     """
     force = None if problem.indentation is not None else 1.0
-    wear = wear_at_nodes(problem.merged, nodes.radii)
     if touching is None:
         touching = np.arange(len(nodes.radii))
+    wear = wear_at_nodes(problem.merged, nodes.radii[touching])
     return ExplicitWear(nodes, treatment, wear, force, touching)

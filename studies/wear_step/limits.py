@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -22,36 +21,23 @@ from ...meshes import (
 )
 from ..crosscheck import Problem, Scene, first_and_last_in_contact, run
 from .contact_nodes import ContactNodes, contact_nodes
-from .elements import PER_NODE, TREATMENTS
-from .explicit import MOST_DENSE, ExplicitWear, explicit
+from .elements import CONSISTENT, PER_NODE
+from .explicit import explicit
 
 REACH = 20.0
 """Radius of the half-spaces that are meshed here, with Boussinesq's far field, in punch radii."""
 FEWEST_NODES = 3
 """Least number of nodes in contact for which a limit is computed."""
-FIRST_ROWS = (0.5, 1.0, 2.0)
+FIRST_ROWS = (1.0, 0.5, 2.0)
 """Thicknesses of the first row of elements over the least side on the contact, of meshes whose
-limits show how much these differ at one size."""
-STEP_ERROR = 0.01
-"""Relative error by the steps for which the step is reported."""
-
-
-@dataclass(frozen=True, eq=False)
-class Contact:
-    """A state of the contact, and its updates by both treatments.
-
-    Parameters
-    ----------
-    name : what state it is; empty in full contact
-    updates : by treatment
-    """
-
-    name: str
-    updates: dict[str, ExplicitWear]
-
-    def limit(self, treatment: str) -> float:
-        """Return the longest stable step of a treatment."""
-        return self.updates[treatment].limit
+limits show how much these differ at one size; the usual one first."""
+RECOMMENDED = 0.5
+"""Recommended step over the longest stable one: pressures then err by 1 to 4 % (`ringwear study
+march`)."""
+TIME_RTOL = 1e-3
+"""Relative error of the time of running-in."""
+LOCKING = 0.45
+"""Poisson's ratio above which the note on locking is added."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,46 +48,45 @@ class StepLimits:
     ----------
     scene : the scene
     nodes : the contact nodes of the mesh
-    contacts : full contact; or the contact at the start and at the end
+    contacts : numbers of the nodes in contact, by the state of the contact: without a name in full
+        contact, or at the start and at the end
     """
 
     scene: Scene
     nodes: ContactNodes
-    contacts: tuple[Contact, ...]
+    contacts: dict[str, Indices]
 
     def limit(self, treatment: str = PER_NODE) -> float:
         """Return the longest stable step, in non-dimensional sliding distance."""
-        return min(contact.limit(treatment) for contact in self.contacts)
+        return min(self.limit_in(contact, treatment) for contact in self.contacts)
+
+    def limit_in(self, contact: str, treatment: str = PER_NODE) -> float:
+        """Return the longest stable step in a state of the contact."""
+        touching = self.contacts[contact]
+        return explicit(self.scene.problem, self.nodes, treatment, touching).limit
 
     def distance(self, step: float) -> float:
         """Return a step as a sliding distance in the units of the scene."""
         units = self.scene.problem.units
         return step * units.length / units.modulus / units.wear_coefficient
 
+    def written(self, step: float) -> str:
+        """Return a step as text: a sliding distance, and a time if speed is constant."""
+        problem, names = self.scene.problem, self.scene.unit_names
+        text = f"a sliding distance of {names.write(self.distance(step), 'distance', 3)}"
+        if self.scene.load_.times_are_distances or problem.loading.varies:
+            return text
+        return f"{text} (a time of {names.write(step * problem.units.time, 'time', 3)})"
+
     @property
-    def _has_modes(self) -> bool:
-        """Whether all modes are computed: in full contact, of so many nodes."""
-        return self.scene.problem.full_contact and len(self.nodes.radii) <= MOST_DENSE
-
-    @cached_property
-    def accurate_steps(self) -> dict[str, float]:
-        """Step with an error of `STEP_ERROR` over the longest stable one, by quantity.
-
-        Pressures are per node. It is empty if edges of the contact move, if the load varies, or for
-        many nodes.
-        """
+    def updates(self) -> float:
+        """Number of recommended updates until 99 % of the running-in; NaN if that is not known."""
         problem = self.scene.problem
-        if not self._has_modes or problem.loading.varies:
-            return {}
-        first = problem.earliest or 0.0
-        return self.contacts[0].updates[PER_NODE].step_for(STEP_ERROR, first)
-
-    @property
-    def updates_of_running_in(self) -> float:
-        """Number of longest updates per node until 99 % of the running-in; NaN without modes."""
-        if not self._has_modes:
-            return float("nan")
-        return self.contacts[0].updates[PER_NODE].running_in_time / self.limit()
+        if not problem.full_contact or "time_to_99" not in problem.remaining_parts:
+            return np.nan
+        answer = run(self.scene, ["mdr"], TIME_RTOL, quantities=["indentation"]).dataset
+        time = answer["time_to_99"].item() / problem.units.time
+        return max(time / self.limit() / RECOMMENDED, 1.0)
 
 
 def limits_on_mesh(scene: Scene, mesh: Mesh, element: str) -> StepLimits:
@@ -145,20 +130,14 @@ def contacts_of(scene: Scene) -> dict[str, Parts]:
 
 
 def _limits(scene: Scene, nodes: ContactNodes, parts: dict[str, Parts]) -> StepLimits:
-    contacts = []
-    for name, touching in parts.items():
-        numbers = touching(nodes.radii)
+    contacts = {name: touching(nodes.radii) for name, touching in parts.items()}
+    for name, numbers in contacts.items():
         if len(numbers) < FEWEST_NODES:
             raise SceneError(
                 f"the mesh has {len(numbers)} nodes in the contact {name}: give a mesh with "
                 f"{FEWEST_NODES} or more there"
             )
-        updates = {
-            treatment: explicit(scene.problem, nodes, treatment, numbers)
-            for treatment in TREATMENTS
-        }
-        contacts.append(Contact(name, updates))
-    return StepLimits(scene, nodes, tuple(contacts))
+    return StepLimits(scene, nodes, contacts)
 
 
 def vertices_of_size(problem: Problem, size: float) -> Array:
@@ -207,9 +186,8 @@ def limits_of_size(scene: Scene, size: float, element: str) -> list[StepLimits]:
     """
     problem = scene.problem
     vertices, parts = vertices_of_size(problem, size), contacts_of(scene)
-    rows = (1.0, *(row for row in FIRST_ROWS if row != 1.0))
     edges, meshes = problem.merged.ring_edges, []
-    for row in rows:
+    for row in FIRST_ROWS:
         for rising in (True, False) if element.startswith("P") else (True,):
             # triangles in rows and columns of a small size would be flat at a distance
             with suppress(MeshError):
@@ -236,7 +214,51 @@ def _free_triangles(ring_edges: Array, size: float) -> Mesh:
     )
 
 
-def sides_of(nodes: ContactNodes) -> tuple[int, float, float]:
-    """Return the number of sides of elements on the contact, the least and the greatest one."""
-    sides = np.diff(nodes.cells)
-    return len(sides), float(sides.min()), float(sides.max())
+def describe(found: list[StepLimits]) -> list[str]:
+    """Return the lines about the longest stable updates.
+
+    Parameters
+    ----------
+    found : limits on a mesh of the user; or on several meshes of one size, the usual one first
+    """
+    limits = found[0]
+    scene, names, longest = limits.scene, limits.scene.unit_names, limits.limit()
+    ratio = scene.problem.ground.greatest_poisson_ratio
+    widths = np.diff(limits.nodes.cells) * scene.problem.units.length
+    least, greatest = (names.write(end, "length", 3) for end in (widths.min(), widths.max()))
+    sides = f"{least} each" if np.ptp(widths) < 0.001 * widths.min() else f"{least} to {greatest}"
+    lines = [
+        f"mesh: {len(widths)} sides of {limits.nodes.element} on the contact, {sides}; limits are "
+        f"for full integration and Poisson's ratio {ratio:g}",
+        f"stable: at most {limits.written(longest)} per update, if pressures are forces "
+        "over the areas of nodes; at most "
+        f"{limits.written(limits.limit(CONSISTENT))} with a consistent mass matrix",
+    ]
+    if len(limits.contacts) > 1:
+        states = (
+            f"{limits.written(limits.limit_in(contact))} {contact}" for contact in limits.contacts
+        )
+        lines.append(f"contact: edges move; {', '.join(states)}")
+    updates = limits.updates
+    running_in = f": {updates:.0f} updates until 99 % of the running-in" * bool(updates > 0)
+    lines.append(f"recommended: half of it, {limits.written(RECOMMENDED * longest)}{running_in}")
+    if len(found) > 1:
+        steps = sorted(each.limit() for each in found)
+        lines.append(
+            f"range: {limits.written(steps[0])} to {limits.written(steps[-1])} on {len(found)} "
+            "meshes of this size, with first rows from half to twice as thick, and triangles in "
+            "rows or free; other meshes may differ more: --mesh FILE gives the limit of yours"
+        )
+    if ratio > LOCKING:
+        lines.append(
+            f"note: at Poisson's ratio {ratio:g} elements with full integration are too stiff, "
+            "which shortens the stable step up to fivefold; selective or reduced integration "
+            "(B-bar, CAX8R, hybrid elements) does not have this effect"
+        )
+    edges = scene.problem.merged.ring_edges
+    if len(edges) > 2:
+        lines.append(
+            "note: nodes on ring edges have the harmonic mean of both wear coefficients, with "
+            "which their pressures err least"
+        )
+    return lines

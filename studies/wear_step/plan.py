@@ -54,7 +54,7 @@ def plan(
     -------
     list of str
         Lines of text: unknowns, seconds, memory, refusals and notes of a run; or the mesh, the
-        longest stable step in a line that begins with ``stable``, and steps of a given accuracy.
+        longest stable step in a line that begins with ``stable``, and the recommended one.
 
     Examples
     --------
@@ -70,8 +70,7 @@ def plan(
     if size is not None and mesh is not None:
         raise SceneError("size and mesh are two ways to describe a mesh: give one of them")
     # they load scikit-fem, which the plan of a run does not need
-    from .limits import limits_of_size, limits_on_mesh
-    from .words import describe
+    from .limits import describe, limits_of_size, limits_on_mesh
 
     problem = scene.problem
     if mesh is not None:

@@ -93,7 +93,7 @@ def right():
         ("ring_force", 1.001, "ring forces add up to F"),
         ("relaxation_time", 1.001, "relaxation times, by an independent small problem"),
         ("steady_wear_rate", 1.001, "steady_wear_rate in closed form"),
-        ("worn_volume", 1.001, "worn volume of the answer over k, F v0 t"),
+        ("worn_volume", 1.001, "the table has the numbers of the solution"),
         ("indentation_start", 1.001, "flat start of the answer"),
         ("pressure_min", 1.001, "steady pressure_min of the answer"),
     ],

@@ -11,8 +11,8 @@ import pytest
 import xarray
 
 import ringwear.studies
-from ringwear import RingwearError, Scene, main, run, study
-from ringwear.studies.crosscheck.anchors import anchor, checks, reading
+from ringwear import Scene, main, run, study
+from ringwear.studies.crosscheck.anchors import anchor, checks
 from ringwear.studies.crosscheck.methods.sampling import sampler
 from ringwear.studies.crosscheck.problem import fields, punch, quantities
 from ringwear.studies.named_studies import STUDIES, NamedStudy
@@ -107,12 +107,12 @@ class QuarticScene(Scene):
     punch: QuarticPunch
 
 
-def test_a_kind_of_profile_needs_a_class_and_a_second_reading(monkeypatch):
+def test_a_kind_of_profile_needs_a_class_alone(monkeypatch):
     """Within the contact radius c, d = 8/3 h c^4 and F = 2 E* (d c - 8/15 h c^5) (Galin)."""
     named = files_named_for("a kind of profile")
     files = (
         "studies/crosscheck/problem/fields.py",
-        "studies/crosscheck/anchors/reading.py",
+        "tests/unit/studies/crosscheck/problem/test_heights.py",
     )
     assert set(files) <= set(named)
     monkeypatch.setitem(fields.KINDS, "quartic", Quartic)
@@ -132,12 +132,7 @@ def test_a_kind_of_profile_needs_a_class_and_a_second_reading(monkeypatch):
     )
     result = run(scene)
     assert result["indentation"].item() == pytest.approx(depth, rel=1e-6)
-    # without the second reading, one line says where to add it
-    with pytest.raises(RingwearError, match=r"kind = 'quartic'.*HEIGHTS in .*CONTRIBUTING\.md"):
-        assert result.anchors
-    quartic = "quartic", lambda profile, radii: profile["height"] * radii**4
-    monkeypatch.setitem(reading.HEIGHTS, *quartic)
-    assert all(row.holds for row in run(scene).anchors)
+    assert all(row.holds for row in result.anchors)
 
 
 @pytest.fixture

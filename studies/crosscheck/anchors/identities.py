@@ -1,4 +1,4 @@
-"""Check identities of contact: kinematics, reciprocity, force, and numbers that follow from fields.
+"""Check identities of contact: kinematics, reciprocity, balances, and numbers from fields.
 
 They hold for every punch, in full contact and while edges of the contact move. Let a pressure p0
 on the face have the displacement u0. Any pressure fulfils
@@ -13,14 +13,24 @@ pressure, and the pressure of the steady state.
 
 import numpy as np
 
+from ....meshes.radial import ring_areas
 from ..problem.norms import LEAST_SLOPE
 from .anchor import Row, Rows
-from .reported import REFERENCE_ERROR_FACTOR, KnownPressure, Reported, holds_around
+from .reported import (
+    REFERENCE_ERROR_FACTOR,
+    ROUNDOFF_TOLERANCE,
+    KnownPressure,
+    Reported,
+    holds_around,
+)
 
 # largest error of mean square slopes on the face, relative, with which they are a reference
 LARGEST_SLOPE_ERROR = 0.1
 # scale of an integral that is zero; it only prevents a division by zero
 SMALLEST_SCALE = 1e-100
+# roundoff of the worn depth, over the unit of displacements: up to 2e-14 by some hundred modes
+# (physics/test_random_scenes.py::test_numbers_at_extremes_are_right_or_left_out)
+ROUNDOFF_OF_DEPTHS = 5e-14
 
 
 def check_kinematics(report: Reported) -> Rows:
@@ -110,3 +120,42 @@ def check_reciprocity(report: Reported) -> Rows:
         # the integral may be zero if contact is narrower than the distance of two radii
         scale = np.maximum(right, SMALLEST_SCALE)
         yield Row(f"reciprocity with {name}", left, right, tolerance / scale, scale)
+
+
+def check_forces(report: Reported) -> Rows:
+    """Compare ring forces with the force on the punch and with integrals of the pressure."""
+    forces, pressure = report.take("ring_force"), report.take("pressure")
+    total_force = forces.sum(axis=1)
+    if not report.fixed_indentation:
+        tolerance = np.maximum(report.errors("ring_force")[0], ROUNDOFF_TOLERANCE)
+        yield Row("ring forces add up to F", total_force, report.forces, tolerance)
+    tolerance = report.integrate(pressure)[1] + report.too_few_radii
+    tolerance += report.tolerance("pressure") * np.maximum(total_force, np.finfo(float).tiny)
+    sums = report.face.ring_sums(report.face.areas * pressure)
+    yield Row("ring forces are integrals of the pressure", sums, forces, tolerance[:, None], 1.0)
+
+
+def check_mean_contact_radius(report: Reported) -> Rows:
+    """Compare the mean radius of the force with the first moment of the pressure."""
+    integral, error = report.integrate(report.take("pressure"), report.face.radii)
+    tolerance = report.allowed_in_balances("pressure", "mean_contact_radius")
+    tolerance = tolerance + (error + report.edge_error) / report.scale
+    moment = report.take("mean_contact_radius") * report.force
+    yield Row("moment of the pressure, int p r dA", moment, integral, tolerance, report.scale)
+
+
+def check_worn_volumes(report: Reported) -> Rows:
+    """Compare the sum of worn volumes over k with the work of the force (given force only).
+
+    If k varies on a ring, the worn volume of the ring does not determine the work of its pressure.
+    """
+    if not (report.fixed_indentation or report.graded):
+        coefficients = report.problem.wear_coefficients
+        worn = report.take("ring_worn_volume")[report.has_slid] / coefficients
+        value, work = worn.sum(axis=1), report.work[report.has_slid]
+        tolerance = np.full(len(work), ROUNDOFF_TOLERANCE)
+        if report.full_contact:
+            # volumes are integrals of d - u, whose roundoff is that of displacements of about 1
+            areas = ring_areas(report.problem.ring_edges)
+            tolerance += ROUNDOFF_OF_DEPTHS * (areas / coefficients).sum() / work
+        yield Row("worn volume over k, F v0 t", value, work, tolerance)

@@ -27,11 +27,10 @@ def check_inputs(report: Reported) -> Rows:
     for name, edges in (("inner", reading.edges[:-1]), ("outer", reading.edges[1:])):
         radii = np.asarray(report.table[f"ring_{name}_radius"]) / report.units.length
         yield Row(f"reported {name} radii", radii, edges, COPIED, 1.0)
-    if not report.scene.punch.heights:
-        unworn = problem.profile(face.radii) + problem.profile.standoff
-        expected = reading.unworn(face.radii)
-        scale = max(float(np.ptp(expected)), float(expected.max()), TINY)
-        yield Row("unworn profile as in the scene", unworn, expected, INTEGRATED, scale)
+    unworn = problem.profile(face.radii) + problem.profile.standoff
+    expected = reading.unworn(face.radii)
+    scale = max(float(np.ptp(expected)), float(expected.max()), TINY)
+    yield Row("unworn profile as in the scene", unworn, expected, INTEGRATED, scale)
     same_layers = np.allclose(
         _numbers(problem.ground), _numbers(reading.ground), rtol=COPIED, atol=0
     )

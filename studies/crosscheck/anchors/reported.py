@@ -72,9 +72,9 @@ class Reported:
 
     Attributes
     ----------
-    times, forces, distances, work : (T,)
-        The compared times at which the force is not zero, with the force, the sliding distance and
-        the integral of the force over the sliding distance up to then; non-dimensional.
+    times, forces, work : (T,)
+        The compared times at which the force is not zero, with the force and the integral of the
+        force over the sliding distance up to then; non-dimensional.
     has_slid : (T,)
         Whether the force has done work by a time.
     includes_start : bool
@@ -104,10 +104,13 @@ class Reported:
             self.problem.compared_rows[self.in_contact],
             times[self.in_contact],
         )
-        self.forces, self.distances, self.work = self.reading.load(self.times)
+        self.forces, _, self.work = self.reading.load(self.times)
         self.has_slid, self.includes_start = self.work > 0, 0 in self.times
         # the steady state belongs to the last force and speed, and is checked for unit values
-        force, speed = (float(load.values[-1]) for load in (self.reading.force, self.reading.speed))
+        force, speed = (
+            float(values[-1] / values.max())
+            for _, values in (self.reading.force, self.reading.speed)
+        )
         self._load_factors = dict.fromkeys((*STEADY, "indentation_steady"), force)
         self._load_factors["steady_wear_rate"] = force * speed
         self._last_force = force
@@ -205,11 +208,6 @@ class Reported:
         return EDGE_QUADRATURE_FACTOR * largest + self.too_few_radii
 
     @cached_property
-    def area(self) -> float:
-        """Area of the face, over a^2."""
-        return float(np.pi * (1 - self.inner_radius) * (1 + self.inner_radius))
-
-    @cached_property
     def uniform_displacement(self) -> Array:
         """(R,) displacement of the face under the pressure 1 on all of it."""
         edges = np.array([self.inner_radius, 1.0])
@@ -227,7 +225,7 @@ class Reported:
     @property
     def graded(self) -> bool:
         """Whether the wear coefficient varies along the radius (a table in the scene)."""
-        return bool(self.reading.table)
+        return self.problem.graded is not None
 
     @property
     def full_contact(self) -> bool:

@@ -4,9 +4,6 @@ No identity of the MDR is used, so that the two methods are independent.
 """
 
 from ....mdr import ring_kernel
-from ....meshes.compliance import Compliance
-from ....meshes.ground.ground import HALF_SPACE, Ground
-from ....meshes.pressure_space import PressureSpace
 from .pipeline import AnySpaceMethod
 
 
@@ -20,9 +17,7 @@ class Bem(AnySpaceMethod):
         "identity of the MDR"
     )
 
-    def compliance(self, space: PressureSpace, ground: Ground = HALF_SPACE) -> Compliance:
-        """Return the compliance on a space by integration of the ring kernel."""
-        return ring_kernel.compliance(space, ground)
+    compliance = staticmethod(ring_kernel.compliance)
 
 
 METHOD = Bem()

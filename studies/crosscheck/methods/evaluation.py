@@ -17,6 +17,7 @@ import numpy as np
 
 from ....meshes.compliance import Compliance
 from ....meshes.radial import Array, Indices
+from ..problem.loading import Loading
 from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.quantities import COMPARED_MODES, DESCRIBED, ENERGIES
@@ -31,14 +32,17 @@ from .sampling.sampler import Sampler
 ENDS = np.array([0, -1])
 
 
-def near_in_time(times: Array, others: Array) -> tuple[Indices, Indices]:
-    """Return the range (T,), (T,) of other times whose errors are like that at each time.
+def range_near(times: Array, loading: Loading) -> tuple[Array, Array]:
+    """Return the range (T,), (T,) of times near each time in which errors are like its own.
 
-    The others (O,) increase. The range begins with the first index and ends before the second.
+    Under a constant load, it is from t / c to c t, with a factor c. If the load varies, times count
+    from its last knot instead; and because a knot hardly changes what has worn by then, backwards
+    from the knot before that.
     """
-    factor = error_factor("nearby times")
-    first = np.searchsorted(others, times / factor, side="left")
-    return first, np.searchsorted(others, times * factor, side="right")
+    factor, knots = error_factor("nearby times"), loading.times
+    last = np.maximum(np.searchsorted(knots, times) - 1, 0)
+    since, since_earlier = (times - knots[row] for row in (last, np.maximum(last - 1, 0)))
+    return times - (1 - 1 / factor) * since_earlier, times + (factor - 1) * since
 
 
 def greatest_in_ranges(values: Array, first: Indices, last: Indices) -> Array:
@@ -103,10 +107,12 @@ class Evaluation(ABC):
     def results_for_estimate(self, times: Array) -> Results:
         """Return the quantities on the face of the punch that the error estimate compares."""
 
-    @property
-    @abstractmethod
+    @cached_property
     def similar_times(self) -> tuple[Indices, Indices]:
         """Ranges (T,), (T,) of `estimate_times` at which errors are like that at each time."""
+        earliest, latest = range_near(self.problem.times, self.problem.loading)
+        times = self.estimate_times
+        return np.searchsorted(times, earliest), np.searchsorted(times, latest, side="right")
 
     @abstractmethod
     def least_error(self, name: str) -> Array | float:
@@ -276,11 +282,6 @@ class FullContact(Evaluation):
         if ends is None:
             return answers_of(SteadyRun(self.problem, steady))
         return answers_of(FlatRun(self.problem, self.wear, steady, ends))
-
-    @cached_property
-    def similar_times(self) -> tuple[Indices, Indices]:
-        """Ranges (T,), (T,) of `estimate_times` at which errors are like that at each time."""
-        return near_in_time(self.problem.times, self.problem.estimate_times)
 
     def estimate(self, name: str, difference: Array) -> Array:
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.

@@ -119,7 +119,12 @@ class Fem(ComplianceMethod):
 
     def system_size(self, problem: Problem) -> SystemSize:
         """Return the number of unknowns and of pressures of the finite elements."""
-        half_space = HALF_SPACES[problem.full_contact](problem)
+        from ....fem.contact_meshes import even_half_space
+
+        if problem.full_contact:
+            half_space = half_space_on(problem, fem_sizes(problem))
+        else:
+            half_space = even_half_space(contact_cells(problem)[0], problem.ground)
         return SystemSize(half_space.unknowns, half_space.space.size)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
@@ -128,18 +133,8 @@ class Fem(ComplianceMethod):
         For a flat punch, elements are small at ring edges and at the rim. For any other punch, they
         are small triangles below cells of the face.
         """
-        return DISCRETISED[problem.full_contact](problem, stages)
-
-
-def _flat_half_space(problem: Problem) -> "HalfSpace":
-    return half_space_on(problem, fem_sizes(problem))
-
-
-def _half_space_on_cells(problem: Problem) -> "HalfSpace":
-    from ....fem.contact_meshes import even_half_space
-
-    cells, _ = contact_cells(problem)
-    return even_half_space(cells, problem.ground)
+        discretise = _discretise_flat if problem.full_contact else _discretise_on_cells
+        return discretise(problem, stages)
 
 
 def _refused_degree(problem: Problem) -> str:
@@ -243,14 +238,11 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
     ) -> "Compliance":
         return fitted_half_space(edges, sizes, degree, scaled_ground).compliance()
 
-    def coarser() -> "Compliance":
-        return even_half_space(
-            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
-        ).compliance()
-
     return Discretised(
         compliance,
-        coarser,
+        lambda: even_half_space(
+            coarser_cells, ground, COARSER_GROWTH, degree, halvings[1]
+        ).compliance(),
         half_space.unknowns,
         half_space=half_space,
         notes=tuple(filter(None, [unloadable()])),
@@ -281,9 +273,5 @@ def _coarser_half_space(problem: Problem, coarser: FemSizes, fine: "HalfSpace") 
         poles = ()
     return HalfSpace(solid, pressure_space(solid, problem.merged.ring_edges), poles)
 
-
-# by whether the punch is in full contact
-HALF_SPACES = {True: _flat_half_space, False: _half_space_on_cells}
-DISCRETISED = {True: _discretise_flat, False: _discretise_on_cells}
 
 METHOD = Fem()

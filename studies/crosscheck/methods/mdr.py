@@ -1,9 +1,6 @@
 """The method of dimensionality reduction: its energy on a graded radial mesh."""
 
 from ....mdr import energy
-from ....meshes.compliance import Compliance
-from ....meshes.ground.ground import HALF_SPACE, Ground
-from ....meshes.pressure_space import PressureSpace
 from .pipeline import AnySpaceMethod
 
 
@@ -17,9 +14,7 @@ class Mdr(AnySpaceMethod):
         "pressure space"
     )
 
-    def compliance(self, space: PressureSpace, ground: Ground = HALF_SPACE) -> Compliance:
-        """Return the compliance on a space by the energy of the MDR."""
-        return energy.compliance(space, ground)
+    compliance = staticmethod(energy.compliance)
 
 
 METHOD = Mdr()

@@ -75,7 +75,8 @@ class MdrGrid(Method):
                 "out of methods"
             )
         return why_too_many_steps(
-            self._steps(problem), "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid"
+            float(steps_between(problem.times, self._step(problem)).sum()),
+            "give a larger accuracy.mdr.step, or a coarser accuracy.mdr.grid",
         )
 
     def remedy(self, problem: Problem) -> str:
@@ -89,9 +90,6 @@ class MdrGrid(Method):
     def system_size(self, problem: Problem) -> SystemSize:
         """Return the number of unknowns: one per spring, and the approach."""
         return SystemSize(problem.mdr.grid + 1, problem.mdr.grid + 1)
-
-    def _steps(self, problem: Problem) -> float:
-        return float(steps_between(problem.times, self._step(problem)).sum())
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the history on the grid.

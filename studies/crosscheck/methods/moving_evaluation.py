@@ -7,8 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ....meshes.compliance import Compliance
-from ....meshes.radial import Array, Indices
-from ..problem.loading import Loading
+from ....meshes.radial import Array
 from ..problem.norms import Results
 from ..problem.problem import Problem
 from ..problem.profile import moments, unresolved_height
@@ -21,35 +20,16 @@ from ..wear.history import History, UnwornPart
 from ..wear.unilateral import Mask
 from ..wear.wearing_punch import WearingPunch
 from .error_factors import error_factor
-from .evaluation import ENDS, Evaluation
+from .evaluation import ENDS, Evaluation, range_near
 from .sampling.answers import MarchedRun, answers_of
 
 # Quantities that converge with second or higher order in the cells of a face under one force.
 SECOND_ORDER = ENERGIES | {"ring_worn_volume"}
-# Error of slopes that a step in thin layers may add, over rtol. The worn depth alone would be right
-# after a few steps, with slopes and pressures that are far off (physics/test_random_scenes.py::
-# test_layers_where_the_rim_loses_contact_under_a_falling_force).
-SLOPE_TOLERANCE = 0.6
-
-
 # Places between a time and either end of the range of similar times, over its distance from that
 # end, at which errors are estimated, too.
 PLACES_NEAR = (0.4, 1.0)
 # Parts of the running-in, over a given part, that remain at times whose errors are alike.
 PARTS_NEAR = (0.7, 1.4)
-
-
-def range_near(times: Array, loading: Loading) -> tuple[Array, Array]:
-    """Return the range (T,), (T,) of times near each time in which errors are like its own.
-
-    Under a constant load, it is from t / c to c t, with a factor c. If the load varies, times count
-    from its last knot instead; and because a knot hardly changes what has worn by then, backwards
-    from the knot before that.
-    """
-    factor, knots = error_factor("nearby times"), loading.times
-    last = np.maximum(np.searchsorted(knots, times) - 1, 0)
-    since, since_earlier = (times - knots[row] for row in (last, np.maximum(last - 1, 0)))
-    return times - (1 - 1 / factor) * since_earlier, times + (factor - 1) * since
 
 
 class MovingContact(Evaluation):
@@ -89,8 +69,9 @@ class MovingContact(Evaluation):
         # measured: the tolerance is relative to the indentation, but the worn depth is small while
         # a force rises from zero, and at a given indentation the force becomes small
         depth_rtol = 0.2 * rtol if varies else rtol
-        self._tolerance = 0.025 * depth_rtol
-        self._slope_tolerance = SLOPE_TOLERANCE * rtol if in_layers else np.inf
+        # The worn depth alone would be right after a few steps in thin layers, with slopes and
+        # pressures that are far off (physics/test_random_scenes.py::
+        # test_layers_where_the_rim_loses_contact_under_a_falling_force).
         self._allowed_errors = np.array(
             [error_factor("depth of a step") * depth_rtol, error_factor("slope of a step") * rtol]
         )
@@ -114,9 +95,9 @@ class MovingContact(Evaluation):
 
     @cached_property
     def _adaptive(self) -> Evolution:
-        last = float(self.problem.times[-1])
-        tolerances = self._tolerance, self._slope_tolerance
-        return evolve(self._punch, last, *tolerances, self.step_length)
+        last, (depth, slope) = float(self.problem.times[-1]), self._allowed_errors.tolist()
+        slope = slope if self.in_layers else np.inf
+        return evolve(self._punch, last, depth, slope, self.step_length)
 
     @property
     def exact_in_time(self) -> History:
@@ -205,13 +186,6 @@ class MovingContact(Evaluation):
         excess = self.evolution.statistics.greatest_errors / self._allowed_errors
         return max(1.0, float(excess.max()))
 
-    @cached_property
-    def similar_times(self) -> tuple[Indices, Indices]:
-        """Ranges (T,), (T,) of `estimate_times` at which errors are like that at each time."""
-        earliest, latest = range_near(self.problem.times, self.problem.loading)
-        times = self.estimate_times
-        return np.searchsorted(times, earliest), np.searchsorted(times, latest, side="right")
-
     def least_error(self, name: str) -> Array | float:
         """Return a part of the tolerance, but at least what cells do not resolve of the face.
 
@@ -247,10 +221,6 @@ class MovingContact(Evaluation):
         """
         depth = self.history.depth
         return np.divide(1.0, depth, out=np.zeros(len(depth)), where=depth > 0)
-
-    def _unresolved_on_cells(self) -> Array:
-        """Return what cells do not resolve (T,), also at a fitted start, outside the contact."""
-        return self._unresolved
 
     def _lost_bend(self) -> Array:
         """Return the bend (T,) of the worn face and the displacement that linear functions lose.
@@ -295,8 +265,8 @@ class MovingContact(Evaluation):
     floors: ClassVar = {
         "profile": _lost_bend_of_worn_face,
         "displacement": _lost_bend,
-        "displacement_centre": _unresolved_on_cells,
-        "displacement_max": _unresolved_on_cells,
+        # also at a fitted start, because cells represent the face outside the contact
+        **dict.fromkeys(("displacement_centre", "displacement_max"), lambda each: each._unresolved),
         "pressure": _pressure_at_free_edges,
         "contact_radius": _cell_at_edge,
         "rms_slope": _error_of_slopes_at_start,

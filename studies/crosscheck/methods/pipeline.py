@@ -10,7 +10,7 @@ other contact is marched in time (`solve_in_moving_contact`).
 """
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import ClassVar
@@ -47,7 +47,7 @@ from .error_factors import error_factor
 from .estimates import estimate_errors
 from .evaluation import Evaluation, FullContact
 from .moving_evaluation import MovingContact
-from .spaces import choose_spaces, pressure_spaces
+from .spaces import choose_spaces
 
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
 # (physics/test_modes.py::test_reported_relaxation_times_are_as_accurate_as_stated).
@@ -111,12 +111,12 @@ class ComplianceMethod(Method):
 
     def system_size(self, problem: Problem) -> SystemSize:
         """Return the number of pressures on the space that suits the problem."""
-        size = pressure_spaces(problem)[0].size
+        size = choose_spaces(problem).fine.size
         return SystemSize(size, size)
 
     def solve(self, problem: Problem, stages: Stages) -> Solution:
         """Return the solution: discretise, wear, sample, and estimate errors."""
-        return PIPELINES[problem.full_contact](self, [problem], stages)[0]
+        return self.solve_alike([problem], stages)[0]
 
     def solve_alike(self, problems: Sequence[Problem], stages: Stages) -> list[Solution]:
         """Return the solutions of several problems on one discretisation, if they are flat punches.
@@ -124,7 +124,9 @@ class ComplianceMethod(Method):
         The discretisation has the smallest sizes that any of the problems needs. Shaped punches are
         solved one by one.
         """
-        return PIPELINES[problems[0].full_contact](self, problems, stages)
+        if problems[0].full_contact:
+            return solve_in_full_contact(self, problems, stages)
+        return [solve_in_moving_contact(self, problem, stages) for problem in problems]
 
     def solve_again(
         self, problem: Problem, earlier: Solution, allowed_error: float, stages: Stages
@@ -273,22 +275,6 @@ def solve_in_moving_contact(
         note = "the steady state is that of full contact, which the history does not reach"
         solution = replace(solution, notes=(*solution.notes, note))
     return _join_steady_part(solution, steady) if steady else solution
-
-
-def solve_each_in_moving_contact(
-    method: ComplianceMethod, problems: Sequence[Problem], stages: Stages
-) -> list[Solution]:
-    """Solve shaped punches one by one, each on its own discretisation."""
-    return [solve_in_moving_contact(method, problem, stages) for problem in problems]
-
-
-Pipeline = Callable[[ComplianceMethod, Sequence[Problem], Stages], list[Solution]]
-"""A function that solves problems of one kind of contact, by any such method."""
-# by whether the punch is in full contact
-PIPELINES: dict[bool, Pipeline] = {
-    True: solve_in_full_contact,
-    False: solve_each_in_moving_contact,
-}
 
 
 def solve_steady_part(

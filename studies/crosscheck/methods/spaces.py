@@ -33,25 +33,15 @@ class PressureSpaces(NamedTuple):
 
 def choose_spaces(problem: Problem) -> PressureSpaces:
     """Return the pressure spaces that suit the contact of a problem."""
-    return SPACES[problem.full_contact](problem)
+    if not problem.full_contact:
+        fine, coarse = contact_cells(problem)
+        return PressureSpaces(fine.space(), coarse.space(), False, {})
+    sizes = radial_sizes(problem)
+    space = sizes.space(problem)
+    return PressureSpaces(space, space.coarser(), True, sizes.summary)
 
 
 def pressure_spaces(problem: Problem) -> tuple[PressureSpace, PressureSpace]:
     """Return the pressure space that suits a problem, and one that is coarser in every respect."""
     spaces = choose_spaces(problem)
     return spaces.fine, spaces.coarse
-
-
-def _graded_spaces(problem: Problem) -> PressureSpaces:
-    sizes = radial_sizes(problem)
-    space = sizes.space(problem)
-    return PressureSpaces(space, space.coarser(), True, sizes.summary)
-
-
-def _spaces_of_cells(problem: Problem) -> PressureSpaces:
-    fine, coarse = contact_cells(problem)
-    return PressureSpaces(fine.space(), coarse.space(), False, {})
-
-
-# by whether the punch is in full contact
-SPACES = {True: _graded_spaces, False: _spaces_of_cells}

@@ -7,19 +7,13 @@ because their degree is low.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....meshes.errors import MeshError, SceneError
-from ....meshes.radial import Array
-from ....meshes.sizes import SizeField
 from ..problem.problem import Problem
 from ..problem.sections import LAYERED
 from . import quads, triangles
 from .layers import why_layers_are_not_meshed
-
-if TYPE_CHECKING:
-    from ....meshes.by_gmsh.quads import GradedQuads
 
 # Upper limit of the share of the energy that the truncation may lose (physics/test_size_rules.py,
 # `ringwear study truncation`).
@@ -33,88 +27,32 @@ HALVINGS = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Triangles:
-    """Triangles by a mesher.
-
-    Parameters
-    ----------
-    field : their sizes
-    triangulate : the mesher
-    """
-
-    field: SizeField
-    triangulate: Callable[[SizeField], Any]
-
-    @cached_property
-    def mesh(self) -> Any:
-        """The mesh."""
-        return self.triangulate(self.field)
-
-    def coarser(self) -> "Triangles":
-        """Return larger triangles."""
-        return replace(self, field=self.field.coarser())
-
-
-@dataclass(frozen=True, eq=False)
-class Halved:
-    """Elements that are halved, because their degree is low.
-
-    These have no lower degree to compare with, and larger sizes at ring edges and rim alone would
-    not show the error of the large elements, which have the largest error.
-
-    Parameters
-    ----------
-    base : the mesh to halve
-    ring_edges : (N+1,) ring edges
-    count : how often every element is halved
-    """
-
-    base: Any
-    ring_edges: Array
-    count: int
-
-    @cached_property
-    def mesh(self) -> Any:
-        """The mesh."""
-        from ....meshes.half_space import halved
-
-        return halved(self.base, self.ring_edges, self.count)
-
-    def coarser(self) -> "Halved":
-        """Return elements that are halved once less."""
-        return replace(self, count=self.count - 1)
-
-
-@dataclass(frozen=True, eq=False)
 class FemSizes:
     """Elements and degree of the half-space under a flat punch.
 
     Parameters
     ----------
     mesher : the mesher that made the elements: quads, gmsh or bisection
-    elements : the elements
+    mesh : the mesh
+    coarser_mesh : makes the mesh of the coarser solution that is compared with this one
     degree : degree of the displacement
     notes : texts for the user
+    halved : whether the elements are halved, because their degree is low. They have no lower degree
+        to compare with, and larger sizes at ring edges and rim alone would not show the error of
+        the large elements, which have the largest error; those of the coarser mesh are twice as
+        large
     same_elements : whether the coarser solution has the same elements, of a lower degree: triangles
         whose sizes and degree are the defaults, because larger ones would miss modes of thin
         layers, and the difference would often be 100 times the error
     """
 
     mesher: str
-    elements: "GradedQuads | Triangles | Halved"
+    mesh: Any
+    coarser_mesh: Callable[[], Any]
     degree: int
     notes: tuple[str, ...] = ()
+    halved: bool = False
     same_elements: bool = False
-
-    @property
-    def mesh(self) -> Any:
-        """The mesh."""
-        return self.elements.mesh
-
-    @property
-    def halved(self) -> bool:
-        """Whether the elements are halved, so that those of the coarser mesh are twice as large."""
-        return isinstance(self.elements, Halved)
 
     @property
     def error_factor(self) -> str:
@@ -133,12 +71,10 @@ class FemSizes:
         compared with a better solution instead, of degree 3 on the same mesh: no multipliers are
         stable on degree 1, and larger triangles of degree 2 may miss the same relaxation modes.
         """
-        if self.halved:
-            return replace(self, elements=self.elements.coarser())
-        if self.degree <= 2:
+        if self.degree <= 2 and not self.halved:
             return replace(self, degree=3)
-        elements = self.elements if self.same_elements else self.elements.coarser()
-        return replace(self, degree=self.degree - 1, elements=elements)
+        mesh = self.mesh if self.same_elements else self.coarser_mesh()
+        return replace(self, mesh=mesh, degree=self.degree - (not self.halved))
 
 
 def fem_sizes(problem: Problem) -> FemSizes:
@@ -155,39 +91,48 @@ def fem_sizes(problem: Problem) -> FemSizes:
         raise SceneError(reason)
     mesher = problem.fem.chosen_mesher
     try:
-        sizes = _sizes_by(problem, mesher)
-        sizes.mesh  # noqa: B018 (a cached property, so that a mesher that fails does so here)
+        return _sizes_by(problem, mesher)
     except MeshError as error:
         # bisection cannot mesh interfaces of layers
         if mesher == "bisection" or problem.ground.layered:
             raise
         note = f"meshed by bisection, in triangles of degree 4 at most: {error}"
         return replace(_sizes_by(problem, "bisection"), notes=(note,))
-    return sizes
 
 
 def _sizes_by(problem: Problem, mesher: str) -> FemSizes:
     """Return the sizes of elements by a mesher."""
-    layered = mesher == "quads"
-    degree = quads.quad_degree(problem) if layered else triangles.triangle_degree(problem)
-    low = bool(problem.fem.degree and problem.fem.degree < (LAYERED if layered else 2))
-    if layered and not low:
-        return FemSizes(mesher, quads.layered_quads(problem), degree)
-    if layered:
-        elements: GradedQuads | Triangles = quads.quads_to_halve(problem, HALVINGS)
-    else:
-        elements = Triangles(triangles.triangle_sizes(problem), _triangulation(mesher))
-    if low:
-        halved = Halved(elements.mesh, problem.merged.ring_edges, HALVINGS)
-        return FemSizes(mesher, halved, degree)
-    return FemSizes(mesher, elements, degree, same_elements=not problem.fem.given_by_user)
-
-
-def _triangulation(mesher: str) -> Callable[[SizeField], Any]:
     from ....meshes import bisection
     from ....meshes.by_gmsh import triangles as by_gmsh
+    from ....meshes.half_space import halved
 
-    return by_gmsh.mesh if mesher == "gmsh" else bisection.mesh
+    scene_degree, by_default = problem.fem.degree, not problem.fem.given_by_user
+    if mesher == "quads":
+        degree, low = quads.quad_degree(problem), bool(scene_degree and scene_degree < LAYERED)
+        elements = quads.quads_to_halve(problem, HALVINGS) if low else quads.layered_quads(problem)
+        sizes = FemSizes(mesher, elements.mesh, lambda: elements.coarser().mesh, degree)
+    else:
+        degree, low = triangles.triangle_degree(problem), scene_degree == 1
+        field, mesh_of = triangles.triangle_sizes(problem), bisection.mesh
+        if mesher == "gmsh":
+            mesh_of = by_gmsh.mesh
+        sizes = FemSizes(
+            mesher,
+            mesh_of(field),
+            lambda: mesh_of(field.coarser()),
+            degree,
+            same_elements=by_default,
+        )
+    if not low:
+        return sizes
+    mesh, edges = sizes.mesh, problem.merged.ring_edges
+    return FemSizes(
+        mesher,
+        halved(mesh, edges, HALVINGS),
+        lambda: halved(mesh, edges, HALVINGS - 1),
+        degree,
+        halved=True,
+    )
 
 
 def pole_orders(problem: Problem, truncation: float) -> tuple[int, ...]:

@@ -40,7 +40,7 @@ from ..problem.quantities import (
     differences,
 )
 from ..problem.unit_names import UnitNames
-from .promise import allowed_error, unresolved
+from .promise import allowed_error, times_in_words, unresolved
 
 AGREE, DISAGREE, UNDECIDED = "agree", "disagree", "undecided"
 NO_UNITS = UnitNames()
@@ -221,10 +221,10 @@ def _judge(
     uncertainty = np.nan_to_num(uncertainty)
     # a time without agreement; of several, the one with the largest uncertainty, then difference
     worst = int(np.lexsort((sizes, uncertainty, doubtful))[-1])
-    verdict, remark, times_in_words, promised = AGREE, "", "", True
+    verdict, remark, when, promised = AGREE, "", "", True
     if (over_bound > 1).any():
         worst, verdict = int(np.argmax(over_bound)), DISAGREE
-        times_in_words = when_in_words(problem, units, quantity, over_bound > 1)
+        when = when_in_words(problem, units, quantity, over_bound > 1)
     elif doubtful.any():
         verdict, blamed = UNDECIDED, names[int(second[worst] > first[worst])]
         limits = [
@@ -236,10 +236,10 @@ def _judge(
         if promised:
             error = float(difference.uncertainty[worst])
             remark = remedy(problem, quantity, blamed, solutions[blamed], error)
-        times_in_words = when_in_words(problem, units, quantity, doubtful)
+        when = when_in_words(problem, units, quantity, doubtful)
     numbers = float(sizes[worst]), float(uncertainty[worst])
     pair = first_name, second_name
-    return Agreement(quantity, pair, *numbers, verdict, remark, promised, times_in_words)
+    return Agreement(quantity, pair, *numbers, verdict, remark, promised, when)
 
 
 def disagreement(problem: Problem, solutions: Collection[Solution], keep: Collection[str]) -> float:
@@ -267,10 +267,7 @@ def when_in_words(
     if not DESCRIBED[quantity].over_time or selected.all():
         return ""
     times = problem.times[problem.compared_rows] * problem.units.time
-    last = int(np.flatnonzero(selected)[-1])
-    if not selected[: last + 1].all():
-        return f"at {selected.sum()} of {len(times)} times"
-    return f"{'up to' if last else 'at'} t = {units.write(float(times[last]), 'time', 3)}"
+    return times_in_words(times[selected].tolist(), times.tolist(), units, "up to")
 
 
 def remedy(problem: Problem, quantity: str, blamed: str, solution: Solution, error: float) -> str:

@@ -233,7 +233,8 @@ def _with_times(rows: Sequence[LeftOut], times: Sequence[float], names: UnitName
     names_by_times = dict[str, list[str]]()
     for row in rows:
         name = row.quantity.replace("_", " ").replace("rms", "RMS")
-        names_by_times.setdefault(_when(row.times, times, names), []).append(name)
+        when = f" {times_in_words(row.times, times, names)}" if row.times else ""
+        names_by_times.setdefault(when, []).append(name)
     if len(names_by_times) > 1:
         return ": " + "; ".join(f"{_listed(each)}{when}" for when, each in names_by_times.items())
     ((when, quantities),) = names_by_times.items()
@@ -253,12 +254,11 @@ def _listed(names: list[str]) -> str:
     return ", ".join(names[:MOST_NAMES]) + (f" and {more} more" if more > 0 else "")
 
 
-def _when(selected: tuple[float, ...], times: Sequence[float], names: UnitNames) -> str:
-    """Return some of the times of a scene in words."""
-    if not selected:
-        return ""
-    times_until_last = [time for time in times if time <= selected[-1]]
-    if len(selected) < len(times_until_last):
-        return f" at {len(selected)} of {len(times)} times"
-    last = names.write(selected[-1], "time", 3)
-    return f" {'until' if len(selected) > 1 else 'at'} t = {last}"
+def times_in_words(
+    selected: Sequence[float], times: Sequence[float], names: UnitNames, until: str = "until"
+) -> str:
+    """Return some of increasing times in words: how many of them, or the last if all before are."""
+    last = selected[-1]
+    if len(selected) < sum(time <= last for time in times):
+        return f"at {len(selected)} of {len(times)} times"
+    return f"{until if len(selected) > 1 else 'at'} t = {names.write(last, 'time', 3)}"

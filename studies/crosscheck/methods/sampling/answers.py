@@ -10,14 +10,15 @@ still to come, with the steady wear rate w. It is a sum of decaying exponentials
 coefficients.
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .....meshes.radial import Array, ring_of
+from .....meshes.radial import Array
 from ...problem.norms import Results
 from ...problem.problem import Problem
-from ...problem.quantities import ANSWER, STATES
+from ...problem.quantities import ANSWER
 from ...wear.flat_contact import FittedPress
 from ...wear.full_contact import RunningIn
 from ...wear.history import History
@@ -41,32 +42,31 @@ class SteadyRun:
         self.indentation_at_start = self.slowest_time = np.nan
         self.contact_radius_at_start = self.peak_at_start = self.time_to_full_contact = np.nan
         self.forces = np.full(2, np.nan)
-        self.worn_volumes = np.full(len(problem.wear_coefficients), np.nan)
-
-    def time_until(self, remaining_part: float) -> float:
-        """Return the time after which a given part of the running-in remains."""
-        return np.nan
+        self.worn_volumes = self.force_shares_at_start = np.full(
+            problem.wear_coefficients.shape, np.nan
+        )
+        # pressures of the start may be infinite, and have no closed form if the face is shaped
+        self.pressures_at_start = np.full((2, len(self.worn_volumes)), np.nan)
+        # the time after which a given part of the running-in remains
+        self.time_until: Callable[[float], float] = lambda _: np.nan
 
     @property
     def pressures(self) -> Array:
-        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring.
-
-        Pressures of the start may be infinite, and have no closed form if the face is shaped.
-        """
-        values = np.full((2, len(STATES), len(self.worn_volumes)), np.nan)
+        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring."""
+        steady = np.full(self.pressures_at_start.shape, np.nan)
         if "steady_pressure" in self.steady:
-            values[:, 1] = _steady_extremes(self.problem, self.steady)
-        return values
+            steady = np.array(_steady_extremes(self.problem, self.steady))
+        return np.stack([self.pressures_at_start, steady], axis=1)
 
     @property
     def force_shares(self) -> Array:
         """(2, N) share of the force at the start and in the steady state, by ring."""
-        values = np.full((len(STATES), len(self.worn_volumes)), np.nan)
+        steady = np.full(self.force_shares_at_start.shape, np.nan)
         if "steady_pressure" in self.steady:
             face, pressure = self.problem.face, self.steady["steady_pressure"]
             final = self.problem.loading.forces[-1]
-            values[1] = face.ring_sums(face.areas * pressure) / final
-        return values
+            steady = face.ring_sums(face.areas * pressure) / final
+        return np.stack([self.force_shares_at_start, steady])
 
     @property
     def greatest_steady_displacement(self) -> float:
@@ -87,31 +87,15 @@ class FlatRun(SteadyRun):
 
     def __init__(self, problem: Problem, wear: RunningIn, steady: Results, ends: History) -> None:
         super().__init__(problem, steady)
-        self.wear = wear
-        functions = Functions(problem, wear.compliance.space)
-        self.indentation_at_start = wear.flat.indentation + problem.profile.standoff
-        self.slowest_time = wear.relaxation_times[0]
+        functions, flat = Functions(problem, wear.compliance.space), wear.flat
+        self.indentation_at_start = flat.indentation + problem.profile.standoff
+        self.slowest_time, self.time_until = wear.relaxation_times[0], wear.time_until
         self.worn_volumes = functions.worn_volumes(ends)[-1]
         self.forces = _forces(problem, functions.ring_forces(ends))
         self.contact_radius_at_start, self.time_to_full_contact = 1.0, 0.0
-
-    def time_until(self, remaining_part: float) -> float:
-        """Return the time after which a given part of the running-in remains."""
-        return self.wear.time_until(remaining_part)
-
-    @property
-    def pressures(self) -> Array:
-        """(2, 2, N) least and greatest pressure, at the start and in the steady state, by ring."""
-        values = super().pressures
-        values[:, 0] = self.wear.flat.extremes_on(self.problem.ring_edges)
-        return values
-
-    @property
-    def force_shares(self) -> Array:
-        """(2, N) share of the force at the start and in the steady state, by ring."""
-        values, forces = super().force_shares, self.wear.flat.ring_forces(self.problem.ring_edges)
-        values[0] = forces / forces.sum()
-        return values
+        self.pressures_at_start = np.array(flat.extremes_on(problem.ring_edges))
+        on_rings = flat.ring_forces(problem.ring_edges)
+        self.force_shares_at_start = on_rings / on_rings.sum()
 
 
 class MarchedRun(SteadyRun):
@@ -129,31 +113,21 @@ class MarchedRun(SteadyRun):
         self, problem: Problem, evolution: "Evolution", start: FittedPress | None, ends: History
     ) -> None:
         super().__init__(problem, {})
-        self.evolution = evolution
         functions = Functions(problem, evolution.punch.space)
-        self.ring_forces = functions.ring_forces(ends)
+        ring_forces = functions.ring_forces(ends)
+        self.time_until = evolution.time_until
         if not problem.reason_not_steady:
             self.slowest_time = evolution.punch.slowest_time
         self.worn_volumes = functions.worn_volumes(ends)[-1]
-        self.forces = _forces(problem, self.ring_forces)
+        self.forces = _forces(problem, ring_forces)
         if not problem.loading.varies:
             self.time_to_full_contact = evolution.time_of_full_contact
             if problem.times[0] == 0:
                 self.indentation_at_start = ends.indentation[0] + problem.profile.standoff
+                if (total := ring_forces[0].sum()) > 0:
+                    self.force_shares_at_start = ring_forces[0] / total
         if start is not None:
             self.contact_radius_at_start, self.peak_at_start = start.radius, _peak(start)
-
-    def time_until(self, remaining_part: float) -> float:
-        """Return the time after which a given part of the running-in remains."""
-        return self.evolution.time_until(remaining_part)
-
-    @property
-    def force_shares(self) -> Array:
-        """(2, N) share of the force at the start and in the steady state, by ring."""
-        values, total = super().force_shares, self.ring_forces[0].sum()
-        if self.problem.times[0] == 0 and not self.problem.loading.varies and total > 0:
-            values[0] = self.ring_forces[0] / total
-        return values
 
 
 def answers_of(run: SteadyRun) -> Results:
@@ -174,22 +148,17 @@ def _forces(problem: Problem, ring_forces: Array) -> Array:
 
 
 def _steady_extremes(problem: Problem, steady: Results) -> tuple[Array, Array]:
-    """Return the smallest and the largest steady pressure (N,) on each ring of the scene."""
-    face, pressure = problem.face, steady["steady_pressure"]
-    first = np.flatnonzero(np.diff(face.ring, prepend=-1))
-    least, greatest = (extreme.reduceat(pressure, first) for extreme in (np.minimum, np.maximum))
-    if problem.graded is not None:
-        # k p is constant over the face, and k is linear between the edges of the modelled rings:
-        # the extremes are at these edges, where the face has no radii
-        rate = np.sum(face.weights * pressure) / np.sum(face.areas)
-        rings = problem.graded
-        middles = (rings.ring_edges[1:] + rings.ring_edges[:-1]) / 2
-        at_ends = rate / rings.wear_coefficients
-        ring = ring_of(problem.ring_edges, middles)
-        for index in range(len(least)):
-            least[index] = at_ends[:, ring == index].min()
-            greatest[index] = at_ends[:, ring == index].max()
-    return least, greatest
+    """Return the smallest and the largest steady pressure (N,) on each ring of the scene.
+
+    In the steady state k p is constant over the face, and k is linear between the edges of rings:
+    the extremes are at these edges, where the face has no radii.
+    """
+    face, rings = problem.face, problem.graded or problem.rings
+    rate = np.sum(face.weights * steady["steady_pressure"]) / np.sum(face.areas)
+    at_ends = rate / rings.wear_coefficients
+    first = np.searchsorted(rings.ring_edges, problem.ring_edges[:-1])
+    least, greatest = (extreme.reduceat(at_ends, first, 1) for extreme in (np.minimum, np.maximum))
+    return least.min(axis=0), greatest.max(axis=0)
 
 
 def _peak(press: FittedPress) -> float:

@@ -168,27 +168,20 @@ class Functions:
         return pressed.rest @ of_functions + pressed.force / start.force * of_start
 
     def worn_volumes(self, history: History) -> Array:
-        """Return the volume worn off each ring (T, N)."""
+        """Return the volume worn off each ring (T, N).
+
+        In full contact the worn depth is in the space. Else it is k times the integral of the
+        pressure over the sliding distance, and only the latter is in the space.
+        """
+        ring_edges, space = self.problem.ring_edges, self.space
         if self.problem.full_contact:
-            return self._worn_volumes_of_full_face(history)
-        return self._worn_volumes_on_cells(history)
-
-    def _worn_volumes_of_full_face(self, history: History) -> Array:
-        """Return the volume worn off each ring (T, N), from the profile, which is in the space."""
-        on_rings = _ring_forces(self.space, self.problem.ring_edges.tobytes())
-        return np.asarray(history.shape @ on_rings.T) + self._even_volumes(history)
-
-    def _even_volumes(self, history: History) -> Array:
-        """Return the volume (T, N) that the even wear has worn off each ring."""
-        return np.outer(history.even_wear, ring_areas(self.problem.ring_edges))
-
-    def _worn_volumes_on_cells(self, history: History) -> Array:
-        """Return the volume worn off each ring (T, N), from the time integral of the pressure."""
-        # the worn profile is k times the integral of the pressure; only the latter is in the space
-        rings, space = self.problem.merged, self.space
-        volumes = history.integral @ (space.mass(rings.wear_coefficients) @ space.ring_indicator())
-        first = np.searchsorted(rings.ring_edges, self.problem.ring_edges[:-1])
-        return np.asarray(np.add.reduceat(volumes, first, axis=1)) + self._even_volumes(history)
+            worn = history.shape @ _ring_forces(space, ring_edges.tobytes()).T
+        else:
+            rings = self.problem.merged
+            of_functions = space.mass(rings.wear_coefficients) @ space.ring_indicator()
+            first = np.searchsorted(rings.ring_edges, ring_edges[:-1])
+            worn = np.add.reduceat(history.integral @ of_functions, first, axis=1)
+        return np.asarray(worn) + np.outer(history.even_wear, ring_areas(ring_edges))
 
     def worn_face(self, history: History) -> WornFace:
         """Return the worn face of a punch whose contact moves.

@@ -3,7 +3,8 @@
 import numpy as np
 
 from ringwear.studies.crosscheck.methods.error_factors import error_factor
-from ringwear.studies.crosscheck.methods.evaluation import greatest_in_ranges, near_in_time
+from ringwear.studies.crosscheck.methods.evaluation import greatest_in_ranges, range_near
+from ringwear.studies.crosscheck.problem.loading import Loading
 
 
 def test_ranges_of_nearby_times_are_those_of_all_pairs():
@@ -13,6 +14,6 @@ def test_ranges_of_nearby_times_are_those_of_all_pairs():
     factor = error_factor("nearby times")
     near = (others >= times[:, None] / factor) & (others <= times[:, None] * factor)
     expected = np.where(near, values, 0.0).max(axis=1)
-    np.testing.assert_array_equal(
-        greatest_in_ranges(values, *near_in_time(times, others)), expected
-    )
+    earliest, latest = range_near(times, Loading())
+    first, last = others.searchsorted(earliest), others.searchsorted(latest, side="right")
+    np.testing.assert_array_equal(greatest_in_ranges(values, first, last), expected)
