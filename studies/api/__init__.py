@@ -110,8 +110,13 @@ from ringwear.studies import STARTED as _STARTED  # noqa: F401
 
 # the names in the stub `__init__.pyi`; the file of a name is loaded at its first use, because it
 # loads other packages; the command line can handle an interruption meanwhile
-_load, __dir__, __all__ = _lazy.attach_stub(__name__, __file__)
+_load, _, __all__ = _lazy.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
 
 # names that users need first
 _FIRST = (

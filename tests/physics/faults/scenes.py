@@ -11,7 +11,7 @@ import xarray
 from given import judge
 
 from ringwear import Result, Scene, run
-from ringwear.studies.crosscheck.result.table import Answers
+from ringwear.studies.crosscheck.result.table import answers_of
 
 from .changes import Change
 
@@ -126,7 +126,7 @@ def with_table(result: Result, change: Change, alone: bool = False) -> Result:
     }
     coordinates = {name: changed.pop(name) for name in dataset.coords}
     wrong = xarray.Dataset(changed, coordinates, dataset.attrs)
-    answers = Answers.of(wrong)
+    answers = answers_of(wrong)
     judgement = replace(result.judgement, dataset=wrong, answers=answers)
     return replace(result, dataset=wrong, answers=answers, judgement=judgement)
 
