@@ -14,7 +14,7 @@ Breakpoints are stored as a rounded radius and a low part, which is its rounding
 of breakpoints computed from both are accurate to all digits.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
 
@@ -32,6 +32,7 @@ from .radial import (
     gauss,
     graded_breakpoints,
     layers,
+    ring_of,
     values_on_rings,
 )
 
@@ -160,7 +161,8 @@ class PressureSpace:
 
         Breakpoints are given by number.
         """
-        return self.distance_from(self.breakpoints[first], self._low[first], second)
+        rounded = self.breakpoints[second] - self.breakpoints[first]
+        return rounded + (self._low[second] - self._low[first])
 
     def distance_from(self, radii: Array, low_parts: Array, number: Indices) -> Array:
         """Return the distances from radii to breakpoints, given by number, to all digits.
@@ -227,10 +229,10 @@ class PressureSpace:
         element = np.clip(
             np.searchsorted(self.breakpoints, radii, side="right") - 1, 0, len(self.degrees) - 1
         )
-        to_left, to_right = (
-            self.distance_from(radii, np.zeros_like(radii), end) for end in (element, element + 1)
-        )
-        local = np.clip(-(to_left + to_right) / self.widths[element], -1.0, 1.0)
+        left, right = self.breakpoints[element], self.breakpoints[element + 1]
+        left_low, right_low = self._low[element], self._low[element + 1]
+        local = ((radii - left) - left_low) - ((right - radii) + right_low)
+        local = np.clip(local / self.widths[element], -1.0, 1.0)
         functions = np.where((radii < self.inner_radius)[:, None], self.size, self.dofs[element])
         return self._values(element, local, functions, derivative)
 
@@ -352,18 +354,27 @@ class PressureSpace:
         The rings lie between `ring_edges` (M+1,), which may be any edges.
         """
         ring_edges = np.asarray(ring_edges, dtype=float)
-        within = (ring_edges > self.inner_radius) & ~np.isin(ring_edges, self.breakpoints)
-        if within.any():
-            cuts = np.union1d(self.sort_keys, ring_edges[within])
-            parts = self.divided(cuts.real, cuts.imag)
-            return parts.ring_forces(ring_edges) @ parts.embedding(self)
-        radii, lengths, local = self.quadrature
-        ring = np.searchsorted(ring_edges + 0j, self.sort_keys[:-1], side="right")[:, None] - 1
-        values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(local, self.top))
-        # elements inside the first edge are on no ring
-        on_rings = ring[:, 0] >= 0
-        values, ring, functions = values[on_rings], ring[on_rings], self.dofs[on_rings]
-        return self._assembled(values, ring, functions, len(ring_edges) - 1).toarray()
+        node, weight = gauss(self.top + 2)
+        if np.isin(ring_edges, self.breakpoints).all():
+            radii, lengths, _ = self.quadrature
+            ring = np.searchsorted(ring_edges + 0j, self.sort_keys[:-1], side="right")[:, None] - 1
+            values = np.einsum("eq,qi->ei", 2 * np.pi * radii * lengths, shapes(node, self.top))
+            # elements inside the first edge are on no ring
+            on_rings = ring[:, 0] >= 0
+            values, ring, functions = values[on_rings], ring[on_rings], self.dofs[on_rings]
+            return self._assembled(values, ring, functions, len(ring_edges) - 1).toarray()
+        cuts = np.union1d(self.breakpoints, ring_edges)
+        cuts = cuts[cuts >= max(self.inner_radius, ring_edges[0])]
+        half = np.diff(cuts)[:, None] / 2
+        element = np.searchsorted(self.breakpoints, cuts[:-1], side="right") - 1
+        left, width = self.breakpoints[element, None], np.diff(self.breakpoints)[element, None]
+        # local coordinates are computed from distances within the element, because radii would lose
+        # digits on small elements
+        local = 2 * (cuts[:-1, None] - left + half * (1 + node)) / width - 1
+        area = 2 * np.pi * (cuts[:-1, None] + half * (1 + node)) * half * weight
+        values = np.einsum("eq,eqi->ei", area, shapes(local, self.top))
+        rings = ring_of(ring_edges, cuts[:-1])[:, None]
+        return self._assembled(values, rings, self.dofs[element], len(ring_edges) - 1).toarray()
 
     def ring_indicator(self) -> Array:
         """Return the coefficients of the pressures that are 1 on one ring and 0 on all others.
@@ -410,8 +421,14 @@ class PressureSpace:
             inner &= widths[edges - 1] < largest_layer
             outer[outer] = widths[edges[outer]] < largest_layer[outer]
             dropped = np.concatenate([edges[inner] - 1, edges[outer] + 1])
-        merged = self._merged(np.setdiff1d(dropped, edges))
-        return replace(merged, degrees=np.maximum(merged.degrees - 1, 1))
+        remaining = np.setdiff1d(np.arange(count), np.setdiff1d(dropped, edges))
+        lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
+        return PressureSpace(
+            self.breakpoints[remaining],
+            np.maximum(lowest - 1, 1),
+            self.ring_edges,
+            None if self.low_parts is None else self.low_parts[remaining],
+        )
 
     def joined_beside_ring_edges(self) -> "PressureSpace":
         """Return the space with the two elements next to a ring edge merged, on either side of it.
@@ -421,14 +438,14 @@ class PressureSpace:
         """
         edges = np.searchsorted(self.sort_keys, self.ring_edges + 0j)
         inner = edges[1:-1]
-        return self._merged(np.setdiff1d(np.concatenate([inner - 1, inner + 1]), edges))
-
-    def _merged(self, dropped: Indices) -> "PressureSpace":
-        """Return the space without some breakpoints; merged elements have their lowest degree."""
-        remaining = np.delete(np.arange(len(self.breakpoints)), dropped)
-        lowest = np.minimum.reduceat(self.degrees, remaining[:-1])
-        low_parts = self._low[remaining]
-        return PressureSpace(self.breakpoints[remaining], lowest, self.ring_edges, low_parts)
+        dropped = np.setdiff1d(np.concatenate([inner - 1, inner + 1]), edges)
+        remaining = np.setdiff1d(np.arange(len(self.breakpoints)), dropped)
+        return PressureSpace(
+            self.breakpoints[remaining],
+            np.minimum.reduceat(self.degrees, remaining[:-1]),
+            self.ring_edges,
+            None if self.low_parts is None else self.low_parts[remaining],
+        )
 
     def divided(self, breakpoints: Array, low_parts: Array) -> "PressureSpace":
         """Return the space on more breakpoints, which include those of this space.
@@ -468,10 +485,12 @@ class PressureSpace:
         `coarse`.
         """
         parent = np.searchsorted(coarse.sort_keys, self.sort_keys[1:]) - 1
+        left, width = coarse.breakpoints[parent, None], coarse.widths[parent, None]
         node = gauss(self.top + 1)[0]
-        starts = -coarse.distance_from(self.breakpoints[:-1], self._low[:-1], parent)
-        distances = starts[:, None] + self.widths[:, None] * (1 + node) / 2
-        values = shapes(2 * distances / coarse.widths[parent, None] - 1, coarse.top)
+        distances = self.breakpoints[:-1, None] - left
+        distances = distances + (self._low[:-1] - coarse._low[parent])[:, None]
+        distances = distances + self.widths[:, None] * (1 + node) / 2
+        values = shapes(2 * distances / width - 1, coarse.top)
         coefficients = np.linalg.inv(shapes(node, self.top)) @ values
         # the coefficient of a vertex between two elements of a ring is entered only once
         coefficients[1:, 0][np.diff(self.ring) == 0] = 0.0

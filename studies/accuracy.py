@@ -273,7 +273,9 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
     one, cut = case.name == ONE_RING, slice(-1 if quick else None)
     without = frozenset({STRESS} if quick else ())
     halvings, parts, gradings = OF_ONE_RING if one else OF_RINGS
-    kinds = [(quads, k) for quads in parts for k in parts[quads] if quads or not quick or k != 3]
+    kinds = [
+        (quads, k) for quads in parts for k in parts[quads] if quads or one or not quick or k != 3
+    ]
     graded_radial = [("mdr", degree) for degree in gradings if not quick or degree < 3]
     graded_radial += RADIAL[3 if one else 2 :]
     even, graded = (EVEN_UNDER_ONE_RING, GRADED_TO_RIM) if one else (EVEN, None)

@@ -366,5 +366,3 @@ def test_a_check_has_our_result_theirs_and_mistakes():
     assert {"quantity", "error", "within"} <= set(found.errors)
     assert found.errors.set_index("quantity").error["indentation"] == pytest.approx(1, rel=1e-3)
     assert [mistake.program for mistake in found.mistakes()][:1] == ["abaqus"]
-    with pytest.raises(AttributeError, match=r"write check\.mistakes\(\)"):
-        _ = found.diagnoses
