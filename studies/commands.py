@@ -70,14 +70,12 @@ def _run(
     csv : write the results as CSV tables, too
     verbose : print everything: each ring, every difference, the cost, what is modelled and left out
     """
-    from .crosscheck import RUN_FILES, write_numbers
+    from .crosscheck import RUN_FILES, refuse_beyond_memory, write_numbers
+    from .study.own import load_methods
 
     # collect garbage less often: nearly all objects of a run live to its end, and searching them
     # takes a tenth of the run
     gc.set_threshold(50_000, 50, 50)
-    from .crosscheck import refuse_beyond_memory
-    from .study.own import load_methods
-
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
     names = [entry for entry in methods if isinstance(entry, str)] or None
     read = Scene.of(scene, names, **given)
@@ -192,7 +190,6 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
         refuse_beyond_memory,
         time_scale,
     )
-    from .operators import compare_operators
     from .report.printed import print_scope
     from .wear_step.plan import plan
 
@@ -209,6 +206,9 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     print_lines(["", "By method"])
     print_lines(f"  {line}" for line in plan(read, **given))
     if check:
+        # it loads matplotlib and pandas, which a plan alone does not need
+        from .operators import compare_operators
+
         # compare the finite elements' multipliers with a compliance that resolves their pressures
         (pair,) = compare_operators(read, ["fem", "mdr"])
         print(

@@ -85,8 +85,8 @@ def study(
     ----------
     name : ``"convergence"``, ``"refinement"``, ``"tradeoff"``, ``"extremes"``, ``"truncation"``,
         ``"march"``, ``"operators"`` or ``"paper"``
-    scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default the
-        study's own scene
+    scene : a Scene, the name of a bundled scene, a file, or nested dictionaries; by default
+        ``"five_rings"``
     quick : whether to conduct a smaller version of the study
     quantities : names of quantities to tabulate and draw, and your own quantities: names and
         functions that take the result of a run and return a number, such as
