@@ -33,7 +33,7 @@ from .figures.ticks import one_digit
 from .study.errors import STABLE
 from .study.own import Methods, read_methods
 from .study.record import SOLVED, Record
-from .study.study import QUICK, Study
+from .study.study import Study, remarks
 from .study.way import ALL, Case
 
 METHODS = ("fem", "mdr", "bem")
@@ -241,7 +241,7 @@ def operators(
         "operators",
         scene,
         record.table,
-        conclusions=(*map(_conclude, pairs), *([QUICK] if quick else []), *record.remarks),
+        conclusions=(*map(_conclude, pairs), *remarks(record, quick)),
         figures={"operator_difference": draw_operators(scene, pairs)},
         tables={"modes": pd.concat(modes)},
     )
