@@ -1,4 +1,4 @@
-"""Read a half-space mesh from the user's file, by meshio.
+"""Read a half-space mesh from the user's file, by gmsh or meshio.
 
 The file needs no named boundaries: contact, free surface, axis and far boundary are recognised by
 their position. A mesh that cannot be used is refused here, with a message that states the fault and
@@ -17,7 +17,8 @@ from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad, MeshTri
 from skfem.io.meshio import from_meshio
 
-from .decks import CornerMesh, read_deck, read_universal
+from .by_gmsh.session import session, unavailable
+from .decks import CornerMesh, read_deck
 from .errors import MeshError
 from .half_space import as_half_space
 from .radial import Array, Indices
@@ -30,6 +31,14 @@ if TYPE_CHECKING:
 COORDINATE_TOLERANCE = 1e-8
 # numbers of corners of cells in a plane, by the names of meshio without the number of nodes
 PLANE_CELLS = {"triangle": 3, "quad": 4}
+# files that gmsh reads in all their variants: parametric or partitioned ones, all versions
+OF_GMSH = (".msh", ".unv", ".uff", ".bdf", ".nas", ".med")
+# files that nobody reads here, and what to export instead
+UNREAD = {
+    ".mphtxt": "a mesh of COMSOL: export it as NASTRAN (.nas)",
+    ".cdb": "an archive of Ansys: export the mesh as an input deck of Abaqus (.inp) or as NASTRAN",
+    ".pvd": "a list of files of ParaView: give one of the .vtu files that it names",
+}
 # factors between units of length that a message tries
 UNIT_FACTORS = [10.0**power for power in range(-9, 10) if power] + [25.4, 1 / 25.4]
 # greatest number of bodies of which the largest is the half-space; more are torn apart
@@ -116,10 +125,15 @@ def _largest_body(cells: Indices, corners: CornerMesh) -> Indices:
 
 def _corners(path: Path) -> CornerMesh:
     """Return the corners of the plane cells of a file."""
-    if path.is_file() and path.suffix.lower() == ".inp":
-        return read_deck(path)
-    if path.is_file() and path.suffix.lower() in (".unv", ".uff"):
-        return read_universal(path)
+    suffix = path.suffix.lower()
+    if path.is_file():
+        if suffix in UNREAD:
+            raise MeshError(f"this is {UNREAD[suffix]}")
+        if suffix == ".inp":
+            return read_deck(path)
+        # without gmsh, meshio reads the commonest of its files
+        if suffix in OF_GMSH and not (suffix == ".msh" and unavailable()):
+            return _read_with_gmsh(path)
     content = read_with_meshio(path)
     blocks = {3: list[Indices](), 4: list[Indices]()}
     others = set[str]()
@@ -129,6 +143,24 @@ def _corners(path: Path) -> CornerMesh:
             blocks[PLANE_CELLS[name]].append(block.data[:, : PLANE_CELLS[name]])
         elif len(block.data) and name not in ("vertex", "line"):
             others.add(block.type)
+    triangles, quads = _joined(blocks, others)
+    points = np.zeros((len(content.points), 3))
+    points[:, : content.points.shape[1]] = content.points
+    subdomains = dict[str, Indices]()
+    first_order = {block.type for block in content.cells} & {"triangle", "quad"}
+    if first_order and (content.cell_sets or content.cell_data):
+        subdomains = from_meshio(content, ignore_orientation=True).subdomains or {}
+    return CornerMesh(points, triangles, quads, subdomains)
+
+
+def _joined(blocks: dict[int, list[Indices]], others: set[str]) -> tuple[Indices, Indices]:
+    """Return the corners of all triangles and of all quadrilaterals.
+
+    Raises
+    ------
+    MeshError
+        if there are none; the message names the types of the others
+    """
     triangles, quads = (
         np.concatenate(blocks[count] or [np.empty((0, count), dtype=np.int64)]) for count in (3, 4)
     )
@@ -137,13 +169,42 @@ def _corners(path: Path) -> CornerMesh:
             f"it holds cells of type {', '.join(sorted(others)) or 'line'}, but they must be "
             "triangles or quadrilaterals in a plane: in gmsh make a physical group of the surface"
         )
-    points = np.zeros((len(content.points), 3))
-    points[:, : content.points.shape[1]] = content.points
-    subdomains = dict[str, Indices]()
-    first_order = {block.type for block in content.cells} & {"triangle", "quad"}
-    if first_order and (content.cell_sets or content.cell_data):
-        subdomains = from_meshio(content, ignore_orientation=True).subdomains or {}
-    return CornerMesh(points, triangles, quads, subdomains)
+    return triangles, quads
+
+
+def _read_with_gmsh(path: Path) -> CornerMesh:
+    """Read the corners of cells with gmsh; a cell of several physical groups counts once.
+
+    Raises
+    ------
+    MeshError
+        if gmsh cannot read the file, or if it has no triangles or quadrilaterals
+    """
+    blocks, others = {3: list[Indices](), 4: list[Indices]()}, set[str]()
+    if path.suffix.lower() == ".msh" and not path.read_bytes()[:32].lstrip().startswith(b"$"):
+        raise MeshError(
+            "this is not a mesh of gmsh, which begins with $; FreeFEM uses the same suffix: there, "
+            "save it as .mesh"
+        )
+    with session() as gmsh:
+        try:
+            gmsh.open(str(path))
+        except Exception as error:  # gmsh raises bare exceptions
+            raise MeshError(
+                f"gmsh cannot read it ({error}): export it again as MSH 4.1 or 2.2"
+            ) from None
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        number = np.zeros(int(tags.max(initial=0)) + 1, dtype=np.int64)
+        number[tags] = np.arange(len(tags))
+        for kind, _, nodes in zip(*gmsh.model.mesh.getElements(), strict=True):
+            name, dimension, _, count, _, corners = gmsh.model.mesh.getElementProperties(kind)
+            if dimension == 2 and corners in blocks:
+                rows = number[nodes].reshape(-1, count)[:, :corners]
+                _, first = np.unique(np.sort(rows, axis=1), axis=0, return_index=True)
+                blocks[corners].append(rows[np.sort(first)])
+            elif dimension > 1:
+                others.add(name)
+    return CornerMesh(coordinates.reshape(-1, 3), *_joined(blocks, others))
 
 
 def read_with_meshio(path: Path) -> "meshio.Mesh":

@@ -57,6 +57,8 @@ def session() -> Iterator[ModuleType]:
         for name, value in options.items():
             gmsh.option.setNumber(name, value)
         yield gmsh
+    except MeshError:
+        raise
     except Exception as error:  # gmsh raises bare exceptions
         raise MeshError(f"gmsh could not mesh the half-space: {error}") from error
     finally:

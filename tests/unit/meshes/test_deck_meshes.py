@@ -1,9 +1,10 @@
-"""Meshes in input decks of Abaqus and CalculiX, and in universal files."""
+"""Meshes in input decks of Abaqus and CalculiX, in universal files, and in files of gmsh."""
 
 import numpy as np
 import pytest
 
 from ringwear import MeshError, Scene, SizeField, bisection, deck
+from ringwear.meshes.by_gmsh.session import session
 from ringwear.meshes.decks import read_deck
 from ringwear.meshes.files import read
 
@@ -56,6 +57,65 @@ def test_of_several_parts_the_largest_is_read(tmp_path, ours):
         assert same(read(tmp_path / "two.inp", EDGES), ours)
 
 
+def instance(place, text):
+    """Return a deck in which a part without nodes has an instance at a place, with its own mesh."""
+    head = '*Part, name="my soil"\n*End Part\n*Assembly, name=A\n'
+    head += f'*Instance, name=I, part="my soil"\n{place}'
+    return f"{head}{text}*End Instance\n*End Assembly\n"
+
+
+# decks that say the same as one with all nodes and elements in lines
+SPELLINGS = {
+    "byte order mark": lambda nodes, cells: (nodes + cells).encode("utf-8-sig"),
+    "UTF-16": lambda nodes, cells: (nodes + cells).encode("utf-16"),
+    "cells go on": lambda nodes, cells: nodes + cells.replace(", ", ",\n "),
+    "keyword goes on": lambda nodes, cells: nodes + cells.replace(", elset", ",\n  elset"),
+    "coordinates left blank": lambda nodes, cells: nodes.replace("\n1, 0, 0\n", "\n1\n") + cells,
+    "empty place": lambda nodes, cells: nodes.replace(", 0, ", ",, ") + cells,
+    "exponents of Fortran": lambda nodes, cells: nodes.replace("0.5,", "5.D-1,") + cells,
+    "data included": lambda _, cells: "*Node\n*INCLUDE, INPUT='s/lines.txt'\n" + cells,
+    "input": lambda _, cells: '*Node, nset=A, INPUT="s/lines.txt"\n' + cells,
+    "backslash": lambda _, cells: "*Include, input=s\\nodes.txt\n" + cells,
+    "node again": lambda nodes, cells: "*Node\n1, 9., 9.\n" + nodes + cells,
+    "system of the deck": lambda nodes, cells: "*System\n" + nodes + cells,
+    "instance": lambda nodes, cells: instance("", nodes + cells),
+    # a quarter of a turn, and back with the instance
+    "rotated": lambda nodes, cells: instance(
+        "0., 0., 0.\n0., 0., 0., 0., 0., 1., -90.\n",
+        "\n".join(f"{n}, -{z}, {r}" for n, r, z in map(split, lines(nodes))).join(["*Node\n", "\n"])
+        + cells,
+    ),
+    "moved": lambda nodes, cells: instance(
+        "0., -3., 0.\n",
+        "\n".join(f"{n}, {r}, {float(z) + 3:.17g}" for n, r, z in map(split, lines(nodes))).join(
+            ["*Node\n", "\n"]
+        )
+        + cells,
+    ),
+}
+
+
+def lines(nodes):
+    return nodes.strip().splitlines()[1:]
+
+
+def split(line):
+    return line.split(", ")
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+def test_the_same_mesh_in_other_spellings(tmp_path, ours, spelling):
+    text = deck_text(ours.p.T, ours.t.T, "CAX3")
+    nodes, cells = (part.strip("\n") + "\n" for part in text.split("*Element"))
+    (tmp_path / "s").mkdir()
+    (tmp_path / "s" / "nodes.txt").write_text(nodes)
+    (tmp_path / "s" / "lines.txt").write_text("\n".join(lines(nodes)))
+    written = SPELLINGS[spelling](nodes, "*Element" + cells)
+    path = tmp_path / "soil.inp"
+    path.write_bytes(written if isinstance(written, bytes) else written.encode())
+    assert same(read(path, EDGES), ours)
+
+
 @pytest.mark.parametrize("program", ["calculix", "abaqus"])
 @pytest.mark.parametrize("element", ["Q1", "Q2S"])
 def test_decks_of_ringwear_can_be_read_as_meshes(tmp_path, program, element):
@@ -79,6 +139,16 @@ def test_decks_of_ringwear_can_be_read_as_meshes(tmp_path, program, element):
         ("*Node\n1\n*Element, type=CAX3\n1, 1, 1, 1\n", "below \\*NODE"),
         ("*Node\n1, 0., 0.\n*Element, type=CAX4\n1, 1, 1, 1\n", "do not have 4 nodes"),
         ("nothing\n", "no elements in a plane"),
+        ("*Element, type=CAX3\n1, 1, 2, 3\n", "defines no nodes"),
+        ("*Include, input=bad.inp\n", "includes itself"),
+        ("*Include, input=none.inp\n", "none.inp cannot be read"),
+        ("*Node\n1, 0, <h>\n", "line 1 of bad.inp: below \\*NODE: .* not a number"),
+        ("*Node, system=C\n1, 0, 0\n", "coordinates that are not rectangular"),
+        ("*Node\n1, 0, 0\n*Ngen\n1, 9, 1\n", "line 3 of bad.inp: \\*NGEN makes or moves"),
+        ("*System\n0, 0, 0, 1, 1, 1\n", "\\*SYSTEM makes or moves"),
+        ("*Elcopy, old set=A, element shift=9\n", "\\*ELCOPY makes or moves"),
+        ("*Instance, name=A, part=B\n*End Instance\n", "does not contain above"),
+        ("*Part, name=B\n*End Part\n*Instance, part=B\n0, 1\n", "place of the \\*INSTANCE"),
     ],
 )
 def test_faults_of_decks_are_named(tmp_path, text, message):
@@ -88,6 +158,7 @@ def test_faults_of_decks_are_named(tmp_path, text, message):
         read_deck(path)
 
 
+@pytest.mark.gmsh
 @pytest.mark.parametrize("second_order", [False, True])
 def test_universal_files_are_read(tmp_path, ours, second_order):
     points, cells, kind = ours.p.T, ours.t.T, 81
@@ -107,3 +178,64 @@ def test_universal_files_are_read(tmp_path, ours, second_order):
     path = tmp_path / "disc.unv"
     path.write_text("\n".join([*lines, "    -1", ""]))
     assert same(read(path, EDGES), ours)
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("partitions", [0, 2])
+@pytest.mark.parametrize("groups", [0, 1, 2])
+@pytest.mark.parametrize("version", [2.2, 4.0, 4.1])
+def test_files_of_gmsh_are_read_in_all_variants(tmp_path, ours, version, groups, partitions):
+    """With coordinates on the surface, in several groups or partitions, each cell counts once."""
+    path = tmp_path / "disc.msh"
+    with session() as gmsh:
+        surface = gmsh.model.addDiscreteEntity(2)
+        points = np.vstack([ours.p, np.zeros(ours.nvertices)]).T
+        gmsh.model.mesh.addNodes(2, surface, [], points.ravel())
+        gmsh.model.mesh.addElementsByType(surface, 2, [], ours.t.T.ravel() + 1)
+        for _ in range(groups):
+            gmsh.model.addPhysicalGroup(2, [surface])
+        if partitions:
+            gmsh.model.mesh.partition(partitions)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.write(str(path))
+    assert same(read(path, EDGES), ours)
+
+
+@pytest.mark.gmsh
+@pytest.mark.parametrize("version", [2.2, 4.0, 4.1])
+def test_files_of_gmsh_with_parametric_coordinates_are_read(tmp_path, version):
+    path = tmp_path / "disc.msh"
+    with session() as gmsh:
+        gmsh.model.occ.addDisk(0, 0, 0, 4, 4)
+        gmsh.model.occ.addRectangle(0, 0, 0, 4, 4)
+        gmsh.model.occ.addPoint(1, 0, 0, tag=99)
+        gmsh.model.occ.intersect([(2, 1)], [(2, 2)])
+        gmsh.model.occ.fragment(gmsh.model.occ.getEntities(2), [(0, 99)])
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
+        gmsh.option.setNumber("Mesh.SaveParametric", 1)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(path))
+    assert read(path, EDGES[[0, 2]]).p.max() == pytest.approx(4)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("free.msh", b"4 2 4\n0 0 1\n", "FreeFEM"),
+        ("disc.mphtxt", b"# COMSOL", "a mesh of COMSOL"),
+        ("disc.cdb", b"NBLOCK", "an archive of Ansys"),
+        ("disc.pvd", b"<VTKFile>", "give one of the .vtu files"),
+        pytest.param(
+            "cut.msh",
+            b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n3 x\n",
+            "gmsh cannot read it",
+            marks=pytest.mark.gmsh,
+        ),
+    ],
+)
+def test_formats_that_are_not_read_are_named(tmp_path, name, content, message):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(MeshError, match=message):
+        read(tmp_path / name, EDGES)
