@@ -178,7 +178,7 @@ def _instance(block: _Block, parts: dict[str, _Body]) -> _Body:
         if moves:
             instance.translation = moves[0].reshape(3)
         if len(moves) > 1:
-            start, end = moves[1][:6].reshape(2, 3)
+            start, end = moves[1][:3], moves[1][3:6]
             turn = float(moves[1][6]) / math.dist(start, end) * (end - start)
             instance.axis_point, instance.rotation = start, Rotation.from_rotvec(turn, degrees=True)
     except (ValueError, IndexError, ZeroDivisionError):
@@ -202,8 +202,8 @@ def _nodes(block: _Block) -> Array:
     except ValueError:
         # lines of several lengths, or with empty places
         for row, line in zip(table, lines, strict=True):
-            numbers = _numbers(line, place)[:4]
-            row[: len(numbers)] = numbers
+            entries = _numbers(line, place)[:4]
+            row[: len(entries)] = entries
     if lengths == {1} or (table[:, 0] != np.rint(table[:, 0])).any():
         raise MeshError(f"{place} a line has no number and coordinates: give them as 1, 0., 0.")
     return table
