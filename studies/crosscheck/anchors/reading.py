@@ -62,7 +62,9 @@ class Reading:
     def of(cls, scene: Scene) -> "Reading":
         """Read a scene."""
         toml = tomllib.loads(scene.to_toml())
-        punch, load, half_space = toml["punch"], toml["load"], toml["half_space"]
+        load, half_space = toml["load"], toml["half_space"]
+        # the radius of a face that is as wide as its scar is not in the scene
+        punch = {"radius": scene.punch.radius} | toml["punch"]
         radius = punch["radius"]
         modulus = _plane_strain_modulus((half_space.get("layers") or [half_space])[0])
         ground = _ground(half_space, modulus, radius)

@@ -269,6 +269,7 @@ class MovingContact(Evaluation):
         **dict.fromkeys(("displacement_centre", "displacement_max"), lambda each: each._unresolved),
         "pressure": _pressure_at_free_edges,
         "contact_radius": _cell_at_edge,
+        "contact_radius_end": lambda each: each._cell_at_edge()[-1],
         "rms_slope": _error_of_slopes_at_start,
     }
 

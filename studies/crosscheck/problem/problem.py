@@ -88,6 +88,7 @@ class Problem:
     ground : layers, if there are any
     keeps_contact : whether a flat punch stays in full contact while the force falls, as
         `studies/crosscheck/wear/falling_force.py` predicts
+    as_wide_as_scar : whether the scene gives no radius, and the face is wider than the contact gets
     """
 
     rings: Rings
@@ -111,6 +112,7 @@ class Problem:
     ground: Ground = HALF_SPACE
     keeps_contact: bool = False
     step_rtol: float | None = None
+    as_wide_as_scar: bool = False
 
     @classmethod
     def from_tables(
@@ -163,6 +165,7 @@ class Problem:
             indentation=None if load.indentation is None else unit_indentation,
             loading=Loading.over_time(load.load_over_time, load.speed_over_time, time),
             ground=ground,
+            as_wide_as_scar=punch.as_wide_as_scar,
         )
         return replace(problem, steady=False) if problem.reason_not_steady else problem
 
@@ -225,7 +228,7 @@ class Problem:
 
         These times are defined for a constant load.
         """
-        if self.loading.varies:
+        if self.loading.varies or self.as_wide_as_scar:
             return {}
         fixed = self.indentation is not None
         names = ("time_to_half_force",) if fixed else ("time_to_90", "time_to_99")
@@ -272,6 +275,8 @@ class Problem:
     @cached_property
     def reason_not_steady(self) -> str:
         """The reason why no steady state under a force is reported; empty if there is one."""
+        if self.as_wide_as_scar:
+            return "the scar goes on growing"
         if self.indentation is not None:
             return ""
         last_force, last_speed = self.loading.forces[-1], self.loading.speeds[-1]
@@ -379,6 +384,9 @@ class Problem:
             if the scene has none of these quantities
         """
         requested = quantities
+        if self.as_wide_as_scar:
+            # an average over the face would depend on its radius
+            requested -= {"rms_slope"}
         if not self.full_contact:
             # relaxation modes exist only while the contact does not change
             requested -= {"relaxation_time"}

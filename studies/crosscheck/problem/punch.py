@@ -52,7 +52,7 @@ class PunchSection(Section):
     prefix = "punch."
 
     radius: Annotated[Positive, Unit("length")] = Field(
-        description="the punch radius, a positive length"
+        description="the punch radius, a positive length; a ball, a cone or a parabola needs none"
     )
     inner_radius: Annotated[NotNegative, Unit("length")] = Field(
         default=0.0,
@@ -172,6 +172,11 @@ class PunchSection(Section):
         if isinstance(first, WearTable):
             return first.values
         return [first] if self.wear_ratio is None else [first, first * self.wear_ratio]
+
+    @property
+    def as_wide_as_scar(self) -> bool:
+        """Whether the scene gives no radius: the face is wider than the contact ever gets."""
+        return "radius" not in self.model_fields_set
 
     @property
     def table(self) -> WearTable | None:

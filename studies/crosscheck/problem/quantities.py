@@ -480,6 +480,22 @@ ANSWER = _by_name(
         at=("contact_radius", 0),
     ),
     Quantity(
+        "contact_radius_end",
+        "",
+        "length",
+        "radius of the scar at the last of the times",
+        lambda run: run.contact_radius_at_end,
+        cells="unresolved",
+        at=("contact_radius", -1),
+    ),
+    Quantity(
+        "worn_depth_end",
+        "",
+        "displacement",
+        "depth of the scar at its centre at the last of the times",
+        lambda run: run.worn_depth_at_end,
+    ),
+    Quantity(
         "pressure_peak_start",
         "",
         "pressure",

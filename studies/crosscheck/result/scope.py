@@ -121,6 +121,11 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         if not problem.ground.rigid:
             base = "an elastic half-space"
         lines.append(f"layers: {count}, bonded to each other and to {base}")
+    if problem.as_wide_as_scar:
+        radius = scene.unit_names.write(problem.units.length, "length", 3)
+        lines.append(
+            f"face: up to r = {radius}, which is wider than the contact gets by the last time"
+        )
     if problem.inner_radius:
         lines.append(
             "hole: the surface under it is free; the flat start is computed with the pressures of "
@@ -166,8 +171,13 @@ def left_out(scene: Scene, methods: Methods) -> dict[str, str]:
             "inequality p >= 0": "on these layers a flat punch is in contact everywhere at the "
             "start; a run that would lead to tension later is refused"
         }
+    if problem.as_wide_as_scar:
+        reasons["relaxation modes"] = reasons["times of running-in and full contact"] = (
+            "the scar goes on growing; the scene gives no punch.radius at which it would end"
+        )
+        reasons["RMS slope"] = "it is an average over a face whose radius is not given"
     selection = f"output.quantities selects only {', '.join(scene.output.quantities)}"
-    if problem.quantities is not None:
+    if scene.output.quantities != type(scene.output)().quantities:
         reasons["all other quantities"] = selection
     if not len(problem.times):
         reasons["history"] = selection if scene.wear.times else "the scene gives no times"

@@ -50,6 +50,7 @@ class Account:
     def answers(self) -> list[tuple[str, str, str]]:
         """Name, value with unit, and meaning of each answer; the most important ones come first."""
         keys = (
+            *("contact_radius_end", "worn_depth_end"),
             *("force_start", "force_end", "time_to_half_force"),
             *("contact_radius_start", "pressure_peak_start", "time_to_full_contact"),
             *("time_to_90", "time_to_99", "indentation_start", "indentation_steady"),

@@ -35,6 +35,7 @@ from ..problem.written import check_one_line, shown
 from ..registry import METHODS
 from .explain import explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
+from .scar import with_scar_radius
 from .sources import line_of, tables_of, text_of
 
 
@@ -110,7 +111,8 @@ class Scene(AnswersGuesses, Section):
                 f"Scene takes tables by their names, Scene(punch={{...}}, ...): write "
                 f"Scene.{reader}({shown(misplaced[0])}) to read a complete scene"
             )
-        table = with_profile_of_file(without_quantities(table, type(self)))
+        stated = with_profile_of_file(without_quantities(table, type(self)))
+        table = with_scar_radius(stated)
         try:
             super().__init__(**table)
         except ValidationError as error:
@@ -118,6 +120,9 @@ class Scene(AnswersGuesses, Section):
         if self.wear.tau is not None:
             # convert multiples of the slowest relaxation time, which the scene determines, to times
             super().__init__(**table | {"wear": self._at_counts(self.wear.tau)})
+        if table != stated:
+            # the radius of a scar is not a key of the scene: its table does not have it
+            self.punch.model_fields_set.discard("radius")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -326,7 +331,8 @@ class Scene(AnswersGuesses, Section):
 
             problem = with_prediction(problem)
         requested = expand(self.output.quantities)
-        return problem if requested == GROUPS["all"] else problem.with_quantities(requested)
+        every = requested == GROUPS["all"] and not problem.as_wide_as_scar
+        return problem if every else problem.with_quantities(requested)
 
 
 Source = Scene | str | Path | Mapping[str, object]

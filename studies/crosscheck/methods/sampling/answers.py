@@ -23,6 +23,7 @@ from ...wear.flat_contact import FittedPress
 from ...wear.full_contact import RunningIn
 from ...wear.history import History
 from .functions import Functions
+from .sampler import OnCells
 
 if TYPE_CHECKING:
     from ...wear.evolution import Evolution
@@ -41,6 +42,7 @@ class SteadyRun:
         self.problem, self.steady = problem, steady
         self.indentation_at_start = self.slowest_time = np.nan
         self.contact_radius_at_start = self.peak_at_start = self.time_to_full_contact = np.nan
+        self.contact_radius_at_end = self.worn_depth_at_end = np.nan
         self.forces = np.full(2, np.nan)
         self.worn_volumes = self.force_shares_at_start = np.full(
             problem.wear_coefficients.shape, np.nan
@@ -126,6 +128,13 @@ class MarchedRun(SteadyRun):
                 self.indentation_at_start = ends.indentation[0] + problem.profile.standoff
                 if (total := ring_forces[0].sum()) > 0:
                     self.force_shares_at_start = ring_forces[0] / total
+        if problem.as_wide_as_scar:
+            edges = OnCells(functions, ends, functions.centre).contact_edges
+            self.contact_radius_at_end = float(np.nanmax(edges[-1], initial=0.0))
+            worn = functions.at(functions.centre, ends.shape)
+            self.worn_depth_at_end = float(worn[-1, 0] + ends.even_wear[-1])
+            # these would be properties of the face, not of the scar
+            self.time_to_full_contact, self.time_until = np.nan, lambda _: np.nan
         if start is not None:
             self.contact_radius_at_start, self.peak_at_start = start.radius, _peak(start)
 

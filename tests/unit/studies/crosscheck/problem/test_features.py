@@ -40,7 +40,7 @@ def test_features_of_a_sphere_of_layers_and_of_wear_along_the_radius():
 
 
 def test_names_of_quantities_are_known():
-    assert FullContact.floors.keys() | MovingContact.floors.keys() <= HISTORIES
+    assert FullContact.floors.keys() | MovingContact.floors.keys() <= DESCRIBED.keys()
     assert {number.at[0] for number in ANSWER.values() if number.at} <= QUANTITIES.keys()
 
 
