@@ -22,6 +22,7 @@ from skfem import Mesh, MeshQuad
 
 from ..meshes.compliance import Compliance
 from ..meshes.errors import SolverError
+from ..meshes.ground.ground import HALF_SPACE
 from ..meshes.half_space import (
     contact_facets,
     contact_vertices,
@@ -292,7 +293,8 @@ class HalfSpace:
         """Condense the half-space to its compliance on the pressure space.
 
         If Poisson's ratios of layers are too near 1/2 to be modelled, the half-space is condensed
-        for two solids, and the compliance is extrapolated (`incompressibility.py`).
+        for two solids, and the compliance is extrapolated (`incompressibility.py`). An elastic
+        punch on layers is a second, homogeneous half-space on the same mesh.
 
         Raises
         ------
@@ -324,11 +326,16 @@ class HalfSpace:
         # the rows of a factor belong to contact nodes, then to poles; without the row of the last
         # pole it is the factor of the same half-space with one pole less
         rows = [slice(node_count + count) for count in pole_counts]
-        compliances = [[factor[used] for factor in factors] for used in rows]
-        return [
-            Compliance(self.space, extrapolated(*parts) if len(parts) > 1 else parts[0], ground)
-            for parts in compliances
-        ]
+        parts = [[factor[used] for factor in factors] for used in rows]
+        totals = [extrapolated(*part) if len(part) > 1 else part[0] for part in parts]
+        if ground.share < 1:
+            punch = replace(self, solid=replace(self.solid, ground=HALF_SPACE)).condensed()
+            shares = np.sqrt([ground.share, 1 - ground.share])
+            totals = [
+                np.concatenate([shares[0] * total, shares[1] * punch[used]])
+                for total, used in zip(totals, rows, strict=True)
+            ]
+        return [Compliance(self.space, total, ground) for total in totals]
 
     def condensed(self) -> Array:
         """Return the factor (contact nodes + k, size) of the compliance, even if it is singular.

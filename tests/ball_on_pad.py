@@ -13,6 +13,7 @@ follows from phi(c) = 0. The force is ``2 pi int phi dt``, and the pressure at r
 sqrt(x^2 - r^2) dx`` from r to c. Nystroem's method with Gauss's quadrature solves the equation.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +30,8 @@ class Ball(NamedTuple):
     ball_radius: float
     thickness: float
     poisson_ratio: float
+    compliance: Callable | None = None
+    """Compliance to wave numbers relative to a half-space, in place of that of one layer."""
 
 
 class Pressed(NamedTuple):
@@ -46,7 +49,8 @@ def pressed_to(ball: Ball, contact_radius: float, radius: float) -> Pressed:
     edges = np.linspace(0.0, contact_radius, panels + 1)
     x, lengths = gauss(edges, POINTS)
     s, widths = wave_numbers(ball.thickness, 2 * contact_radius)
-    spectrum = widths * (1 - kernel(s * ball.thickness, ball.poisson_ratio))
+    one_layer = kernel(s * ball.thickness, ball.poisson_ratio)
+    spectrum = widths * (1 - (ball.compliance(s) if ball.compliance else one_layer))
     cosines = np.cos(np.outer(x, s))
     added = 2 / np.pi * (cosines * spectrum) @ cosines.T * lengths
     profile, _ = _profile(x, ball.ball_radius)
@@ -70,6 +74,9 @@ def pressed_by(ball: Ball, normal_force: float, radius: float) -> Pressed:
     """Return the contact under a force, and the pressure at a radius."""
     # on a half-space the contact is largest
     highest = 1.01 * (0.75 * normal_force * ball.ball_radius) ** (1 / 3)
+    if ball.compliance:
+        # to long waves, the ground is as compliant as its base
+        highest *= max(float(ball.compliance(np.array([1e-6]))[0]), 1.0) ** (1 / 3)
     contact_radius = brentq(
         lambda trial: pressed_to(ball, trial, radius).normal_force - normal_force,
         1.01 * radius,

@@ -31,8 +31,10 @@ def kernel(x, poisson_ratio):
     return above / below
 
 
-def start(thickness, poisson_ratio, points=600):
+def start(thickness, poisson_ratio, points=600, compliance=None):
     """Return the indentation of a flat punch under the force 1.
+
+    `compliance` replaces the kernel of one layer: a function of wave numbers.
 
     The line density phi of the pressure, whose Hankel transform is ``int phi(t) cos(s t) dt``,
     satisfies ``phi(x) - 1/pi int (K(x - t) + K(x + t)) phi(t) dt = d / pi`` with ``K(t) = int (1 -
@@ -41,7 +43,8 @@ def start(thickness, poisson_ratio, points=600):
     node, weight = _graded(thickness, points)
     s, lengths = wave_numbers(thickness, 2.0)
     cosines = np.cos(np.outer(node, s))
-    added = (cosines * (lengths * (1 - kernel(s * thickness, poisson_ratio)))) @ cosines.T
+    relative = compliance(s) if compliance else kernel(s * thickness, poisson_ratio)
+    added = (cosines * (lengths * (1 - relative))) @ cosines.T
     root = np.sqrt(weight)
     system = np.eye(len(node)) - 2 / np.pi * added * root * root[:, None]
     density = np.linalg.solve(system, root) / np.pi

@@ -56,11 +56,15 @@ class Ground:
     shear_moduli : (n + 1,) shear moduli of the layers and, last, of the substrate; infinite for a
         rigid base
     poisson_ratios : (n + 1,) Poisson's ratios in the same order
+    share : the part of the compliance of the contact that is of the ground, to short waves; the
+        rest is that of an elastic punch, which is a homogeneous half-space. It scales what layers
+        add. It is 1 under a rigid punch, and also without layers, where one modulus describes both
     """
 
     thicknesses: tuple[float, ...]
     shear_moduli: tuple[float, ...]
     poisson_ratios: tuple[float, ...]
+    share: float = 1.0
 
     @classmethod
     def half_space(cls, poisson_ratio: float) -> "Ground":
@@ -69,7 +73,11 @@ class Ground:
 
     @classmethod
     def from_youngs_moduli(
-        cls, thicknesses: list[float], youngs_moduli: list[float], poisson_ratios: list[float]
+        cls,
+        thicknesses: list[float],
+        youngs_moduli: list[float],
+        poisson_ratios: list[float],
+        share: float = 1.0,
     ) -> "Ground":
         """Return the ground with given Young's moduli, which may be in any unit.
 
@@ -79,11 +87,13 @@ class Ground:
         youngs_moduli : (n + 1,) Young's moduli of the layers and, last, of the substrate; infinite
             for a rigid base
         poisson_ratios : (n + 1,) Poisson's ratios in the same order
+        share : the part of the compliance that is of the ground
         """
         ratios = np.array(poisson_ratios, dtype=float)
         unit = youngs_moduli[0] / (1 - ratios[0] ** 2)
         shear = np.array(youngs_moduli) / unit / (2 * (1 + ratios))
-        return cls(tuple(map(float, thicknesses)), tuple(shear.tolist()), tuple(ratios.tolist()))
+        lengths, moduli, numbers = map(float, thicknesses), shear.tolist(), ratios.tolist()
+        return cls(tuple(lengths), tuple(moduli), tuple(numbers), share)
 
     @property
     def rigid(self) -> bool:
@@ -263,12 +273,13 @@ def wave_numbers(
 
 @lru_cache(maxsize=64)
 def spectrum(ground: Ground) -> tuple[Array, Array]:
-    """Return wave numbers (k,), and ``Phi - 1`` at these times the quadrature weights.
+    """Return wave numbers (k,), and what layers add to the compliance of the contact there.
 
-    The arrays are cached and must not be modified.
+    It is the ground's share of ``Phi - 1``, times the quadrature weights. The arrays are cached and
+    must not be modified.
     """
     s, weights = wave_numbers(ground, reach=2.0)
-    return s, (relative_compliance(ground, s) - 1) * weights
+    return s, ground.share * (relative_compliance(ground, s) - 1) * weights
 
 
 @cache

@@ -206,6 +206,11 @@ def refusal(scene: Scene, program: str) -> str:
             "functions of Scene.with_heights cannot be written to a scene file; give punch.profile "
             "= { kind = 'table', ... }"
         )
+    if problem.ground.share < 1:
+        return (
+            "half_space.punch_youngs_modulus: on layers, decks have a rigid punch; leave it "
+            "out, or leave out the layers"
+        )
     ratio = problem.ground.greatest_poisson_ratio
     if program == "calculix" and ratio > LOCKING:
         return (

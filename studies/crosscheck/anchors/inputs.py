@@ -52,5 +52,5 @@ def check_inputs(report: Reported) -> Rows:
 
 def _numbers(ground: Ground) -> Array:
     """Return all numbers of the layers; none is infinite."""
-    numbers = [*ground.thicknesses, *ground.shear_moduli, *ground.poisson_ratios]
+    numbers = [ground.share, *ground.thicknesses, *ground.shear_moduli, *ground.poisson_ratios]
     return np.nan_to_num(numbers[: -1 if ground.rigid else None])

@@ -6,7 +6,7 @@ the scene; tests compare these with formulas of their own.
 """
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -71,7 +71,10 @@ class Reading:
         if "punch_youngs_modulus" in half_space:
             # the compliances of two half-spaces add up
             compliance = 1 - half_space.get("punch_poisson_ratio", 0.3) ** 2
-            modulus = 1 / (1 / modulus + compliance / half_space["punch_youngs_modulus"])
+            both = 1 / (1 / modulus + compliance / half_space["punch_youngs_modulus"])
+            if ground.layered:
+                ground = replace(ground, share=both / modulus)
+            modulus = both
         edges = _edges(punch)
         wear_radii, wear = _wear(punch, edges)
         fastest = float(wear.max())

@@ -134,11 +134,6 @@ class HalfSpaceSection(Section):
             )
 
     def _check_layers(self) -> None:
-        if self.punch_youngs_modulus is not None:
-            raise ValueError(
-                "punch_youngs_modulus is not possible with layers, on which the punch is rigid: "
-                "leave it out"
-            )
         moduli = self._youngs_moduli[: len(self.layers) + (not self.rigid)]
         for number, (upper, lower) in enumerate(pairwise(moduli)):
             if not 1 / MOST_CONTRAST <= upper / lower <= MOST_CONTRAST:
@@ -174,7 +169,8 @@ class HalfSpaceSection(Section):
                 "one"
             )
         ratios = [*(layer.poisson_ratio for layer in self.layers), self.poisson_ratio]
-        return Ground.from_youngs_moduli(thicknesses, self._youngs_moduli, ratios)
+        share = self.modulus / self.own_modulus
+        return Ground.from_youngs_moduli(thicknesses, self._youngs_moduli, ratios, share)
 
     @property
     def greatest_poisson_ratio(self) -> float:

@@ -113,8 +113,8 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
         lines.append(f"history: {len(problem.times)} times from {start}, {march}")
     if scene.half_space.punch_youngs_modulus is not None:
         lines.append(
-            "two elastic bodies: one half-space with their combined modulus; the punch is also "
-            "treated as a half-space, so that the deformation of its real shape is not modelled"
+            "two elastic bodies, whose compliances add; the punch is also treated as a half-space, "
+            "so that the deformation of its real shape is not modelled"
         )
     if problem.ground.layered:
         count, base = len(problem.ground.thicknesses), "a rigid base"

@@ -35,6 +35,12 @@ def layers_beyond_meshes(problem: Problem) -> Refusal | None:
                 f"than {MIN_MESHED_THICKNESS:g} a cannot be meshed",
                 "leave fem out of methods",
             )
+    if ground.rigid and ground.share < 1:
+        return Refusal(
+            "half_space.rigid with punch_youngs_modulus: the mesh ends at the rigid base, and the "
+            "half-space of an elastic punch needs one that goes on",
+            "leave fem out of methods, or use mdr and bem",
+        )
     locks = ground.layered and ground.greatest_poisson_ratio > NEARLY_HALF
     if locks and not problem.full_contact:
         return Refusal(

@@ -73,7 +73,6 @@ def test_one_key_of_a_layer_can_be_changed():
         ({"half_space__layers__2__thickness": 1.0}, "half_space.layers.2.thickness"),
         ({"half_space__layers__0__hardness": 1.0}, "half_space.layers.0.hardness"),
         ({"half_space__layers__1__youngs_modulus": 1.0}, "layers.0.youngs_modulus"),
-        ({"half_space__punch_youngs_modulus": 1e11}, "punch_youngs_modulus"),
     ],
     ids=lambda given: "" if isinstance(given, str) else next(iter(given)),
 )
