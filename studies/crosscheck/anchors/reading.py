@@ -78,8 +78,9 @@ class Reading:
         edges = _edges(punch)
         wear_radii, wear = _wear(punch, edges)
         fastest = float(wear.max())
-        force = _over_time(load.get("normal_force", load.get("mean_pressure", 1.0)))
-        speed = _over_time(load.get("sliding_speed", 1.0))
+        cycles, pressed = load.get("repeat", 1), load.get("mean_pressure", 1.0)
+        force = _over_time(load.get("normal_force", pressed), cycles)
+        speed = _over_time(load.get("sliding_speed", 1.0), cycles)
         greatest = force[1].max()
         if "mean_pressure" in load:
             greatest *= np.pi * (radius**2 - punch.get("inner_radius", 0.0) ** 2)
@@ -175,10 +176,15 @@ class Reading:
         return np.interp(until, *self.force) / self.force[1].max(), distance, work
 
 
-def _over_time(load: float | TomlTable) -> Array:
+def _over_time(load: float | TomlTable, cycles: int) -> Array:
     """Return the times and the values (2, K) of a load, which a scene may give as a number."""
     table = load if isinstance(load, dict) else {"times": [0.0], "values": [load]}
-    return np.array([table["times"], table["values"]], dtype=float)
+    times, values = np.array([table["times"], table["values"]], dtype=float)
+    # a cycle ends where the next one begins
+    later = slice(int(times[0] == 0), None)
+    starts = times[-1] * np.arange(1, cycles)[:, None]
+    times = np.append(times, (starts + times[later]).ravel())
+    return np.array([times, np.append(values, np.tile(values[later], cycles - 1))])
 
 
 def _plane_strain_modulus(material: TomlTable) -> float:

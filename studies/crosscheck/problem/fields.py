@@ -108,6 +108,21 @@ class OverTime(Section):
         """The greatest of the values."""
         return max(self.values)
 
+    def repeated(self, count: int, period: float) -> "OverTime":
+        """Return these numbers in several cycles of a period, at the end of which they begin."""
+        if len(self.times) == 1 or count == 1:
+            return self
+        # before the first of the times, a number is constant
+        first = [] if self.times[0] == 0 else [0.0]
+        times, values = [*first, *self.times], [*self.values[: len(first)], *self.values]
+        # a cycle begins with the value at which the last one ended, to the last digit at its end
+        later = [
+            time
+            for cycle in range(1, count)
+            for time in (*(cycle * period + time for time in times[1:-1]), (cycle + 1) * period)
+        ]
+        return OverTime(times=times + later, values=values + values[1:] * (count - 1))
+
 
 def over_time(value: "float | OverTime") -> OverTime:
     """Return a constant or a varying number as an `OverTime`."""

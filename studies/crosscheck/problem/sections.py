@@ -236,11 +236,46 @@ class LoadSection(Section):
         description="the sliding speed, positive, or { times = [...], values = [...] }; without "
         "it, times are sliding distances",
     )
+    repeat: int = Field(
+        default=1,
+        ge=1,
+        le=100_000,
+        description="how often the force or the speed over time is repeated, 1 or more",
+    )
 
     @model_validator(mode="after")
     def _check_load(self) -> Self:
         self.check_one_of("normal_force", "mean_pressure", "indentation")
+        cycles = self._cycles
+        if "repeat" in self.model_fields_set and not cycles:
+            raise ValueError(
+                "repeat needs a cycle: give normal_force or sliding_speed as { times = [...], "
+                "values = [...] }, or leave out repeat"
+            )
+        if self.repeat > 1 and len({cycle.times[-1] for cycle in cycles}) > 1:
+            raise ValueError("repeat: give force and sliding speed up to the same time")
+        if self.repeat > 1 and any(cycle.values[0] != cycle.values[-1] for cycle in cycles):
+            raise ValueError(
+                "repeat: a cycle must end with the value with which it begins; give the way back, "
+                "as { times = [0, 1, 1.9, 2], values = [5, 5, 0, 5] }"
+            )
         return self
+
+    @property
+    def _cycles(self) -> list[OverTime]:
+        """The force and the sliding speed, of those that vary."""
+        given = self.normal_force, self.mean_pressure, self.sliding_speed
+        return [each for each in given if isinstance(each, OverTime) and len(each.times) > 1]
+
+    @property
+    def period(self) -> float:
+        """The duration of a cycle; 0 for a constant load."""
+        return max((cycle.times[-1] for cycle in self._cycles), default=0.0)
+
+    @property
+    def cycle_ends(self) -> list[float]:
+        """The start, and the end of each cycle."""
+        return [number * self.period for number in range(self.repeat + 1)]
 
     @property
     def times_are_distances(self) -> bool:
@@ -250,12 +285,13 @@ class LoadSection(Section):
     @property
     def load_over_time(self) -> OverTime:
         """The force or mean pressure over time; 1, which has no effect, for an indentation."""
-        return over_time(self.normal_force or self.mean_pressure or 1.0)
+        load = over_time(self.normal_force or self.mean_pressure or 1.0)
+        return load.repeated(self.repeat, self.period)
 
     @property
     def speed_over_time(self) -> OverTime:
         """The sliding speed over time."""
-        return over_time(self.sliding_speed)
+        return over_time(self.sliding_speed).repeated(self.repeat, self.period)
 
     def greatest_force(self, radius: float, inner_radius: float) -> float:
         """Return the greatest force; 0 if the indentation is given.
@@ -275,8 +311,10 @@ class WearSection(Section):
     times: Annotated[Increasing, Unit("time")] = Field(
         default=[],
         description="increasing times, 0 or later, or an empty list for no history; or "
-        "'running-in'; or multiples of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }",
+        "'running-in'; or multiples of the slowest relaxation time, { tau = [0.1, 1.0, 5.0] }; or "
+        "'each cycle' of a load that is repeated",
     )
+    each_cycle: bool = Field(default=False, exclude=True, description="it within times")
     tau: list[float] | None = optional("it within times: times = { tau = [...] }", exclude=True)
     steady: bool = True
     march: Literal["modal", "implicit", "explicit"] = "modal"
@@ -289,13 +327,18 @@ class WearSection(Section):
     def _read_counts(cls, table: object) -> object:
         """Store multiples of the slowest relaxation time in `tau`, and preliminarily in `times`.
 
-        The scene replaces the latter when it has computed the relaxation time.
+        The scene replaces the latter when it has computed the relaxation time; and it gives the
+        times of cycles.
         """
         if not isinstance(table, dict):
             return table
         if "tau" in table:
             raise ValueError("tau is a key of times: give times = { tau = [...] }")
+        if "each_cycle" in table:
+            raise ValueError("each_cycle is no key: give times = 'each cycle'")
         times = table.get("times")
+        if times == "each cycle":
+            return table | {"times": [0.0], "each_cycle": True}
         if times == "running-in":
             times = {"tau": RUNNING_IN}
         if isinstance(times, dict) and set(times) == {"tau"}:

@@ -137,6 +137,8 @@ def modelled(scene: Scene, methods: Methods) -> list[str]:
             "sliding distance; the steady state is that of the last force and speed, and "
             "relaxation times are those at the greatest speed"
         )
+    if (cycles := scene.load_.repeat) > 1:
+        lines.append(f"cycles: all {cycles} cycles of the load are computed, none extrapolated")
     if not problem.loading.forces.all():
         lines.append(
             "no force: while it is 0, the punch rests on its foremost point and does not wear"

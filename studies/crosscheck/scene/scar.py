@@ -90,7 +90,8 @@ def _scar_radius(
     force, volume = load.greatest_force(1.0, 0.0), 0.0
     if load.indentation is None:
         speed = load.speed_over_time
-        work = Loading.over_time(load.load_over_time, speed, 1.0).at(np.array(wear.times[-1:])).work
+        last = np.array((load.cycle_ends if wear.each_cycle else wear.times)[-1:])
+        work = Loading.over_time(load.load_over_time, speed, 1.0).at(last).work
         volume = punch.coefficients[0] * force * speed.greatest * float(work[0])
     node, weight = unit_gauss(POINTS)
 

@@ -120,6 +120,14 @@ class Scene(AnswersGuesses, Section):
         if self.wear.tau is not None:
             # convert multiples of the slowest relaxation time, which the scene determines, to times
             super().__init__(**table | {"wear": self._at_counts(self.wear.tau)})
+        if self.wear.each_cycle:
+            if not self.load_.period:
+                raise SceneError(
+                    "wear.times = 'each cycle' needs a cycle: give load.repeat, and a force or a "
+                    "speed over time"
+                )
+            ends = {"times": self.load_.cycle_ends}
+            super().__init__(**table | {"wear": self.wear.model_copy(update=ends)})
         if table != stated:
             # the radius of a scar is not a key of the scene: its table does not have it
             self.punch.model_fields_set.discard("radius")
@@ -237,6 +245,8 @@ class Scene(AnswersGuesses, Section):
         table = self.model_dump(by_alias=True, exclude_none=True, exclude_unset=True)
         if self.wear.tau is not None:
             table["wear"]["times"] = {"tau": self.wear.tau}
+        elif self.wear.each_cycle:
+            table["wear"]["times"] = "each cycle"
         return table
 
     def to_toml(self) -> str:
