@@ -80,7 +80,17 @@ def test_the_keys_in_the_reference():
     assert given <= names
     assert given | {"punch", "half_space", "load", "wear", "accuracy", "output"} >= names - {
         *("ring_edges", "wear_coefficient", "wear_ratio", "plane_strain_modulus", "mean_pressure"),
-        *("youngs_modulus", "indentation", "tau", "step", "fem", "mdr", "heights", "kinks"),
+        *(
+            "youngs_modulus",
+            "indentation",
+            "tau",
+            "each_cycle",
+            "step",
+            "fem",
+            "mdr",
+            "heights",
+            "kinks",
+        ),
         *("layers", "rigid"),
     }
 

@@ -247,7 +247,7 @@ class LoadSection(Section):
     def _check_load(self) -> Self:
         self.check_one_of("normal_force", "mean_pressure", "indentation")
         cycles = self._cycles
-        if "repeat" in self.model_fields_set and not cycles:
+        if self.repeat > 1 and not cycles:
             raise ValueError(
                 "repeat needs a cycle: give normal_force or sliding_speed as { times = [...], "
                 "values = [...] }, or leave out repeat"
