@@ -93,20 +93,6 @@ class RoundedPunch:
 ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
-def annulus_stiffness(hole):
-    """Return ``F / (2 E* a d)`` of a flat annulus, up to the order ``e^8`` of the ratio of radii e.
-
-    W. D. Collins, On the solution of some axisymmetric boundary value problems by means of integral
-    equations, VIII. Potential problems for a circular annulus, Proc. Edinburgh Math. Soc. 13 (1963)
-    235. The paper gives the capacitance of an annulus over that of the full disc. This is equal to
-    the stiffness of the punch over that of the punch without a hole.
-    """
-    e, square = hole, np.pi**2
-    odd = 4 * e**3 / 3 + 8 * e**5 / 15 + 92 * e**7 / 315
-    even = 16 * e**6 / 27 + 448 * e**8 / 675
-    return float(1 - odd / square - even / square**2)
-
-
 def thin_ring_stiffness(inner, outer):
     """Return ``F / (E* d)`` of a flat ring that is much narrower than its radius.
 

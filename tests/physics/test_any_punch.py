@@ -24,29 +24,6 @@ EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)
 
 
 @pytest.mark.slow
-def test_a_sphere_starts_with_hertz_contact_in_other_units():
-    result = run(SPHERE)
-    data = result.dataset.isel(solver=0, time=0)
-    contact = EXACT_SPHERE.contact_radius(FORCE / MODULUS)
-    depth = EXACT_SPHERE.indentation(contact)
-    assert float(data.contact_radius) == pytest.approx(contact, rel=1e-7)
-    assert float(data.indentation) == pytest.approx(depth, rel=1e-8)
-    assert float(data.displacement_centre) == pytest.approx(depth, rel=1e-8)
-    pressure = MODULUS * EXACT_SPHERE.pressure(contact, data.radius.to_numpy())
-    np.testing.assert_allclose(data.pressure[1:], pressure[1:], rtol=0, atol=1e-4 * pressure.max())
-    assert ((data.contact > 0) == (data.radius <= contact)).all()
-    assert np.array(data.contact_edge[:2]) == pytest.approx([0.0, contact])
-    assert float(data.normal_force) == pytest.approx(FORCE)
-    # heights of the unworn face do not count as worn, and times of a flat punch are not reported
-    answer = result.answers["mdr"]
-    assert float(answer["indentation_start"]) == pytest.approx(depth, rel=1e-8)
-    # sum of V / k over the rings = F v0 t
-    assert np.sum(answer["worn_volume"] / WEAR) == pytest.approx(FORCE, rel=1e-12)
-    assert answer["force_share"].sum(axis=1) == pytest.approx([1.0, 1.0], rel=1e-8)
-    assert np.isnan(answer["pressure_max"][0]).all()
-
-
-@pytest.mark.slow
 def test_all_ways_to_give_a_profile_agree(tmp_path):
     radii = np.linspace(0.0, LENGTH, 41)
     rows = np.column_stack([radii, radii**2 / 16])
@@ -152,23 +129,6 @@ def test_unsupported_options_of_a_recessed_punch_are_refused(changes, words):
 def test_an_indentation_that_does_not_touch_is_refused():
     with pytest.raises(SceneError, match=r"the nearest point of the punch is 0\.01 from"):
         run(SCENE.changed(punch__recess=[0.01, 0.02, 0.01], load={"indentation": 0.005}))
-
-
-@pytest.mark.parametrize(
-    ("base", "axes", "keep", "words"),
-    [
-        (
-            "sphere",
-            {"accuracy.rtol": [1e-2, 1e-3]},
-            ["relaxation_time"],
-            "keep has 'relaxation_time', no quantities of these scenes",
-        ),
-        ("sphere", {"load.indentation": [-1.0, 0.1]}, None, "load.indentation = -1"),
-    ],
-)
-def test_impossible_sweeps_are_refused_before_they_start(base, axes, keep, words):
-    with pytest.raises(SceneError, match=words):
-        sweep(base, axes, keep=keep)
 
 
 def test_a_sweep_over_spheres_agrees_with_hertz():

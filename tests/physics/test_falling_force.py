@@ -6,12 +6,11 @@ the problem, and the independent solution is valid.
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from independent import ROUNDOFF, solved
 from random_scenes import draw, hold, load_of, loses_contact, pieces_of
 
-from ringwear import Scene, SolverError, Stages, method, run
+from ringwear import Scene, SolverError, Stages, method
 
 FIVE = Scene.load("five_rings")
 SLOW = {"times": [0.0, 1.0], "values": [2.0, 1.0]}
@@ -99,26 +98,6 @@ def test_punches_with_layers_or_a_profile_are_marched():
     assert not layered.problem.full_contact
     cone = under([2.0, 1.0], punch__profile={"kind": "cone", "slope": 0.1})
     assert not cone.problem.full_contact
-
-
-def test_results_have_the_names_of_a_punch_that_may_lose_contact():
-    result = run(under([2.0, 1.0]))
-    data = result.dataset.isel(solver=0)
-    radius = FIVE.punch.radius
-    assert data.contact_radius.values == pytest.approx(np.full(data.sizes["time"], radius))
-    assert (data.contact.values == 1).all()
-    assert data.contact_edge.values[:, 1] == pytest.approx(radius)
-    forces = np.interp(data.time.values, SLOW["times"], SLOW["values"])
-    assert data.normal_force.values == pytest.approx(forces)
-    work = np.concatenate(
-        [[0.0], np.cumsum(np.diff(data.time.values) * (forces[1:] + forces[:-1]) / 2)]
-    )
-    wear = FIVE.problem.wear_coefficients * FIVE.problem.units.wear_coefficient
-    within = data.time.values <= 1.0
-    worn = (data.ring_worn_volume.values / wear).sum(axis=1)
-    assert worn[within] == pytest.approx(work[within], rel=1e-9)
-    assert {"relaxation_time", "ring_force"} <= set(data)
-    assert not [anchor for anchor in result.anchors if not anchor.holds]
 
 
 def test_relaxation_times_alone_can_be_requested():

@@ -51,18 +51,6 @@ def test_steps_of_a_table_need_not_be_ring_edges():
     np.testing.assert_allclose(one.dataset.indentation, two.dataset.indentation, rtol=1e-7)
 
 
-@pytest.mark.gmsh
-def test_an_indentation_alone_reaches_a_fine_accuracy():
-    punch = {"rings": 1, "wear_coefficients": [1.0, 1.0]}
-    output = {"quantities": ["indentation"]}
-    result = run(natural(punch, [0.0, 0.1, 1.0], 1e-8, output=output))
-    assert result.verdict == "agree"
-    for solution in result.solutions.values():
-        assert solution.greatest_error("indentation") <= 1e-8
-    start = result.dataset.indentation.isel(time=0)
-    assert float(np.abs(start / 0.5 - 1).max()) <= 1e-8
-
-
 def test_weak_kinks_of_a_table_get_no_layers():
     """Very weak kinks get no layers of small elements; once, 300 points took 5,000 pressures."""
     radii = np.linspace(0, 1, 300)

@@ -49,10 +49,3 @@ def test_a_start_of_many_parts_against_a_fitted_mesh():
         0.083289092068, rel=float(data.indentation_error)
     )
     assert float(data.indentation_error) < 1e-3
-
-
-@pytest.mark.slow
-def test_a_face_too_rough_for_the_cells_states_a_large_error():
-    result = run(rough(200, normal_force=1e-2))
-    assert float(result.dataset.indentation_error.max()) > 0.1
-    assert result.short_of["mdr"] > 0.1

@@ -1,10 +1,9 @@
 """The study of refinement with meshes of the user."""
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from ringwear import SceneError, SizeField, bisection, main, study
+from ringwear import SceneError, SizeField, bisection, study
 
 
 def make_mesh(path, rim_size, ring_size, growth=0.8):
@@ -38,17 +37,6 @@ def test_a_sequence_of_own_meshes_has_an_order_and_a_place_to_refine(tmp_path, o
     assert {"uniform triangles", "adaptive triangles", "your meshes"} <= set(results.table["way"])
     written = set(results.save(tmp_path / "out"))
     assert {"refinement.csv", "answer.md", "costs.csv", "refinement.png"} <= written
-
-
-@pytest.mark.slow
-def test_one_own_mesh_from_the_command_line(tmp_path, own_meshes, capsys):
-    arguments = ["study", "refinement", "flat_punch", "--quick", "--degree", "2"]
-    out = tmp_path / "out"
-    assert main([*arguments, "--mesh", own_meshes[1], "--out", str(out)]) == 0
-    printed = capsys.readouterr().out
-    assert "| your meshes" in printed
-    rows = pd.read_csv(out / "refinement.csv")
-    assert rows[rows["way"] == "your meshes"]["level"].unique().tolist() == ["middle.vtu"]
 
 
 def test_a_mesh_file_that_is_absent_or_a_degree_that_does_not_fit_is_refused(tmp_path, own_meshes):

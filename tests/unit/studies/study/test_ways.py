@@ -68,19 +68,6 @@ def fits_of(case, way, exact, *quantities):
     return {(row["quantity"], row["when"]): row for row in fits.to_dict("records")}
 
 
-ENERGIES = (("indentation", "start"), ("indentation", "later"), ("running_in_time", ALL))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("quads", "counts"), [(False, (4, 6)), (True, (1, 2))])
-def test_elements_of_degree_one_have_the_order_two_in_every_energy(exact, quads, counts):
-    fits = fits_of(FIVE, graded_to_edges(1, counts, quads), exact, *{name for name, _ in ENERGIES})
-    for part in ENERGIES:
-        assert fits[part]["order"] == pytest.approx(2, abs=0.2), part
-        assert fits[part]["theory"] == 2
-        assert fits[part]["finest error"] < 0.01
-
-
 @pytest.mark.parametrize(("method", "degree"), [("mdr", 1), ("mdr", 2), ("bem", 1)])
 def test_cells_of_one_size_have_the_orders_of_the_singular_rim(exact, method, degree):
     way = uniform_radii(method, degree, (16, 32))
@@ -133,26 +120,6 @@ def test_indentation_on_quadrilaterals_by_the_degree(ratio, cap):
     assert (errors[:-2] / errors[2:]).min() >= 20
     assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * 9
     assert abs(errors[-1]) <= cap
-
-
-@pytest.mark.nightly
-@pytest.mark.gmsh
-def test_rings_on_quadrilaterals_by_the_degree():
-    """Degrees 4 to 8 against MDR; the study continues up to roundoff."""
-    case = Case.of(Scene.load("five_rings").changed(wear__times=[1.0]))
-    table = measure(
-        [case],
-        [layered(range(4, 9), rings=5)],
-        ("indentation", "running_in_time"),
-        Record(),
-        exact=reference,
-    )
-    for name, when in (("indentation", "later"), ("running_in_time", ALL)):
-        rows = table[(table["quantity"] == name) & (table["when"] == when)]
-        errors = rows["error"].abs().to_numpy()
-        assert (errors[:-2] / errors[2:]).min() >= 20
-        assert (errors[0] / errors[-1]) ** (1 / (len(errors) - 1)) >= 0.7 * 9
-        assert errors[-1] <= 2e-9
 
 
 @pytest.mark.parametrize("degree", [2, 3, *slow(4)])
