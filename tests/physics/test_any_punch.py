@@ -17,7 +17,6 @@ SCENE = natural(
     half_space={"plane_strain_modulus": MODULUS},
     load={"normal_force": FORCE},
 )
-SPHERE = SCENE.changed(punch__profile={"kind": "parabola", "curvature_radius": 8.0})
 RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
 # for the plane strain modulus 1: forces are to be divided by MODULUS
 EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)

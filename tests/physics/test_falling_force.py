@@ -13,7 +13,6 @@ from random_scenes import draw, hold, load_of, loses_contact, pieces_of
 from ringwear import Scene, SolverError, Stages, method
 
 FIVE = Scene.load("five_rings")
-SLOW = {"times": [0.0, 1.0], "values": [2.0, 1.0]}
 
 
 def under(values, times=(0.0, 1.0), **changes):

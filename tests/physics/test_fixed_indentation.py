@@ -9,15 +9,7 @@ from groups import slow
 from independent import CONSTANT, Pieces, Punch
 
 from ringwear import (
-    ContactCells,
-    InitialProfile,
-    Load,
     Scene,
-    WearingPunch,
-    energy,
-    evolve,
-    evolve_in_equal_steps,
-    moments,
     run,
 )
 
@@ -90,30 +82,6 @@ def test_time_steps_at_a_fixed_indentation_are_of_first_order(march):
         wrong.append(float(forces[0] - forces[1]))
     # first order: half the step, half the error
     assert wrong[0] / wrong[1] == pytest.approx(2.0, rel=0.02)
-
-
-def test_a_shaped_face_in_full_contact_against_short_implicit_steps():
-    """Compare the decay by modes with Richardson's extrapolation of short implicit steps."""
-    rings, depth = np.array([0.0, 1.0]), 0.5
-    space = ContactCells(tuple(rings), 1 / 60, 1e-3).space()
-    profile = InitialProfile(rings, np.zeros(1), (lambda radii: 0.2 * radii**2,))
-    compliance, moved = energy.compliance(space), moments(profile, space)
-    punch = WearingPunch(compliance, np.ones(1), moved, Load(None, depth))
-    times = np.array([2.0, 4.0, 8.0])
-    evolution = evolve(punch, times[-1], 1e-7)
-    history = evolution.at(times)
-    assert history.contact.all()
-    assert evolution.statistics.taken < 400
-    coarse, fine = (
-        evolve_in_equal_steps(punch, times, step).at(times).force for step in (0.01, 0.005)
-    )
-    assert 2 * fine - coarse == pytest.approx(history.force, rel=1e-4)
-    # volume of the indentation that is neither unworn gap nor worn = volume of the displacement
-    unworn = moved.sum()
-    left = np.pi * depth - unworn - history.profile @ space.weights
-    # under a uniform pressure the displacement is (4/pi) E(r), from 2 on the axis to 4/pi
-    assert (left >= 4 / np.pi * history.force).all()
-    assert (left <= 2 * history.force).all()
 
 
 @pytest.mark.slow
