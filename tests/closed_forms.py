@@ -273,3 +273,38 @@ def slope_of_disc(radius, discs):
     # E - K = -pi m / 4 - ..., which cancels for small m
     difference = np.where(complement > 1 - 1e-8, np.pi / 4 * (complement - 1), difference)
     return 4 / np.pi * difference * np.where(radius < discs, discs / radius, 1.0)
+
+
+def potentials(r, z, poisson_ratio, radius):
+    """Return complex displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4).
+
+    Their imaginary parts are the fields under a flat punch of the given radius, with the force ``2
+    pi radius`` and E* = 1. Sneddon, Boussinesq's problem for a flat-ended cylinder, Proc. Camb.
+    Phil. Soc. 42 (1946), gives Hankel integrals with the transform ``sin(s)/(2 pi s)`` of the
+    pressure. They are imaginary parts of Laplace transforms of ``J_0(sr)`` and ``J_1(sr)`` at ``z -
+    i``, that is of functions such as ``1/R``, where R is the distance from a source at the complex
+    depth i (for radius 1).
+    """
+    source = z - 1j * radius
+    # the root with a positive real part; under the punch, where that is 0, the limit from below
+    squared = r**2 + source**2
+    under = (squared.imag == 0) & (squared.real < 0)
+    distance = np.where(under, -1j * np.sqrt(np.abs(squared)), np.sqrt(squared))
+    both = distance + source
+    sides = (1 - 2 * poisson_ratio) / both - z / (distance * both)
+    stress = np.stack(
+        [
+            -1 / distance + z * source / distance**3 + sides,
+            -1 / distance - z * source / distance**3,
+            -z * r / distance**3,
+            -2 * poisson_ratio / distance - sides,
+        ],
+        axis=-1,
+    )
+    axial = -2 * (1 - poisson_ratio) * np.log(both) + z / distance
+    return np.stack([-r * sides, axial], axis=-1) / (1 - poisson_ratio), stress
+
+
+def flat_punch(r, z, poisson_ratio):
+    """Return displacements and stresses under the flat punch, F = a = E* = 1, except at its rim."""
+    return tuple(field.imag / (2 * np.pi) for field in potentials(r, z, poisson_ratio, 1.0))

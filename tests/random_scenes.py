@@ -13,7 +13,6 @@ import numpy as np
 from independent import ROUNDOFF, Load, Pieces, solved
 
 from ringwear import Scene, differences, run
-from ringwear.studies.crosscheck.problem.quantities import ANSWER, QUANTITIES
 from ringwear.studies.crosscheck.result.words import Account
 
 Array = np.ndarray
@@ -187,9 +186,8 @@ def hold(table: dict, methods: tuple[str, ...]) -> Held:
     outcome.verdict = result.verdict
     outcome.excluded = excluded(result)
     if not outcome.lost_contact:
-        doubt = differences(coarse, fine, problem.face)
-        _hold_results(outcome, result, fine, doubt)
-        _hold_answers(outcome, result, answer, less)
+        exact = fine | answer
+        _hold_results(outcome, result, exact, differences(coarse | less, exact, problem.face))
     return outcome
 
 
@@ -227,6 +225,8 @@ def _hold_results(outcome: Held, result, fine: dict, doubt: dict) -> None:
             count = min(SHOWN_MODES if name == "relaxation_time" else np.inf, *map(len, parts))
             named = _named(outcome, result, method, name, count)
             _judge(outcome, f"{method} {name}", *(part[:count] for part in parts), named)
+    shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
+    outcome.first = [label for label in outcome.beyond if label.split()[1] in shown]
 
 
 def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
@@ -243,38 +243,6 @@ def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
         times = problem.times[problem.compared_rows] * problem.units.time
         named |= np.isclose(times[:, None], left_out, rtol=1e-6, atol=0.0).any(axis=1)
     return named
-
-
-def _hold_answers(outcome: Held, result, answer: dict, less: dict) -> None:
-    units = result.scene.problem.units
-    shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
-    for method, given in result.answers.items():
-        for name, exact in answer.items():
-            if name not in given or name not in ANSWER | QUANTITIES:
-                continue
-            quantity = (ANSWER | QUANTITIES)[name]
-            value = np.asarray(given[name], float) / getattr(units, quantity.unit)
-            if not np.isfinite(value).any():
-                continue
-            some = np.isfinite(value) & np.isfinite(exact)
-            scale = np.abs(exact)
-            if name in ("worn_volume", "force_share"):
-                scale = np.broadcast_to(exact.sum(axis=-1, keepdims=True), exact.shape)
-            if name == "force_end":
-                # relative to the greatest force so far
-                scale = np.ones(())
-            if name == "steady_rms_slope":
-                scale = np.maximum(scale, 1e-3 * answer["indentation_steady"])
-            # pressures at the rim are infinite in both solutions and therefore left out
-            error, unsure = (
-                np.max(np.abs(part[some] - exact[some]) / scale[some], initial=0.0)
-                for part in (value, less[name])
-            )
-            before, label = len(outcome.beyond), f"{method} answer {name}"
-            numbers = (np.array([number]) for number in (error, unsure))
-            _judge(outcome, label, *numbers, _named(outcome, result, method, name, 1))
-            if name in shown and len(outcome.beyond) > before:
-                outcome.first.append(label)
 
 
 def _judge(outcome: Held, label: str, error: Array, doubt: Array, named: Array) -> None:

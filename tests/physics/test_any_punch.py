@@ -6,7 +6,7 @@ from closed_forms import PowerPunch
 from groups import nightly_but
 from natural import natural
 
-from ringwear import Scene, SceneError, plan, run, study, sweep
+from ringwear import Scene, SceneError, run, study, sweep
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
 WEAR = np.array([1.0, 10.0, 1.0])
@@ -104,25 +104,6 @@ def table(radii, heights):
 def test_negative_heights_are_refused():
     with pytest.raises(SceneError, match="missing, 0 or more"):
         _ = SCENE.with_heights(lambda r: r - 0.5).problem
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"methods": ["mdr-grid"]}, "mdr-grid|flat punches under a given force|methods"),
-        ({"wear": {"times": [0.0, 1.0], "march": "explicit", "step": 0.1}}, "explicit|implicit"),
-        ({"accuracy": {"mdr": {"degree": 4}}}, "accuracy.mdr"),
-        ({"methods": ["fem"], "accuracy": {"fem": {"truncation": 4.0}}}, "accuracy.fem"),
-        ({"load": {"indentation": 0.1}, "wear__times": []}, "indentation|wear.times"),
-        ({"load": {"indentation": 0.1}, "methods": ["direct"]}, "direct|indentation"),
-    ],
-)
-def test_unsupported_options_of_a_recessed_punch_are_refused(changes, words):
-    scene = RECESSED.changed(**changes)
-    with pytest.raises(SceneError) as caught:
-        run(scene)
-    assert all(word in str(caught.value) for word in words.split("|")), caught.value
-    assert any(line.startswith("refused: ") for line in plan(scene))
 
 
 def test_an_indentation_that_does_not_touch_is_refused():

@@ -10,11 +10,9 @@ from independent import CONSTANT, Pieces, solved
 from natural import natural
 
 from ringwear import (
-    RunningIn,
     SceneError,
     Stages,
     differences,
-    energy,
     method as method_named,
     pressure_spaces,
     run,
@@ -38,17 +36,6 @@ def test_a_constant_table_equals_a_plain_number(shape):
     table, number = (run(scene(**punch, **shape)).dataset for punch in (along(3.0, 3.0), constant))
     for name in number.data_vars:
         np.testing.assert_allclose(table[name], number[name], rtol=1e-13, atol=1e-13)
-
-
-def test_zero_slopes_equal_constants():
-    problem = scene(rings=3, wear_coefficients=[1.0, 0.2, 0.5]).problem
-    compliance = energy.compliance(pressure_spaces(problem)[0])
-    coefficients = problem.wear_coefficients
-    depths = [
-        RunningIn(compliance, wear).modal(problem.times).indentation
-        for wear in (np.array([coefficients, coefficients]), coefficients)
-    ]
-    np.testing.assert_allclose(*depths, rtol=1e-13)
 
 
 @pytest.mark.slow
