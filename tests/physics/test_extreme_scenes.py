@@ -54,7 +54,7 @@ def test_methods_keep_their_accuracy_where_the_naive_choice_fails(name):
         )
         verdicts += [judge(row, allowed) for row in table.to_dict("records")]
     assert not {"wrong", "crashed"} & set(verdicts), verdicts
-    assert "within" in verdicts
+    assert KEYS[name].get("verdict", "within") in verdicts
 
 
 def verdict_on(scene, solver):
