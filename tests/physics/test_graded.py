@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import GradedSteadyState
-from groups import nightly_but, slow
+from groups import nightly, nightly_but, slow
 from independent import CONSTANT, Pieces, solved
 from natural import natural
 
@@ -55,6 +55,27 @@ def test_many_rings_tend_to_wear_along_the_radius_at_second_order():
     orders = np.diff(np.log(errors), axis=0) / -np.log(4)
     assert (np.abs(orders[1:] - 2) < 0.15).all()
     assert (np.array(errors[-1]) < [3e-5, 2e-5]).all()
+
+
+@pytest.mark.slow
+@pytest.mark.gmsh
+@pytest.mark.parametrize(
+    "table",
+    [
+        along(1.0, 4.0),
+        *nightly(along(1.0, 0.01), along(1.0, 2.0, 0.5, 1.0, radii=(0.3, 0.4, 0.4, 1))),
+    ],
+)
+def test_methods_agree_and_estimates_bound_their_errors(table):
+    given = scene("mdr fem bem", **table)
+    result = run(given)
+    assert result.summary["verdict"] == "agree"
+    assert all(anchor.holds for anchor in result.anchors)
+    finer = run(given.changed(accuracy__rtol=1e-7), methods=["bem"]).solutions["bem"].compared
+    for solution in result.solutions.values():
+        for name, error in differences(solution.compared, finer, given.problem.face).items():
+            error, stated = np.atleast_1d(error)[:3], np.atleast_1d(solution.errors[name])[:3]
+            assert (error <= stated).all(), name
 
 
 @pytest.mark.parametrize(("last", "shape"), [(4.0, {}), (0.1, {}), *slow((4.0, SPHERE))])
