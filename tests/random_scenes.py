@@ -7,10 +7,9 @@ rtol beside the number does not count as a report.
 """
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
-from independent import ROUNDOFF, Load, Pieces, solved
+from independent import ROUNDOFF, load_of, solved
 
 from ringwear import Scene, differences, run
 from ringwear.studies.crosscheck.result.words import Account
@@ -23,8 +22,8 @@ FINE, COARSE = 0.2, 1.0
 SHOWN_MODES = 8
 
 
-def draw(kind: str, seed: int, number: int) -> dict:
-    """Return a scene as a table."""
+def draw(kind: str, seed: int, number: int) -> Scene:
+    """Return a scene, which names no methods."""
     random = np.random.default_rng([KINDS.index(kind), seed, number])
     rings = int(np.exp(random.uniform(0, np.log(11))))
     if kind in ("graded", "load", "steep"):
@@ -86,14 +85,14 @@ def draw(kind: str, seed: int, number: int) -> dict:
         if random.random() < 0.7:
             load["sliding_speed"] = {"times": at, "values": (speed * speeds).tolist()}
     ratio = random.choice([0.0, 0.3, 0.49, 0.5, random.uniform(0, 0.5)])
-    return {
-        "punch": punch,
-        "half_space": {"plane_strain_modulus": modulus, "poisson_ratio": float(ratio)},
-        "load": load,
-        "wear": {"times": (unit * times).tolist()},
-        "accuracy": {"rtol": float(rtol)},
-        "output": {"gradient_average": str(random.choice(["line", "area"]))},
-    }
+    return Scene(
+        punch=punch,
+        half_space={"plane_strain_modulus": modulus, "poisson_ratio": float(ratio)},
+        load=load,
+        wear={"times": (unit * times).tolist()},
+        accuracy={"rtol": float(rtol)},
+        output={"gradient_average": str(random.choice(["line", "area"]))},
+    )
 
 
 def _steep_table(random: np.random.Generator) -> tuple[Array, Array]:
@@ -113,38 +112,6 @@ def _steep_table(random: np.random.Generator) -> tuple[Array, Array]:
     if random.random() < 0.5:
         radii, values = 1 - radii[::-1], values[::-1]
     return radii, values / values.max()
-
-
-def pieces_of(table: dict) -> Pieces:
-    """Return k(r) of a scene, linear between ring edges and the radii of its table."""
-    punch = table["punch"]
-    radius, edges = punch["radius"], np.append(0.0, punch["ring_edges"]) / punch["radius"]
-    if "wear_coefficients" in punch:
-        wear = np.resize(np.array(punch["wear_coefficients"]), len(edges) - 1)
-        wear = wear / wear.max()
-        different = np.append(np.diff(wear) != 0, True)
-        distinct_edges = np.append(0.0, edges[1:][different])
-        return Pieces(distinct_edges, wear[different], wear[different])
-    given = punch["wear_coefficient"]
-    radii = np.array(given["radii"]) / radius
-    values = np.array(given["values"]) / max(given["values"])
-    radii = np.concatenate([[0.0], radii, [1.0]])
-    values = np.concatenate([values[:1], values, values[-1:]])
-    every = np.union1d(edges, radii)
-    inner, outer = [], []
-    for left, right in pairwise(every):
-        number = np.searchsorted(radii, (left + right) / 2) - 1
-        low, high = radii[number], radii[number + 1]
-        rise = (values[number + 1] - values[number]) / (high - low)
-        inner.append(values[number] + rise * (left - low))
-        outer.append(values[number] + rise * (right - low))
-    return Pieces(every, np.array(inner), np.array(outer))
-
-
-def load_of(problem) -> Load:
-    """Return the load of a non-dimensional problem."""
-    loading = problem.loading
-    return Load(loading.times, loading.forces, loading.speeds)
 
 
 @dataclass
@@ -168,21 +135,17 @@ class Held:
     lost_contact: bool = False
 
 
-def hold(table: dict, methods: tuple[str, ...]) -> Held:
+def hold(scene: Scene, *methods: str) -> Held:
     """Run a scene, and compare all of its numbers with the independent solution."""
-    scene = Scene.from_table(table | {"methods": list(methods)})
     outcome, problem = Held(scene.accuracy.rtol), scene.problem
     solutions = []
     for part in (FINE, COARSE):
         # both are finer for large rtol, so that their difference shows how accurate they are
-        error, average = part * min(outcome.rtol, 1e-3), table["output"]["gradient_average"]
-        roundoff = ROUNDOFF * part / FINE
-        solutions.append(
-            solved(problem, pieces_of(table), load_of(problem), error, average, roundoff)
-        )
+        error = part * min(outcome.rtol, 1e-3)
+        solutions.append(solved(problem, error, ROUNDOFF * part / FINE))
     (fine, answer, punch), (coarse, less, _) = solutions
     outcome.lost_contact = loses_contact(problem, punch)
-    result = run(scene)
+    result = run(scene, methods=list(methods))
     outcome.verdict = result.verdict
     outcome.excluded = excluded(result)
     if not outcome.lost_contact:

@@ -7,8 +7,8 @@ the problem, and the independent solution is valid.
 from dataclasses import replace
 
 import pytest
-from independent import ROUNDOFF, solved
-from random_scenes import draw, hold, load_of, loses_contact, pieces_of
+from independent import solved
+from random_scenes import draw, hold, loses_contact
 
 from ringwear import Scene, SolverError, Stages, method
 
@@ -25,14 +25,10 @@ def under(values, times=(0.0, 1.0), **changes):
 def test_the_prediction_agrees_with_the_independent_solution():
     kept = []
     for number in range(25):
-        table = draw("load", 8, number)
-        problem = Scene.from_table(table).problem
+        problem = draw("load", 8, number).problem
         if problem.loading.rising:
             continue
-        load, average = load_of(problem), table["output"]["gradient_average"]
-        *_, punch = solved(
-            problem, pieces_of(table), load, min(problem.rtol, 1e-3), average, ROUNDOFF
-        )
+        *_, punch = solved(problem, min(problem.rtol, 1e-3))
         assert problem.keeps_contact != loses_contact(problem, punch)
         kept.append(problem.keeps_contact)
     # both cases occur
@@ -43,9 +39,9 @@ def test_the_prediction_agrees_with_the_independent_solution():
 @pytest.mark.parametrize(("seed", "number"), [(8, 12), (8, 24), (11, 16)])
 def test_histories_by_modes_agree_with_the_independent_solution(seed, number):
     """By steps, pressures and slopes of thin layers were left out, as known to a cell only."""
-    table = draw("load", seed, number)
-    assert Scene.from_table(table).problem.keeps_contact
-    row = hold(table, ("mdr", "bem"))
+    scene = draw("load", seed, number)
+    assert scene.problem.keeps_contact
+    row = hold(scene, "mdr", "bem")
     assert row.verdict == "agree"
     assert not row.lost_contact
     assert not row.excluded
