@@ -54,14 +54,9 @@ def test_results_do_not_depend_on_the_face_plane(standoff, indentation):
 
     def results(standoff):
         force = {"normal_force": 0.1}
-        scene = FIVE.changed(
-            punch={"radius": 1.0, "rings": 2, "wear_coefficients": [1.0, 2.0]},
-            punch__recess=[0.1 + standoff, standoff],
-            load=force if indentation is None else {"indentation": standoff + indentation},
-            wear={"times": [0.0, 1.0, 5.0]},
-            accuracy__rtol=1e-3,
-        )
-        return run(scene, methods=["mdr"]).dataset
+        rings = {"rings": 2, "wear_coefficients": [1.0, 2.0], "recess": [0.1 + standoff, standoff]}
+        load = force if indentation is None else {"indentation": standoff + indentation}
+        return run(natural(rings, [0.0, 1.0, 5.0], methods="mdr", load=load)).dataset
 
     plain, moved = results(0.0), results(standoff)
     depth = float(plain.indentation.max())
@@ -136,11 +131,13 @@ def test_estimates_at_a_single_time_bound_the_errors(single_time, name):
 @pytest.fixture(scope="module")
 def single_time():
     radius, force = 1.58, 0.107
-    scene = Scene.load("sphere").changed(
-        methods=["mdr"],
-        punch={"radius": 1.0, "rings": 1, "wear_coefficients": [1.0, 1.0]},
-        punch__profile={"kind": "parabola", "curvature_radius": radius},
-        load__normal_force=force,
+    scene = natural(
+        {
+            "wear_coefficient": 1.0,
+            "profile": {"kind": "parabola", "curvature_radius": radius},
+        },
+        methods="mdr",
+        load={"normal_force": force},
         wear={"times": [0.3], "steady": False},
     )
     runs = (run(scene.changed(accuracy__rtol=rtol)).dataset for rtol in (1e-3, 1e-5))
@@ -201,14 +198,14 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
 @pytest.mark.slow
 @pytest.mark.gmsh
 def test_methods_agree_on_an_annulus_without_wear():
-    punch = {"radius": 1.0, "ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0]}
-    scene = FIVE.changed(
-        punch=punch | {"recess": [0.5, 0.0]},
-        load__normal_force=0.1,
+    scene = natural(
+        {"ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0], "recess": [0.5, 0.0]},
+        rtol=1e-6,
+        methods="mdr bem fem",
+        load={"normal_force": 0.1},
         wear={"times": [0.0], "steady": False},
-        accuracy__rtol=1e-6,
     )
-    result = run(scene, methods=["mdr", "bem", "fem"])
+    result = run(scene)
     assert result.verdict == "agree"
     lines = [line for line in result.remarks if "undecided" in line]
     undecided = {row.quantity for row in result.agreement if row.remark}

@@ -7,16 +7,11 @@ import numpy as np
 import pytest
 import tomli_w
 from groups import nightly
+from natural import natural
 
 from ringwear import Scene, SceneError, main, method, run, sweep
 
-SCENE = Scene(
-    methods=["mdr"],
-    punch={"radius": 1.0, "rings": 3, "wear_coefficients": [1.0, 5.0]},
-    half_space={"plane_strain_modulus": 1.0},
-    load={"normal_force": 2.0},
-    wear={"times": [0.0, 0.1, 0.5]},
-)
+SCENE = natural({"rings": 3, "wear_coefficients": [1.0, 5.0]}, [0.0, 0.1, 0.5], methods="mdr")
 OVER_TIME = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
 ALONG_RADIUS = {"radii": [0.0, 1.0], "values": [1.0, 3.0]}
 FEATURES = {
