@@ -38,15 +38,6 @@ def set_radius(_):
 WORKING = [
     (lambda of: of["indentation"], lambda got: got.sizes["solver"] == 2),
     (lambda of: of["time"], lambda got: got.ndim == 1),
-    (lambda _: SCENE.changed({"punch.rings": 3}), lambda got: got.punch.rings == 3),
-    (
-        lambda _: SCENE.changed(wear__times=np.linspace(0, 1, 3)),
-        lambda got: got.wear.times == [0.0, 0.5, 1.0],
-    ),
-    (
-        lambda _: Scene(punch={"radius": np.float32(1), "wear_coefficient": np.int64(1)}, **PARTS),
-        lambda got: got.punch.wear_coefficient == 1.0,
-    ),
     (
         lambda _: Scene(
             punch={"radius": 1, "rings": 2, "wear_coefficients": pd.Series([1.0, 2.0])}, **PARTS

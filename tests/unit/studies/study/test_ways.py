@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from closed_forms import flat_punch
+from closed_forms import PowerPunch, flat_punch
 from groups import nightly, slow
 
 from ringwear import (
@@ -274,16 +274,14 @@ def test_the_reference_states_its_own_error(exact):
 
 
 def test_starts_in_closed_form():
-    """Hertz: F = 4/3 E* sqrt(R) d^(3/2); cone: F = 2 E* d^2 / (pi s); d in units of F / (a E*)."""
     base, force = Scene.load("sphere").changed(load__normal_force=0.01), 0.01
     ball = base.changed(punch__profile={"kind": "parabola", "curvature_radius": 3.0})
-    start = shaped_start(ball)
-    depth = start["indentation"] * force
-    assert 4 / 3 * 3.0**0.5 * depth**1.5 == pytest.approx(force, rel=1e-12)
-    assert start["contact_radius"] == pytest.approx((3.0 * depth) ** 0.5, rel=1e-12)
-    cone = shaped_start(base.changed(punch__profile={"kind": "cone", "slope": 0.1}))
-    depth = cone["indentation"] * force
-    assert 2 * depth**2 / (np.pi * 0.1) == pytest.approx(force, rel=1e-12)
+    cone = base.changed(punch__profile={"kind": "cone", "slope": 0.1})
+    for scene, exact in ((ball, PowerPunch(1 / 6, 2)), (cone, PowerPunch(0.1, 1))):
+        start, radius = shaped_start(scene), exact.contact_radius(force)
+        # in units of F / (a E*)
+        assert start["indentation"] * force == pytest.approx(exact.indentation(radius), rel=1e-12)
+        assert start["contact_radius"] == pytest.approx(radius, rel=1e-12)
     # no closed form if the whole face of the sphere is in contact, or if the force varies
     assert not shaped_start(ball.changed(load__normal_force=1e9))
     rising = {"times": [0.0, 1.0], "values": [0.01, 0.02]}

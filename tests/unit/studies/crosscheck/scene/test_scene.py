@@ -309,10 +309,3 @@ def test_an_index_may_be_in_brackets():
     scene = Scene.load("five_rings").changed(half_space__layers=[LAYER, LAYER])
     changed = scene.changed({"half_space.layers[1].thickness": 0.3})
     assert [layer.thickness for layer in changed.half_space.layers] == [0.1, 0.3]
-
-
-def test_keys_can_be_changed_by_dotted_names():
-    scene = Scene.load("five_rings")
-    assert (
-        scene.changed({"accuracy.rtol": 1e-6}).table() == scene.changed(accuracy__rtol=1e-6).table()
-    )
