@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from closed_forms import FrettedSphere
-from groups import slow
+from groups import nightly, slow
 from independent import CONSTANT, Pieces, Punch
 
 from ringwear import (
@@ -135,7 +135,7 @@ def fixed_sphere(depth, edges, wear, times, rtol):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("stick", "rtol"), [(0.3, 3e-4), (0.5, 1e-4)])
+@pytest.mark.parametrize(("stick", "rtol"), [*nightly((0.3, 3e-4)), (0.5, 1e-4)])
 def test_a_stick_zone_leads_to_popovs_limiting_shape(stick, rtol):
     """Outside the stick zone the face wears until it no longer presses."""
     scene = fixed_sphere(0.4, [stick, 1.0], [1e-9, 1.0], [0.0, 30.0], rtol)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly
 from natural import natural
 from scipy.interpolate import PchipInterpolator
 
@@ -53,7 +54,7 @@ def shares_of_rings(slope, kinks, force, edges):
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(("points", "height"), [(16, 1e-2), (48, 1e-3), (150, 2e-4)])
+@pytest.mark.parametrize(("points", "height"), [(16, 1e-2), *nightly((48, 1e-3)), (150, 2e-4)])
 def test_starts_of_tables(points, height):
     """Elements are fitted to up to 60 kinks; what they leave out beyond is stated as an error."""
     heights = height * np.random.default_rng(3).uniform(0, 1, points)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from groups import nightly_but
+from groups import nightly, nightly_but
 from independent import CONSTANT, Load, Pieces, Punch, solved
 from natural import natural
 from random_layers import random_layers
@@ -147,7 +147,7 @@ def test_methods_differ_by_at_most_their_estimates(family, random_seed):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("number", [5, 13])
+@pytest.mark.parametrize("number", [5, *nightly(13)])
 def test_early_layers_under_a_full_face_are_resolved(number):
     """Under loads that vary, fields at early times were up to 400 rtol off, and not promised."""
     row = hold(draw("load", 7, number), "mdr", "fem")

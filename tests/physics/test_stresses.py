@@ -97,8 +97,8 @@ def true_errors(fields, far, exact, indentation, mean_pressure):
 @pytest.mark.parametrize(
     ("face", "force", "poisson_ratio"),
     [
-        *((sphere, 1e-4, 0.3), (sphere, 0.3, 0.0), (sphere, 0.3, 0.3), (sphere, 0.3, 0.5)),
-        *((cone, 0.3, 0.0), (cone, 0.3, 0.3)),
+        *((sphere, 1e-4, 0.3), (sphere, 0.3, 0.5), (cone, 0.3, 0.3)),
+        *nightly((sphere, 0.3, 0.0), (sphere, 0.3, 0.3), (cone, 0.3, 0.0)),
     ],
 )
 def test_stresses_under_round_faces(face, force, poisson_ratio):
@@ -201,7 +201,9 @@ def test_stresses_under_the_flat_punch(rtol, poisson_ratio):
 
 # at 0.49 the mesh is refined, and the displacement is more accurate than its estimate shows
 @pytest.mark.slow
-@pytest.mark.parametrize(("poisson_ratio", "most"), [(0.0, 50), (0.3, 50), (0.49, 80), (0.5, 50)])
+@pytest.mark.parametrize(
+    ("poisson_ratio", "most"), [*nightly((0.0, 50)), (0.3, 50), *nightly((0.49, 80)), (0.5, 50)]
+)
 @pytest.mark.parametrize("mesher", MESHERS[1:])
 def test_estimates_bound_stress_errors_on_triangles(mesher, poisson_ratio, most):
     """Triangles have their highest degree already; the estimates bound the errors."""
