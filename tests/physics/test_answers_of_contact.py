@@ -46,6 +46,9 @@ def test_a_sphere_starts_with_hertz_contact():
             assert np.isnan(answers[name])
         assert np.isnan(answers["time_to_full_contact"])
         assert answers["force_start"] == pytest.approx(FORCE, rel=1e-9)
+    start = result.dataset.sel(solver="mdr").isel(time=0)
+    assert ((start.contact > 0) == (start.radius <= radius)).all()
+    assert np.array(start.contact_edge[:2]) == pytest.approx([0.0, radius])
 
 
 @pytest.mark.parametrize("name", ["cone", "recessed_binder"])

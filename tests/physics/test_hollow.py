@@ -148,8 +148,3 @@ def test_first_contact_of_a_hollow_sphere_begins_at_its_hole():
     assert 0.4 < float(start.contact_radius) < 1.0
     edges = start.contact_edge.values
     assert edges[0] == pytest.approx(0.4, abs=1e-12)
-
-
-def test_the_summary_mentions_the_hole():
-    modelled = run(hollow(0.4, "mdr", 1e-2)).summary["modelled"]
-    assert any(line.startswith("hole:") for line in modelled)

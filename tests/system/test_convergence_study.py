@@ -1,4 +1,4 @@
-"""The study of convergence with meshes, elements, steps and quantities of the user."""
+"""Studies of convergence and refinement with meshes, elements and quantities of the user."""
 
 from __future__ import annotations
 
@@ -92,6 +92,23 @@ def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_pa
     head, _, row = (out / "answer.md").read_text("utf-8").splitlines()[:3]
     assert "at half" in head
     assert row.startswith("| your meshes |")
+
+
+@pytest.mark.slow
+def test_meshes_of_the_user_are_refined_beside_ours(sequence, tmp_path):
+    results = study("refinement", "flat_punch", quick=True, meshes=sequence, degree=3)
+    rows = results.table[results.table["way"] == "your meshes"]
+    assert rows["level"].nunique() == 3
+    assert (np.diff(np.abs(errors(rows, "indentation", "start"))) < 0).all()
+    assert any(line.endswith(": stable.") for line in results.conclusions)
+    assert "your meshes" in set(results.answer["way"])
+    of_own = results.orders[results.orders["way"] == "your meshes"]
+    assert (of_own["order"] > 0).any()
+    assert {"uniform triangles", "adaptive triangles", "your meshes"} <= set(results.table["way"])
+    written = set(results.save(tmp_path))
+    assert {"refinement.csv", "answer.md", "costs.csv", "refinement.png"} <= written
+    with pytest.raises(SceneError, match=r"--degree 7.*give 2 to 4"):
+        study("refinement", "flat_punch", quick=True, meshes=sequence, degree=7)
 
 
 def test_chosen_quantities_are_tabulated_and_drawn(sequence):
