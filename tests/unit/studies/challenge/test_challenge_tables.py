@@ -119,28 +119,6 @@ def test_the_errors_of_other_programs_are_written_as_in_their_file():
     assert ["7", "ringwear, MDR and FEM", f"below {of_d}", f"below {of_p}", seconds] in rows
 
 
-def test_problems_have_names_and_numbers():
-    assert [name_of(path)[:2] for path in problems()] == [f"{n:02}" for n in range(1, 17)]
-    for name in ("03_five_rings", "five_rings", "3", "03"):
-        assert problem_named(name).name == "03_five_rings.toml"
-    for name in ("13_bonded_layer", "bonded_layer", "13"):
-        assert problem_named(name).parent.name == "13_bonded_layer"
-
-
-def test_a_table_of_cases_is_compared_with_the_answers(tmp_path):
-    problem, file = problem_named("13"), tmp_path / "mine.csv"
-    answers = read_answers(problem).astype({"value": float})
-    cases = answers[answers["poisson_ratio"] == 0.3]
-    mine = cases[["radius_over_thickness", "poisson_ratio"]].assign(stiffness=cases["value"])
-    mine.iloc[2, 2] *= 1.25
-    # cases that have no answer are left out
-    pd.concat([mine, mine.assign(poisson_ratio=0.31)]).to_csv(file, index=False)
-    (row,) = errors_in(problem, file).to_dict("records")
-    assert row["values"] == len(mine)
-    assert row["error"] == pytest.approx(0.25)
-    assert row["case"] == "radius_over_thickness = 0.4, poisson_ratio = 0.3"
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
