@@ -93,20 +93,6 @@ class RoundedPunch:
 ANNULI = {0.3: 1.992418655, 0.6: 1.930144257, 0.9: 1.642059559}
 
 
-def annulus_stiffness(hole):
-    """Return ``F / (2 E* a d)`` of a flat annulus, up to the order ``e^8`` of the ratio of radii e.
-
-    W. D. Collins, On the solution of some axisymmetric boundary value problems by means of integral
-    equations, VIII. Potential problems for a circular annulus, Proc. Edinburgh Math. Soc. 13 (1963)
-    235. The paper gives the capacitance of an annulus over that of the full disc. This is equal to
-    the stiffness of the punch over that of the punch without a hole.
-    """
-    e, square = hole, np.pi**2
-    odd = 4 * e**3 / 3 + 8 * e**5 / 15 + 92 * e**7 / 315
-    even = 16 * e**6 / 27 + 448 * e**8 / 675
-    return float(1 - odd / square - even / square**2)
-
-
 def thin_ring_stiffness(inner, outer):
     """Return ``F / (E* d)`` of a flat ring that is much narrower than its radius.
 
@@ -287,3 +273,38 @@ def slope_of_disc(radius, discs):
     # E - K = -pi m / 4 - ..., which cancels for small m
     difference = np.where(complement > 1 - 1e-8, np.pi / 4 * (complement - 1), difference)
     return 4 / np.pi * difference * np.where(radius < discs, discs / radius, 1.0)
+
+
+def potentials(r, z, poisson_ratio, radius):
+    """Return complex displacements (n, 2) and stresses rr, zz, rz, hoop (n, 4).
+
+    Their imaginary parts are the fields under a flat punch of the given radius, with the force ``2
+    pi radius`` and E* = 1. Sneddon, Boussinesq's problem for a flat-ended cylinder, Proc. Camb.
+    Phil. Soc. 42 (1946), gives Hankel integrals with the transform ``sin(s)/(2 pi s)`` of the
+    pressure. They are imaginary parts of Laplace transforms of ``J_0(sr)`` and ``J_1(sr)`` at ``z -
+    i``, that is of functions such as ``1/R``, where R is the distance from a source at the complex
+    depth i (for radius 1).
+    """
+    source = z - 1j * radius
+    # the root with a positive real part; under the punch, where that is 0, the limit from below
+    squared = r**2 + source**2
+    under = (squared.imag == 0) & (squared.real < 0)
+    distance = np.where(under, -1j * np.sqrt(np.abs(squared)), np.sqrt(squared))
+    both = distance + source
+    sides = (1 - 2 * poisson_ratio) / both - z / (distance * both)
+    stress = np.stack(
+        [
+            -1 / distance + z * source / distance**3 + sides,
+            -1 / distance - z * source / distance**3,
+            -z * r / distance**3,
+            -2 * poisson_ratio / distance - sides,
+        ],
+        axis=-1,
+    )
+    axial = -2 * (1 - poisson_ratio) * np.log(both) + z / distance
+    return np.stack([-r * sides, axial], axis=-1) / (1 - poisson_ratio), stress
+
+
+def flat_punch(r, z, poisson_ratio):
+    """Return displacements and stresses under the flat punch, F = a = E* = 1, except at its rim."""
+    return tuple(field.imag / (2 * np.pi) for field in potentials(r, z, poisson_ratio, 1.0))

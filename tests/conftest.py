@@ -6,7 +6,6 @@ They are the reference history of the five rings, and compliances of methods tha
 import json
 import os
 import signal
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -57,8 +56,6 @@ class Prepared(NamedTuple):
         start, width = self.space.breakpoints[:-1, None], np.diff(self.space.breakpoints)[:, None]
         return (start + width * np.arange(16) / 16).ravel()
 
-
-Prepare = Callable[..., Prepared]
 
 MESHERS = ("quads", "gmsh", "bisection")
 WITHOUT_GMSH = unavailable()

@@ -322,19 +322,25 @@ class Punch:
         return float(10**root)
 
 
+def load_of(problem) -> Load:
+    """Return the load of a non-dimensional problem."""
+    loading = problem.loading
+    return Load(loading.times, loading.forces, loading.speeds)
+
+
 def solved(
-    problem, pieces: Pieces, load: Load, error: float, average: str, roundoff: float = ROUNDOFF
+    problem, error: float, roundoff: float = ROUNDOFF
 ) -> tuple[dict[str, Array], dict[str, Array], Punch]:
     """Return results over the face, the answer, and the punch.
 
     Parameters
     ----------
-    problem : non-dimensional problem of a scene; used are its times, radii and ring edges
+    problem : non-dimensional problem of a scene without a hole
     error : approximate relative error of the solution
-    average : "line" or "area", average of the RMS slope
     roundoff : smallest size of elements at steps of k. Smaller layers are not resolved, which only
         a solution with another value shows
     """
+    pieces, load, average = Pieces.of(problem), load_of(problem), problem.gradient_average
     times = problem.times[problem.compared_rows]
     fixed_indentation = problem.indentation is not None
     later = times[times > 0]
@@ -486,10 +492,8 @@ def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array
 
 
 def exact_results(problem, finer: float = 0.01) -> dict[str, Array]:
-    """Return results and answer of rings under a constant load, with errors of `finer` rtol."""
-    error, roundoff = finer * problem.rtol, finer * 1e-12
-    average = problem.gradient_average
-    results, answer, _ = solved(problem, Pieces.of(problem), CONSTANT, error, average, roundoff)
+    """Return results and answer with errors of `finer` rtol."""
+    results, answer, _ = solved(problem, finer * problem.rtol, finer * 1e-12)
     return results | answer
 
 

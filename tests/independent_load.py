@@ -19,26 +19,21 @@ class Load:
 
     def _distance(self, times: Array) -> Array:
         """Return the sliding distance; the trapezoidal rule is exact for a linear speed."""
-        at = np.concatenate([self.knots, [np.inf]])
-        out = np.zeros(np.shape(times))
-        for begin, end in pairwise(at):
-            upper = np.clip(times, begin, end)
-            speeds = np.interp([begin], self.knots, self.speeds)[0]
-            ends = np.interp(upper, self.knots, self.speeds)
-            out = out + (upper - begin) * (speeds + ends) / 2
-        return out
+        at = np.union1d(self.knots, times)
+        speeds = np.interp(at, self.knots, self.speeds)
+        slid = np.append(0.0, np.cumsum(np.diff(at) * (speeds[1:] + speeds[:-1]) / 2))
+        return np.interp(times, at, slid)
 
     def at(self, times: Array) -> tuple[Array, Array, Array]:
         """Return force, distance, and the integral of the force over the distance."""
-        times = np.asarray(times, float)
+        at = np.union1d(self.knots, times)
         node, weight = leggauss(4)
-        work = []
-        for until in times:
-            ends = self._segments(until)
-            t = ends[:-1, None] + np.diff(ends)[:, None] * (1 + node) / 2
-            rate = np.interp(t, self.knots, self.forces) * np.interp(t, self.knots, self.speeds)
-            work.append((np.diff(ends)[:, None] / 2 * weight * rate).sum())
-        return np.interp(times, self.knots, self.forces), self._distance(times), np.array(work)
+        parts = np.diff(at)[:, None] / 2
+        t = at[:-1, None] + parts * (1 + node)
+        rate = np.interp(t, self.knots, self.forces) * np.interp(t, self.knots, self.speeds)
+        work = np.append(0.0, np.cumsum((parts * weight * rate).sum(axis=1)))
+        force = np.interp(times, self.knots, self.forces)
+        return force, self._distance(times), np.interp(times, at, work)
 
     def decayed(self, times: Array, relaxation: Array) -> Array:
         """Return the (T, m) forces that remain in each mode after its decay.

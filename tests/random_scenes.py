@@ -7,13 +7,11 @@ rtol beside the number does not count as a report.
 """
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
-from independent import ROUNDOFF, Load, Pieces, solved
+from independent import ROUNDOFF, load_of, solved
 
 from ringwear import Scene, differences, run
-from ringwear.studies.crosscheck.problem.quantities import ANSWER, QUANTITIES
 from ringwear.studies.crosscheck.result.words import Account
 
 Array = np.ndarray
@@ -24,8 +22,8 @@ FINE, COARSE = 0.2, 1.0
 SHOWN_MODES = 8
 
 
-def draw(kind: str, seed: int, number: int) -> dict:
-    """Return a scene as a table."""
+def draw(kind: str, seed: int, number: int) -> Scene:
+    """Return a scene, which names no methods."""
     random = np.random.default_rng([KINDS.index(kind), seed, number])
     rings = int(np.exp(random.uniform(0, np.log(11))))
     if kind in ("graded", "load", "steep"):
@@ -87,14 +85,14 @@ def draw(kind: str, seed: int, number: int) -> dict:
         if random.random() < 0.7:
             load["sliding_speed"] = {"times": at, "values": (speed * speeds).tolist()}
     ratio = random.choice([0.0, 0.3, 0.49, 0.5, random.uniform(0, 0.5)])
-    return {
-        "punch": punch,
-        "half_space": {"plane_strain_modulus": modulus, "poisson_ratio": float(ratio)},
-        "load": load,
-        "wear": {"times": (unit * times).tolist()},
-        "accuracy": {"rtol": float(rtol)},
-        "output": {"gradient_average": str(random.choice(["line", "area"]))},
-    }
+    return Scene(
+        punch=punch,
+        half_space={"plane_strain_modulus": modulus, "poisson_ratio": float(ratio)},
+        load=load,
+        wear={"times": (unit * times).tolist()},
+        accuracy={"rtol": float(rtol)},
+        output={"gradient_average": str(random.choice(["line", "area"]))},
+    )
 
 
 def _steep_table(random: np.random.Generator) -> tuple[Array, Array]:
@@ -114,38 +112,6 @@ def _steep_table(random: np.random.Generator) -> tuple[Array, Array]:
     if random.random() < 0.5:
         radii, values = 1 - radii[::-1], values[::-1]
     return radii, values / values.max()
-
-
-def pieces_of(table: dict) -> Pieces:
-    """Return k(r) of a scene, linear between ring edges and the radii of its table."""
-    punch = table["punch"]
-    radius, edges = punch["radius"], np.append(0.0, punch["ring_edges"]) / punch["radius"]
-    if "wear_coefficients" in punch:
-        wear = np.resize(np.array(punch["wear_coefficients"]), len(edges) - 1)
-        wear = wear / wear.max()
-        different = np.append(np.diff(wear) != 0, True)
-        distinct_edges = np.append(0.0, edges[1:][different])
-        return Pieces(distinct_edges, wear[different], wear[different])
-    given = punch["wear_coefficient"]
-    radii = np.array(given["radii"]) / radius
-    values = np.array(given["values"]) / max(given["values"])
-    radii = np.concatenate([[0.0], radii, [1.0]])
-    values = np.concatenate([values[:1], values, values[-1:]])
-    every = np.union1d(edges, radii)
-    inner, outer = [], []
-    for left, right in pairwise(every):
-        number = np.searchsorted(radii, (left + right) / 2) - 1
-        low, high = radii[number], radii[number + 1]
-        rise = (values[number + 1] - values[number]) / (high - low)
-        inner.append(values[number] + rise * (left - low))
-        outer.append(values[number] + rise * (right - low))
-    return Pieces(every, np.array(inner), np.array(outer))
-
-
-def load_of(problem) -> Load:
-    """Return the load of a non-dimensional problem."""
-    loading = problem.loading
-    return Load(loading.times, loading.forces, loading.speeds)
 
 
 @dataclass
@@ -169,27 +135,22 @@ class Held:
     lost_contact: bool = False
 
 
-def hold(table: dict, methods: tuple[str, ...]) -> Held:
+def hold(scene: Scene, *methods: str) -> Held:
     """Run a scene, and compare all of its numbers with the independent solution."""
-    scene = Scene.from_table(table | {"methods": list(methods)})
     outcome, problem = Held(scene.accuracy.rtol), scene.problem
     solutions = []
     for part in (FINE, COARSE):
         # both are finer for large rtol, so that their difference shows how accurate they are
-        error, average = part * min(outcome.rtol, 1e-3), table["output"]["gradient_average"]
-        roundoff = ROUNDOFF * part / FINE
-        solutions.append(
-            solved(problem, pieces_of(table), load_of(problem), error, average, roundoff)
-        )
+        error = part * min(outcome.rtol, 1e-3)
+        solutions.append(solved(problem, error, ROUNDOFF * part / FINE))
     (fine, answer, punch), (coarse, less, _) = solutions
     outcome.lost_contact = loses_contact(problem, punch)
-    result = run(scene)
+    result = run(scene, methods=list(methods))
     outcome.verdict = result.verdict
     outcome.excluded = excluded(result)
     if not outcome.lost_contact:
-        doubt = differences(coarse, fine, problem.face)
-        _hold_results(outcome, result, fine, doubt)
-        _hold_answers(outcome, result, answer, less)
+        exact = fine | answer
+        _hold_results(outcome, result, exact, differences(coarse | less, exact, problem.face))
     return outcome
 
 
@@ -227,6 +188,8 @@ def _hold_results(outcome: Held, result, fine: dict, doubt: dict) -> None:
             count = min(SHOWN_MODES if name == "relaxation_time" else np.inf, *map(len, parts))
             named = _named(outcome, result, method, name, count)
             _judge(outcome, f"{method} {name}", *(part[:count] for part in parts), named)
+    shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
+    outcome.first = [label for label in outcome.beyond if label.split()[1] in shown]
 
 
 def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
@@ -243,38 +206,6 @@ def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
         times = problem.times[problem.compared_rows] * problem.units.time
         named |= np.isclose(times[:, None], left_out, rtol=1e-6, atol=0.0).any(axis=1)
     return named
-
-
-def _hold_answers(outcome: Held, result, answer: dict, less: dict) -> None:
-    units = result.scene.problem.units
-    shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
-    for method, given in result.answers.items():
-        for name, exact in answer.items():
-            if name not in given or name not in ANSWER | QUANTITIES:
-                continue
-            quantity = (ANSWER | QUANTITIES)[name]
-            value = np.asarray(given[name], float) / getattr(units, quantity.unit)
-            if not np.isfinite(value).any():
-                continue
-            some = np.isfinite(value) & np.isfinite(exact)
-            scale = np.abs(exact)
-            if name in ("worn_volume", "force_share"):
-                scale = np.broadcast_to(exact.sum(axis=-1, keepdims=True), exact.shape)
-            if name == "force_end":
-                # relative to the greatest force so far
-                scale = np.ones(())
-            if name == "steady_rms_slope":
-                scale = np.maximum(scale, 1e-3 * answer["indentation_steady"])
-            # pressures at the rim are infinite in both solutions and therefore left out
-            error, unsure = (
-                np.max(np.abs(part[some] - exact[some]) / scale[some], initial=0.0)
-                for part in (value, less[name])
-            )
-            before, label = len(outcome.beyond), f"{method} answer {name}"
-            numbers = (np.array([number]) for number in (error, unsure))
-            _judge(outcome, label, *numbers, _named(outcome, result, method, name, 1))
-            if name in shown and len(outcome.beyond) > before:
-                outcome.first.append(label)
 
 
 def _judge(outcome: Held, label: str, error: Array, doubt: Array, named: Array) -> None:

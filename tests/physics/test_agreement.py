@@ -62,7 +62,12 @@ def test_bundled_scenes_of_any_punch_agree(name):
     result = run(Scene.load(name))
     assert result.verdict != "disagree"
     # fields at moving edges are accurate to one cell only and may be undecided
-    assert not undecided(result).keys() & {"indentation", "normal_force"}
+    decided = {"indentation", "normal_force"}
+    if name == "duty_cycle":
+        decided |= {"ring_force", "ring_worn_volume"}
+    assert not undecided(result).keys() & decided
+    # methods differ by at most the sum of their estimates
+    assert all(row.difference <= row.uncertainty + 1e-12 for row in result.agreement)
 
 
 @pytest.fixture(scope="module")

@@ -6,29 +6,32 @@ import pytest
 from ringwear import Scene, run
 
 
-@pytest.mark.parametrize(
-    "coefficients", [[1.0, 10.0], [3.0, 3.0]], ids=["five materials", "one material"]
-)
-def test_worn_volumes_over_k_sum_to_force_times_distance(coefficients):
-    """The sum of V / k over the rings is F v0 t, also if all rings have one material.
-
-    Radius, force and speed differ from 1, so that units are tested, too.
-    """
+def test_worn_volumes_over_k_sum_to_force_times_distance():
+    """The sum of V / k over the rings is F v0 t; radius, force and speed differ from 1."""
     scene = Scene.load("five_rings").changed(
-        methods=["mdr"],
-        punch__wear_coefficients=coefficients,
-        punch__radius=2.0,
-        load__normal_force=5.0,
-        load__sliding_speed=3.0,
+        punch__radius=2.0, load__normal_force=5.0, load__sliding_speed=3.0
     )
-    data = run(scene).dataset.sel(solver="mdr")
-    volumes = data.worn_volume
-    assert float((volumes / data.wear_coefficient).sum()) == pytest.approx(30.0, rel=1e-6)
-    if coefficients[0] == coefficients[1]:
-        # the profile is smooth across edges: compare with its integral over the second ring
-        data = run(scene.changed(output__radii=np.linspace(0.4, 0.8, 2001).tolist())).dataset
-        rings = 2 * np.pi * data.radius * data.profile[0, -1]
-        assert float(volumes[1]) == pytest.approx(float(rings.integrate("radius")), rel=1e-6)
+    data = run(scene, methods=["mdr"]).dataset.sel(solver="mdr")
+    assert float((data.worn_volume / data.wear_coefficient).sum()) == pytest.approx(30.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", ["mdr", "bem", "fem"])
+def test_rings_of_one_material_share_the_force_of_one_disc(method):
+    """The force within r is ``F (1 - sqrt(1 - r^2/a^2))`` first, and ``F r^2/a^2`` in the end."""
+    scene = Scene.load("five_rings").changed(
+        punch={"radius": 2.0, "rings": 2, "wear_coefficients": [2.0, 2.0]},
+        load__normal_force=5.0,
+        wear__times=[0.0, 0.1, 100.0],
+        output__radii=np.linspace(1.0, 2.0, 2001).tolist(),
+    )
+    data = run(scene, methods=[method], rtol=1e-3).dataset.isel(solver=0)
+    inner = np.array([1 - np.sqrt(1 - 0.5**2), 0.5**2])
+    forces = 5.0 * np.stack([inner, 1 - inner], axis=1)
+    np.testing.assert_allclose(data.ring_force[[0, -1]], forces, rtol=1e-3)
+    np.testing.assert_allclose(5.0 * data.force_share, forces, rtol=1e-3)
+    # the profile is smooth across the edge: compare with its integral over the second ring
+    worn = (2 * np.pi * data.radius * data.profile).integrate("radius")
+    np.testing.assert_allclose(data.ring_worn_volume[1:, 1], worn[1:], rtol=1e-3)
 
 
 @pytest.mark.slow

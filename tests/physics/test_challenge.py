@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from closed_forms import PowerPunch, worn_sphere
-from groups import nightly, slow
+from groups import nightly, nightly_but, slow
 from independent import CONSTANT, Pieces, Punch
 from scipy.optimize import brentq
 from test_fixed_indentation import force_at
@@ -89,10 +89,7 @@ def test_the_sphere_against_hertz_and_the_worn_sphere_formula():
     assert_certified(7, "indentation", 30.0, worn_sphere(1.0, 1.0, force, late)[1])
 
 
-@pytest.mark.parametrize(
-    "number",
-    [pytest.param(n, marks=[pytest.mark.nightly] * (n in (8, 11))) for n in range(1, 13)],
-)
+@pytest.mark.parametrize("number", nightly_but((1, 3, 6, 7, 9, 10, 12), range(1, 13)))
 @pytest.mark.parametrize(
     "method", ["mdr", pytest.param("fem", marks=[pytest.mark.gmsh, pytest.mark.slow])]
 )

@@ -52,8 +52,9 @@ FAULTS = {
     [
         # without gmsh, finite elements have a lower degree and are less accurate
         *(
-            pytest.param(fault, 1e-6, marks=[pytest.mark.gmsh, pytest.mark.slow])
-            for fault in FAULTS
+            pytest.param(fault, 1e-6, marks=[pytest.mark.gmsh, group])
+            for number, fault in enumerate(FAULTS)
+            for group in [pytest.mark.nightly if number % 2 else pytest.mark.slow]
         ),
         *((fault, 1e-4) for fault, (_, size) in FAULTS.items() if size >= 1e-4),
     ],

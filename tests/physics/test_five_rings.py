@@ -107,15 +107,6 @@ def test_nothing_is_undecided_without_gmsh():
     assert set(result.quantities.values()) == {"agree"}
 
 
-@pytest.mark.slow
-def test_ring_forces_against_a_finer_radial_mesh(solve):
-    finer = solve("mdr", accuracy__rtol=1e-7, accuracy__mdr__ring_size=1e-6).ring_force
-    assert greatest_error(solve("mdr", **MDR).ring_force, finer) <= 1e-5
-    # the lightest ring carries 1/50 of the force; the error is relative to this ring's force
-    difference = np.abs(solve("fem", **FEM).ring_force - finer).max()
-    assert difference <= 1e-3 * finer.sum("ring").min()
-
-
 @pytest.mark.parametrize("rtol", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_rtol_bounds_the_indentation_by_mdr(solve, error, rtol):
     data = solve("mdr", accuracy__rtol=rtol)
@@ -157,7 +148,8 @@ def test_fem_to_nine_digits(solve, error):
 @pytest.mark.parametrize(
     "sizes",
     [
-        *({"accuracy__fem__degree": degree} for degree in (2, 3, 4)),
+        {"accuracy__fem__degree": 2},
+        *nightly({"accuracy__fem__degree": 3}, {"accuracy__fem__degree": 4}),
         {"accuracy__fem__poles": 1, "accuracy__fem__truncation": 2.0},
         {"half_space__poisson_ratio": 0.4999},
     ],

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from closed_forms import ANNULI
+from groups import nightly_but
 from natural import natural
 
-from ringwear import run, sweep
+from ringwear import run
 from ringwear.mdr.annulus import flat_annulus
 
 
@@ -128,7 +128,9 @@ HOLLOW = {
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("name", HOLLOW)
+@pytest.mark.parametrize(
+    "name", nightly_but(("hole of 0.5", "fixed indentation", "recess", "table"), HOLLOW)
+)
 def test_methods_agree(name):
     result = run(HOLLOW[name])
     assert result.verdict == "agree"
@@ -146,15 +148,3 @@ def test_first_contact_of_a_hollow_sphere_begins_at_its_hole():
     assert 0.4 < float(start.contact_radius) < 1.0
     edges = start.contact_edge.values
     assert edges[0] == pytest.approx(0.4, abs=1e-12)
-
-
-def test_a_sweep_over_the_hole_has_the_known_stiffnesses():
-    axes = {"punch.inner_radius": [0.0, 0.3, 0.6, 0.9]}
-    table = sweep(hollow(0.0, "mdr"), axes, keep=["indentation"])
-    stiffnesses = 1 / table.indentation.isel(time=0).values.ravel()
-    np.testing.assert_allclose(stiffnesses, [2.0, *ANNULI.values()], rtol=1e-6)
-
-
-def test_the_summary_mentions_the_hole():
-    modelled = run(hollow(0.4, "mdr", 1e-2)).summary["modelled"]
-    assert any(line.startswith("hole:") for line in modelled)

@@ -103,14 +103,16 @@ def dimensionless(a, modulus, force, speed, wear):
     return {name: data[name].to_numpy() / unit for name, unit in units.items()}
 
 
+OTHERS = [(3e-4, 2e9, 5e7, 1e-9, 0.5), (6e8, 4e-6, 2e-3, 8e5, 3e-10)]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "units",
     [
         (1e-10, 1e10, 1e-10, 1e10, 1e-6),
         (1e10, 1e-10, 1e10, 1e-10, 7.0),
-        (3e-4, 2e9, 5e7, 1e-9, 0.5),
-        (6e8, 4e-6, 2e-3, 8e5, 3e-10),
+        *(pytest.param(units, marks=pytest.mark.nightly) for units in OTHERS),
     ],
 )
 def test_dimensionless_results_do_not_depend_on_units(units):

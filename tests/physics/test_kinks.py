@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly
 from natural import natural
 from scipy.interpolate import PchipInterpolator
 
@@ -9,10 +10,10 @@ from ringwear import SceneError, run
 
 FLAT_RADIUS = 0.4321
 # truncated punches
-FACES = {
-    "cone": lambda r: 0.3 * np.maximum(r - FLAT_RADIUS, 0),
-    "paraboloid": lambda r: np.maximum(r - FLAT_RADIUS, 0) * (r + FLAT_RADIUS) / (2 * 2.0),
-}
+FACES = (
+    lambda r: 0.3 * np.maximum(r - FLAT_RADIUS, 0),
+    lambda r: np.maximum(r - FLAT_RADIUS, 0) * (r + FLAT_RADIUS) / (2 * 2.0),
+)
 SCENE = natural(
     {"rings": 1, "wear_coefficients": [1.0, 1.0]},
     methods="mdr",
@@ -53,7 +54,7 @@ def shares_of_rings(slope, kinks, force, edges):
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize(("points", "height"), [(16, 1e-2), (48, 1e-3), (150, 2e-4)])
+@pytest.mark.parametrize(("points", "height"), [(16, 1e-2), *nightly((48, 1e-3)), (150, 2e-4)])
 def test_starts_of_tables(points, height):
     """Elements are fitted to up to 60 kinks; what they leave out beyond is stated as an error."""
     heights = height * np.random.default_rng(3).uniform(0, 1, points)
@@ -87,19 +88,17 @@ def kinks_of(face, edges=(1.0,)):
     return scene.with_heights(face).problem.profile.kinks
 
 
-@pytest.mark.parametrize("name", FACES)
-@pytest.mark.parametrize("edges", [(1.0,), (0.3, 1.0)])
-def test_kinks_are_found(name, edges):
-    assert kinks_of(FACES[name], edges) == pytest.approx((FLAT_RADIUS,), abs=1e-9)
+KINKED = [
+    *((face, edges, (FLAT_RADIUS,), 1e-9) for face in FACES for edges in ((1.0,), (0.3, 1.0))),
+    # jumps of the curvature
+    (lambda r: np.maximum(r - 0.8, 0) ** 2, (1.0,), (0.8,), 1e-5),
+    (lambda r: np.abs(r - 0.25) + np.maximum(r - 0.61, 0) ** 2, (1.0,), (0.25, 0.61), 1e-5),
+]
 
 
-def test_jumps_of_the_curvature_are_found():
-    assert kinks_of(lambda r: np.maximum(r - 0.8, 0) ** 2) == pytest.approx((0.8,), abs=1e-5)
-
-
-def test_several_kinks_are_found():
-    kinks = kinks_of(lambda r: np.abs(r - 0.25) + np.maximum(r - 0.61, 0) ** 2)
-    assert kinks == pytest.approx((0.25, 0.61), abs=1e-5)
+@pytest.mark.parametrize(("face", "edges", "kinks", "within"), KINKED)
+def test_kinks_are_found(face, edges, kinks, within):
+    assert kinks_of(face, edges) == pytest.approx(kinks, abs=within)
 
 
 SMOOTH = {

@@ -61,17 +61,6 @@ def test_stiffnesses_printed_by_hayes(ratio, printed):
 
 
 @pytest.mark.gmsh
-def test_finite_elements_without_a_far_field_agree_with_the_kernel():
-    """On a rigid base, a clamped boundary at R = 12 a has no effect; no far field is used."""
-    sizes = {"far_field": "fixed", "truncation": 12.0}
-    scene = on(layer(2.0), accuracy={"rtol": 1e-3, "fem": sizes})
-    half_space = method("fem").discretise(scene.problem, Stages("fem"))
-    assert half_space.settings["poles"] == 0
-    computed_stiffness = stiffness_on(half_space.compliance)
-    assert computed_stiffness == pytest.approx(relative_stiffness(scene.problem.ground), rel=1e-6)
-
-
-@pytest.mark.gmsh
 @pytest.mark.parametrize("below", [10.0, 0.3])
 def test_far_fields_on_layers_give_the_energy_of_the_mdr(below):
     """The energy of a uniform pressure on a mesh that ends at 2.5 a agrees with the MDR."""

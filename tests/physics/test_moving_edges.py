@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from groups import nightly
 from independent_contact import WornPunch, graded_rings
 from natural import natural
 
@@ -139,7 +140,7 @@ def test_pressures_of_a_toroid():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["sphere", "cone", "rounded_rim"])
+@pytest.mark.parametrize("name", ["sphere", *nightly("cone", "rounded_rim")])
 def test_estimates_include_steps_that_are_too_long(name, monkeypatch):
     scene = Scene.load(name).changed(accuracy__rtol=1e-3)
     exact = run(scene.changed(accuracy__rtol=1e-4), methods=["bem"]).solutions["bem"].compared

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.integrate import quad
 
-from ringwear import Rings, Scene, alternating_edges, direct, run, study, sweep
+from ringwear import Scene, run, study
 from ringwear.studies.paper.running_in import FiveRings
 
 # states of Fig. 4 by the completed fraction of the change of the greatest displacement, and the
@@ -28,40 +25,6 @@ def written(tmp_path_factory):
     out = tmp_path_factory.mktemp("paper")
     study("paper", "five_rings", quick=True).save(out)
     return out
-
-
-@pytest.mark.parametrize("width_ratio", [0.1, 10.0])
-def test_slopes_against_another_quadrature(width_ratio):
-    """Compare the quadrature behind all curves with an adaptive one between ring edges.
-
-    At ring edges, slopes have logarithmic poles.
-    """
-    edges = alternating_edges(8, width_ratio)
-    pressures = np.where(np.arange(8) % 2, 0.01, 1.0)
-    discs, steps = direct.pressure_steps(edges, pressures)
-
-    def square(radius):
-        return float(direct.disc_slope(discs, np.array(radius)) @ steps) ** 2
-
-    squares = [quad(square, *ends, epsabs=0.0, epsrel=1e-10)[0] for ends in pairwise(edges)]
-    assert direct.rms_slope(edges, pressures) == pytest.approx(np.sqrt(sum(squares)), rel=1e-9)
-
-
-@pytest.mark.slow
-def test_rms_slopes_by_mdr_against_direct_integration():
-    """MDR uses line densities, and neither elliptic integrals nor closed forms of rings."""
-    base = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-8, wear__times=[])
-    ratios = 10.0 ** np.linspace(-4, 4, 9)
-    rings = [Rings.alternating(5, 1.0, ratio) for ratio in ratios]
-    # the force is 2
-    pressures = np.stack(
-        [2 * direct.steady_pressures(edges, wear) for edges, (wear, _) in rings], axis=1
-    )
-    for average in ("line", "area"):
-        averaged = base.changed(output__gradient_average=average)
-        swept = sweep(averaged, {"punch.wear_ratio": ratios.tolist()}, keep=["steady_rms_slope"])
-        exact = direct.rms_slope(rings[0].ring_edges, pressures, average)
-        np.testing.assert_allclose(swept.steady_rms_slope[:, 0], exact, rtol=1e-4)
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ With the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d
 
 import numpy as np
 import pytest
+from groups import nightly_but
 from natural import natural
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -57,7 +58,9 @@ def pressed(profile, methods="mdr fem", force=0.05, rtol=1e-3, **changes):
 @pytest.mark.slow
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.gmsh
-@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize(
+    "name", nightly_but(("ball", "truncated cone", "function, paraboloid"), PROFILES)
+)
 def test_starts_against_closed_forms(name):
     profile, g = PROFILES[name]
 
@@ -76,16 +79,6 @@ def test_starts_against_closed_forms(name):
         assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
 
 
-def test_a_ball_against_sneddons_formulas():
-    """Sneddon: ``d = c/2 ln((R+c)/(R-c))``, ``F = E* ((c^2 + R^2)/2 ln((R+c)/(R-c)) - c R)``."""
-    contact, radius = 0.6, 2.0
-    logarithm = np.log((radius + contact) / (radius - contact))
-    force = (contact**2 + radius**2) / 2 * logarithm - contact * radius
-    start = run(pressed(PROFILES["ball"][0], "mdr", force)).dataset.isel(solver=0, time=0)
-    assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
-    assert float(start.indentation) == pytest.approx(contact / 2 * logarithm, rel=1e-7)
-
-
 @pytest.mark.parametrize(("part", "full"), [(1.001, True), (0.9, False)])
 def test_a_dish_is_in_full_contact_above_barbers_force(part, full):
     """Barber: contact is full for ``F >= 16/3 E* a h``; ``d = h + (F - 4/3 E* a h) / (2 a E*)``."""
@@ -98,17 +91,6 @@ def test_a_dish_is_in_full_contact_above_barbers_force(part, full):
     if full:
         exact = depth + force / 2 - 2 * depth / 3
         assert float(start.indentation) == pytest.approx(exact, rel=1e-4)
-
-
-def test_one_material_needs_no_rings():
-    plain = {"radius": 1.0, "wear_coefficient": 2.0}
-    ringed = {"radius": 1.0, "rings": 1, "wear_coefficients": [2.0]}
-    first, second = (
-        run(pressed(PROFILES["ball"][0], "mdr", punch=punch, wear__times=[0.0, 1.0])).dataset
-        for punch in (plain, ringed)
-    )
-    np.testing.assert_array_equal(first.indentation, second.indentation)
-    np.testing.assert_array_equal(first.profile, second.profile)
 
 
 def test_two_elastic_bodies_have_a_combined_modulus():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from groups import nightly_but
+from groups import nightly, nightly_but
 from independent import CONSTANT, Load, Pieces, Punch, solved
 from natural import natural
 from random_layers import random_layers
@@ -20,7 +20,7 @@ def test_the_independent_solution_against_the_stored_history(reference):
     times = [state["time"] for state in reference["states"]]
     scene = FIVE.changed(wear__times=[0.0, *times], output__radii=reference["radii"])
     problem = scene.problem
-    results, _, punch = solved(problem, Pieces.of(FIVE.problem), CONSTANT, 1e-6, "line")
+    results, _, punch = solved(problem, 1e-6)
     units = problem.units
     slowest = results["relaxation_time"][:3] * units.time
     assert slowest == pytest.approx(reference["slowest_relaxation_times"], rel=1e-9)
@@ -79,7 +79,7 @@ def test_a_rising_load_is_a_sum_of_constant_loads():
 @pytest.mark.parametrize("kind", nightly_but(("flat", "graded", "load", "held"), KINDS))
 def test_every_number_beyond_rtol_is_reported(kind, random_seed):
     """A method may overestimate its errors and be undecided."""
-    row = hold(draw(kind, 7, random_seed), ("mdr", "fem"))
+    row = hold(draw(kind, 7, random_seed), "mdr", "fem")
     assert not row.silent
     assert not row.first
     assert row.verdict in ("agree", "undecided")
@@ -119,17 +119,8 @@ EXTREMES = {
 @pytest.mark.parametrize("name", nightly_but([*EXTREMES][::2], EXTREMES))
 def test_numbers_at_extremes_are_right_or_left_out(name):
     edges, wear, times, rtol, left_out, *more = EXTREMES[name]
-    table = {
-        "punch": {"radius": 1.0, "ring_edges": edges, "wear_coefficients": wear},
-        "half_space": {"plane_strain_modulus": 1.0},
-        "load": {"normal_force": 1.0, "sliding_speed": 1.0},
-        "wear": {"times": times},
-        "accuracy": {"rtol": rtol},
-        "output": {"gradient_average": "line"},
-    }
-    for part in more:
-        table |= part
-    row = hold(table, ("mdr", "fem"))
+    punch = {"ring_edges": edges, "wear_coefficients": wear}
+    row = hold(natural(punch, times, rtol, **dict(*more)), "mdr", "fem")
     assert not row.silent
     assert row.excluded.keys() <= {*left_out}
     assert row.verdict == ("undecided" if left_out is SLOPES else "agree")
@@ -156,10 +147,10 @@ def test_methods_differ_by_at_most_their_estimates(family, random_seed):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("number", [5, 13])
+@pytest.mark.parametrize("number", [5, *nightly(13)])
 def test_early_layers_under_a_full_face_are_resolved(number):
     """Under loads that vary, fields at early times were up to 400 rtol off, and not promised."""
-    row = hold(draw("load", 7, number), ("mdr", "fem"))
+    row = hold(draw("load", 7, number), "mdr", "fem")
     assert row.verdict == "agree"
     assert not row.excluded
     assert not row.beyond
@@ -184,10 +175,11 @@ def test_layers_where_the_rim_loses_contact_under_a_falling_force():
     The RMS slope was 132 rtol off where 0.5 was stated, because few steps in time suffice for the
     worn depth. Pressures were right, but 458 rtol were stated.
     """
-    scene = Scene.from_table(draw("load", 8, 39) | {"methods": ["mdr"]})
+    scene = draw("load", 8, 39)
     rtol, problem = scene.accuracy.rtol, scene.problem
     solution, finer = (
-        run(each).solutions["mdr"] for each in (scene, scene.changed(accuracy__rtol=rtol / 30))
+        run(each, methods=["mdr"]).solutions["mdr"]
+        for each in (scene, scene.changed(accuracy__rtol=rtol / 30))
     )
     assert finer.evolution.path[:, 3].min() < 1
     errors = differences(solution.compared, finer.compared, problem.face)
@@ -199,8 +191,8 @@ def test_layers_where_the_rim_loses_contact_under_a_falling_force():
 
 def test_the_face_resolves_layers_beside_rings_that_hardly_wear():
     """The RMS slope was right, but an anchor computed it on a face that missed the layers."""
-    table = draw("load", 9, 9)
-    result = run(Scene.from_table(table | {"methods": ["mdr"]}))
+    scene = draw("load", 9, 9)
+    result = run(scene, methods=["mdr"])
     (anchor,) = [each for each in result.anchors if each.name == "RMS slope of the profile"]
-    assert anchor.difference < table["accuracy"]["rtol"]
+    assert anchor.difference < scene.accuracy.rtol
     assert all(each.holds for each in result.anchors)

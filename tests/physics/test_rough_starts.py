@@ -1,10 +1,11 @@
 """First contacts that are hard to find: rough faces, many parts and very small loads."""
 
 import time
+from itertools import product
 
 import pytest
 from closed_forms import PowerPunch
-from groups import nightly
+from groups import nightly, nightly_but
 from rough_faces import rough, with_heights
 
 from ringwear import run
@@ -22,8 +23,13 @@ def test_a_sphere_under_any_indentation(depth):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("force", [1e-30, 1e-22, 1e-12])
-@pytest.mark.parametrize("exponent", [1.0, 2.0, 4.0])
+@pytest.mark.parametrize(
+    ("exponent", "force"),
+    nightly_but(
+        [(1.0, 1e-22), (2.0, 1e-30), (4.0, 1e-12)],
+        product([1.0, 2.0, 4.0], [1e-30, 1e-22, 1e-12]),
+    ),
+)
 def test_any_punch_under_any_force(exponent, force):
     exact = PowerPunch(0.5, exponent)
     power = {"kind": "power", "coefficient": 0.5, "exponent": exponent}
@@ -49,10 +55,3 @@ def test_a_start_of_many_parts_against_a_fitted_mesh():
         0.083289092068, rel=float(data.indentation_error)
     )
     assert float(data.indentation_error) < 1e-3
-
-
-@pytest.mark.slow
-def test_a_face_too_rough_for_the_cells_states_a_large_error():
-    result = run(rough(200, normal_force=1e-2))
-    assert float(result.dataset.indentation_error.max()) > 0.1
-    assert result.short_of["mdr"] > 0.1

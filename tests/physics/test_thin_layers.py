@@ -30,32 +30,25 @@ def values(result, solver):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("thickness", "ratio"), [(0.2, 0.3), (0.05, 0.5), (0.02, 0.4999)])
-def test_mdr_on_thin_layers(thickness, ratio):
-    result = run(on_a_rigid_base(thickness, ratio, 1e-6, "mdr"))
-    indentation, times = values(result, "mdr")
-    assert indentation == pytest.approx(start(thickness, ratio), rel=1e-9)
-    assert times == pytest.approx(relaxation_times(thickness, ratio), rel=1e-9)
-
-
-@pytest.mark.slow
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
-    ("thickness", "ratio", "rtol"),
+    ("thickness", "ratio", "rtol", "methods"),
     [
-        (0.02, 0.45, 1e-2),
-        *nightly((0.02, 0.4999, 1e-4)),
-        *nightly((0.01, 0.3, 1e-3)),
-        *nightly((0.01, 0.4999, 1e-2)),
+        *((0.2, 0.3, 1e-6, "mdr"), *nightly((0.05, 0.5, 1e-6, "mdr")), (0.02, 0.4999, 1e-6, "mdr")),
+        (0.02, 0.45, 1e-2, "mdr fem"),
+        *nightly((0.02, 0.4999, 1e-4, "mdr fem"), (0.01, 0.3, 1e-3, "mdr fem")),
+        *nightly((0.01, 0.4999, 1e-2, "mdr fem")),
     ],
 )
-def test_slowest_modes_of_thin_layers(thickness, ratio, rtol):
+def test_slowest_modes_of_thin_layers(thickness, ratio, rtol, methods):
     """Their wavelengths are 3 h to 7 h, which elements under the face resolve."""
-    result = run(on_a_rigid_base(thickness, ratio, rtol))
-    assert result.verdict == "agree"
-    _, times = values(result, "fem")
+    result = run(on_a_rigid_base(thickness, ratio, rtol, methods))
+    *others, last = methods.split()
+    assert result.verdict == ("agree" if others else "undecided")
+    indentation, times = values(result, last)
+    assert others or indentation == pytest.approx(start(thickness, ratio), rel=1e-9)
     assert times == pytest.approx(relaxation_times(thickness, ratio), rel=1e-9)
-    assert result.solutions["fem"].errors["relaxation_time"][:8].max() <= rtol
+    assert result.solutions[last].errors["relaxation_time"][:8].max() <= rtol
 
 
 @pytest.mark.slow
@@ -83,7 +76,7 @@ def test_incompressible_layers(thickness, rtol):
 @pytest.mark.gmsh
 @pytest.mark.parametrize(
     ("thickness", "ratio", "fem"),
-    [(0.02, 0.4999999, {}), (0.02, 0.499995, {}), (0.1, 0.5, {"far_field": "fixed"})],
+    [(0.02, 0.4999999, {}), *nightly((0.02, 0.499995, {})), (0.1, 0.5, {"far_field": "fixed"})],
 )
 def test_starts_on_almost_incompressible_layers(thickness, ratio, fem):
     """Ratios between that of the model and 1/2 are not taken for 1/2.

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from explicit_loops import condensed, march, pressures_of
-from groups import nightly_but
+from groups import nightly, nightly_but
 
 from ringwear import Scene, check, plan, run
 from ringwear.meshes import SizeField, as_half_space, bisection, structured
@@ -140,7 +140,7 @@ def loops(part, count=60):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("part", "near"), [(1.3, 0.75), (2.0, 0.6)])
+@pytest.mark.parametrize(("part", "near"), [(1.3, 0.75), *nightly((2.0, 0.6))])
 def test_a_sawtooth_is_recognised_with_its_limit(part, near):
     """All are recognised; the limit by a model mesh is within 20 % in most cases."""
     found, within, count = 0, 0, 0

@@ -87,7 +87,6 @@ def test_displacements_where_wear_varies_along_the_radius(method):
 def test_the_force_at_a_fixed_indentation_is_decided():
     """Errors are relative to the greatest force so far, because the force itself vanishes."""
     scene = RIPPLES.changed(
-        methods=["mdr", "fem"],
         punch__profile={"kind": "parabola", "curvature_radius": 1.0},
         load={"indentation": 0.1},
         wear__times=[0.0, 1.0, 3.0, 10.0, 30.0],

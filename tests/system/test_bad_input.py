@@ -199,34 +199,6 @@ def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
     assert {file.name for file in tmp_path.rglob("*")} == {"there", "bytes", "dangling"}
 
 
-SWEEP = 'base = "flat_punch"\nkeep = ["indentation"]\n'
-SWEEPS = [
-    ('[random]\ncount = 3\nseed = -1\n"punch.radius" = [1.0]', "random.seed = -1: give"),
-    ('[random]\ncount = -3\nseed = 1\n"punch.radius" = [1.0]', "random.count = -3 and"),
-    ('[random]\ncount = 3\nseed = 1.5\n"punch.radius" = [1.0]', "random.seed = 1.5: give"),
-    ('[random]\ncount = 3\n"punch.radius" = [1.0]', "random.seed = None: give"),
-    (f"[axes]\n'punch.radius' = {5000 * '['}1.0{5000 * ']'}", "nested too deeply; give those"),
-    (f"[axes]\n'punch{5000 * '.a'}' = [1.0]", "nested too deeply; give those"),
-    (f"[axes]\n'punch.radius' = [{5000 * '9'}]", "a number has thousands of digits; give numbers"),
-    (f"[axes]\n'punch.radius' = [0x{5000 * '9'}]", "give"),
-    (
-        f"[random]\nseed = 1\ncount = 0x{5000 * '9'}\n'punch.radius' = [1.0]",
-        "punch.radius has a number of thousands of digits values: give at most",
-    ),
-]
-
-
-@pytest.mark.parametrize(("text", "words"), SWEEPS)
-def test_a_bad_sweep_is_refused(text, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.toml").write_text(SWEEP + text, "utf-8")
-    for option in ("--dry-run", "--workers 1"):
-        line = refused(f"sweep mine.toml {option}", capsys)
-        assert words in line
-        assert len(line) < 700
-    assert [file.name for file in tmp_path.iterdir()] == ["mine.toml"]
-
-
 FOLDERS = [
     "run flat_punch --out {}",
     "mesh flat_punch --out {}",

@@ -1,4 +1,4 @@
-"""The study of convergence with meshes, elements, steps and quantities of the user."""
+"""Studies of convergence and refinement with meshes, elements and quantities of the user."""
 
 from __future__ import annotations
 
@@ -17,10 +17,6 @@ PRESSURE_AT_HALF = """
 def at_half(result):
     pressure = result.dataset.pressure.isel(solver=0)
     return float(pressure.sel(time=0.1).interp(radius=0.5))
-
-
-def fails(result):
-    return result.no_such_thing
 """
 
 
@@ -98,6 +94,23 @@ def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_pa
     assert row.startswith("| your meshes |")
 
 
+@pytest.mark.slow
+def test_meshes_of_the_user_are_refined_beside_ours(sequence, tmp_path):
+    results = study("refinement", "flat_punch", quick=True, meshes=sequence, degree=3)
+    rows = results.table[results.table["way"] == "your meshes"]
+    assert rows["level"].nunique() == 3
+    assert (np.diff(np.abs(errors(rows, "indentation", "start"))) < 0).all()
+    assert any(line.endswith(": stable.") for line in results.conclusions)
+    assert "your meshes" in set(results.answer["way"])
+    of_own = results.orders[results.orders["way"] == "your meshes"]
+    assert (of_own["order"] > 0).any()
+    assert {"uniform triangles", "adaptive triangles", "your meshes"} <= set(results.table["way"])
+    written = set(results.save(tmp_path))
+    assert {"refinement.csv", "answer.md", "costs.csv", "refinement.png"} <= written
+    with pytest.raises(SceneError, match=r"--degree 7.*give 2 to 4"):
+        study("refinement", "flat_punch", quick=True, meshes=sequence, degree=7)
+
+
 def test_chosen_quantities_are_tabulated_and_drawn(sequence):
     results = study("convergence", "flat_punch", True, ["pressure"], meshes=sequence[:2])
     assert set(results.table["quantity"]) == {"pressure"}
@@ -145,27 +158,6 @@ def test_a_method_of_the_user_enters_every_study_that_has_methods():
     assert (rows["verdict"] == "wrong").any()
 
 
-OWN_METHOD = """
-from ringwear.studies.crosscheck.methods.mdr import Mdr
-
-
-class Mine(Mdr):
-    name = "mine"
-"""
-
-
-@pytest.mark.slow
-def test_a_method_from_the_command_line(tmp_path):
-    (tmp_path / "own.py").write_text(OWN_METHOD, "utf-8")
-    out, methods = tmp_path / "out", f"mdr,{tmp_path / 'own.py'}:Mine"
-    options = ["--vary", "half_space.poisson_ratio=0.1:0.3:2", "--methods", methods]
-    assert main(["study", "extremes", "flat_punch", *options, "--out", str(out)]) == 0
-    rows = pd.read_csv(out / "extremes.csv")
-    assert set(rows["method"]) == {"mdr", "mine"}
-    assert set(rows["verdict"]) == {"within"}
-    assert set(rows["value"]) == {0.1, 0.3}
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -188,13 +180,6 @@ def test_options_that_do_not_fit_are_refused(options, message):
 def test_a_punch_whose_contact_moves_needs_times():
     with pytest.raises(SceneError, match=r"give wear\.times"):
         study("convergence", Scene.load("sphere").changed(wear__times=[]), quick=True)
-
-
-@pytest.mark.slow
-def test_the_error_of_a_user_function_names_it(files, tmp_path, capsys):
-    options = ["--mesh", files[0], "--quantity", f"{tmp_path / 'mine.py'}:fails", "--quick"]
-    assert main(["study", "convergence", "five_rings", *options, "--out", str(tmp_path / "o")]) == 2
-    assert "quantity fails fails: AttributeError" in capsys.readouterr().err
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import re
 import numpy as np
 import pytest
 from figure_faults import faults
-from groups import nightly_but
+from groups import nightly, nightly_but
 from matplotlib.figure import Figure
 from natural import natural
 
@@ -219,7 +219,7 @@ def test_stress_is_drawn_only_at_times_with_contact_and_shows_where_it_is(groove
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-@pytest.mark.parametrize("thickness", [0.3, 0.05, 0.01])
+@pytest.mark.parametrize("thickness", [*nightly(0.3), 0.05, *nightly(0.01)])
 def test_panels_of_stresses_show_layers_of_any_thickness(thickness):
     layer = {"thickness": thickness, "youngs_modulus": 1.0, "poisson_ratio": 0.3}
     scene = natural(

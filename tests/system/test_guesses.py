@@ -13,7 +13,6 @@ from ringwear import (
     compare,
     deck,
     fit,
-    load,
     plan,
     run,
     study,
@@ -39,15 +38,6 @@ def set_radius(_):
 WORKING = [
     (lambda of: of["indentation"], lambda got: got.sizes["solver"] == 2),
     (lambda of: of["time"], lambda got: got.ndim == 1),
-    (lambda _: SCENE.changed({"punch.rings": 3}), lambda got: got.punch.rings == 3),
-    (
-        lambda _: SCENE.changed(wear__times=np.linspace(0, 1, 3)),
-        lambda got: got.wear.times == [0.0, 0.5, 1.0],
-    ),
-    (
-        lambda _: Scene(punch={"radius": np.float32(1), "wear_coefficient": np.int64(1)}, **PARTS),
-        lambda got: got.punch.wear_coefficient == 1.0,
-    ),
     (
         lambda _: Scene(
             punch={"radius": 1, "rings": 2, "wear_coefficients": pd.Series([1.0, 2.0])}, **PARTS
@@ -101,25 +91,19 @@ TOLD = [
     (lambda _: Scene("five_rings"), "write Scene.load('five_rings')"),
     (lambda _: Scene.load(None), "give a Scene, the name of a bundled one"),
     (lambda _: run("five_rings", method="fem"), "did you mean methods?"),
-    (lambda _: run("five_rings", rings=3), "write run(scene.changed({'punch.rings': 3}))"),
     (lambda _: run("five_rings", methods=3), "write ['mdr', 'fem']"),
     (lambda _: run("five_rings", quantities="presure"), "did you mean 'pressure'?"),
-    (lambda _: load(3), "give one that `ringwear run` has written"),
     (lambda _: check("five_rings", {}), "{'abaqus': 'abaqus.csv'}"),
-    (lambda _: check("five_rings", TABLE, method="mdr"), "did you mean methods?"),
     (lambda _: sweep("five_rings", {"rings": [1, 2]}), "did you mean punch.rings?"),
-    (lambda _: sweep("five_rings", rings=[1]), "write sweep(scene, {'punch.rings': [1]})"),
     (
         lambda _: sweep("five_rings", ["punch.rings"]),
         "write sweep(scene, {'punch.rings': [2, 4, 8]})",
     ),
     (lambda _: compare("five_rings", "rubber"), "compare scenes in the same units"),
-    (lambda _: compare("five_rings"), "missing 1 required positional argument: 'b'"),
     (lambda _: ringwear.Rusult, "did you mean Result?"),
     (lambda of: of.save(3), "3 is no folder: give its name"),
     (lambda _: SCENE.changed("punch.rings", 3), "write changed({'punch.rings': 3})"),
     (lambda _: Scene.from_toml("five_rings.toml"), "write Scene.load(file)"),
-    (lambda _: Scene.from_table("five_rings"), "write Scene.load(file)"),
     (
         lambda _: run(SCENE.with_heights(lambda _: [1.0, 2.0]), methods="mdr"),
         "return one height for each radius",
@@ -128,15 +112,12 @@ TOLD = [
     (lambda _: check("five_rings", TABLE, columns=["p"]), "such as {'p': 'pressure'}"),
     (lambda _: check("five_rings", TABLE, tol=0.1), "has no argument 'tol'"),
     (lambda _: study(["march"]), "give one of paper, convergence"),
-    (lambda _: study("march", steps=["a"]), "give numbers, such as [0.1, 0.05]"),
     (lambda _: study("convergence", quantities="depth"), "give functions of the result of a run"),
     (lambda _: study("refinement", meshes=[3]), "meshes has 3: give mesh files"),
-    (lambda _: study("convergence", elements="Tri2"), "--element Tri2: is not an element"),
     (lambda _: sweep(SCENE, {"punch.rings": [2, 3]}, workers=0), "give a whole number, 1 or more"),
     (lambda _: deck(SCENE, "calculx", "x"), "did you mean 'calculix'?"),
     (lambda _: deck(SCENE, "calculix", "x", size="a"), "size = ['a']: give numbers"),
     (lambda _: fit(SCENE, TABLE, "load.sliding_speed", noise=[1]), "or a text such as '2 um'"),
-    (lambda _: fit(SCENE, TABLE, 3, noise=1.0), "3 is not a list of names"),
     (lambda _: fit(SCENE, {"a": np.zeros((2, 2))}, "k"), "is no table: give files"),
     (lambda _: STUDY.conclusion, "did you mean study.conclusions?"),
 ]

@@ -119,6 +119,11 @@ def test_one_method_alone_has_one_wording(tmp_path, capsys):
         "ringwear.studies.extremes",
         "ringwear.studies.study.orders",
         "ringwear.studies.crosscheck.scene.scene",
+        "ringwear.studies.crosscheck.wear.full_contact",
+        "ringwear.studies.crosscheck.wear.wearing_punch",
+        "ringwear.meshes.pressure_space",
+        "ringwear.meshes.compliance",
+        "ringwear.fem.half_space",
         *(
             pytest.param(f"ringwear.studies.{name}", marks=pytest.mark.slow)
             for name in ("sweep.sweep", "named_studies", "study.study")

@@ -58,14 +58,6 @@ def test_own_method(name, tmp_path):
     assert (tmp_path / "history.png").exists()
 
 
-@pytest.mark.slow
-def test_saved_results_of_an_own_method_are_read_back(tmp_path):
-    """The class of the method is not known then."""
-    result = run(Scene.load("flat_punch").changed(accuracy__rtol=1e-2), methods=[Winkler()])
-    result.save(tmp_path)
-    assert repr(load(tmp_path)) == repr(result)
-
-
 class WithoutEstimate(Method):
     """Dimensionality reduction whose indentation has no error estimate."""
 

@@ -98,9 +98,8 @@ def test_energies_alone_take_fewer_unknowns(exact, rtol, names):
 @pytest.mark.parametrize(
     ("scene", "name"),
     [
-        ("sphere", "indentation"),
         ("sphere", "pressure"),
-        ("sphere", "steady"),
+        *nightly(("sphere", "indentation"), ("sphere", "steady")),
         ("recessed_binder", "contact_radius"),
     ],
 )

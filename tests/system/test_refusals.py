@@ -7,16 +7,11 @@ import numpy as np
 import pytest
 import tomli_w
 from groups import nightly
+from natural import natural
 
 from ringwear import Scene, SceneError, main, method, run, sweep
 
-SCENE = Scene(
-    methods=["mdr"],
-    punch={"radius": 1.0, "rings": 3, "wear_coefficients": [1.0, 5.0]},
-    half_space={"plane_strain_modulus": 1.0},
-    load={"normal_force": 2.0},
-    wear={"times": [0.0, 0.1, 0.5]},
-)
+SCENE = natural({"rings": 3, "wear_coefficients": [1.0, 5.0]}, [0.0, 0.1, 0.5], methods="mdr")
 OVER_TIME = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
 ALONG_RADIUS = {"radii": [0.0, 1.0], "values": [1.0, 3.0]}
 FEATURES = {
@@ -168,22 +163,19 @@ def test_methods_that_solve_a_scene_are_left_out_of_nothing():
     assert "fem" not in result.summary["left_out"]
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        (
-            {"punch.recess": [0.0, 0.1, 0.0], "wear.march": "explicit", "wear.step": 0.1},
-            "give 'implicit', or 'modal'",
-        ),
-        (
-            {
-                "half_space.layers": [{"thickness": 0.5, "youngs_modulus": 2.0}],
-                "accuracy.fem.mesher": "gmsh",
-            },
-            "leave out accuracy.fem.mesher",
-        ),
-    ],
-)
+RECESS, STEPS = FEATURES["recess"], {"wear.march": "explicit", "wear.step": 0.1}
+SETTINGS = [
+    (RECESS | STEPS, "give 'implicit', or 'modal'"),
+    (FEATURES["layers"] | {"accuracy.fem.mesher": "gmsh"}, "leave out accuracy.fem.mesher"),
+    (RECESS | {"accuracy.mdr.degree": 4}, "accuracy.mdr"),
+    (RECESS | {"accuracy.fem.truncation": 4.0}, "accuracy.fem"),
+    (FEATURES["varying force"] | STEPS, "wear.march.* 'modal'"),
+    (FEATURES["varying force"] | {"wear.times": "running-in"}, "running-in.* times as numbers"),
+    (STEPS | {"wear.step": 1.0, "wear.times": [0.0, 1000.0]}, "give a smaller wear.step"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), SETTINGS)
 def test_a_wrong_setting_is_refused_although_another_method_needs_none(changes, words):
     with pytest.raises(SceneError, match=words):
         run(without_methods(changes))

@@ -107,9 +107,7 @@ def reversed_rings(array):
 ALTERATIONS = {
     "pressure + 10 %": ("pressure", scaled(1.1)),
     "one bit of the times": ("time", scaled(np.nextafter(1.0, 2.0))),
-    "times * 1.1": ("time", scaled(1.1)),
     "rings reversed": ("ring_force", reversed_rings),
-    "radii reversed": ("profile", lambda array: (array[0], array[1][..., ::-1], array[2])),
     "single precision": ("indentation", lambda of: (of[0], of[1].astype(np.float32), of[2])),
     "another unit": ("indentation", lambda of: (of[0], of[1], of[2] | {"units": "mm"})),
     "methods exchanged": ("solver", lambda array: (array[0], array[1][::-1], array[2])),

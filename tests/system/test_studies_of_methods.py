@@ -44,14 +44,6 @@ def test_orders_of_one_ring_are_those_of_theory(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_orders_of_far_fields_are_those_of_theory(tmp_path):
-    fits = conduct("truncation", tmp_path).orders
-    assert not fits["remark"].str.startswith("differs").any()
-    assert fits["theory"].tolist() == [1, 5, 9, 13]
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
 def test_tradeoff_measures_every_method_and_group(tmp_path):
     with pytest.raises(SceneError) as refusal:
         study("tradeoff", methods=["absent"])
@@ -136,5 +128,7 @@ def test_any_two_columns_are_drawn():
     axes, *_ = results.plot(x="unknowns", y="seconds").axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("unknowns", "seconds")
     assert len(axes.get_lines()) == 4
+    assert results.orders["theory"].tolist() == [1, 5, 9, 13]
+    assert not results.orders["remark"].str.startswith("differs").any()
     with pytest.raises(SceneError, match="no level has 'way' and 'error': give two of"):
         results.plot(x="way")

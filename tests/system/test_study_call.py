@@ -76,7 +76,6 @@ def test_a_saved_study_has_its_tables_in_three_formats(march, tmp_path):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: study("convergance"), "give one of paper, convergence"),
         (lambda: study("march", "sphere"), "flat punches under a force"),
         (lambda: study("march", meshes=["a.msh"]), "does not accept meshes"),
     ],

@@ -120,39 +120,75 @@ def test_a_failed_scene_does_not_affect_others():
 GOOD = "base = 'five_rings'\nkeep = ['steady_rms_slope']\n[axes]\n'punch.rings' = [2, 3]"
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("base = ", "TOML"),
-        ("", "nothing varies"),
-        ("axes = {'punch.rings' = [2]}", "missing key base"),
-        (GOOD.replace("five", "six"), "six_rings"),
-        (GOOD.replace("keep", "keeps"), "keeps"),
-        ("base = 'five_rings'\naxes = 3", "axes = 3"),
-        (GOOD.replace("punch.rings", "punch.ring"), "did you mean rings"),
-        (GOOD.replace("3", "2.5"), "punch.rings = 2.5"),
-        (GOOD.replace("[2, 3]", "{ logspace = [1, 2, 3] }"), "geomspace"),
-        (GOOD.replace("[2, 3]", "{ linspace = [1, 2] }"), "linspace"),
-        (GOOD.replace("steady_rms_slope", "slope"), "slope"),
-        (GOOD.replace("['steady_rms_slope']", "'rms_slope'"), "a list of"),
-        (GOOD.replace("steady_rms_slope", "profile"), "output.radii"),
-        (
-            "base = 'five_rings'\nkeep = ['indentation']\n[axes]\n'wear.times' = [[0.1], [0.2]]",
-            "wear.times",
-        ),
-        (GOOD.replace("axes", "zip") + "\n'punch.width_ratio' = [1.0]", "one length"),
-        (GOOD.replace("axes", "random"), "random.count"),
-        (GOOD.replace("axes", "random") + "\ncount = 2\nseed = 1\n'title' = []", "title"),
-        (GOOD + "\nmethods = [['mdr'], ['direct']]", "same methods"),
-    ],
-)
+SPHERE, HEAD = GOOD.replace("five_rings", "sphere"), GOOD.partition("[axes]")[0]
+TIMES = "'punch.rings' = [2, 3]", "'wear.times' = [[0.1], [0.2]]"
+FORCES = "[axes]\n'load.normal_force' = [1.0, 2.0]\n"
+DRAWN = "[random]\n'load.normal_force' = [1.0]\n"
+BILLIONS = "2000000000"
+# the text of a sweep file, and words of the line that states what to write
+REFUSED = [
+    ("base = ", "TOML"),
+    ("", "nothing varies"),
+    ("axes = {'punch.rings' = [2]}", "missing key base"),
+    (GOOD.replace("five", "six"), "six_rings"),
+    (GOOD.replace("keep", "keeps"), "keeps"),
+    ("base = 'five_rings'\naxes = 3", "axes = 3"),
+    (GOOD.replace("punch.rings", "punch.ring"), "did you mean rings"),
+    (GOOD.replace("3", "2.5"), "punch.rings = 2.5"),
+    (GOOD.replace("[2, 3]", "{ logspace = [1, 2, 3] }"), "geomspace"),
+    (GOOD.replace("[2, 3]", "{ linspace = [1, 2] }"), "linspace"),
+    (GOOD.replace("steady_rms_slope", "slope"), "slope"),
+    (GOOD.replace("steady_rms_slope", "worn_volum', 'x"), "keep has 'worn_volum', 'x', no quantit"),
+    (GOOD.replace("steady_rms_slope", "worn_volum"), "did you mean 'worn_volume'?"),
+    (GOOD.replace("['steady_rms_slope']", "'rms_slope'"), "a list of"),
+    (GOOD.replace("steady_rms_slope", "profile"), "output.radii"),
+    (SPHERE.replace("steady_rms_slope", "relaxation_time"), "no quantities of these scenes"),
+    (SPHERE.replace("'punch.rings' = [2", "'load.indentation' = [-1.0"), "load.indentation = -1"),
+    (GOOD.replace("steady_rms_slope", "indentation").replace(*TIMES), "wear.times"),
+    (GOOD.replace("axes", "zip") + "\n'punch.width_ratio' = [1.0]", "one length"),
+    (GOOD.replace("axes", "random"), "random.count"),
+    (GOOD.replace("axes", "random") + "\ncount = 2\nseed = 1\n'title' = []", "title"),
+    (GOOD + "\nmethods = [['mdr'], ['direct']]", "same methods"),
+    (HEAD + DRAWN + "count = 3\nseed = -1", "random.seed = -1: give"),
+    (HEAD + DRAWN + "count = -3\nseed = 1", "random.count = -3 and"),
+    (HEAD + DRAWN + "count = 3\nseed = 1.5", "random.seed = 1.5: give"),
+    (HEAD + DRAWN + "count = 3", "random.seed = None: give"),
+    (HEAD + DRAWN + f"seed = 1\ncount = 0x{5000 * '9'}", "a number of thousands of digits values"),
+    (HEAD + DRAWN + f"seed = 1\ncount = {BILLIONS}", f"{BILLIONS} values"),
+    (GOOD.replace("[2, 3]", f"{5000 * '['}1.0{5000 * ']'}"), "nested too deeply; give those"),
+    (GOOD.replace("punch.rings", f"punch{5000 * '.a'}"), "nested too deeply; give those"),
+    (GOOD.replace("[2, 3]", f"[{5000 * '9'}]"), "a number has thousands of digits; give numbers"),
+    (GOOD.replace("[2, 3]", f"[0x{5000 * '9'}]"), "give"),
+    (HEAD + FORCES + DRAWN + "count = 2\nseed = 1", "given twice, in [axes] and in [random]"),
+    (HEAD + FORCES + FORCES.replace("axes", "zip"), "is given twice, in [axes] and in [zip]"),
+    (GOOD.replace("3", "2"), "punch.rings has 2 twice"),
+    (GOOD.replace("[2, 3]", f"{{ linspace = [1, 2, {BILLIONS}] }}"), f"{BILLIONS} values"),
+    (
+        HEAD
+        + "[axes]\n'load.normal_force' = { linspace = [1, 2, 100_000] }\n"
+        + "'punch.wear_ratio' = { linspace = [1, 2, 100_000] }",
+        "10000000000 scenes",
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), REFUSED)
 def test_a_bad_sweep_file_is_refused(tmp_path, monkeypatch, capsys, text, message):
-    """A message states the reason, and nothing is written."""
+    """One line states the reason, and nothing is written."""
     monkeypatch.chdir(tmp_path)
     Path("bad.toml").write_text(text)
-    assert main(["sweep", "bad.toml"]) == 2
-    assert message in capsys.readouterr().err
+    for option in ("--dry-run", "--workers=1"):
+        assert main(["sweep", "bad.toml", option]) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert message in line
+        # long values are shortened; names of all quantities are not
+        assert len(line) < 900
     assert os.listdir() == ["bad.toml"]
+
+
+def test_values_that_are_equal_in_the_units_of_the_scene_are_refused():
+    with pytest.raises(SceneError, match=r"punch\.radius has 0\.02 twice"):
+        sweep(FIVE.changed(units="SI", punch__radius=0.02), {"punch.radius": ["20 mm", 0.02]})
 
 
 @pytest.mark.parametrize("times", ["running-in", {"tau": [0.1, 1.0]}], ids=str)
@@ -171,11 +207,6 @@ def test_times_that_differ_between_scenes_are_refused(times):
     assert (sweep(scene, RATIOS, keep=["relaxation_time", "time_to_90"])["status"] == 1).all()
     loads = sweep(scene, {"load.normal_force": [1.0, 2.0]}, keep=["indentation"])
     assert loads["time"].values.tolist() == scene.wear.times
-
-
-def test_histories_need_times():
-    with pytest.raises(SceneError, match=r"worn_volume.* need wear.times"):
-        sweep(FIVE.changed(wear__times=[]), {"punch.rings": [2]}, keep=["worn_volume"])
 
 
 @pytest.mark.slow

@@ -408,3 +408,28 @@ def test_a_sweep_stopped_by_a_signal_is_resumed(tmp_path, whole, victim, number,
         assert process.returncode == (-number if number == signal.SIGKILL else 1)
         assert 0 < statuses(tmp_path / "out").count(1) < 81
     finish(tmp_path, whole)
+
+
+# enough scenes for the sweep to be running when it is stopped
+VERY_LONG = LONG | {
+    "axes": LONG["axes"] | {"punch.wear_ratio": {"geomspace": [0.5, 4.0, 100]}},
+}
+
+
+@pytest.mark.slow
+def test_a_stop_while_workers_start_ends_them(tmp_path):
+    """One line is printed at any time of the stop, and no worker is left."""
+    for delay in (3.0, 5.0):
+        process = begin(tmp_path, "--workers", "2", "--resume", table=VERY_LONG)
+        time.sleep(delay)
+        workers = children(process)
+        process.terminate()
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 1
+        assert "Traceback" not in errors
+        lines = [line for line in errors.splitlines() if not line.startswith("   sweep")]
+        assert lines == ["ringwear: stopped; no incomplete files are left"]
+        deadline = time.monotonic() + 20
+        while any(map(alive, workers)):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)

@@ -38,9 +38,8 @@ def test_functions_of_the_face_are_in_every_scene():
         alone = run(scene.changed(load__normal_force=force)).dataset["indentation"].item()
         there = dataset["indentation"].sel(normal_force=force).item()
         assert there == pytest.approx(alone, rel=1e-12)
-        # Hertz's solution with R = 1/2 and E* = 1 for a contact inside the punch
-        flat = sweep(FLAT, FORCES, keep=KEEP)["indentation"].sel(normal_force=force).item()
-        assert there > 1.5 * flat
+        # F / (2 a E*) of a flat punch
+        assert there > 1.5 * force / 2
 
 
 @pytest.mark.parametrize(
@@ -113,61 +112,6 @@ def test_whole_numbers_stay_whole():
     counts = sweep(five, axes, keep=["steady_rms_slope"])["rings"]
     assert counts.values.tolist() == [2, 4, 8, 16, 32]
     assert counts.dtype.kind == "i"
-
-
-REFUSED = {
-    "axes and random": (
-        {"axes": FORCES, "random": {"count": 2, "seed": 1, "load.normal_force": [1.0]}},
-        "load.normal_force is given twice, in [axes] and in [random]",
-    ),
-    "axes and zip": (
-        {"axes": FORCES, "zip": {"load.normal_force": [1.0, 2.0]}},
-        "load.normal_force is given twice, in [axes] and in [zip]",
-    ),
-    "duplicates": (
-        {"axes": {"load.normal_force": [1.0, 2.0, 1.0]}},
-        "load.normal_force has 1.0 twice",
-    ),
-    "alike with units": (
-        {"base": "five_rings_si", "axes": {"punch.radius": ["20 mm", 0.02]}},
-        "punch.radius has 0.02 twice",
-    ),
-    "two billion": (
-        {"axes": {"load.normal_force": {"linspace": [1.0, 2.0, 2_000_000_000]}}},
-        "2000000000 values",
-    ),
-    "two billion draws": (
-        {"random": {"count": 2_000_000_000, "seed": 1, "load.normal_force": [1.0]}},
-        "2000000000 values",
-    ),
-    "a product": (
-        {
-            "axes": {
-                "load.normal_force": {"linspace": [1.0, 2.0, 100_000]},
-                "punch.wear_ratio": {"linspace": [1.0, 2.0, 100_000]},
-            }
-        },
-        "10000000000 scenes",
-    ),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED)
-def test_axes_that_repeat_keys_or_values_or_are_too_long_are_refused(
-    tmp_path, monkeypatch, capsys, case
-):
-    """One line states the reason before anything is written."""
-    table, message = REFUSED[case]
-    monkeypatch.chdir(tmp_path)
-    scene = Scene.load("five_rings")
-    si = scene.changed(units="SI", punch__radius=0.02).table()
-    table = {"base": scene.table(), "keep": ["steady_rms_slope"]} | table
-    table["base"] = si if table["base"] == "five_rings_si" else table["base"]
-    Path("sweep.toml").write_text(tomli_w.dumps(table))
-    assert main(["sweep", "sweep.toml"]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
-    assert message in line
-    assert os.listdir() == ["sweep.toml"]
 
 
 @pytest.mark.parametrize(("units", "size"), [("SI", 1.0), ("", 1.0), ("mm, N, MPa, s", 1e3)])

@@ -11,7 +11,6 @@ import sys
 import pytest
 from test_structure import PUBLIC, PUBLIC_ROOMS, ROOT, imports_in, public_names
 
-CORE = "studies.crosscheck"
 # imports that go past public names, with the reason
 EXCEPTIONS: dict[tuple[str, str], str] = {}
 FOLDERS = ("meshes", "mdr", "fem", "studies")

@@ -14,8 +14,8 @@ from ..problem.problem import Problem
 from ..problem.quantities import FINEST_RTOL
 
 # Number of cells of the face at REFERENCE_RTOL if edges of the contact move. An edge is located to
-# within a cell (unit/studies/crosscheck/wear/test_contact_march.py::
-# test_random_punches_respect_their_error_estimates).
+# within a cell (physics/test_random_punches.py::
+# test_estimates_of_contact_radii_include_the_cell_at_the_edge).
 REFERENCE_CELLS = 150
 # Smallest number of cells. With fewer, half as many cells would give no valid error estimate.
 FEWEST_CELLS = 80
@@ -84,8 +84,7 @@ def cells_of(problem: Problem) -> ContactCells:
     There are ``REFERENCE_CELLS sqrt(REFERENCE_RTOL / rtol)`` cells, within FEWEST_CELLS and
     MOST_CELLS: edges of the contact are located to within a cell, and d is more accurate than
     fields are. At ring edges, where pressures are singular, cells are no larger than rtol. Shown by
-    test_random_punches_respect_their_error_estimates of
-    unit/studies/crosscheck/wear/test_contact_march.py.
+    test_at_most_one_of_12_punches_is_undecided of physics/test_random_punches.py.
     """
     wanted = REFERENCE_CELLS * (REFERENCE_RTOL / problem.rtol) ** 0.5
     size = 1 / float(np.clip(wanted, FEWEST_CELLS, MOST_CELLS))

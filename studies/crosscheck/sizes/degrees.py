@@ -58,8 +58,7 @@ def pressure_degree(problem: Problem, ratio: float) -> float:
     -----
     It is that of `meshes.sizes.required_degree` with the largest amplitude on the elements in the
     middle of the rings. `relaxed_degree` lowers this a little; the result is at least
-    LOWEST_DEGREE. Shown by
-    unit/studies/study/test_ways.py::test_rings_on_quadrilaterals_by_the_degree.
+    LOWEST_DEGREE. Shown by physics/test_five_rings.py::test_fem_to_nine_digits.
     """
     half_width, amplitude = np.diff(problem.merged.from_axis) / 2, problem.edge_amplitude
     edges = np.arange(len(half_width))
@@ -199,7 +198,7 @@ def with_affordable_field_tolerance(problem: Problem, ratio: float) -> Problem:
       is doubled until there are fewer, up to ``sqrt(rtol)``. The cost of dense matrices grows with
       the third power of the number of pressures.
 
-    Shown by physics/test_promise.py::test_an_indentation_alone_reaches_a_fine_accuracy.
+    Shown by system/test_quantities.py::test_energies_alone_take_fewer_unknowns.
     """
     field_rtol = (
         min(problem.rtol**0.5, COARSEST_FIELD_RTOL) if problem.energies_only else problem.rtol

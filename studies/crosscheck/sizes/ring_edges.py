@@ -29,7 +29,7 @@ SLOPE_SHARE_AT_RIM = 0.03
 PRESSURE_SHARE = 0.3
 # Element size at the rim, in a, over rtol. The relative error of pressures of the flat start is up
 # to 3 times that size, and that of its energy a tenth of it
-# (physics/test_trust.py::test_start_pressures_of_random_scenes).
+# (physics/test_trust.py::test_start_pressures_are_those_of_the_closed_form).
 START_SHARE = 0.03
 # Element size at a hole = size at the rim * this * width of the ring next to the hole, in a: the
 # singular pressure is confined to that ring (physics/test_hollow.py).

@@ -195,12 +195,9 @@ def move_force(size: float) -> Put:
     return change_result(sampler.Sampler, "ring_forces", change)
 
 
-def greatest(size: float) -> Put:
-    return change_result(sampler.Sampler, "greatest", lambda values: values * (1 + size))
-
-
-def worn_volumes(size: float) -> Put:
-    return change_result(sampler.Sampler, "worn_volumes", lambda values: values * (1 + size))
+def sampled(name: str, size: float) -> Put:
+    """Scale a quantity that is sampled from the state of a punch."""
+    return change_result(sampler.Sampler, name, lambda values: values * (1 + size))
 
 
 ANY: dict[str, Put] = {
@@ -211,7 +208,7 @@ ANY: dict[str, Put] = {
     "unit of the wear coefficient": unit(wear_coefficient=1.01),
     "times delayed": times(lambda times: 1.02 * times),
     "force moved to another ring": move_force(0.02),
-    "greatest displacement": greatest(0.02),
+    "greatest displacement": sampled("greatest", 0.02),
     "slopes averaged over the area": area_in_place_of_line(),
 }
 FULL: dict[str, Put] = {
@@ -248,20 +245,16 @@ STEADY: dict[str, Put] = {
 }
 
 
-def _varied(loading: Loading, **parts) -> Loading:
-    return replace(loading, **parts)
-
-
 LOADS: dict[str, Put] = {
-    "knots of the load delayed": load(lambda of: _varied(of, times=1.02 * of.times)),
-    "a force of one knot": load(lambda of: _varied(of, forces=of.forces * [1, 1.02, 1, 1])),
+    "knots of the load delayed": load(lambda of: replace(of, times=1.02 * of.times)),
+    "a force of one knot": load(lambda of: replace(of, forces=of.forces * [1, 1.02, 1, 1])),
     "forces of the knot before": load(
-        lambda of: _varied(of, forces=np.append(of.forces[0], of.forces[:-1]))
+        lambda of: replace(of, forces=np.append(of.forces[0], of.forces[:-1]))
     ),
-    "the first force everywhere": load(lambda of: _varied(of, forces=of.forces[0] + 0 * of.forces)),
-    "constant speed": load(lambda of: _varied(of, speeds=np.ones_like(of.speeds))),
-    "mean speed": load(lambda of: _varied(of, speeds=of.speeds.mean() + 0 * of.speeds)),
-    "a speed of one knot": load(lambda of: _varied(of, speeds=of.speeds * 0.98)),
+    "the first force everywhere": load(lambda of: replace(of, forces=of.forces[0] + 0 * of.forces)),
+    "constant speed": load(lambda of: replace(of, speeds=np.ones_like(of.speeds))),
+    "mean speed": load(lambda of: replace(of, speeds=of.speeds.mean() + 0 * of.speeds)),
+    "a speed of one knot": load(lambda of: replace(of, speeds=of.speeds * 0.98)),
     "the last knot lost": load(lambda of: Loading(of.times[:-1], of.forces[:-1], of.speeds[:-1])),
 }
 # not used for marches, where such a fault would also make two uses of the load inconsistent
@@ -278,7 +271,7 @@ FACES: dict[str, Put] = {
     "k of rings swapped": rings(wear=lambda k: k[::-1]),
     "the ring edge": rings(edges=lambda edges: scale_one(edges, 1, 1.1)),
     "compliance": stiffness(0.05),
-    "volumes": worn_volumes(0.05),
+    "volumes": sampled("worn_volumes", 0.05),
 }
 GRADED: dict[str, Put] = {
     "k of r in steps": graded(

@@ -36,12 +36,6 @@ def test_one_layer_by_o_sullivan_and_king(contrast):
         )
 
 
-def test_a_layer_on_a_rigid_base_by_o_sullivan_and_king():
-    ground = Ground((0.5,), (0.35, np.inf), (0.3, 0.0))
-    exact = o_sullivan_and_king(WAVE_NUMBERS[20:], 0.5, 0.3, 0.0, 0.0)
-    assert relative_compliance(ground, WAVE_NUMBERS[20:]) == pytest.approx(exact, rel=1e-12)
-
-
 @pytest.mark.parametrize(
     "ground",
     [

@@ -9,7 +9,6 @@ from ringwear.studies.study.extrapolation import (
     order_of_changes,
     order_of_errors,
     order_of_three,
-    richardson,
 )
 from ringwear.studies.study.theory import observed_orders
 from ringwear.studies.study.way import Part, Theory, Way
@@ -69,30 +68,6 @@ def test_levels_below_the_floor_are_left_out_of_orders():
 def test_verdicts_on_orders(errors, verdict):
     assert levels_of(errors, Theory(2.0))["remark"] == verdict
     assert "differs" not in levels_of(errors, Theory())["remark"]
-
-
-class Fields:
-    """Levels ``exact + c h^order`` of a field of two numbers, in the maximum norm."""
-
-    def __init__(self, order):
-        self.wrong = np.outer(SIZES**order, [0.3, -0.2])
-
-    @property
-    def changes(self):
-        return np.abs(np.diff(self.wrong, axis=0)).max(axis=1)
-
-    def error_of_limit(self, weight):
-        return np.abs(self.wrong[-1] + weight * (self.wrong[-1] - self.wrong[-2])).max()
-
-
-@pytest.mark.parametrize("order", [0.5, 2.0])
-def test_richardsons_limit_of_fields_is_exact(order):
-    fields = Fields(order)
-    errors = np.abs(fields.wrong).max(axis=1)
-    limit, index = richardson(SIZES, errors, fields.changes, fields.error_of_limit)
-    assert limit == pytest.approx(0, abs=1e-12)
-    # the distance of the finest level from the limit, times Roache's factor
-    assert index == pytest.approx(1.25 * errors[-1])
 
 
 # Slater, Examining spatial (grid) convergence, NPARC Alliance verification and validation (2021):

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
-
 import numpy as np
 import pandas as pd
-import pytest
 
 from ringwear.studies.study.formats import escape_latex, to_latex, to_markdown
 from ringwear.studies.tables.writing import write_csv
@@ -44,18 +40,6 @@ def test_all_rows_of_a_latex_table_have_the_same_number_of_cells():
 def test_special_characters_of_latex_are_escaped_except_in_formulas():
     assert escape_latex("50 % of $d_0$ & a_b") == r"50 \% of $d_0$ \& a\_b"
     assert escape_latex("\\z") == r"\textbackslash{}z"
-
-
-@pytest.mark.skipif(not shutil.which("pdflatex"), reason="needs a LaTeX compiler")
-def test_a_table_compiles_in_a_latex_document(tmp_path):
-    body = to_latex(TABLE)
-    text = (
-        "\\documentclass{article}\\usepackage{booktabs}\\begin{document}\n"
-        f"{body}\\end{{document}}\n"
-    )
-    (tmp_path / "t.tex").write_text(text, "utf-8")
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "t.tex"]
-    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
 
 
 def test_cells_of_csv_are_not_formulas(tmp_path):

@@ -13,7 +13,6 @@ from ringwear.studies.study.record import COLUMNS, Record
 from ringwear.studies.study.reference import Reference
 from ringwear.studies.study.study import remarks
 from ringwear.studies.study.way import Case, Theory, Way
-from ringwear.studies.tables.writing import INTERRUPTED
 
 CASE = Case.of(Scene.load("flat_punch").changed(wear__times=[0.0, 0.1]))
 EXACT = {"time": np.array([0.0, 0.1]), "indentation": np.array([0.5, 0.6])}
@@ -56,21 +55,6 @@ def test_a_level_has_a_row_for_each_quantity_and_time():
     # the index of a number is relative to the finest value, that of a norm to the exact one
     assert [start["index"], later["index"]] == pytest.approx([1.25 * 0.01 / 1.01, 1.25 * 0.01])
     assert table["index"].isna().sum() == 4
-
-
-def test_rows_are_on_disk_at_once_and_kept_on_interruption(tmp_path):
-    record = Record(tmp_path / "t.csv")
-
-    def solve(_, size, __):
-        if size == 0.2:
-            assert len(rows(record.file)) == 4
-            raise KeyboardInterrupt
-        return solution(size)
-
-    table = measured(record, way(solve))
-    assert table["level"].unique().tolist() == ["0.5", "0.3"]
-    assert remarks(record) == [INTERRUPTED]
-    assert len(rows(record.file)) == 4
 
 
 @pytest.mark.parametrize("error", [SolverError("singular"), ZeroDivisionError("nothing")])

@@ -6,17 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.linalg import eigh
-from skfem import ElementTriCR, ElementTriP2, Mesh
+from skfem import Mesh
 
-from ringwear import Rings, Scene, SceneError, SizeField, bisection, energy, method
+from ringwear import Rings, Scene, SceneError, SizeField, bisection, energy
 from ringwear.meshes.half_space import contact_radii
 from ringwear.studies.study.answer import costs_of, reached
 from ringwear.studies.study.errors import EIGENVALUE, values_of
 from ringwear.studies.study.own import (
-    degree_of,
-    read_elements,
     read_meshes,
-    read_methods,
     read_quantities,
 )
 from ringwear.studies.study.way import Case
@@ -118,18 +115,3 @@ def test_quantities_are_names_and_functions():
     assert read_quantities(mean, known) == ((), {"mean": mean})
     with pytest.raises(SceneError, match="did you mean pressure"):
         read_quantities("presure", known)
-
-
-def test_methods_are_names_and_own_methods():
-    mine = method("mdr")
-    assert read_methods(None, ("mdr", "fem"), "convergence") == (("mdr", "fem"), ())
-    assert read_methods(["fem", mine], ("mdr", "fem"), "convergence") == (("fem",), (mine,))
-    with pytest.raises(SceneError, match="has no sequence of levels"):
-        read_methods("direct", ("mdr",), "convergence")
-
-
-def test_elements_are_continuous():
-    assert degree_of(*read_elements("ElementTriP2")) == 2
-    assert read_elements([ElementTriP2()])[0].maxdeg == 2
-    with pytest.raises(SceneError, match="has to be continuous"):
-        degree_of(ElementTriCR())

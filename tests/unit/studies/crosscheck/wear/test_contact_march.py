@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from closed_forms import PowerPunch, worn_sphere
-from random_punches import random_punch
 
 from ringwear import (
     ContactCells,
@@ -13,14 +12,11 @@ from ringwear import (
     Load,
     Loading,
     Rings,
-    RunningIn,
-    Stages,
     WearingPunch,
     energy,
     even_half_space,
     evolve,
     evolve_in_equal_steps,
-    method,
     moments,
 )
 from ringwear.mdr.direct import steady_pressures
@@ -125,15 +121,6 @@ def test_every_face_wears_to_the_steady_state_of_the_flat_punch(name):
     assert max(evolution.statistics.iterations) <= 10
 
 
-@pytest.mark.parametrize("rings", [FIVE, THREE], ids=["k to 10", "k to 100"])
-def test_a_flat_face_stays_in_contact_and_agrees_with_its_modes(rings):
-    compliance, times = theory(rings, 60, 1e-4), np.geomspace(1e-2, 3, 8)
-    exact = RunningIn(compliance, rings.wear_coefficients).modal(times).indentation
-    history = wear(punch_on(compliance, face(rings, 0)), times, 1e-7)
-    assert history.contact.all()
-    assert history.indentation == pytest.approx(exact, rel=1e-5)
-
-
 def test_orders_in_time():
     times, punch = np.array([0.0, 0.2]), punch_on(theory(FIVE, 30, 1e-2), FACES["sphere"])
     exact = wear(punch, times, 1e-9).indentation[-1]
@@ -147,16 +134,25 @@ def test_orders_in_time():
     assert many.statistics.taken < 10 * few.statistics.taken
 
 
-def test_relaxation_in_full_contact_against_short_implicit_steps():
-    times, punch = np.array([2.5, 3.0, 4.0, 6.0]), punch_on(theory(FIVE, 40, 1e-3), FACES["cone"])
+@pytest.mark.parametrize(
+    ("worn", "load", "name", "times"),
+    [
+        (FACES["cone"], BY_FORCE, "indentation", [2.5, 3.0, 4.0, 6.0]),
+        (face(ONE, 0, power(0.2, 2)), Load(None, 0.5), "force", [2.0, 4.0, 8.0]),
+    ],
+    ids=["force", "fixed indentation"],
+)
+def test_relaxation_in_full_contact_against_short_implicit_steps(worn, load, name, times):
+    times, punch = np.array(times), punch_on(theory(worn[0], 40, 1e-3), worn, load)
     history = wear(punch, times, 1e-7)
     assert history.contact.all()
+    exact = getattr(history, name)
     coarse, fine = (
-        evolve_in_equal_steps(punch, times, step).at(times).indentation - history.indentation
+        getattr(evolve_in_equal_steps(punch, times, step).at(times), name) - exact
         for step in (0.01, 0.005)
     )
     assert coarse / fine == pytest.approx(2.0, rel=0.1)
-    assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5)
+    assert 2 * fine - coarse == pytest.approx(0.0, abs=1e-5 * exact[0])
 
 
 def test_a_worn_sphere_against_its_late_time_formula():
@@ -196,20 +192,3 @@ def test_a_part_of_the_contact_opens_and_closes_again():
     assert radii[0] == sorted(radii[0])
     # to the width of a cell
     assert radii[1] == pytest.approx(radii[0], abs=1 / 160)
-
-
-@pytest.mark.slow
-def test_random_punches_respect_their_error_estimates():
-    """Solutions by the method mdr satisfy gaps and balances to within their estimates."""
-    for seed in range(20):
-        problem = random_punch(seed).problem
-        solution = method("mdr").solve(problem, Stages("mdr"))
-        results, errors = solution.results, solution.errors
-        depth = results["indentation"]
-        gap = (results["displacement"] + results["profile"]).min(axis=1) - depth
-        error = errors["displacement"] + errors["profile"] + errors["indentation"]
-        assert (gap >= -error * depth).all(), seed
-        assert results["pressure"][1:].min() >= 0, seed
-        if problem.indentation is None:
-            total = (results["ring_worn_volume"] / problem.wear_coefficients).sum(axis=1)
-            assert total == pytest.approx(problem.times, rel=1e-12), seed

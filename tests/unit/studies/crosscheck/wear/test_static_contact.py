@@ -4,7 +4,7 @@ from functools import cache, partial
 
 import numpy as np
 import pytest
-from closed_forms import ANNULI, PowerPunch, annulus_stiffness, thin_ring_stiffness
+from closed_forms import ANNULI, PowerPunch, thin_ring_stiffness
 
 from ringwear import (
     ContactCells,
@@ -98,14 +98,6 @@ def test_closed_forms_against_an_independent_package():
 def test_flat_annuli_have_the_known_stiffnesses(method, inner):
     degree, tolerance = (9, 5e-9) if method == "fem" else (DEGREE, 1e-9)
     assert ring_stiffness(method, inner, degree) == pytest.approx(ANNULI[inner], rel=tolerance)
-
-
-@pytest.mark.parametrize("method", ["mdr", "bem"])
-@pytest.mark.parametrize("hole", [0.15, 0.2, 0.3])
-def test_annuli_with_small_holes_follow_the_published_series(method, hole):
-    """The error is of the order of the first term that the series omits, about 0.02 e^9."""
-    error = ring_stiffness(method, hole) / 2 - annulus_stiffness(hole)
-    assert abs(error) <= 0.03 * hole**9
 
 
 @pytest.mark.parametrize("width", [1e-2, 1e-3])

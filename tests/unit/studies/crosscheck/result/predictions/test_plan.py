@@ -3,7 +3,6 @@
 import numpy as np
 
 from ringwear import Scene
-from ringwear.studies.crosscheck.result.predictions.memory import predict_memory
 from ringwear.studies.crosscheck.result.predictions.plan import coarsen
 
 
@@ -20,10 +19,3 @@ def test_a_probe_is_small():
     assert problem.mdr.grid <= 100
     assert len(problem.wear_coefficients) <= 16
     assert problem.times[-1] <= 101 * problem.step
-
-
-def test_the_predicted_memory_grows_with_rings_and_times():
-    scene, times = Scene.load("five_rings"), np.linspace(0, 1, 100_000).tolist()
-    assert predict_memory(scene) < 1
-    assert predict_memory(scene.changed(punch__rings=300)) > 1
-    assert predict_memory(scene.changed(wear__times=times)) > 1
