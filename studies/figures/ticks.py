@@ -46,13 +46,6 @@ def tick_label(value: float, span: float) -> str:
     return short_number(value) if isclose(value, float(f"{value:.{DIGITS}g}"), rel_tol=1e-6) else ""
 
 
-MANTISSAS = (
-    *((1,), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9)),
-    *(tuple(np.arange(1, 10, 0.1)), tuple(np.arange(1, 10, 0.01))),
-)
-"""Sets of mantissas of ticks; the first set that yields at least two ticks is used."""
-
-
 def short_number(value: float) -> str:
     """Return a number of up to three digits as text: 0.25, 12000, 2·10⁻⁵."""
     rounded = float(f"{value:.{DIGITS}g}") + 0.0
