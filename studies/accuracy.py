@@ -170,7 +170,7 @@ def accuracy(
         if the reference cannot be computed
     """
     selection, timed = SELECTIONS[study], study == "tradeoff"
-    scene = accept(study, scene, study != "refinement", radial_wear=True, layered=timed)
+    scene = accept(study, scene, study != "refinement", layered=timed)
     refuse_abscissa(against or selection.axis)
     names, functions = read_quantities(quantities, selection.known)
     offered = BY_TOLERANCE if timed and functions else selection.methods

@@ -282,7 +282,7 @@ def _study(
     """
     from .named_studies import study as conduct_study
     from .study.formats import for_terminal
-    from .study.interrupted import as_before, rows_before
+    from .study.record import as_before, rows_before
     from .tables.writing import keep_tables, keeping_rows
 
     read, folder_name = Scene.load(scene), _out(out, study)

@@ -91,7 +91,7 @@ def extremes(
     >>> study.table.groupby("value").verdict.first().tolist()
     ['within', 'within']
     """
-    scene = accept("extremes", scene, any_punch=True, radial_wear=True, layered=True)
+    scene = accept("extremes", scene, any_punch=True, layered=True)
     names, functions = read_quantities(quantities, DEFAULT)
     named, own = read_methods(methods or DEFAULT_METHODS, METHODS, "extremes")
     record = record or Record()

@@ -55,7 +55,7 @@ def march(
     SceneError
         if the scene or an option does not fit the study
     """
-    scene = with_times(accept("march", scene, radial_wear=True))
+    scene = with_times(accept("march", scene))
     names, functions = read_quantities(quantities, QUANTITIES)
     if scene.problem.loading.varies:
         raise SceneError("study march is about a constant load: give load.normal_force one number")

@@ -52,7 +52,7 @@ def truncation(
     SceneError
         if the scene or an option does not fit the study
     """
-    scene = accept("truncation", scene, radial_wear=True, layered=True)
+    scene = accept("truncation", scene, layered=True)
     ground, chosen = scene.problem.ground, tuple(numbers("radii", radii))
     problem = replace(Case.of(scene).with_one_ring().problem, ground=ground)
     if ground.layered:

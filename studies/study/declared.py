@@ -14,8 +14,8 @@ import pandas as pd
 from ..crosscheck import Scene
 from .answer import MOST_SENTENCES, WORST, conclude, costs_of, worst
 from .draw import figures_of, titled
-from .functions import Named
 from .measure import measure
+from .own import Named
 from .record import SOLVED, Record
 from .reference import Reference
 from .study import Study, remarks

@@ -92,21 +92,9 @@ def to_markdown(table: pd.DataFrame) -> str:
 
 def to_latex(table: pd.DataFrame) -> str:
     """Return a table as a `tabular` with the rules of the package `booktabs`."""
-    header = " & ".join(escape_latex(str(name)) for name in table.columns)
-    body = [" & ".join(map(escape_latex, row)) + r" \\" for row in cells(table)]
-    alignment = "".join("r" if np.issubdtype(kind, np.number) else "l" for kind in _kinds(table))
-    return "\n".join(
-        [
-            rf"\begin{{tabular}}{{{alignment}}}",
-            r"\toprule",
-            header + r" \\",
-            r"\midrule",
-            *body,
-            r"\bottomrule",
-            r"\end{tabular}",
-            "",
-        ]
-    )
+    escaped = table.map(lambda cell: escape_latex(cell) if isinstance(cell, str) else cell)
+    names = escaped.rename(columns=escape_latex)
+    return names.to_latex(index=False, float_format="{:.4g}".format, na_rep="")
 
 
 def cells(table: pd.DataFrame) -> list[list[str]]:
@@ -116,18 +104,11 @@ def cells(table: pd.DataFrame) -> list[list[str]]:
 
 def escape_latex(text: str) -> str:
     """Escape a text for LaTeX, except parts between dollar signs, which are formulas already."""
-    parts = re.split(r"(\$[^$]+\$)", text)
+    parts = re.split(r"(\$[^$]+\$)", text.replace("\n", " "))
     return "".join(
         part if number % 2 else "".join(SPECIAL.get(each, SYMBOLS.get(each, each)) for each in part)
         for number, part in enumerate(parts)
     )
-
-
-def _kinds(table: pd.DataFrame) -> list[np.dtype]:
-    """Return the numpy type of each column; columns of texts have the type object."""
-    return [
-        kind if isinstance(kind, np.dtype) else np.dtype(object) for kind in table.dtypes.tolist()
-    ]
 
 
 def _escape_pipes(cell: str) -> str:

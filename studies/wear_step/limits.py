@@ -20,8 +20,7 @@ from ...meshes import (
     structured,
 )
 from ..crosscheck import Problem, Scene, first_and_last_in_contact, run
-from .contact_nodes import ContactNodes, contact_nodes
-from .elements import CONSISTENT, PER_NODE
+from .contact_nodes import CONSISTENT, PER_NODE, ContactNodes, contact_nodes
 from .explicit import explicit
 
 REACH = 20.0

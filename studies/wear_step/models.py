@@ -7,8 +7,8 @@ import numpy as np
 
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
-from .contact_nodes import ContactNodes, contact_nodes
-from .elements import ELEMENTS, TREATMENTS
+from ..study.own import ELEMENTS
+from .contact_nodes import TREATMENTS, ContactNodes, contact_nodes
 from .explicit import explicit, wear_at_nodes
 from .limits import mesh_below
 

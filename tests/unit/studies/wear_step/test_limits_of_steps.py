@@ -6,8 +6,8 @@ import pytest
 from ringwear import Scene, SceneError
 from ringwear.meshes import as_half_space, ring_areas, structured
 from ringwear.studies.check.sawtooth import find
-from ringwear.studies.wear_step.contact_nodes import contact_nodes
-from ringwear.studies.wear_step.elements import ELEMENTS, TREATMENTS
+from ringwear.studies.study.own import ELEMENTS
+from ringwear.studies.wear_step.contact_nodes import TREATMENTS, contact_nodes
 from ringwear.studies.wear_step.explicit import explicit
 from ringwear.studies.wear_step.limits import (
     contacts_of,
