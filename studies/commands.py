@@ -389,12 +389,11 @@ def _scenes(name: str = "") -> Status:
 
 def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
     """Write decks."""
-    from .decks.deck import choose, write_decks
+    from .decks.deck import write_decks
 
     read = Scene.load(scene)
-    choice = choose(read, **given)
     with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
-        lines = write_decks(read, choice, folder.hidden)
+        lines = write_decks(read, folder.hidden, **given)
     print_markdown(lines)
     return _finish(folder)
 

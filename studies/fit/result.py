@@ -86,5 +86,5 @@ class Fit(AnswersGuesses, Outcome):
                 figure.savefig(folder / f"{name}.png")
         title = f"Fit of {self.scene.title or 'an untitled scene'}"
         purpose = "Parameters that measurements determine, their intervals, and what is unknown."
-        write = partial(write_study, title, purpose, self.scene, self.conclusions)
+        write = partial(write_study, title, purpose, self.scene, self.conclusions, tables.items())
         return make(folder / "report.html", write)

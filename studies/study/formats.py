@@ -3,8 +3,9 @@
 import re
 from itertools import groupby
 
-import numpy as np
 import pandas as pd
+
+from ..report.study_page import as_text
 
 SPECIAL = {
     "\\": r"\textbackslash{}",
@@ -31,10 +32,12 @@ SYMBOLS = {
 
 WIDTH, MOST_LINES = 100, 40
 """Greatest width of a table in letters, and its greatest number of lines on a terminal."""
+MOST_COLUMNS, LATEX_WIDTH = 5, 80
+"""Greatest number of columns, and greatest width of a row in LaTeX."""
 
 
-def blocks(table: pd.DataFrame) -> list[pd.DataFrame]:
-    """Return a table as several of up to `WIDTH` letters, each with the first column.
+def blocks(table: pd.DataFrame, width: int = WIDTH) -> list[pd.DataFrame]:
+    """Return a table as several of up to `MOST_COLUMNS` columns, each with the first column.
 
     Columns ``TITLE: NAME`` become columns NAME of a table whose first column is headed by TITLE.
     Each value of a first column `case` heads tables of its own. Rows and columns without an entry
@@ -48,22 +51,23 @@ def blocks(table: pd.DataFrame) -> list[pd.DataFrame]:
         listed = [first, *names]
         for case, rows in cases:
             part = rows[listed]
-            part = part.loc[:, (part != "").any()]
+            part = part.loc[:, (part.notna() & (part != "")).any()]
             if title:
                 part = part[(part.iloc[:, 1:] != "").any(axis=1)]
             head = ": ".join(filter(None, (str(case), title))) or first
             shorter = [str(name).removeprefix(f"{title}: ") for name in part.columns[1:]]
             part.columns = pd.Index([head, *shorter])
-            parts += _of_width(part)
+            parts += _of_width(part, width)
     return parts
 
 
-def _of_width(table: pd.DataFrame) -> list[pd.DataFrame]:
-    """Return a table as several of up to `WIDTH` letters; none if it has one column only."""
+def _of_width(table: pd.DataFrame, most: int) -> list[pd.DataFrame]:
+    """Return a table as several of up to a width in letters; none if it has one column only."""
     rows, parts = [list(map(str, table.columns)), *cells(table)], list[list[int]]()
     widths = [3 + max(map(len, column)) for column in zip(*rows, strict=True)]
     for number, width in enumerate(widths[1:], 1):
-        if not parts or 1 + widths[0] + sum(widths[each] for each in parts[-1]) + width > WIDTH:
+        used = 1 + widths[0] + sum(widths[each] for each in parts[-1]) if parts else most
+        if used + width > most or len(parts[-1]) == MOST_COLUMNS - 1:
             parts.append([])
         parts[-1].append(number)
     return [table.iloc[:, [0, *part]] for part in parts]
@@ -99,7 +103,7 @@ def to_latex(table: pd.DataFrame) -> str:
 
 def cells(table: pd.DataFrame) -> list[list[str]]:
     """Return the cells of a table as text: numbers with four digits, and "" for NaN or None."""
-    return [[_as_text(cell) for cell in row] for row in table.itertuples(index=False)]
+    return table.map(as_text).to_numpy().tolist()
 
 
 def escape_latex(text: str) -> str:
@@ -113,11 +117,3 @@ def escape_latex(text: str) -> str:
 
 def _escape_pipes(cell: str) -> str:
     return cell.replace("|", r"\|")
-
-
-def _as_text(cell: object) -> str:
-    if cell is None or (isinstance(cell, float | np.floating) and np.isnan(cell)):
-        return ""
-    if isinstance(cell, float | np.floating):
-        return f"{float(cell):.4g}"
-    return str(cell).replace("\n", " ")

@@ -15,8 +15,7 @@ from ..figures.style import html_of, in_style
 from ..tables.writing import INTERRUPTED, write_csv
 from .answer import answer, sentence
 from .draw import draw, titled
-from .formats import blocks, to_latex, to_markdown
-from .orders import KEYS_OF_STUDIES
+from .formats import LATEX_WIDTH, blocks, to_latex, to_markdown
 from .record import SOLVED, Record
 from .way import Part
 
@@ -27,6 +26,8 @@ QUICK = (
     "With --quick, levels are coarse and few: orders and costs are those of coarse levels, and "
     "may differ from those of the whole study."
 )
+FOR_PAPERS = ("answer", "orders", "claims")
+"""Names of the tables that are also written in Markdown and LaTeX, and shown on the page."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ class Study(AnswersGuesses):
         ----------
         table : as in `to_markdown`
         """
-        return "\n".join(map(to_latex, blocks(self._for_papers(table))))
+        return "\n".join(map(to_latex, blocks(self._for_papers(table), LATEX_WIDTH)))
 
     def save(self, folder: str | Path) -> list[str]:
         """Write the same files as ``ringwear study NAME --out folder``; return their names.
@@ -148,7 +149,8 @@ class Study(AnswersGuesses):
             tables |= {self.name: self.table}
         for name, table in tables.items():
             write_csv(table, folder / f"{name}.csv")
-        for name in self._tables():
+        shown = [name for name in FOR_PAPERS if name in tables]
+        for name in shown:
             (folder / f"{name}.md").write_text(self.to_markdown(name), "utf-8")
             (folder / f"{name}.tex").write_text(self.to_latex(name), "utf-8")
         for name, figure in self.figures.items():
@@ -157,11 +159,16 @@ class Study(AnswersGuesses):
         from ..report.study_page import write_study
 
         title = f"Study: {self.name}"
-        write = partial(write_study, title, self.purpose, self.scene, self.conclusions)
+        parts = [
+            (name * (not number), part)
+            for name in shown
+            for number, part in enumerate(blocks(self._for_papers(name)))
+        ]
+        write = partial(write_study, title, self.purpose, self.scene, self.conclusions, parts)
         return failures + make(folder / "report.html", write)
 
     def _for_papers(self, name: str) -> pd.DataFrame:
-        """Return a table by its name; of orders and costs, the keys are one column.
+        """Return a table by its name; of orders and costs, each quantity is a case.
 
         Raises
         ------
@@ -177,10 +184,12 @@ class Study(AnswersGuesses):
         table = tables[name]
         if name not in ("orders", "costs"):
             return table
-        keys = table[list(KEYS_OF_STUDIES)].to_numpy()
-        labels = [f"{case}: {way}, {Part(*part)}" for case, way, *part in keys]
-        numbers = table.drop(columns=[*KEYS_OF_STUDIES, "remark"], errors="ignore")
-        return pd.concat([pd.Series(labels, table.index, name="way"), numbers], axis=1)
+        several = table["case"].nunique() > 1
+        keys = table[["case", "quantity", "when"]].to_numpy()
+        cases = [titled(case * several, str(Part(*part))) for case, *part in keys]
+        return table.drop(columns=["quantity", "when", "remark"], errors="ignore").assign(
+            case=cases
+        )
 
     def _tables(self) -> dict[str, pd.DataFrame]:
         """Return every table that has columns, without the tidy one, by the name of its file."""
