@@ -61,10 +61,12 @@ def one_digit(value: float) -> str:
 
 
 def power_of_ten(value: float) -> str:
-    """Return 0.01 as 10⁻², and 0.02 as 2·10⁻²."""
+    """Return 0.01 as 10⁻², 0.02 as 2·10⁻², and 2 as 2."""
     exponent = int(np.floor(np.log10(value) + 1e-9))
     mantissa = float(f"{value / 10.0**exponent:.{DIGITS}g}")
-    return _ten_to(exponent) if mantissa == 1 else f"{mantissa:g}·{_ten_to(exponent)}"
+    if mantissa == 1:
+        return _ten_to(exponent)
+    return f"{mantissa:g}·{_ten_to(exponent)}" if exponent else f"{mantissa:g}"
 
 
 def _ten_to(exponent: int) -> str:

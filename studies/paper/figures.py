@@ -26,7 +26,7 @@ FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
 def draw_states(states: xarray.Dataset) -> Figure:
     """Draw Fig. 4: profile, one-dimensional profile and pressure in seven states."""
     rings, radii = Rings.alternating(5, 1.0, 10.0), states.radius.values
-    figure = new_figure(2.05 * len(STATE_PERCENTAGES), 7.4)
+    figure = new_figure(1.5 * len(STATE_PERCENTAGES), 6.2)
     panels = figure.subplots(3, len(STATE_PERCENTAGES), sharex=True, sharey="row")
     fields = {
         "f_over_d0": "profile $(f-f_{min})/d_0$",
@@ -106,7 +106,7 @@ def draw_gradients(number: int, curves: xarray.Dataset) -> Figure:
     else:
         ratio, constant = "width ratio $h_2/h_1$", "$k_2/k_1$ = 0.01"
         punches = {value: Rings.alternating(8, value, FIG7_WEAR_RATIO) for value in (0.1, 10.0)}
-    figure = new_figure(13, 5)
+    figure = new_figure(10, 4.4)
     panels: Any = figure.subplot_mosaic("012\n013", width_ratios=[3, 3, 1.3])
     for average, title in enumerate(AVERAGES):
         axes, gradient = panels[str(average)], curves.isel(gradient_average=average)

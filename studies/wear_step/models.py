@@ -44,9 +44,8 @@ def limit_of_models(
         everywhere = np.array([np.interp(nodes.radii, radii, row) for row in rates])
         for treatment in TREATMENTS:
             worn = everywhere * np.diff(times)[:, None]
-            predicted = np.diff(-(worn @ relief(problem, nodes, treatment).T)[:, places], axis=0)[
-                used
-            ]
+            changed = -(worn @ relief(problem, nodes, treatment).T)[:, places]
+            predicted = np.diff(changed, axis=0)[used]
             scale = (predicted * changes).sum() / (predicted**2).sum()
             if not scale > 0:
                 continue
