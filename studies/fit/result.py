@@ -10,7 +10,7 @@ import pandas as pd
 
 from ...meshes import RingwearError
 from ..crosscheck import AnswersGuesses, make, output_folder
-from ..report.study_page import write_study
+from ..report.template import write_study
 from ..tables.writing import write_csv
 from .outcome import Outcome
 from .words import conclude

@@ -5,7 +5,7 @@ from itertools import groupby
 
 import pandas as pd
 
-from ..report.study_page import as_text
+from ..report.template import as_text
 
 SPECIAL = {
     "\\": r"\textbackslash{}",

@@ -156,7 +156,7 @@ class Study(AnswersGuesses):
         for name, figure in self.figures.items():
             with in_style():
                 figure.savefig(folder / f"{name}.png")
-        from ..report.study_page import write_study
+        from ..report.template import write_study
 
         title = f"Study: {self.name}"
         parts = [
