@@ -85,7 +85,7 @@ def march(
         *("march", "which time step does a history need?", scene, [case], lambda _: ways),
         *(QUANTITIES, exact, "step", names or ("indentation", "pressure", "ring_force", "profile")),
         functions=functions,
-        xlabel="time step" + f" ({unit})" * (unit != "1"),
+        labels={"step": "time step" + f" ({unit})" * (unit != "1")},
         remarks=[f"{stability}{left_out}."],
     )
     return conduct(declared, record, quick)

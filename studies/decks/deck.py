@@ -142,7 +142,8 @@ def write_decks(
     else:
         mesh = deck_mesh(edges, relative_size, reach, quadratic)
     model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
-    writer.refuse_small_elements(model)
+    if program == "calculix":
+        calculix.refuse_small_elements(model)
     punch_states = states(scene, _times(scene, chosen_times), model.radii)
     steps = describe([limits_on_mesh(scene, mesh.mesh, element.upper())])
     heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))

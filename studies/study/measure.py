@@ -184,7 +184,7 @@ class _Judge:
     def rows(self, facts: dict[str, Any], solution: Solution) -> list[Row]:
         """Return the rows of a level: one for each quantity that its solution has."""
         problem, method, exact = self.case.problem, self.way.method, self.exact
-        wanted = {part.quantity for part in self.parts} - self.way.without
+        wanted = {part.quantity for part in self.parts}
         values = values_of(self.case, solution, wanted)
         values |= values_of_functions(self.case, method, solution, self.functions)
         self.levels = [*self.levels[-2:], (facts["size"], values)]

@@ -142,7 +142,6 @@ class Way:
     sequential : whether a level starts from the solution of the level before; its seconds then
         include those of all levels before
     promises : whether the level is a tolerance that the solution promises to keep
-    without : quantities of finite elements that are not computed, because they would tell nothing
     largest : greatest size that counts in the observed order, because larger ones are not yet in
         the asymptotic range; 0 if levels are not similar to each other, so that there is no order
     """
@@ -156,7 +155,6 @@ class Way:
     theory: Callable[[str, str], Theory] = without_theory
     sequential: bool = False
     promises: bool = False
-    without: frozenset[str] = frozenset()
     largest: float = np.inf
 
 
