@@ -8,6 +8,7 @@ adaptive refinement needs.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -52,9 +53,9 @@ class Theory(NamedTuple):
     floor_cause: str = ""
 
 
-def without_theory(*_: str) -> Theory:
-    """Return a theory without an order."""
-    return Theory()
+def without_order(reason: str, *_: str) -> Theory:
+    """Return a theory without an order, and why there is none."""
+    return Theory(reason=reason)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +153,7 @@ class Way:
     solve: Solve
     refined: str
     size: Callable[[Level], float] | None = None
-    theory: Callable[[str, str], Theory] = without_theory
+    theory: Callable[[str, str], Theory] = partial(without_order, "")
     sequential: bool = False
     promises: bool = False
     largest: float = np.inf
