@@ -8,7 +8,6 @@ adaptive refinement needs.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -153,7 +152,7 @@ class Way:
     solve: Solve
     refined: str
     size: Callable[[Level], float] | None = None
-    theory: Callable[[str, str], Theory] = partial(without_order, "")
+    theory: Callable[[str, str], Theory] = lambda *_: Theory()
     sequential: bool = False
     promises: bool = False
     largest: float = np.inf
