@@ -67,7 +67,9 @@ def write_study(
     path : file to write
     """
     rows = [(name, table[:MOST_ROWS].map(as_text).to_dict("records")) for name, table in tables]
-    context = {"title": title, "purpose": purpose, "conclusions": conclusions, "tables": rows}
+    # conclusions that are table rows are left out, because the page shows the tables
+    sentences = [line for line in conclusions if not line.startswith("|")]
+    context = {"title": title, "purpose": purpose, "conclusions": sentences, "tables": rows}
     captions = {
         file.name: file.stem.replace("_", " ") for file in sorted(path.parent.glob("*.png"))
     }

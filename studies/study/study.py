@@ -161,7 +161,7 @@ class Study(AnswersGuesses):
         title = f"Study: {self.name}"
         parts = [
             (name * (not number), part)
-            for name in shown
+            for name in shown or [self.name]
             for number, part in enumerate(blocks(self._for_papers(name)))
         ]
         write = partial(write_study, title, self.purpose, self.scene, self.conclusions, parts)
