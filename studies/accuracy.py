@@ -198,7 +198,7 @@ def accuracy(
         return [*selection.ways(case, bundled, quick), *own]
 
     wanted = names if names or (timed and functions) else selection.quantities
-    if quick and not names:
+    if quick and not names and problem.full_contact:
         # they need a second factorisation
         wanted = tuple(name for name in wanted if name != STRESS)
     wanted = (*wanted, EIGENVALUE) if by_name and not names else wanted

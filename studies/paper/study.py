@@ -27,7 +27,7 @@ def paper(
     Parameters
     ----------
     scene : a scene, of which Poisson's ratio and the accuracy count
-    quick : whether to leave out punches of many rings, and most points by finite elements
+    quick : whether to leave out punches of many rings, and half of the points by finite elements
     record : collects the conclusions, also those of a study that is interrupted
 
     Raises
@@ -54,7 +54,7 @@ def paper(
         curves = {}
         for number in (6, 7):
             counts = (2, 4, 8) if quick else (2, 4, 8, 16, 32, 64)
-            curves[number] = compute_gradients(number, scene, counts, 100 if quick else 25)
+            curves[number] = compute_gradients(number, scene, counts, 50 if quick else 25)
             drawn_figures[f"fig{number}"] = figures.draw_gradients(number, curves[number])
             tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())

@@ -26,8 +26,8 @@ QUICK = (
     "With --quick, levels are coarse and few: orders and costs are those of coarse levels, and "
     "may differ from those of the whole study."
 )
-FOR_PAPERS = ("answer", "orders", "claims")
-"""Names of the tables that are also written in Markdown and LaTeX, and shown on the page."""
+ON_PAGE = ("answer", "orders", "claims")
+"""Names of the tables that the page shows."""
 
 
 @dataclass(frozen=True)
@@ -149,8 +149,7 @@ class Study(AnswersGuesses):
             tables |= {self.name: self.table}
         for name, table in tables.items():
             write_csv(table, folder / f"{name}.csv")
-        shown = [name for name in FOR_PAPERS if name in tables]
-        for name in shown:
+        for name in self._tables():
             (folder / f"{name}.md").write_text(self.to_markdown(name), "utf-8")
             (folder / f"{name}.tex").write_text(self.to_latex(name), "utf-8")
         for name, figure in self.figures.items():
@@ -161,7 +160,7 @@ class Study(AnswersGuesses):
         title = f"Study: {self.name}"
         parts = [
             (name * (not number), part)
-            for name in shown or [self.name]
+            for name in [name for name in ON_PAGE if name in tables] or [self.name]
             for number, part in enumerate(blocks(self._for_papers(name)))
         ]
         write = partial(write_study, title, self.purpose, self.scene, self.conclusions, parts)
