@@ -15,6 +15,7 @@ from ..figures.style import (
     legend_of,
     method_curve,
     new_figure,
+    set_linear,
     shade_rings,
 )
 from .theory import FIG7_WEAR_RATIO, STATE_PERCENTAGES, STATIONARY_FRACTION
@@ -57,6 +58,7 @@ def draw_states(states: xarray.Dataset) -> Figure:
             shade_rings(axes, rings.ring_edges, rings.wear_coefficients[0])
     for axes, label in zip(panels[:, 0], fields.values(), strict=True):
         axes.set_ylabel(label)
+        set_linear(axes, "y", most=4)
     panels[0, 0].invert_yaxis()
     # at a worn rim the line density is zero, so that g(a) = d; at the start the pressure at the rim
     # is infinite: limit the axes
