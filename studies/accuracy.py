@@ -124,7 +124,7 @@ CASES = {
     "steady state": GROUPS["steady"],
 }
 """Groups of quantities of `tradeoff`; each group is computed by itself."""
-REFERENCE, REFERENCE_QUICK, RUNS = 1e-9, 1e-6, 3
+REFERENCE, REFERENCE_QUICK, RUNS, QUICK_RUNS = 1e-9, 1e-6, 3, 2
 """Tolerances of the reference, that of a quick `tradeoff`, and how often it solves each level."""
 
 
@@ -170,7 +170,7 @@ def accuracy(
         if the reference cannot be computed
     """
     selection, timed = SELECTIONS[study], study == "tradeoff"
-    scene = accept(study, scene, study != "refinement", radial_wear=True, layered=timed)
+    scene = accept(study, scene, study != "refinement", layered=timed)
     refuse_abscissa(against or selection.axis)
     names, functions = read_quantities(quantities, selection.known)
     offered = BY_TOLERANCE if timed and functions else selection.methods
@@ -198,6 +198,9 @@ def accuracy(
         return [*selection.ways(case, bundled, quick), *own]
 
     wanted = names if names or (timed and functions) else selection.quantities
+    if quick and not names and problem.full_contact:
+        # they need a second factorisation
+        wanted = tuple(name for name in wanted if name != STRESS)
     wanted = (*wanted, EIGENVALUE) if by_name and not names else wanted
     cases = [whole]
     if timed and not quantities:
@@ -225,7 +228,7 @@ def accuracy(
         shown=names,
         functions=functions,
         worst=timed and not quantities,
-        runs=RUNS if timed else 1,
+        runs=(QUICK_RUNS if quick else RUNS) if timed else 1,
     )
     return conduct(declared, record, quick)
 
@@ -269,9 +272,10 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
             *(cells("fem", factors, degree, quads=True) for degree in (1, 2)),
         ]
         return [way for way in ways if way.method in named]
-    # the quick study leaves out a degree, and stresses that need a second factorisation
+    # the quick study leaves out a degree
     one, cut = case.name == ONE_RING, slice(-1 if quick else None)
-    without = frozenset({STRESS} if quick else ())
+    # uniform meshes of one ring have their order from the coarsest ones on
+    uniform_cut = slice(-2) if quick and one else cut
     halvings, parts, gradings = OF_ONE_RING if one else OF_RINGS
     kinds = [
         (quads, k) for quads in parts for k in parts[quads] if quads or one or not quick or k != 3
@@ -280,10 +284,7 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
     graded_radial += RADIAL[3 if one else 2 :]
     even, graded = (EVEN_UNDER_ONE_RING, GRADED_TO_RIM) if one else (EVEN, None)
     ways = [
-        *(
-            replace(uniform(k, halvings[quads][k][cut], quads, base=even), without=without)
-            for quads, k in kinds
-        ),
+        *(uniform(k, halvings[quads][k][uniform_cut], quads, base=even) for quads, k in kinds),
         *(graded_to_edges(k, parts[quads][k][cut], quads, base=graded) for quads, k in kinds),
         layered(range(4, 8 if quick and not one else 12), len(case.problem.merged.widths)),
         *(uniform_radii(*radial, COUNTS[cut]) for radial in RADIAL[: 0 if one else 3]),

@@ -282,7 +282,7 @@ def _study(
     """
     from .named_studies import study as conduct_study
     from .study.formats import for_terminal
-    from .study.interrupted import as_before, rows_before
+    from .study.record import as_before, rows_before
     from .tables.writing import keep_tables, keeping_rows
 
     read, folder_name = Scene.load(scene), _out(out, study)
@@ -389,12 +389,11 @@ def _scenes(name: str = "") -> Status:
 
 def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
     """Write decks."""
-    from .decks.deck import choose, write_decks
+    from .decks.deck import write_decks
 
     read = Scene.load(scene)
-    choice = choose(read, **given)
     with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
-        lines = write_decks(read, choice, folder.hidden)
+        lines = write_decks(read, folder.hidden, **given)
     print_markdown(lines)
     return _finish(folder)
 

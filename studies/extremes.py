@@ -42,7 +42,7 @@ NAIVE = NaiveSizes(cells=20, steps=2000)
 """Sizes that a user of a naive solver might choose, whatever the scene is."""
 FINER, FINEST = 0.01, 1e-9
 """Tolerance of the reference over that of the scene, and the finest one."""
-VALUES, QUICK_VALUES = 7, 3
+VALUES, QUICK_VALUES = 7, 2
 """Numbers of values of each key that is varied by itself."""
 SMALL = 1e-4
 """Least width of a ring and earliest time that are tried by themselves, over those of the scene."""
@@ -91,7 +91,7 @@ def extremes(
     >>> study.table.groupby("value").verdict.first().tolist()
     ['within', 'within']
     """
-    scene = accept("extremes", scene, any_punch=True, radial_wear=True, layered=True)
+    scene = accept("extremes", scene, any_punch=True, layered=True)
     names, functions = read_quantities(quantities, DEFAULT)
     named, own = read_methods(methods or DEFAULT_METHODS, METHODS, "extremes")
     record = record or Record()

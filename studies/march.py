@@ -55,7 +55,7 @@ def march(
     SceneError
         if the scene or an option does not fit the study
     """
-    scene = with_times(accept("march", scene, radial_wear=True))
+    scene = with_times(accept("march", scene))
     names, functions = read_quantities(quantities, QUANTITIES)
     if scene.problem.loading.varies:
         raise SceneError("study march is about a constant load: give load.normal_force one number")
@@ -85,7 +85,7 @@ def march(
         *("march", "which time step does a history need?", scene, [case], lambda _: ways),
         *(QUANTITIES, exact, "step", names or ("indentation", "pressure", "ring_force", "profile")),
         functions=functions,
-        xlabel="time step" + f" ({unit})" * (unit != "1"),
+        labels={"step": "time step" + f" ({unit})" * (unit != "1")},
         remarks=[f"{stability}{left_out}."],
     )
     return conduct(declared, record, quick)

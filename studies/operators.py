@@ -244,6 +244,7 @@ def operators(
         conclusions=(*map(_conclude, pairs), *remarks(record, quick)),
         figures={"operator_difference": draw_operators(scene, pairs)},
         tables={"modes": pd.concat(modes)},
+        measured=record.table,
     )
 
 

@@ -15,10 +15,9 @@ from .crosscheck import Source, numbers
 from .study.accept import accept
 from .study.declared import Declared, conduct
 from .study.record import Record
-from .study.reference import Reference, exact_start
 from .study.study import Study
 from .study.way import Case
-from .study.ways.truncated import exact_on_layers, far_fields
+from .study.ways.truncated import exact_disc, far_fields
 
 RADII = {
     False: (4, 5, 6, 7, 8, 11, 16, 32, 128, 1024),
@@ -52,7 +51,7 @@ def truncation(
     SceneError
         if the scene or an option does not fit the study
     """
-    scene = accept("truncation", scene, radial_wear=True, layered=True)
+    scene = accept("truncation", scene, layered=True)
     ground, chosen = scene.problem.ground, tuple(numbers("radii", radii))
     problem = replace(Case.of(scene).with_one_ring().problem, ground=ground)
     if ground.layered:
@@ -65,11 +64,8 @@ def truncation(
         ]
     ways = far_fields(chosen or RADII[ground.layered][: QUICK_RADII if quick else None], ground)
 
-    def exact(case: Case) -> Reference:
-        return exact_on_layers(case.problem) if ground.layered else exact_start(case.problem)
-
     declared = Declared(
         *("truncation", "how far away must the outer boundary be?", scene, cases),
-        *(lambda _: ways, ("indentation",), exact, "reach"),
+        *(lambda _: ways, ("indentation",), exact_disc, "reach"),
     )
     return conduct(declared, record, quick)

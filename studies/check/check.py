@@ -44,8 +44,8 @@ from ..crosscheck import (
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
+from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
-from ..wear_step.elements import element_named
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, refinements

@@ -13,7 +13,7 @@ import numpy as np
 from ...meshes import Array
 from ..crosscheck import Scene
 from ..estimate.diagnose import CONSISTENT, EXPLAINS, Diagnosis
-from ..wear_step.elements import ELEMENTS
+from ..study.own import ELEMENTS
 from .other_program import ROWS, OtherProgram
 
 if TYPE_CHECKING:

@@ -24,10 +24,6 @@ NOT_RUN = ["** not run: the keywords were only compared with documented examples
 """Comment in each deck."""
 
 
-def refuse_small_elements(model: Model) -> None:
-    """Refuse nothing: Abaqus takes elements of any size in any units."""
-
-
 def prescribed(model: Model, states: Sequence[State]) -> list[str]:
     """Return a linear deck that prescribes displacements of the contact nodes, a step a state."""
     lines = heading(model, "displacements of the contact nodes are prescribed") + NOT_RUN

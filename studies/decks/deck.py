@@ -5,7 +5,7 @@ in full contact also a linear deck of prescribed displacements, with a step for 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,27 +52,6 @@ METHOD = "mdr"
 """The method that computes the worn faces: it is exact in time in full contact."""
 
 
-@dataclass(frozen=True)
-class Choice:
-    """Options of a deck.
-
-    Parameters
-    ----------
-    program : `calculix` or `abaqus`
-    element : `Q1` (CAX4) or `Q2S` (CAX8)
-    size : of the elements below the punch, away from ring edges, in punch radii
-    reach : radius of the half-space that is modelled, in punch radii
-    times : of the worn faces, in the units of the scene; None for the last time of the scene at
-        which the punch is loaded; the start, or the first time with a load, is always added
-    """
-
-    program: str
-    element: str = ELEMENT
-    size: float = SIZE
-    reach: float = REACH
-    times: tuple[float, ...] | None = None
-
-
 @naming_arguments
 def deck(
     scene: Source,
@@ -112,33 +91,35 @@ def deck(
     SceneError
         if the scene has no deck, or if an option is out of range; it names the remedy
     """
-    choice = choose(Scene.of(scene), program, element, size, reach, times)
     with output_folder(out, "deck", ["README.md"]) as folder:
-        write_decks(Scene.of(scene), choice, folder.hidden)
+        write_decks(Scene.of(scene), folder.hidden, program, element, size, reach, times)
     return [Path(out) / name for name in folder.written]
 
 
-def choose(
+def write_decks(
     scene: Scene,
+    folder: Path,
     program: str,
     element: str = ELEMENT,
     size: float | None = None,
     reach: float = REACH,
     times: Sequence[float] | None = None,
-) -> Choice:
-    """Return the options of a deck, as `deck` takes them.
+) -> list[str]:
+    """Write the decks of a scene, the scene, and a README; return the lines of the README.
+
+    The parameters are those of `deck`.
 
     Raises
     ------
     SceneError
-        if one of them is out of range; it names the remedy
+        if the scene has no deck, or if an option is out of range; it names the remedy
     """
     (reach,) = numbers("reach", [reach])
-    program, radius = str(program).lower(), scene.problem.units.length
+    program, element, radius = str(program).lower(), str(element), scene.problem.units.length
     if program not in PROGRAMS:
         hint = did_you_mean(program, PROGRAMS, f"give one of {', '.join(PROGRAMS)}")
         raise SceneError(f"a deck for {shown(program)} cannot be written{hint}")
-    if str(element).upper() not in ELEMENTS:
+    if element.upper() not in ELEMENTS:
         raise SceneError(
             f"element = {shown(element)}: decks have Q1, with four nodes (CAX4), or Q2S, with "
             "eight (CAX8)"
@@ -150,31 +131,21 @@ def choose(
             f"size = {given:g}: give the size of the elements below the punch in the units of the "
             f"scene, {least} to {most}"
         )
-    chosen_times = None if times is None else tuple(numbers("times", times))
-    return Choice(program, str(element).upper(), given / radius, reach, chosen_times)
-
-
-def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
-    """Write the decks of a scene, the scene, and a README; return the lines of the README.
-
-    Raises
-    ------
-    SceneError
-        if the scene has no deck, or if an option is out of range; it names the remedy
-    """
-    if reason := refusal(scene, choice.program):
+    chosen_times = None if times is None else numbers("times", times)
+    if reason := refusal(scene, program):
         raise SceneError(reason)
-    problem, writer = scene.problem, PROGRAMS[choice.program]
-    quadratic = choice.element == "Q2S"
+    problem, writer, relative_size = scene.problem, PROGRAMS[program], given / radius
+    quadratic = element.upper() == "Q2S"
     edges, ground = problem.merged.ring_edges, problem.ground
     if ground.layered:
-        mesh = layered_mesh(edges, choice.size, choice.reach, quadratic, ground)
+        mesh = layered_mesh(edges, relative_size, reach, quadratic, ground)
     else:
-        mesh = deck_mesh(edges, choice.size, choice.reach, quadratic)
+        mesh = deck_mesh(edges, relative_size, reach, quadratic)
     model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
-    writer.refuse_small_elements(model)
-    punch_states = states(scene, _times(scene, choice.times), model.radii)
-    steps = describe([limits_on_mesh(scene, mesh.mesh, choice.element)])
+    if program == "calculix":
+        calculix.refuse_small_elements(model)
+    punch_states = states(scene, _times(scene, chosen_times), model.radii)
+    steps = describe([limits_on_mesh(scene, mesh.mesh, element.upper())])
     heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))
     model = replace(model, wear_steps=heads)
     # contact decks have linear elements, whose nodes are the corners
@@ -186,7 +157,7 @@ def write_decks(scene: Scene, choice: Choice, folder: Path) -> list[str]:
         files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
     if problem.full_contact:
         files["prescribed.inp"] = writer.prescribed(model, punch_states)
-    lines = read_me(model, choice.program, choice.reach, punch_states, problem.full_contact, steps)
+    lines = read_me(model, program, reach, punch_states, problem.full_contact, steps)
     for name, content in (files | {"README.md": lines}).items():
         (folder / name).write_text("\n".join(content) + "\n", "utf-8")
     (folder / "scene.toml").write_text(scene.to_toml(), "utf-8")
@@ -220,7 +191,7 @@ def refusal(scene: Scene, program: str) -> str:
     return ""
 
 
-def _times(scene: Scene, chosen_times: tuple[float, ...] | None) -> list[float]:
+def _times(scene: Scene, chosen_times: Sequence[float] | None) -> list[float]:
     """Return the first time with a load and the times of worn faces, increasing.
 
     Raises

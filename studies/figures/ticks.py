@@ -46,13 +46,6 @@ def tick_label(value: float, span: float) -> str:
     return short_number(value) if isclose(value, float(f"{value:.{DIGITS}g}"), rel_tol=1e-6) else ""
 
 
-MANTISSAS = (
-    *((1,), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9)),
-    *(tuple(np.arange(1, 10, 0.1)), tuple(np.arange(1, 10, 0.01))),
-)
-"""Sets of mantissas of ticks; the first set that yields at least two ticks is used."""
-
-
 def short_number(value: float) -> str:
     """Return a number of up to three digits as text: 0.25, 12000, 2·10⁻⁵."""
     rounded = float(f"{value:.{DIGITS}g}") + 0.0
@@ -68,10 +61,12 @@ def one_digit(value: float) -> str:
 
 
 def power_of_ten(value: float) -> str:
-    """Return 0.01 as 10⁻², and 0.02 as 2·10⁻²."""
+    """Return 0.01 as 10⁻², 0.02 as 2·10⁻², and 2 as 2."""
     exponent = int(np.floor(np.log10(value) + 1e-9))
     mantissa = float(f"{value / 10.0**exponent:.{DIGITS}g}")
-    return _ten_to(exponent) if mantissa == 1 else f"{mantissa:g}·{_ten_to(exponent)}"
+    if mantissa == 1:
+        return _ten_to(exponent)
+    return f"{mantissa:g}·{_ten_to(exponent)}" if exponent else f"{mantissa:g}"
 
 
 def _ten_to(exponent: int) -> str:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from ...meshes import RingwearError
 from ..crosscheck import AnswersGuesses, make, output_folder
-from ..report.study_page import write_study
+from ..report.template import write_study
 from ..tables.writing import write_csv
 from .outcome import Outcome
 from .words import conclude
@@ -86,5 +86,5 @@ class Fit(AnswersGuesses, Outcome):
                 figure.savefig(folder / f"{name}.png")
         title = f"Fit of {self.scene.title or 'an untitled scene'}"
         purpose = "Parameters that measurements determine, their intervals, and what is unknown."
-        write = partial(write_study, title, purpose, self.scene, self.conclusions)
+        write = partial(write_study, title, purpose, self.scene, self.conclusions, tables.items())
         return make(folder / "report.html", write)

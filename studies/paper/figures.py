@@ -15,6 +15,7 @@ from ..figures.style import (
     legend_of,
     method_curve,
     new_figure,
+    set_linear,
     shade_rings,
 )
 from .theory import FIG7_WEAR_RATIO, STATE_PERCENTAGES, STATIONARY_FRACTION
@@ -26,7 +27,7 @@ FIVE_RINGS = "five rings, $k_2/k_1$ = 10, $h_2/h_1$ = 1"
 def draw_states(states: xarray.Dataset) -> Figure:
     """Draw Fig. 4: profile, one-dimensional profile and pressure in seven states."""
     rings, radii = Rings.alternating(5, 1.0, 10.0), states.radius.values
-    figure = new_figure(2.05 * len(STATE_PERCENTAGES), 7.4)
+    figure = new_figure(1.5 * len(STATE_PERCENTAGES), 6.2)
     panels = figure.subplots(3, len(STATE_PERCENTAGES), sharex=True, sharey="row")
     fields = {
         "f_over_d0": "profile $(f-f_{min})/d_0$",
@@ -57,6 +58,7 @@ def draw_states(states: xarray.Dataset) -> Figure:
             shade_rings(axes, rings.ring_edges, rings.wear_coefficients[0])
     for axes, label in zip(panels[:, 0], fields.values(), strict=True):
         axes.set_ylabel(label)
+        set_linear(axes, "y", most=4)
     panels[0, 0].invert_yaxis()
     # at a worn rim the line density is zero, so that g(a) = d; at the start the pressure at the rim
     # is infinite: limit the axes
@@ -106,7 +108,7 @@ def draw_gradients(number: int, curves: xarray.Dataset) -> Figure:
     else:
         ratio, constant = "width ratio $h_2/h_1$", "$k_2/k_1$ = 0.01"
         punches = {value: Rings.alternating(8, value, FIG7_WEAR_RATIO) for value in (0.1, 10.0)}
-    figure = new_figure(13, 5)
+    figure = new_figure(10, 4.4)
     panels: Any = figure.subplot_mosaic("012\n013", width_ratios=[3, 3, 1.3])
     for average, title in enumerate(AVERAGES):
         axes, gradient = panels[str(average)], curves.isel(gradient_average=average)

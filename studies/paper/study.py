@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..crosscheck import AVERAGES, Scene, Source
 from ..study.accept import accept
 from ..study.record import Record
-from ..study.study import QUICK, Study
+from ..study.study import Study, remarks
 from ..sweep.axes import Sweep
 from ..sweep.sweep import sweep
 from ..tables.writing import keeping_rows
@@ -69,7 +69,7 @@ def paper(
         "paper",
         scene,
         table,
-        conclusions=(*conclusions, *([QUICK] if quick else []), *record.remarks),
+        conclusions=(*conclusions, *remarks(record, quick)),
         figures=drawn_figures,
         tables=tables,
     )

@@ -5,20 +5,13 @@ from ..crosscheck import Scene, Source, numbers, shown
 from .draw import ABSCISSAS
 
 OF_ANY_PUNCH = "convergence, extremes and tradeoff"
-OF_RADIAL_WEAR = "convergence, extremes, march, refinement, tradeoff and truncation"
 OF_LAYERS = "extremes, tradeoff and truncation"
-"""Names of the studies that accept any punch, wear along the radius, and layers."""
+"""Names of the studies that accept any punch, and layers."""
 DEFAULT_TIMES = (0.0, 0.01, 0.1, 1.0)
 """Times of scenes without any, in a / (E* k_max v0)."""
 
 
-def accept(
-    name: str,
-    source: Source,
-    any_punch: bool = False,
-    radial_wear: bool = False,
-    layered: bool = False,
-) -> Scene:
+def accept(name: str, source: Source, any_punch: bool = False, layered: bool = False) -> Scene:
     """Return the scene of a study, if the study accepts it.
 
     Parameters
@@ -26,7 +19,6 @@ def accept(
     name : name of the study
     source : a scene, a file, the name of a bundled scene, or nested dictionaries
     any_punch : whether the study accepts any punch, not only flat punches under a force
-    radial_wear : whether it accepts a wear coefficient that varies along the radius
     layered : whether it accepts a layered half-space
 
     Raises
@@ -41,12 +33,6 @@ def accept(
             f"study {name} accepts only flat punches under a force, whose contact edges are fixed: "
             "leave out punch.recess and punch.profile, and give load.normal_force; the "
             f"studies {OF_ANY_PUNCH} accept any punch"
-        )
-    if problem.merged.linear and not radial_wear:
-        raise SceneError(
-            f"study {name} accepts only rings, each with one wear coefficient: give "
-            "punch.wear_coefficients instead of punch.wear_coefficient along the radius; the "
-            f"studies {OF_RADIAL_WEAR} accept it"
         )
     if problem.ground.layered and not layered:
         raise SceneError(

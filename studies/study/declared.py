@@ -14,8 +14,8 @@ import pandas as pd
 from ..crosscheck import Scene
 from .answer import MOST_SENTENCES, WORST, conclude, costs_of, worst
 from .draw import figures_of, titled
-from .functions import Named
 from .measure import measure
+from .own import Named
 from .record import SOLVED, Record
 from .reference import Reference
 from .study import Study, remarks
@@ -56,7 +56,7 @@ class Declared:
     shown : names of the quantities in the answer and the figure; empty for `SHOWN`
     functions : functions of a result that the user defines
     worst : whether the figure has the worst quantity of each case, and the answer has it, too
-    xlabel, labels : label of the axis, if it is not that of the ways; those of keys
+    labels : labels of the axis, if it is not that of the ways, and of keys
     runs, only_promised : as in `measure`
     remarks : further sentences
     """
@@ -72,7 +72,6 @@ class Declared:
     shown: Sequence[str] = ()
     functions: Named = field(default_factory=dict)
     worst: bool = False
-    xlabel: str = ""
     labels: Mapping[str, str] = field(default_factory=dict)
     runs: int = 1
     only_promised: bool = False
@@ -131,7 +130,6 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
         FIGURE_AXES.get(axis, (axis,)),
         titled(declared.scene.title, declared.question),
         orders=fits,
-        xlabel=declared.xlabel,
         labels=declared.labels,
     )
     last = [*declared.remarks, *remarks(record, quick)]

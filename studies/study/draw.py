@@ -108,7 +108,6 @@ def draw(
     y: str = "error",
     orders: pd.DataFrame | None = None,
     title: str = "",
-    xlabel: str = "",
     labels: Mapping[str, str] | None = None,
     looks: Mapping[str, Look] | None = None,
 ) -> Figure:
@@ -120,8 +119,8 @@ def draw(
     axes : columns of the abscissas; each has rows of panels of its own
     y : column of the ordinate
     orders : table of observed orders, whose theoretical orders are drawn as triangles
-    title, xlabel : texts above and at the axes; by default the table names the abscissa
-    labels : labels of the abscissa by case
+    title : text above the panels
+    labels : labels of abscissas by their columns, and of keys that are varied
     looks : looks of ways, by their names
     """
     ways, panels = table.drop_duplicates("way"), _panels(table, axes, y)
@@ -149,8 +148,9 @@ def draw(
             _complete_panel(sub, rows, table[table["case"] == case], x, y, looks)
             sub.set_title(_panel_title(panel, varied))
             kind = ", ".join(rows["refined"].dropna().unique()) if x == "size" else x
-            label = (labels or {}).get(case, case) if x == "parameter" else XLABELS.get(x, kind)
-            sub.set_xlabel(textwrap.fill(xlabel or label, 42))
+            name, default = (case, case) if x == "parameter" else (x, kind)
+            label = (XLABELS | dict(labels or {})).get(name, default)
+            sub.set_xlabel(textwrap.fill(label, 42))
         for place in set(np.ndindex(grid.shape)) - set(places[: len(panels)]):
             grid[place].set_axis_off()
         for row in range(down):

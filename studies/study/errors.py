@@ -26,18 +26,22 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ...mdr import energy
-from ...meshes import Array, PressureSpace
+from ...meshes import Array, PressureSpace, RingwearError
 from ..crosscheck import (
     COMPARED_MODES,
     DESCRIBED,
     QUANTITIES,
     History,
     Problem,
+    Result,
     Results,
     Solution,
+    Stages,
     differences,
+    judged,
     unresolved,
 )
+from .own import Named, Quantity
 from .way import ALL, LATER, START, Case, Part
 from .ways.axis_stresses import element_stresses
 
@@ -295,3 +299,39 @@ def in_units(part: Part, values: Results, problem: Problem) -> float:
     described = DESCRIBED.get(part.quantity)
     unit = getattr(problem.units, described.unit) if described else 1.0
     return float(value.ravel()[0] * unit)
+
+
+def values_of_functions(case: Case, method: str, solution: Solution, functions: Named) -> Results:
+    """Return the values of the functions of the user; none if the case is not their scene.
+
+    Raises
+    ------
+    RingwearError
+        if one of them fails
+    """
+    if not functions or case.scene is None:
+        return {}
+    result = judged(case.scene, {}, {method: solution}, {method: Stages(method)})
+    return {name: np.asarray(call(name, each, result)) for name, each in functions.items()}
+
+
+def call(name: str, function: Quantity, result: Result) -> float:
+    """Return the value of a function of the user for a result.
+
+    Raises
+    ------
+    RingwearError
+        if the function fails, or does not return a finite number
+    """
+    try:
+        value = float(function(result))
+    except Exception as failure:
+        raise RingwearError(
+            f"quantity {name} fails: {type(failure).__name__}: {failure}; the function has to "
+            "accept the result of a run, whose dataset has one solver, and to return a number"
+        ) from failure
+    if not np.isfinite(value):
+        raise RingwearError(
+            f"quantity {name} is {value}: the function has to return a finite number"
+        )
+    return value

@@ -3,8 +3,9 @@
 import re
 from itertools import groupby
 
-import numpy as np
 import pandas as pd
+
+from ..report.template import as_text
 
 SPECIAL = {
     "\\": r"\textbackslash{}",
@@ -31,10 +32,12 @@ SYMBOLS = {
 
 WIDTH, MOST_LINES = 100, 40
 """Greatest width of a table in letters, and its greatest number of lines on a terminal."""
+MOST_COLUMNS, LATEX_WIDTH = 5, 80
+"""Greatest number of columns, and greatest width of a row in LaTeX."""
 
 
-def blocks(table: pd.DataFrame) -> list[pd.DataFrame]:
-    """Return a table as several of up to `WIDTH` letters, each with the first column.
+def blocks(table: pd.DataFrame, width: int = WIDTH) -> list[pd.DataFrame]:
+    """Return a table as several of up to `MOST_COLUMNS` columns, each with the first column.
 
     Columns ``TITLE: NAME`` become columns NAME of a table whose first column is headed by TITLE.
     Each value of a first column `case` heads tables of its own. Rows and columns without an entry
@@ -48,22 +51,23 @@ def blocks(table: pd.DataFrame) -> list[pd.DataFrame]:
         listed = [first, *names]
         for case, rows in cases:
             part = rows[listed]
-            part = part.loc[:, (part != "").any()]
+            part = part.loc[:, (part.notna() & (part != "")).any()]
             if title:
                 part = part[(part.iloc[:, 1:] != "").any(axis=1)]
             head = ": ".join(filter(None, (str(case), title))) or first
             shorter = [str(name).removeprefix(f"{title}: ") for name in part.columns[1:]]
             part.columns = pd.Index([head, *shorter])
-            parts += _of_width(part)
+            parts += _of_width(part, width)
     return parts
 
 
-def _of_width(table: pd.DataFrame) -> list[pd.DataFrame]:
-    """Return a table as several of up to `WIDTH` letters; none if it has one column only."""
+def _of_width(table: pd.DataFrame, most: int) -> list[pd.DataFrame]:
+    """Return a table as several of up to a width in letters; none if it has one column only."""
     rows, parts = [list(map(str, table.columns)), *cells(table)], list[list[int]]()
     widths = [3 + max(map(len, column)) for column in zip(*rows, strict=True)]
     for number, width in enumerate(widths[1:], 1):
-        if not parts or 1 + widths[0] + sum(widths[each] for each in parts[-1]) + width > WIDTH:
+        used = 1 + widths[0] + sum(widths[each] for each in parts[-1]) if parts else most
+        if used + width > most or len(parts[-1]) == MOST_COLUMNS - 1:
             parts.append([])
         parts[-1].append(number)
     return [table.iloc[:, [0, *part]] for part in parts]
@@ -92,51 +96,24 @@ def to_markdown(table: pd.DataFrame) -> str:
 
 def to_latex(table: pd.DataFrame) -> str:
     """Return a table as a `tabular` with the rules of the package `booktabs`."""
-    header = " & ".join(escape_latex(str(name)) for name in table.columns)
-    body = [" & ".join(map(escape_latex, row)) + r" \\" for row in cells(table)]
-    alignment = "".join("r" if np.issubdtype(kind, np.number) else "l" for kind in _kinds(table))
-    return "\n".join(
-        [
-            rf"\begin{{tabular}}{{{alignment}}}",
-            r"\toprule",
-            header + r" \\",
-            r"\midrule",
-            *body,
-            r"\bottomrule",
-            r"\end{tabular}",
-            "",
-        ]
-    )
+    escaped = table.map(lambda cell: escape_latex(cell) if isinstance(cell, str) else cell)
+    names = escaped.rename(columns=escape_latex)
+    return names.to_latex(index=False, float_format="{:.4g}".format, na_rep="")
 
 
 def cells(table: pd.DataFrame) -> list[list[str]]:
     """Return the cells of a table as text: numbers with four digits, and "" for NaN or None."""
-    return [[_as_text(cell) for cell in row] for row in table.itertuples(index=False)]
+    return table.map(as_text).to_numpy().tolist()
 
 
 def escape_latex(text: str) -> str:
     """Escape a text for LaTeX, except parts between dollar signs, which are formulas already."""
-    parts = re.split(r"(\$[^$]+\$)", text)
+    parts = re.split(r"(\$[^$]+\$)", text.replace("\n", " "))
     return "".join(
         part if number % 2 else "".join(SPECIAL.get(each, SYMBOLS.get(each, each)) for each in part)
         for number, part in enumerate(parts)
     )
 
 
-def _kinds(table: pd.DataFrame) -> list[np.dtype]:
-    """Return the numpy type of each column; columns of texts have the type object."""
-    return [
-        kind if isinstance(kind, np.dtype) else np.dtype(object) for kind in table.dtypes.tolist()
-    ]
-
-
 def _escape_pipes(cell: str) -> str:
     return cell.replace("|", r"\|")
-
-
-def _as_text(cell: object) -> str:
-    if cell is None or (isinstance(cell, float | np.floating) and np.isnan(cell)):
-        return ""
-    if isinstance(cell, float | np.floating):
-        return f"{float(cell):.4g}"
-    return str(cell).replace("\n", " ")

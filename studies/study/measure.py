@@ -25,9 +25,10 @@ from .errors import (
     parts_of,
     promised_times,
     values_of,
+    values_of_functions,
 )
 from .extrapolation import richardson
-from .functions import Named, values_of_functions
+from .own import Named
 from .record import CRASHED, REFUSED, SOLVED, Record, Row
 from .way import ALL, START, Case, Part, Way
 
@@ -73,26 +74,33 @@ def measure(
     names = (*quantities, *functions)
     with threadpool_limits(1), keeping_rows(record.remarks):
         listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
-        progress = Progress(sum(len(way.levels) for _, each in listed for way in each))
+        total, passed, start = (
+            sum(len(way.levels) for _, each in listed for way in each),
+            0,
+            time.time(),
+        )
+
+        def announce(number: int, name: str) -> None:
+            """Log which level begins, from 0, and about how many seconds are left."""
+            left = (time.time() - start) / max(number, 1) * (total - number)
+            time_left = f", about {left:.0f} s left" if number else ""
+            LOG.info("   level %d of %d%s: %s ...", number + 1, total, time_left, name)
+
         for case, ways_of_case in listed:
             case_reference = exact(case)
             parts = parts_of(case, case_reference.values, names)
             for way in ways_of_case:
                 judge = _Judge(case, way, parts, case_reference, functions, only_promised)
-                _measure_way(case, way, judge, record, progress, runs)
-                progress.passed += len(way.levels)
+                _measure_way(judge, record, announce, passed, runs)
+                passed += len(way.levels)
     return record.table
 
 
 def _measure_way(
-    case: Case,
-    way: Way,
-    judge: "_Judge",
-    record: Record,
-    progress: "Progress",
-    runs: int,
+    judge: "_Judge", record: Record, announce: Callable[[int, str], None], passed: int, runs: int
 ) -> None:
     """Solve the levels of a way that an earlier run has not solved, and add their rows."""
+    case, way = judge.case, judge.way
     earlier = record.earlier(case.name, way.name)
     done = _is_complete(way, earlier)
     previous, seconds_before = None, 0.0
@@ -105,9 +113,8 @@ def _measure_way(
             if rows[0]["outcome"] != SOLVED:
                 return
             continue
-        progress.announce(number, case, way, level)
+        announce(passed + number, f"{case.name}, {way.name}, {level}")
         facts, solution = _solve(case, way, level, previous, runs)
-        progress.seconds.append(facts["seconds"])
         if solution is None:
             record.add([facts])
             return
@@ -163,32 +170,6 @@ def timed(solve: Callable[[], Solution], runs: int) -> tuple[Solution, list[floa
 
 
 @dataclass
-class Progress:
-    """Number of the level that begins, and an estimate of the time left.
-
-    The levels left are expected to take as long as those before, on average.
-
-    Parameters
-    ----------
-    total : number of the levels of all ways, each as often as there are cases for it
-    passed : number of the levels of the ways before
-    seconds : processor seconds of the levels that were solved
-    """
-
-    total: int
-    passed: int = 0
-    seconds: list[float] = field(default_factory=list)
-
-    def announce(self, number: int, case: Case, way: Way, level: object) -> None:
-        """Log which level of a way begins, from 0, and about how many seconds are left."""
-        number += self.passed
-        left = sum(self.seconds) / max(len(self.seconds), 1) * (self.total - number)
-        time_left = f", about {left:.0f} s left" if self.seconds else ""
-        words = f"{number + 1} of {self.total}{time_left}: {case.name}, {way.name}, {level} ..."
-        LOG.info("   level %s", words)
-
-
-@dataclass
 class _Judge:
     """Errors of the levels of one way; it remembers the last three levels for extrapolation."""
 
@@ -203,7 +184,7 @@ class _Judge:
     def rows(self, facts: dict[str, Any], solution: Solution) -> list[Row]:
         """Return the rows of a level: one for each quantity that its solution has."""
         problem, method, exact = self.case.problem, self.way.method, self.exact
-        wanted = {part.quantity for part in self.parts} - self.way.without
+        wanted = {part.quantity for part in self.parts}
         values = values_of(self.case, solution, wanted)
         values |= values_of_functions(self.case, method, solution, self.functions)
         self.levels = [*self.levels[-2:], (facts["size"], values)]

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 Quantity: TypeAlias = Callable[..., float]
 """A function that takes the result of a run and returns a number."""
+Named: TypeAlias = Mapping[str, Quantity]
+"""Functions of a result that the user defines, by the names of their quantities."""
 Quantities: TypeAlias = "Mapping[str, Quantity] | Iterable[str | Quantity] | str | Quantity | None"
 """Names of quantities, and functions of a result, which may have names of their own."""
 Methods: TypeAlias = "Iterable[str | Method] | str | Method | None"
@@ -136,14 +138,29 @@ def load_methods(given: Methods) -> list[str | Method]:
     return methods
 
 
-SHORT_NAMES = {
+ELEMENTS = {
     "P1": "ElementTriP1",
     "P2": "ElementTriP2",
     "Q1": "ElementQuad1",
     "Q2": "ElementQuad2",
     "Q2S": "ElementQuadS2",
 }
-"""Elements of scikit-fem by the names that papers use; Q2S is the one with eight nodes."""
+"""Names of scikit-fem's elements by those that papers use: on triangles (P) and quadrilaterals (Q),
+of degree 1 or 2; Q2S has eight nodes."""
+
+
+def element_named(name: str) -> str:
+    """Return the name of an element in upper case.
+
+    Raises
+    ------
+    SceneError
+        if there is no such element
+    """
+    if str(name).upper() not in ELEMENTS:
+        hint = did_you_mean(str(name), ELEMENTS, f"give one of {', '.join(ELEMENTS)}")
+        raise SceneError(f"element = {shown(name)}{hint}")
+    return str(name).upper()
 
 
 def read_elements(given: "Iterable[str | Element] | str | Element") -> "tuple[Element, ...]":
@@ -170,12 +187,12 @@ def load_element(text: str) -> "Element":
     """
     import skfem
 
-    name = SHORT_NAMES.get(text.upper(), text)
+    name = ELEMENTS.get(text.upper(), text)
     value = _load("--element", text) if ".py:" in text else getattr(skfem, name, None)
     element = value() if isinstance(value, type) else value
     if not isinstance(element, skfem.Element):
         raise SceneError(
-            f"--element {text}: is not an element: give one of {', '.join(SHORT_NAMES)}, the name "
+            f"--element {text}: is not an element: give one of {', '.join(ELEMENTS)}, the name "
             f"of an element of scikit-fem, such as ElementTriP3, or {FORM} of an element"
         )
     return element

@@ -38,8 +38,9 @@ from .errors import (
     estimate,
     pressure_space,
     states_inside,
+    values_of_functions,
 )
-from .functions import Named, values_of_functions
+from .own import Named
 from .way import LATER, START, Case, Part
 from .ways.axis_stresses import boussinesq_stresses
 

@@ -15,8 +15,7 @@ from ..figures.style import html_of, in_style
 from ..tables.writing import INTERRUPTED, write_csv
 from .answer import answer, sentence
 from .draw import draw, titled
-from .formats import blocks, to_latex, to_markdown
-from .orders import KEYS_OF_STUDIES
+from .formats import LATEX_WIDTH, blocks, to_latex, to_markdown
 from .record import SOLVED, Record
 from .way import Part
 
@@ -27,6 +26,8 @@ QUICK = (
     "With --quick, levels are coarse and few: orders and costs are those of coarse levels, and "
     "may differ from those of the whole study."
 )
+ON_PAGE = ("answer", "orders", "claims")
+"""Names of the tables that the page shows."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,7 @@ class Study(AnswersGuesses):
         ----------
         table : as in `to_markdown`
         """
-        return "\n".join(map(to_latex, blocks(self._for_papers(table))))
+        return "\n".join(map(to_latex, blocks(self._for_papers(table), LATEX_WIDTH)))
 
     def save(self, folder: str | Path) -> list[str]:
         """Write the same files as ``ringwear study NAME --out folder``; return their names.
@@ -154,14 +155,19 @@ class Study(AnswersGuesses):
         for name, figure in self.figures.items():
             with in_style():
                 figure.savefig(folder / f"{name}.png")
-        from ..report.study_page import write_study
+        from ..report.template import write_study
 
         title = f"Study: {self.name}"
-        write = partial(write_study, title, self.purpose, self.scene, self.conclusions)
+        parts = [
+            (name * (not number), part)
+            for name in [name for name in ON_PAGE if name in tables] or [self.name]
+            for number, part in enumerate(blocks(self._for_papers(name)))
+        ]
+        write = partial(write_study, title, self.purpose, self.scene, self.conclusions, parts)
         return failures + make(folder / "report.html", write)
 
     def _for_papers(self, name: str) -> pd.DataFrame:
-        """Return a table by its name; of orders and costs, the keys are one column.
+        """Return a table by its name; of orders and costs, each quantity is a case.
 
         Raises
         ------
@@ -177,10 +183,12 @@ class Study(AnswersGuesses):
         table = tables[name]
         if name not in ("orders", "costs"):
             return table
-        keys = table[list(KEYS_OF_STUDIES)].to_numpy()
-        labels = [f"{case}: {way}, {Part(*part)}" for case, way, *part in keys]
-        numbers = table.drop(columns=[*KEYS_OF_STUDIES, "remark"], errors="ignore")
-        return pd.concat([pd.Series(labels, table.index, name="way"), numbers], axis=1)
+        several = table["case"].nunique() > 1
+        keys = table[["case", "quantity", "when"]].to_numpy()
+        cases = [titled(case * several, str(Part(*part))) for case, *part in keys]
+        return table.drop(columns=["quantity", "when", "remark"], errors="ignore").assign(
+            case=cases
+        )
 
     def _tables(self) -> dict[str, pd.DataFrame]:
         """Return every table that has columns, without the tidy one, by the name of its file."""

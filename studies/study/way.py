@@ -52,9 +52,9 @@ class Theory(NamedTuple):
     floor_cause: str = ""
 
 
-def without_theory(*_: str) -> Theory:
-    """Return a theory without an order."""
-    return Theory()
+def without_order(reason: str, *_: str) -> Theory:
+    """Return a theory without an order, and why there is none."""
+    return Theory(reason=reason)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,6 @@ class Way:
     sequential : whether a level starts from the solution of the level before; its seconds then
         include those of all levels before
     promises : whether the level is a tolerance that the solution promises to keep
-    without : quantities of finite elements that are not computed, because they would tell nothing
     largest : greatest size that counts in the observed order, because larger ones are not yet in
         the asymptotic range; 0 if levels are not similar to each other, so that there is no order
     """
@@ -153,10 +152,9 @@ class Way:
     solve: Solve
     refined: str
     size: Callable[[Level], float] | None = None
-    theory: Callable[[str, str], Theory] = without_theory
+    theory: Callable[[str, str], Theory] = lambda *_: Theory()
     sequential: bool = False
     promises: bool = False
-    without: frozenset[str] = frozenset()
     largest: float = np.inf
 
 

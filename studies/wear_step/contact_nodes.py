@@ -20,8 +20,11 @@ from skfem import Mesh, MeshTri
 
 from ...fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
 from ...meshes import Array, Ground, SceneError, contact_radii, gauss, truncation
-from .elements import CONSISTENT, ELEMENTS
+from ..study.own import ELEMENTS
 
+PER_NODE, CONSISTENT = "per node", "consistent"
+TREATMENTS = PER_NODE, CONSISTENT
+"""Ways to compute the pressure of a node from the forces on the nodes."""
 FAR_FIELD_ERROR = 1e-9
 """Relative error of the energy that poles may leave of the truncation; it sets their number."""
 
@@ -32,7 +35,7 @@ class ContactNodes:
 
     Parameters
     ----------
-    element : name of the element (`ELEMENTS`)
+    element : name of the element (`ELEMENTS` in `study/own.py`)
     radii : (n,) radii of the nodes, from inside to outside
     stiffness : (n, n) forces on the nodes for axial displacements of them, with everything else
         eliminated

@@ -20,9 +20,8 @@ from ...meshes import (
     structured,
 )
 from ..crosscheck import Problem, Scene, first_and_last_in_contact, run
-from .contact_nodes import ContactNodes, contact_nodes
-from .elements import CONSISTENT, PER_NODE
-from .explicit import explicit
+from .contact_nodes import CONSISTENT, PER_NODE, ContactNodes, contact_nodes
+from .explicit import longest_step
 
 REACH = 20.0
 """Radius of the half-spaces that are meshed here, with Boussinesq's far field, in punch radii."""
@@ -63,7 +62,7 @@ class StepLimits:
     def limit_in(self, contact: str, treatment: str = PER_NODE) -> float:
         """Return the longest stable step in a state of the contact."""
         touching = self.contacts[contact]
-        return explicit(self.scene.problem, self.nodes, treatment, touching).limit
+        return longest_step(self.scene.problem, self.nodes, treatment, touching)
 
     def distance(self, step: float) -> float:
         """Return a step as a sliding distance in the units of the scene."""

@@ -7,9 +7,9 @@ import numpy as np
 
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
-from .contact_nodes import ContactNodes, contact_nodes
-from .elements import ELEMENTS, TREATMENTS
-from .explicit import explicit, wear_at_nodes
+from ..study.own import ELEMENTS
+from .contact_nodes import TREATMENTS, ContactNodes, contact_nodes
+from .explicit import longest_step, relief, wear_at_nodes
 from .limits import mesh_below
 
 
@@ -43,15 +43,16 @@ def limit_of_models(
         places = np.abs(nodes.radii[:, None] - radii).argmin(axis=0)
         everywhere = np.array([np.interp(nodes.radii, radii, row) for row in rates])
         for treatment in TREATMENTS:
-            update = explicit(problem, nodes, treatment)
             worn = everywhere * np.diff(times)[:, None]
-            predicted = np.diff(-(worn @ update.relief.T)[:, places], axis=0)[used]
+            changed = -(worn @ relief(problem, nodes, treatment).T)[:, places]
+            predicted = np.diff(changed, axis=0)[used]
             scale = (predicted * changes).sum() / (predicted**2).sum()
             if not scale > 0:
                 continue
             rest = ((changes - scale * predicted) ** 2).sum() / (changes**2).sum()
             if rest < best[0]:
-                best = float(rest), update.limit / float(scale), nodes.element
+                limit = longest_step(problem, nodes, treatment)
+                best = float(rest), limit / float(scale), nodes.element
     # a model that allows the step does not describe the program
     return best[1:] if best[1] < np.diff(times).mean() else (np.nan, "")
 

@@ -11,8 +11,7 @@ from ..crosscheck import (
     numbers,
     plan_run,
 )
-from ..study.own import read_meshes
-from .elements import element_named
+from ..study.own import element_named, read_meshes
 
 if TYPE_CHECKING:
     from skfem import Mesh

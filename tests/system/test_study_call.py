@@ -96,3 +96,12 @@ def test_marches_are_of_first_order_if_wear_varies_along_the_radius():
 def test_an_unknown_table_is_refused(march):
     with pytest.raises(SceneError, match="give one of"):
         march.to_markdown("order")
+
+
+@pytest.mark.gmsh
+def test_far_fields_of_a_hollow_punch_are_those_of_a_disc():
+    """The study of truncation presses a disc, whatever the punch of the scene is."""
+    results = study("truncation", "washer", radii=[4, 5], quick=True)
+    finest = results.orders.groupby("way")["finest error"].max()
+    assert finest["clamped"] > 1e-2
+    assert finest["3 poles"] < 1e-8

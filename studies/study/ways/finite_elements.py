@@ -33,7 +33,7 @@ from ...crosscheck import (
     triangle_degree,
 )
 from ..errors import ENERGY, states
-from ..way import Way, inverse
+from ..way import Way, inverse, without_order
 from . import theories
 from .subdivision import subdivided, triangulated
 from .wear import wear_on
@@ -210,7 +210,7 @@ def graded_to_edges(
     label = f"{name or kind(degree, quads)}, graded"
     return Way(
         *(label, "fem", parts, solve, PARTED, inverse),
-        theory=theories.for_own_element if element else theory,
+        theory=partial(without_order, theories.OWN_ELEMENT) if element else theory,
     )
 
 
@@ -363,7 +363,8 @@ def own_meshes(
         chosen = degree or degree_on(problem, level.mesh)
         return on_mesh(problem, level.mesh, chosen, poles, element, with_indicators=element is None)
 
-    return Way(name, "fem", levels, solve, COUNTED, None, theories.for_own_meshes)
+    theory = partial(without_order, theories.OWN_MESH)
+    return Way(name, "fem", levels, solve, COUNTED, None, theory)
 
 
 def degree_on(problem: Problem, mesh: Mesh) -> int:

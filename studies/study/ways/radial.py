@@ -31,7 +31,7 @@ from ....meshes import (
     graded_breakpoints,
 )
 from ...crosscheck import Problem, Solution, scaled_cells, with_rtol
-from ..way import Way, inverse
+from ..way import Way, inverse, without_order
 from . import theories
 from .subdivision import subdivided
 from .wear import wear_on
@@ -112,8 +112,9 @@ def cells(method: str, factors: Sequence[float], degree: int = 0, quads: bool = 
         half_space = elements_on(problem, at_level, level, degree, quads)
         return wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
 
+    theory = partial(without_order, theories.MOVING_EDGES)
     name = f"{'Q' if quads else 'P'}{degree} below cells" if method == "fem" else method.upper()
-    return Way(name, method, factors, solve, SCALED, inverse, theories.for_cells)
+    return Way(name, method, factors, solve, SCALED, inverse, theory)
 
 
 def elements_on(

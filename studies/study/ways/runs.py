@@ -1,6 +1,6 @@
 """Ways that a user has: a tolerance, a time step, the paper's grid; and a naive solver."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
@@ -10,7 +10,6 @@ from ....mdr import energy
 from ....meshes import SolverError
 from ...crosscheck import (
     METHODS,
-    FullContact,
     MdrAccuracy,
     Method,
     Problem,
@@ -20,16 +19,11 @@ from ...crosscheck import (
     radial_sizes,
     solved_to_accuracy,
 )
-from ..way import Way, inverse
+from ..way import Level, Way, inverse
 from . import naive, theories
+from .wear import wear_on
 
-TOLERANCE, STEP, STABLE_STEP, SPRINGS, ELEMENTS = (
-    "tolerance rtol",
-    r"time step / $a/(E^*k_{max}v_0)$",
-    "step / greatest stable one",
-    "1 / number of springs",
-    "1 / elements on the radius",
-)
+STEP = r"time step / $a/(E^*k_{max}v_0)$"
 LONGEST_STEP_FRACTION = 0.25
 """Longest step, over the earliest time, for which the error there is proportional to the step."""
 STABLE_PART = 0.8
@@ -53,23 +47,68 @@ def solved_by(entry: Method, problem: Problem) -> Solution:
     return solved_to_accuracy(entry, [problem], Stages(entry.name))[0]
 
 
+def runs(
+    name: str,
+    entry: Method,
+    levels: Sequence[Level],
+    changed: Callable[[Problem, Level], Problem],
+    refined: str,
+    size: Callable[[Level], float] = float,
+) -> Way:
+    """Return the way through runs of one method.
+
+    Parameters
+    ----------
+    name, levels, refined, size : as of the way
+    entry : the method
+    changed : function of a problem and a level that returns the problem to solve
+    """
+
+    def solve(problem: Problem, level: Level, _: Solution | None) -> Solution:
+        return solved_by(entry, changed(problem, level))
+
+    return Way(name, entry.name, levels, solve, refined, size)
+
+
 def tolerances(entry: Method, rtols: Sequence[float]) -> Way:
     """Return the way through tolerances of a method, one of ringwear or of the user."""
-
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        return solved_by(entry, replace(problem, rtol=level))
-
     name = entry.name.upper() if entry.name in METHODS else entry.name
-    return Way(name, entry.name, rtols, solve, TOLERANCE, float, promises=True, largest=0.0)
+    way = runs(
+        name, entry, rtols, lambda problem, level: replace(problem, rtol=level), "tolerance rtol"
+    )
+    return replace(way, promises=True, largest=0.0)
 
 
 def closed_form() -> Way:
     """Return the way of direct integration, which has one level."""
+    direct = method("direct")
+    return runs("direct integration", direct, (1,), lambda problem, _: problem, "one level")
 
-    def solve(problem: Problem, __: int, _: Solution | None) -> Solution:
-        return method("direct").solve(problem, Stages("direct"))
 
-    return Way("direct integration", "direct", (1,), solve, "one level", float)
+def paper_grid(springs: Sequence[int]) -> Way:
+    """Return the way through the uniform grids of the paper."""
+
+    def changed(problem: Problem, level: int) -> Problem:
+        return replace(problem, mdr=MdrAccuracy(grid=level))
+
+    grid = method("mdr-grid")
+    return runs("the paper's grid", grid, springs, changed, "1 / number of springs", inverse)
+
+
+def explicit_steps(parts: Sequence[float]) -> Way:
+    """Return the way through stable explicit steps of MDR, on coarse elements.
+
+    Parameters
+    ----------
+    parts : steps over the greatest stable one
+    """
+
+    def changed(problem: Problem, level: float) -> Problem:
+        step = level * coarse_stability_limit(problem)
+        return replace(problem, mdr=COARSE_SPACE, march="explicit", step=step)
+
+    entry = method("mdr")
+    return runs("MDR, explicit Euler", entry, parts, changed, "step / greatest stable one")
 
 
 def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float | None = None) -> Way:
@@ -87,9 +126,7 @@ def steps(march: str, lengths: Sequence[float], case: Problem, rtol: float | Non
         marched = replace(problem, march=march, step=level)
         if rtol is None:
             return on_coarse_space(marched)
-        if refusal := method("mdr").refusal(marched):
-            raise SolverError(refusal)
-        return method("mdr").solve(replace(marched, rtol=rtol), Stages("mdr"))
+        return solved_by(method("mdr"), replace(marched, rtol=rtol))
 
     theory = partial(theories.for_steps, why_no_order(case, lengths))
     name = f"{march} Euler" if rtol is None else f"MDR, {march} Euler"
@@ -115,39 +152,7 @@ def coarse_stability_limit(problem: Problem) -> float:
 def on_coarse_space(problem: Problem) -> Solution:
     """Return the solution by the march of the problem on the coarse space of explicit marches."""
     space = radial_sizes(replace(problem, mdr=COARSE_SPACE)).space(problem)
-    full = FullContact(problem, energy.compliance(space, problem.ground))
-    size = full.compliance.space.size
-    results, compared = full.results | full.answers, full.compared | full.answers
-    return Solution(results, compared, {}, {}, size, wear=full.wear)
-
-
-def explicit_steps(parts: Sequence[float]) -> Way:
-    """Return the way through stable explicit steps of MDR, on coarse elements.
-
-    Parameters
-    ----------
-    parts : steps over the greatest stable one
-    """
-
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        marched = replace(
-            problem,
-            mdr=COARSE_SPACE,
-            march="explicit",
-            step=level * coarse_stability_limit(problem),
-        )
-        return method("mdr").solve(marched, Stages("mdr"))
-
-    return Way("MDR, explicit Euler", "mdr", parts, solve, STABLE_STEP, float)
-
-
-def paper_grid(springs: Sequence[int]) -> Way:
-    """Return the way through the uniform grids of the paper."""
-
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
-        return solved_by(method("mdr-grid"), replace(problem, mdr=MdrAccuracy(grid=level)))
-
-    return Way("the paper's grid", "mdr-grid", springs, solve, SPRINGS, inverse)
+    return wear_on(problem, energy.compliance(space, problem.ground))
 
 
 @dataclass(frozen=True)
@@ -181,7 +186,7 @@ def naive_elements(sizes: Sequence[NaiveSizes]) -> Way:
         step = STABLE_PART * naive.stable_step(problem, level.cells)
         if level.steps:
             step = float(problem.times[-1]) / level.steps or 1.0
-        values = naive.solve(problem, cells=level.cells, step=step * problem.units.time)
+        values = naive.solve(problem, cells=level.cells, step=step)
         compared = {"time": values["time"][problem.compared_rows]}
         for name in {"pressure", problem.response} & values.keys():
             rows = values[name][problem.compared_rows]
@@ -192,4 +197,4 @@ def naive_elements(sizes: Sequence[NaiveSizes]) -> Way:
     def size(level: NaiveSizes) -> float:
         return 1 / level.cells
 
-    return Way("naive finite elements", "naive", sizes, solve, ELEMENTS, size)
+    return Way("naive finite elements", "naive", sizes, solve, "1 / elements on the radius", size)

@@ -170,18 +170,3 @@ def for_steps(reason: str, _: str, when: str) -> Theory:
     if when != "later":
         return Theory(reason=NO_TIME)
     return Theory(reason=reason) if reason else Theory(1.0, 0.0, STEP)
-
-
-def for_cells(*_: str) -> Theory:
-    """Return the theory of cells on which contact opens, closes and spreads."""
-    return Theory(reason=MOVING_EDGES)
-
-
-def for_own_meshes(*_: str) -> Theory:
-    """Return the theory of meshes of the user."""
-    return Theory(reason=OWN_MESH)
-
-
-def for_own_element(*_: str) -> Theory:
-    """Return the theory of elements of the user."""
-    return Theory(reason=OWN_ELEMENT)

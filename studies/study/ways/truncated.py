@@ -21,7 +21,7 @@ from ....meshes import Compliance, Ground, SizeField, relative_stiffness
 from ....meshes.by_gmsh import graded, truncation_with_interfaces
 from ...crosscheck import Problem, Solution, press_flat
 from ..reference import Reference
-from ..way import Solve, Theory, Way, inverse
+from ..way import Case, Solve, Theory, Way, inverse
 from .subdivision import FLAT, triangulated
 
 ORDERS = {"clamped": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -55,9 +55,9 @@ def start(depth: float, unknowns: int) -> Solution:
     return Solution({}, compared, {}, {}, unknowns)
 
 
-def exact_on_layers(problem: Problem) -> Reference:
-    """Return the indentation of a flat punch of the radius 1 under the force 1 in theory."""
-    depth = flat_punch_of(0.0).indentation / relative_stiffness(problem.ground)
+def exact_disc(case: Case) -> Reference:
+    """Return the indentation of a flat punch of the radius 1 without a hole under the force 1."""
+    depth = flat_punch_of(0.0).indentation / relative_stiffness(case.problem.ground)
     values = {"time": np.zeros(1), "indentation": np.array([depth])}
     return Reference(values, lambda _: ROUNDOFF)
 

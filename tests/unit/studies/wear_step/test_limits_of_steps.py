@@ -6,9 +6,8 @@ import pytest
 from ringwear import Scene, SceneError
 from ringwear.meshes import as_half_space, ring_areas, structured
 from ringwear.studies.check.sawtooth import find
-from ringwear.studies.wear_step.contact_nodes import contact_nodes
-from ringwear.studies.wear_step.elements import ELEMENTS, TREATMENTS
-from ringwear.studies.wear_step.explicit import explicit
+from ringwear.studies.study.own import ELEMENTS
+from ringwear.studies.wear_step.contact_nodes import TREATMENTS, contact_nodes
 from ringwear.studies.wear_step.limits import (
     contacts_of,
     describe,
@@ -46,22 +45,6 @@ def test_nodes_carry_the_force_of_a_flat_punch(element, inner):
         if treatment == "consistent":
             np.testing.assert_allclose(pressures, 1.0, rtol=1e-9)
         assert nodes.weights.sum() == pytest.approx(area, rel=1e-12)
-
-
-@pytest.mark.parametrize("element", ["P1", "Q2S"])
-@pytest.mark.parametrize("force", ["given", "decaying"])
-def test_modes_reproduce_marches(element, force):
-    """The exact history is the limit of marches by short explicit steps."""
-    scene = FIVE if force == "given" else FIVE.changed(load={"indentation": 0.01})
-    update = explicit(scene.problem, nodes_of(element, 15), "per node")
-    assert (update.force is None) == (force == "decaying")
-    count, step = 40 * 400, 0.3 * update.limit / 400
-    profile = np.zeros(len(update.wear))
-    for _ in range(count):
-        profile = profile + step * update.wear * update.pressures(profile)
-    exact = update.exact(np.array([count * step]))[0]
-    np.testing.assert_allclose(exact, profile, rtol=5e-3)
-    assert np.isfinite(update.depth(np.array([profile]))).all()
 
 
 def test_limits_are_in_the_units_of_the_scene():
