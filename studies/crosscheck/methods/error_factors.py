@@ -122,6 +122,11 @@ TABLE = {
         "tests/physics/test_estimates_at_extremes.py::"
         "test_estimates_of_running_in_times_include_a_coarse_rim",
     ),
+    "pressure at the rim": ErrorFactor(
+        3.0,
+        "width of the element at the rim: least error of pressures of a flat start",
+        "tests/physics/test_trust.py::test_start_pressures_are_those_of_the_closed_form",
+    ),
     "worn depth at the rim": ErrorFactor(
         0.65,
         "root of (worn length at the rim / width of the face), while that length is below the "

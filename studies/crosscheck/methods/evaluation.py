@@ -318,16 +318,29 @@ class FullContact(Evaluation):
         total_change, time = self.wear.total_change, self.wear.time_until(remaining_part)
         if not (total_change > 0 and time > 0):
             return 0.0
-        space = self.compliance.space
-        size = max(space.widths[-1], space.widths[0] if space.inner_radius else 0.0)
         start = total_change if self.problem.indentation is not None else self.wear.flat.indentation
         relative_step = 1e-3
         left_before, left_after = self.wear.modes.remaining_change(
             time * np.array([1 - relative_step, 1 + relative_step])
         )
         decay = np.log(left_before / left_after) / (2 * relative_step)
-        start_error = error_factor("stiffness at the rim") * size
-        return float(start_error * start / total_change / decay)
+        return float(
+            self._error_at_rim(error_factor("stiffness at the rim")) * start / total_change / decay
+        )
+
+    def _error_at_rim(self, per_width: float) -> float:
+        """Return the error of a flat start that is caused by the element at the rim or at the hole.
+
+        The pressure of the start is infinite at both.
+        """
+        space = self.compliance.space
+        size = max(space.widths[-1], space.widths[0] if space.inner_radius else 0.0)
+        return per_width * float(size)
+
+    def _error_of_start(self, per_width: float) -> Array:
+        """Return the same error (T,) while the punch has not slid since it was pressed on."""
+        pressed = self.problem.loading.force_rise_at_rest(self.problem.times) > 0
+        return np.where(pressed, self._error_at_rim(per_width), 0.0)
 
     def _worn_depth_at_rim(self) -> Array:
         """Return the error (T,) of the worn depth while one element at the rim contains the wear.
@@ -352,4 +365,17 @@ class FullContact(Evaluation):
         "profile": _worn_depth_at_rim,
         "displacement": _worn_depth_at_rim,
         "rms_slope": _roundoff_of_slopes,
+        "pressure": lambda each: each._error_of_start(error_factor("pressure at the rim")),
+        **dict.fromkeys(
+            ("indentation", "normal_force"),
+            lambda each: each._error_of_start(error_factor("stiffness at the rim")),
+        ),
+        **dict.fromkeys(
+            ("indentation_start", "force_start"),
+            lambda each: each._error_at_rim(error_factor("stiffness at the rim")),
+        ),
+        **dict.fromkeys(
+            ("pressure_min", "pressure_max"),
+            lambda each: each._error_at_rim(error_factor("pressure at the rim")),
+        ),
     }
