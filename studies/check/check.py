@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...meshes import RingwearError, SceneError
+from ...meshes import Array, RingwearError, SceneError
 from ..crosscheck import (
     FIELDS,
     LOG,
@@ -44,11 +44,12 @@ from ..crosscheck import (
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
+from ..estimate.model import unit_of
 from ..tables.writing import as_json, write_csv
 from ..wear_step.elements import element_named
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
-from .refinement import Refinement, refinements
+from .refinement import Refinement, diagnosis_of_mesh, refinements
 from .sawtooth import diagnosis_of, sawtooth_of
 from .tables import NoTimesError, OthersResults, are_steps, read, without_number
 
@@ -248,6 +249,8 @@ class Check(AnswersGuesses):
             first = [diagnosis_of(*arguments)]
             if first[0].judgement == EXPLAINS:
                 return first
+        if self.sizes and (of_mesh := diagnosis_of_mesh(self.refinements, self.scene.unit_names)):
+            first.append(of_mesh)
         others = diagnose(self._compared(program), self.decks.get(program))
         if not (first or others) and rows and not self.is_within(program):
             others = [unexplained(self.texts.next_step(program))]
@@ -349,8 +352,21 @@ class Check(AnswersGuesses):
             for key in theirs
             if best(self._our_solutions, key)
         }
-        times, radii = dataset["time"].values, dataset.get("radius", np.empty(0))
-        return Comparison(times, np.asarray(radii), theirs, ours, self.scene)
+        times, radii = dataset["time"].values, np.asarray(dataset.get("radius", np.empty(0)))
+        meshed = self._meshed(times, radii, theirs["pressure"]) if "pressure" in theirs else {}
+        return Comparison(times, radii, theirs, ours, self.scene, meshed)
+
+    def _meshed(self, times: Array, radii: Array, pressures: Array) -> dict[str, Array]:
+        """Return results of a mesh with nodes at the radii; empty if there is no such mesh."""
+        # it loads scikit-fem, which tables without an error do not need
+        from ..wear_step.models import results_on_mesh
+
+        problem, element = self.scene.problem, self.element or "P1"
+        units = problem.units
+        pressures = pressures / unit_of(units, "pressure")
+        times, radii = times / units.time, radii / units.length
+        found = results_on_mesh(problem, times, radii, pressures, element)
+        return {name: values * unit_of(units, name) for name, values in found.items()}
 
     @property
     def summary(self) -> dict[str, Any]:

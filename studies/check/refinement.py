@@ -14,8 +14,12 @@ from numpy.typing import NDArray
 
 from ...meshes import Array
 from ..crosscheck import FIELDS, UnitNames
+from ..estimate.diagnose import EXPLAINS, Diagnosis
 from ..study.extrapolation import order_of_errors, richardson
 from .errors import ErrorAtTime
+
+# least order of errors of a mesh that converge
+LEAST_ORDER = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +130,44 @@ def refinements(
             signed = np.array([row.error for row in levels])
             floor = max(row.stated for row in levels)
             yield Refinement(quantity, time, np.array(sizes), signed, floor)
+
+
+def _converges(found: Refinement) -> bool:
+    falling = bool((np.diff(found.errors) < 0).all())
+    return falling and found.order > LEAST_ORDER and not np.isfinite(found.stalled)
+
+
+def diagnosis_of_mesh(found: Sequence[Refinement], names: UnitNames) -> Diagnosis | None:
+    """Return the diagnosis that the error is that of the mesh; None if results do not converge.
+
+    They converge to ours if the errors of each quantity decrease with each size, without stalling.
+
+    Parameters
+    ----------
+    found : the refinement of each quantity
+    names : of the units of the scene
+    """
+    counted = [each for each in found if each.counted.all()]
+    if not counted or not all(map(_converges, counted)):
+        return None
+    worst = max(counted, key=lambda each: each.errors[-1])
+    # the next halving of the size leaves so much
+    order = worst.order
+    remaining = float(worst.errors[-1] * (worst.sizes[-1] / worst.sizes[-2]) ** order)
+    return Diagnosis(
+        "mesh",
+        float(worst.sizes[-1]),
+        np.nan,
+        np.nan,
+        1.0,
+        EXPLAINS,
+        f"errors of the mesh or of the steps, which decrease with their size: "
+        f"{worst.label(names)} by order {order_in_words(order)}",
+        float(worst.errors[-1]),
+        remaining,
+        "",
+        "refine once more: errors decrease as before",
+    )
 
 
 def order_in_words(order: float) -> str:
