@@ -49,7 +49,7 @@ from ..tables.writing import as_json, write_csv
 from ..wear_step.elements import element_named
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
-from .refinement import Refinement, diagnosis_of_mesh, refinements
+from .refinement import Refinement, order_in_words, refinements
 from .sawtooth import diagnosis_of, sawtooth_of
 from .tables import NoTimesError, OthersResults, are_steps, read, without_number
 
@@ -249,12 +249,29 @@ class Check(AnswersGuesses):
             first = [diagnosis_of(*arguments)]
             if first[0].judgement == EXPLAINS:
                 return first
-        if self.sizes and (of_mesh := diagnosis_of_mesh(self.refinements, self.scene.unit_names)):
-            first.append(of_mesh)
+        if self.refinements and not self.is_within(program):
+            first += self._error_of_mesh()
         others = diagnose(self._compared(program), self.decks.get(program))
         if not (first or others) and rows and not self.is_within(program):
             others = [unexplained(self.texts.next_step(program))]
         return [replace(each, program=program) for each in (*first, *others)]
+
+    def _error_of_mesh(self) -> list[Diagnosis]:
+        """Return the diagnosis of the mesh if all results of a refinement converge to ours."""
+        counted = [each for each in self.refinements if each.counted.all()]
+        if not counted or not all(each.converges for each in counted):
+            return []
+        worst = max(counted, key=lambda each: float(each.errors[-1]))
+        error, order, sizes = float(worst.errors[-1]), worst.order, worst.sizes
+        looks_like = (
+            "errors of the mesh or of the steps, which decrease with their size: "
+            f"{worst.label(self.scene.unit_names)} by order {order_in_words(order)}"
+        )
+        # what remains if the size is reduced once more
+        remaining = error * float(sizes[-1] / sizes[-2]) ** order
+        confirm = "reduce the size once more: the errors decrease as before"
+        numbers = float(sizes[-1]), np.nan, np.nan, 1.0
+        return [Diagnosis("mesh", *numbers, EXPLAINS, looks_like, error, remaining, "", confirm)]
 
     @cached_property
     def _mistakes(self) -> dict[str, list[Diagnosis]]:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ...meshes import Array
 from ..crosscheck import FIELDS, UnitNames
-from ..estimate.diagnose import EXPLAINS, Diagnosis
 from ..study.extrapolation import order_of_errors, richardson
 from .errors import ErrorAtTime
 
@@ -80,6 +79,12 @@ class Refinement:
         slow &= self.counted[1:]
         return float(self.sizes[:-1][slow][0]) if slow.any() else np.nan
 
+    @property
+    def converges(self) -> bool:
+        """Whether all errors are counted, and decrease with each size, without stalling."""
+        falling = bool(self.counted.all() and (np.diff(self.errors) < 0).all())
+        return falling and self.order > LEAST_ORDER and not np.isfinite(self.stalled)
+
     def label(self, names: UnitNames) -> str:
         """Return the quantity and the time in words."""
         quantity = self.quantity.replace("_", " ")
@@ -130,44 +135,6 @@ def refinements(
             signed = np.array([row.error for row in levels])
             floor = max(row.stated for row in levels)
             yield Refinement(quantity, time, np.array(sizes), signed, floor)
-
-
-def _converges(found: Refinement) -> bool:
-    falling = bool((np.diff(found.errors) < 0).all())
-    return falling and found.order > LEAST_ORDER and not np.isfinite(found.stalled)
-
-
-def diagnosis_of_mesh(found: Sequence[Refinement], names: UnitNames) -> Diagnosis | None:
-    """Return the diagnosis that the error is that of the mesh; None if results do not converge.
-
-    They converge to ours if the errors of each quantity decrease with each size, without stalling.
-
-    Parameters
-    ----------
-    found : the refinement of each quantity
-    names : of the units of the scene
-    """
-    counted = [each for each in found if each.counted.all()]
-    if not counted or not all(map(_converges, counted)):
-        return None
-    worst = max(counted, key=lambda each: each.errors[-1])
-    # the next halving of the size leaves so much
-    order = worst.order
-    remaining = float(worst.errors[-1] * (worst.sizes[-1] / worst.sizes[-2]) ** order)
-    return Diagnosis(
-        "mesh",
-        float(worst.sizes[-1]),
-        np.nan,
-        np.nan,
-        1.0,
-        EXPLAINS,
-        f"errors of the mesh or of the steps, which decrease with their size: "
-        f"{worst.label(names)} by order {order_in_words(order)}",
-        float(worst.errors[-1]),
-        remaining,
-        "",
-        "refine once more: errors decrease as before",
-    )
 
 
 def order_in_words(order: float) -> str:

@@ -12,7 +12,17 @@ from .measurement import Measurement
 from .mesh_patterns import PATTERNS, InColumn, in_columns, patterns, relative_size
 from .mistakes import mesh_part, mistakes, named, sentence
 from .model import Model
-from .select import ALIKE, BIAS, MIN_EFFECT, NOISE, Candidate, Mistake, left_out, select
+from .select import (
+    ALIKE,
+    BIAS,
+    COARSE_MESH,
+    MIN_EFFECT,
+    NOISE,
+    Candidate,
+    Mistake,
+    left_out,
+    select,
+)
 
 # tolerance of the model: errors of other programs are greater
 RTOL = 1e-2
@@ -25,6 +35,8 @@ TRUST = 1.5
 MAX_ALIKE_DIFFERENCE = 0.02
 # least share of a mistake that is named beside a better one, and greatest number of these
 MIN_SHARE, MOST_NAMED = 0.15, 4
+# greatest factor on what the best mistake leaves that another one leaves that is named with it
+MOST_WORSE = 3.0
 # difference of the score up to which a mistake explains the data as well as another one
 NEAR = 6.0
 # least part of the errors of pressures that a pattern of a mesh has to be
@@ -321,19 +333,28 @@ def _diagnoses(
     def explains(row: tuple[Candidate, Mistake, float]) -> bool:
         return row[2] > MIN_EXPLAINED and bool((row[0].errors <= allowed).all())
 
-    if deck and any(mistake.of_mesh and part > MIN_EXPLAINED for _, mistake, part in found):
+    # inputs cannot be wrong by less than the mesh is
+    mesh_suffices = any(row[1].name == COARSE_MESH and explains(row) for row in found)
+    if deck:
+        mesh_suffices |= any(row[1].of_mesh and row[2] > MIN_EXPLAINED for row in found)
+    if mesh_suffices:
         found = [row for row in found if row[1].of_mesh]
     if not found:
         return []
     scores = np.array([row[0].score for row in found])
     weights = np.exp(-np.maximum(scores - scores.min() - ALIKE, 0.0) / 2)
+    order = [int(number) for number in np.argsort(-weights, kind="stable")]
     shares = weights / weights.sum() * [part for *_, part in found]
-    order = [int(number) for number in np.argsort(-shares, kind="stable")]
+    # in the order of the score
+    shares[order] = np.minimum.accumulate(shares[order])
     explaining = [number for number in order if explains(found[number])]
+    listed = explaining or order[:1]
+    first = found[listed[0]][0].errors.max()
     listed = [
         number
-        for number in explaining or order[:1]
-        if shares[number] > MIN_SHARE * shares[order[0]]
+        for number in listed
+        if shares[number] > MIN_SHARE * shares[listed[0]]
+        and found[number][0].errors.max() <= MOST_WORSE * first
     ][:MOST_NAMED]
     diagnoses = []
     for number in listed:
@@ -376,9 +397,16 @@ def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
     """
     kept = list[Candidate]()
     for each in candidates:
-        if not any(_is_special(each, other) and alike(each, other) for other in kept):
+        if not any(_are_one(each, other) for other in kept):
             kept.append(each)
     return kept
+
+
+def _are_one(candidate: Candidate, other: Candidate) -> bool:
+    """Return whether two candidates are the same mistake, in two forms."""
+    if candidate.mistake and other.mistake and candidate.mistake.name == COARSE_MESH:
+        return other.mistake.name == COARSE_MESH
+    return _is_special(candidate, other) and alike(candidate, other)
 
 
 def _is_special(candidate: Candidate, other: Candidate) -> bool:
