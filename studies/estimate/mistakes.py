@@ -231,7 +231,7 @@ def coarse_mesh(errors: float, clamped: Change | None) -> list[Mistake]:
         surface are too large; None if there is none
     """
     nodes = replace(mesh_part(), value=1.0, scale=1.0)
-    rows = [(nodes,)]
+    rows: list[tuple[Parameter, ...]] = [(nodes,)]
     if clamped is not None:
         below = Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors)
         rows.append((nodes, below))
