@@ -257,8 +257,12 @@ class Check(AnswersGuesses):
         return [replace(each, program=program) for each in (*first, *others)]
 
     def _error_of_mesh(self) -> list[Diagnosis]:
-        """Return the diagnosis of the mesh if all results of a refinement converge to ours."""
+        """Return the diagnosis of the mesh if all results of a refinement converge to ours.
+
+        Fields count only if there are no numbers: their errors at the rim and at ring edges stay.
+        """
         counted = [each for each in self.refinements if each.counted.all()]
+        counted = [each for each in counted if each.quantity not in FIELDS] or counted
         if not counted or not all(each.converges for each in counted):
             return []
         worst = max(counted, key=lambda each: float(each.errors[-1]))

@@ -198,8 +198,18 @@ class Likelihood:
             x[fixed] = value
         if not varied:
             return Point(x, float(np.sum(self.residuals(x) ** 2)))
-        found = self.minimizer(x, varied, tolerance).least_squares(max_nfev=evaluations)
-        return Point(coordinates(found.params), float(found.chisqr))
+        best = Point(x, np.inf)
+
+        def follow(found: Parameters, _: int, residuals: Array) -> None:
+            nonlocal best
+            if (chi_square := float(residuals @ residuals)) < best.chi_square:
+                best = Point(coordinates(found), chi_square)
+
+        minimizer = self.minimizer(x, varied, tolerance)
+        # a search that reaches its last evaluation ends at that one, which may not be the best
+        minimizer.iter_cb = follow
+        minimizer.least_squares(max_nfev=evaluations)
+        return best
 
     def covariance(self, x: Array) -> Array:
         """Return the covariance (f, f) of the free parameters, by the curvature at a point."""

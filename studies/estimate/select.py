@@ -22,6 +22,8 @@ from .parameter import Parameter
 # assumed relative error of a program: the random part, and the part that all values of
 # a quantity have in common
 NOISE, BIAS = 0.02, 0.02
+# part of the difference, at most `NOISE`, below which differences of what remains do not count
+FLOOR = 0.1
 # greatest number of values that count as independent
 MAX_VALUES = 24
 # a choice among several values counts as half a fitted number
@@ -32,7 +34,7 @@ MAX_SOLVED, EVALUATIONS_SOLVED = 3, 5
 # (1995) 773)
 ALIKE = 2.0
 # number of starts of a search; relative change of chi-square and number of evaluations at its end
-MAX_STARTS, TOLERANCE, EVALUATIONS = 2, 1e-3, 20
+MAX_STARTS, TOLERANCE, EVALUATIONS = 3, 1e-3, 20
 # least relative change of the prediction that a mistake must cause
 MIN_EFFECT = 1e-3
 # name of the mistake that is the mesh itself
@@ -91,13 +93,13 @@ class Candidate:
     likelihood : of the data; its parameters are those of the mistake and, last, those of the errors
         of a mesh
     point : best coordinates (m,)
-    noise : (Q,) assumed relative error of each measurement
+    floor : relative error that is added to what remains: smaller differences do not count
     """
 
     mistake: Mistake | None
     likelihood: Likelihood
     point: Point
-    noise: Array
+    floor: float
 
     @cached_property
     def predicted(self) -> list[Array]:
@@ -134,14 +136,28 @@ class Candidate:
         """Return the relative changes (Q,) of the prediction from another candidate's."""
         return self._relative_sizes(self.predicted, other.predicted)
 
+    @property
+    def _unbiased_errors(self) -> Array:
+        """(Q,) as `errors`, less what the values of a measurement may have in common."""
+        likelihood, measurements = self.likelihood, self.likelihood.measurements
+        measured = np.concatenate([each.values for each in measurements])
+        present = np.isfinite(likelihood.noise)
+        differences = np.where(present, measured - np.concatenate(self.predicted), 0.0)
+        ends = np.cumsum([len(each.values) for each in measurements])[:-1]
+        whitened = likelihood.whitened(differences / likelihood.noise)
+        parts = zip(np.split(whitened, ends), np.split(present, ends), strict=True)
+        return NOISE * np.array(
+            [np.sqrt(np.sum(part**2) / max(1, there.sum())) for part, there in parts]
+        )
+
     def _relative_sizes(self, first: list[Array], second: list[Array]) -> Array:
         """Return the root mean squares (Q,) of differences, over the sizes of the data."""
-        sizes = np.zeros(len(self.noise))
+        sizes = np.zeros(len(first))
         for number, each in enumerate(self.likelihood.measurements):
             present = np.isfinite(each.noise)
             differences = (first[number] - second[number])[present] / each.noise[present]
             if present.any():
-                sizes[number] = self.noise[number] * np.sqrt(np.mean(differences**2))
+                sizes[number] = NOISE * np.sqrt(np.mean(differences**2))
         return sizes
 
     @cached_property
@@ -153,8 +169,8 @@ class Candidate:
         """
         own = self.mistake.fitted_numbers if self.mistake else 0.0
         of_mesh = len(self.likelihood.parameters) - len(self.values)
-        # what is wrong by more than its size is only wrong; errors below the assumed ones are alike
-        squares = np.minimum(self.errors, 1.0) ** 2 + NOISE**2
+        # what is wrong by more than its size is only wrong
+        squares = np.minimum(self._unbiased_errors, 1.0) ** 2 + self.floor**2
         remaining = self.values_counted * float(np.mean(np.log(squares)))
         return remaining + (own + of_mesh) * float(np.log(self.values_counted))
 
@@ -189,8 +205,8 @@ def select(
     mistakes : that are considered
     of_mesh : parameters of the errors of a mesh, which are fitted together with each mistake
     """
-    noise = np.full(len(model.measurements), NOISE)
-    none = Candidate(None, Likelihood(model, (), ()), Point(np.empty(0), 0.0), noise)
+    none = Candidate(None, Likelihood(model, (), ()), Point(np.empty(0), 0.0), 0.0)
+    none = replace(none, floor=min(NOISE, FLOOR * float(none.errors.max(initial=0.0))))
     candidates = [none]
     for mistake in mistakes:
         with left_out(mistake.name):
@@ -262,5 +278,5 @@ def _with_mistake(
     reach = np.array([parameters[number].reach for number in own])
     if (np.abs(best.x[own]) > reach).any():
         return None
-    found = Candidate(mistake, likelihood, best, none.noise)
+    found = Candidate(mistake, likelihood, best, none.floor)
     return found if found.changes(none).max() > MIN_EFFECT else None
