@@ -333,8 +333,11 @@ def _diagnoses(
     def explains(row: tuple[Candidate, Mistake, float]) -> bool:
         return row[2] > MIN_EXPLAINED and bool((row[0].errors <= allowed).all())
 
-    # inputs cannot be wrong by less than the mesh is
-    mesh_suffices = any(row[1].name == COARSE_MESH and explains(row) for row in found)
+    # an input that leaves about as much as the mesh is not shown to be wrong
+    most = min(row[0].score for row in found) + NEAR if found else 0.0
+    mesh_suffices = any(
+        row[1].name == COARSE_MESH and row[0].score <= most and explains(row) for row in found
+    )
     if deck:
         mesh_suffices |= any(row[1].of_mesh and row[2] > MIN_EXPLAINED for row in found)
     if mesh_suffices:
