@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from ...meshes import Array
 from .compared import Comparison, relative
 from .measurement import Measurement
-from .mesh_patterns import PATTERNS, InColumn, in_columns, patterns, relative_size
+from .mesh_patterns import PATTERNS, in_columns, patterns
 from .mistakes import mesh_part, mistakes, named, sentence
 from .model import Model
 from .select import (
@@ -156,10 +156,9 @@ def _in_column(comparison: Comparison, none: Candidate) -> list[Diagnosis]:
     allowed = dict(zip(comparison.quantities, _allowed(comparison), strict=True))
     others = zip(comparison.quantities, none.errors, strict=True)
     agree = all(error <= allowed[name] for name, error in others if name != best.column)
-    mesh = _column_error_of_mesh(comparison, best)
-    if not agree or best.remaining > MOST_REMAINING * best.before or best.before < 2 * mesh:
+    if not agree or best.remaining > MOST_REMAINING * best.before or best.before < USUAL_ERROR:
         return []
-    judgement = EXPLAINS if best.remaining <= TRUST * mesh else REDUCES
+    judgement = EXPLAINS if best.remaining <= USUAL_ERROR else REDUCES
     return [
         Diagnosis(
             best.name,
@@ -175,14 +174,6 @@ def _in_column(comparison: Comparison, none: Candidate) -> list[Diagnosis]:
             best.remedy,
         )
     ]
-
-
-def _column_error_of_mesh(comparison: Comparison, column: InColumn) -> float:
-    """Return the estimated relative error of a column by the mesh of the other program."""
-    if column.column not in comparison.meshed:
-        return USUAL_ERROR
-    meshed, ours = comparison.meshed[column.column], comparison.ours[column.column]
-    return max(LEAST_ERROR, relative_size(meshed, ours, np.ones(len(comparison.radii), bool)))
 
 
 def _allowed(comparison: Comparison) -> Array:

@@ -79,7 +79,8 @@ def in_columns(comparison: Comparison) -> Iterator[InColumn]:
     for name in comparison.quantities:
         if name not in FIELDS or len(nodes) < 2:
             continue
-        theirs, ours = (each[name] for each in (comparison.theirs, comparison.ours))
+        # with the errors of their mesh, where these are known
+        theirs, ours = comparison.theirs[name], comparison.meshed.get(name, comparison.ours[name])
         words = name.replace("_", " ")
         before = relative_size(theirs, ours, inside)
         for shift, side in ((1, "outward"), (-1, "inward")):
