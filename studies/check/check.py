@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...meshes import RingwearError, SceneError
+from ...meshes import Array, RingwearError, SceneError
 from ..crosscheck import (
     FIELDS,
     LOG,
@@ -44,11 +44,12 @@ from ..crosscheck import (
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
 from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
+from ..estimate.model import unit_of
 from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
 from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
-from .refinement import Refinement, refinements
+from .refinement import Refinement, order_in_words, refinements
 from .sawtooth import diagnosis_of, sawtooth_of
 from .tables import NoTimesError, OthersResults, are_steps, read, without_number
 
@@ -248,10 +249,33 @@ class Check(AnswersGuesses):
             first = [diagnosis_of(*arguments)]
             if first[0].judgement == EXPLAINS:
                 return first
+        if self.refinements and not self.is_within(program):
+            first += self._error_of_mesh()
         others = diagnose(self._compared(program), self.decks.get(program))
         if not (first or others) and rows and not self.is_within(program):
             others = [unexplained(self.texts.next_step(program))]
         return [replace(each, program=program) for each in (*first, *others)]
+
+    def _error_of_mesh(self) -> list[Diagnosis]:
+        """Return the diagnosis of the mesh if all results of a refinement converge to ours.
+
+        Fields count only if there are no numbers: their errors at the rim and at ring edges stay.
+        """
+        counted = [each for each in self.refinements if each.counted.all()]
+        counted = [each for each in counted if each.quantity not in FIELDS] or counted
+        if not counted or not all(each.converges for each in counted):
+            return []
+        worst = max(counted, key=lambda each: float(each.errors[-1]))
+        error, order, sizes = float(worst.errors[-1]), worst.order, worst.sizes
+        looks_like = (
+            "errors of the mesh or of the steps, which decrease with their size: "
+            f"{worst.label(self.scene.unit_names)} by order {order_in_words(order)}"
+        )
+        # what remains if the size is reduced once more
+        remaining = error * float(sizes[-1] / sizes[-2]) ** order
+        confirm = "reduce the size once more: the errors decrease as before"
+        numbers = float(sizes[-1]), np.nan, np.nan, 1.0
+        return [Diagnosis("mesh", *numbers, EXPLAINS, looks_like, error, remaining, "", confirm)]
 
     @cached_property
     def _mistakes(self) -> dict[str, list[Diagnosis]]:
@@ -349,8 +373,21 @@ class Check(AnswersGuesses):
             for key in theirs
             if best(self._our_solutions, key)
         }
-        times, radii = dataset["time"].values, dataset.get("radius", np.empty(0))
-        return Comparison(times, np.asarray(radii), theirs, ours, self.scene)
+        times, radii = dataset["time"].values, np.asarray(dataset.get("radius", np.empty(0)))
+        meshed = self._meshed(times, radii, theirs["pressure"]) if "pressure" in theirs else {}
+        return Comparison(times, radii, theirs, ours, self.scene, meshed)
+
+    def _meshed(self, times: Array, radii: Array, pressures: Array) -> dict[str, Array]:
+        """Return results of a mesh with nodes at the radii; empty if there is no such mesh."""
+        # it loads scikit-fem, which tables without an error do not need
+        from ..wear_step.models import results_on_mesh
+
+        problem, element = self.scene.problem, self.element or "P1"
+        units = problem.units
+        pressures = pressures / unit_of(units, "pressure")
+        times, radii = times / units.time, radii / units.length
+        found = results_on_mesh(problem, times, radii, pressures, element)
+        return {name: values * unit_of(units, name) for name, values in found.items()}
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -17,6 +17,9 @@ from ..crosscheck import FIELDS, UnitNames
 from ..study.extrapolation import order_of_errors, richardson
 from .errors import ErrorAtTime
 
+# least order of errors of a mesh that converge
+LEAST_ORDER = 0.5
+
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
@@ -75,6 +78,12 @@ class Refinement:
         slow = self.orders < 0.5 * np.fmax.accumulate(self.orders)
         slow &= self.counted[1:]
         return float(self.sizes[:-1][slow][0]) if slow.any() else np.nan
+
+    @property
+    def converges(self) -> bool:
+        """Whether all errors are counted, and decrease with each size, without stalling."""
+        falling = bool(self.counted.all() and (np.diff(self.errors) < 0).all())
+        return falling and self.order > LEAST_ORDER and not np.isfinite(self.stalled)
 
     def label(self, names: UnitNames) -> str:
         """Return the quantity and the time in words."""

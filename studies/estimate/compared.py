@@ -1,6 +1,6 @@
 """Reduce the results of another program to the few numbers that explain its error."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,6 +35,7 @@ class Comparison:
     theirs, ours : pressure, displacement, profile (T, R), indentation, normal_force (T,), NaN or
         absent where they are unknown
     scene : the scene that both have solved
+    meshed : results of linear elements with nodes at their radii, where these are known
     """
 
     times: Array
@@ -42,6 +43,7 @@ class Comparison:
     theirs: Results
     ours: Results
     scene: Scene
+    meshed: Results = field(default_factory=dict)
 
     @cached_property
     def time_rows(self) -> Indices:
@@ -105,6 +107,20 @@ class Comparison:
         ours = replace(self, theirs=self.ours)
         return tuple(ours.observed(name).ravel() for name in self.quantities)
 
+    def mesh_errors(self) -> tuple[Array, ...]:
+        """Return the relative errors (n,) of a linear mesh in each measurement; 0 where unknown."""
+        if not self.meshed:
+            return ()
+        names = [name for name in self.quantities if name in self.meshed]
+        meshed = replace(self, theirs=self.meshed)
+        ours = replace(self, theirs=self.ours)
+        return tuple(
+            relative(meshed.observed(name), ours.observed(name)).ravel()
+            if name in names
+            else np.zeros(ours.observed(name).size)
+            for name in self.quantities
+        )
+
     def measurements(self, noise: float, bias: float) -> tuple[Measurement, ...]:
         """Return the numbers as measurements.
 
@@ -139,3 +155,10 @@ class Comparison:
                 )
             )
         return tuple(measurements)
+
+
+def relative(theirs: Array, ours: Array) -> Array:
+    """Return relative differences, 0 where they are not finite: without a value, or over zero."""
+    with np.errstate(all="ignore"):
+        differences = theirs / ours - 1
+    return np.where(np.isfinite(differences), differences, 0.0)

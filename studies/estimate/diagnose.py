@@ -1,50 +1,54 @@
 """Explain the difference of another program's results to ours by mistakes, in words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ...meshes import Array
-from ..crosscheck import FIELDS, QUANTITIES, UnitNames
-from .compared import Comparison
+from .compared import Comparison, relative
 from .measurement import Measurement
-from .mesh_patterns import PATTERNS, patterns
-from .mistakes import LENGTHS, mistakes, named, sentence
+from .mesh_patterns import PATTERNS, in_columns, patterns
+from .mistakes import mesh_part, mistakes, named, sentence
 from .model import Model
 from .select import (
+    ALIKE,
     BIAS,
+    COARSE_MESH,
     MIN_EFFECT,
-    NEAR,
     NOISE,
-    USUAL_ERROR,
     Candidate,
     Mistake,
     left_out,
     select,
-    shares,
 )
 
 # tolerance of the model: errors of other programs are greater
 RTOL = 1e-2
+# relative error that is assumed of another program if that of its mesh is not known, and least one
+# if it is
+USUAL_ERROR, LEAST_ERROR = 0.03, 0.01
+# factor on the estimated errors of both programs up to which a mistake explains the difference
+TRUST = 1.5
 # relative difference of two predictions below which they count as alike
 MAX_ALIKE_DIFFERENCE = 0.02
-# least share of a mistake that is named, and least share of a more special one that gives its name
-# to both of two that predict the same
-MIN_SHARE, SPECIAL_SHARE = 0.15, 1 / 3
+# least share of a mistake that is named beside a better one, and greatest number of these
+MIN_SHARE, MOST_NAMED = 0.15, 4
+# greatest factor on what the best mistake leaves that another one leaves that is named with it
+MOST_WORSE = 3.0
+# difference of the score up to which a mistake explains the data as well as another one
+NEAR = 6.0
 # least part of the errors of pressures that a pattern of a mesh has to be
 SURE = 0.7
 # factor on the errors of pressures above which those of another quantity are not caused by a mesh
 OTHERS_FACTOR = 3.0
-# least `explained_part` of an explanation: it leaves at most a sixth of the difference
-MIN_EXPLAINED = 0.7
-# least relative difference of two predictions at which a result can distinguish them
-MIN_DISTINCTION = 0.05
-# factor on the prior odds of mistakes that a deck by `ringwear deck` does not have, unless it was
-# changed
-DOUBT_OF_DECKS = 0.01
-EXPLAINS, EQUALLY, CONSISTENT = "explains", "explain equally well", "is consistent with"
+# least `explained_part` of an explanation, which leaves at most a sixth of the difference; and of a
+# mistake that is named at all
+MIN_EXPLAINED, MIN_REDUCED = 0.7, 0.04
+# greatest part of the difference of a column that remains if it is written wrongly
+MOST_REMAINING = 1 / 3
+EXPLAINS, EQUALLY, REDUCES = "explains", "explain equally well", "reduces"
 """What is said about a mistake and the difference of two results."""
 
 
@@ -57,14 +61,14 @@ class Diagnosis:
     name : of the mistake; empty if none that is known explains the difference
     size : number that describes the mistake, such as a factor
     low, high : ends of its 95 % interval, if the mistake was made; NaN if it has no fitted number
-    share : of the mistake among all that are known (`select.shares`), times the square of the part
-        of the difference that it explains, with the others that are made with it; no probability
-    judgement : "explains": known candidates without the mistake are much worse, and little
-        remains; "explain equally well": so does a rival; otherwise "is consistent with"
+    share : of the mistake among all that are known, by what remains, times the square of the part
+        of the difference that it explains; no probability
+    judgement : "explains": what remains is within the estimated errors of both programs; "explain
+        equally well": so does a rival; otherwise "reduces"
     looks_like : what the difference looks like, with the number, as a noun phrase
-    remaining : relative difference that remains with this mistake and those made with it
+    before, remaining : greatest relative difference, and what remains with this mistake
     rival : another mistake that explains as much; empty if there is none
-    confirm : what would confirm the mistake, or distinguish it from the rival
+    confirm : what would confirm the mistake
     program : whose results have the difference
     """
 
@@ -75,6 +79,7 @@ class Diagnosis:
     share: float
     judgement: str
     looks_like: str
+    before: float
     remaining: float
     rival: str
     confirm: str
@@ -89,13 +94,16 @@ class Diagnosis:
         if self.judgement == EQUALLY:
             return (
                 f"{self.looks_like}{interval}: this and {self.rival} explain the difference "
-                f"equally well. To decide: {self.confirm}"
+                f"equally well. To confirm: {self.confirm}"
             )
-        remains = f" (what remains is {100 * self.remaining:.2g} %)"
-        return (
-            f"{self.looks_like}{interval}, which {self.judgement} the difference{remains}. To "
-            f"confirm: {self.confirm}"
-        )
+        remains = f"{100 * self.remaining:.2g} %"
+        says = f"explains the difference (what remains is {remains})"
+        if self.judgement == REDUCES:
+            says = (
+                f"reduces the difference from {100 * self.before:.2g} % to {remains}, but does not "
+                "explain it"
+            )
+        return f"{self.looks_like}{interval}, which {says}. To confirm: {self.confirm}"
 
 
 def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Diagnosis]:
@@ -123,39 +131,75 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
 
 def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]:
     """Return the diagnoses of a difference that is above the `rtol` of the scene."""
-    rows = mistakes(comparison)
-    if deck_reach is not None:
-        rows = [
-            each if each.of_mesh else replace(each, prior=DOUBT_OF_DECKS * each.prior)
-            for each in rows
-        ]
-    candidates = select(model_of(comparison), rows)
-    diagnoses = _diagnoses(candidates, comparison)
+    model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.meshed)
+    candidates = select(model, mistakes(comparison), of_mesh)
+    (none,) = (each for each in candidates if each.mistake is None)
+    with left_out("a column"):
+        if diagnoses := _in_column(comparison, none):
+            return diagnoses
+    diagnoses = _diagnoses(candidates, none, comparison, deck_reach is not None)
     if deck_reach is not None:
         diagnoses = [part for each in diagnoses for part in _split_by_reach(each, deck_reach)]
     named_mistakes = {each.name for each in diagnoses}
     with left_out("the mesh"):
-        patterns = _patterns_of_mesh(candidates, comparison)
-        diagnoses += [each for each in patterns if each.name not in named_mistakes]
+        found = _patterns_of_mesh(candidates[0], none, comparison)
+        diagnoses += [each for each in found if each.name not in named_mistakes]
     return sorted(diagnoses, key=lambda each: -each.share)
 
 
-def _patterns_of_mesh(candidates: Sequence[Candidate], comparison: Comparison) -> list[Diagnosis]:
+def _in_column(comparison: Comparison, none: Candidate) -> list[Diagnosis]:
+    """Return the column that is written wrongly if all others agree; empty if there is none."""
+    tried = list(in_columns(comparison))
+    if not tried:
+        return []
+    best = min(tried, key=lambda each: each.remaining / (each.before or 1.0))
+    allowed = dict(zip(comparison.quantities, _allowed(comparison), strict=True))
+    others = zip(comparison.quantities, none.errors, strict=True)
+    agree = all(error <= allowed[name] for name, error in others if name != best.column)
+    if not agree or best.remaining > MOST_REMAINING * best.before or best.before < USUAL_ERROR:
+        return []
+    judgement = EXPLAINS if best.remaining <= USUAL_ERROR else REDUCES
+    return [
+        Diagnosis(
+            best.name,
+            best.size,
+            np.nan,
+            np.nan,
+            1.0,
+            judgement,
+            best.sentence,
+            best.before,
+            best.remaining,
+            "",
+            best.remedy,
+        )
+    ]
+
+
+def _allowed(comparison: Comparison) -> Array:
+    """Return the estimated relative errors (Q,) of both programs together, by quantity."""
+    ours = comparison.scene.accuracy.rtol
+    if not comparison.meshed:
+        return np.full(len(comparison.quantities), TRUST * (USUAL_ERROR + ours))
+    sizes = np.array([float(np.sqrt(np.mean(each**2))) for each in comparison.mesh_errors()])
+    return TRUST * (np.maximum(sizes, LEAST_ERROR) + ours)
+
+
+def _patterns_of_mesh(best: Candidate, none: Candidate, comparison: Comparison) -> list[Diagnosis]:
     """Return the patterns of a mesh in the pressures that the best candidate does not explain."""
     if "pressure" not in comparison.quantities:
         return []
     theirs = comparison.theirs["pressure"][comparison.time_rows]
     ours = comparison.ours["pressure"][comparison.time_rows]
-    (none,) = (each for each in candidates if not each.mistakes)
     others = [
         error
-        for name, error in zip(comparison.quantities, candidates[0].errors, strict=True)
+        for name, error in zip(comparison.quantities, best.errors, strict=True)
         if name != "pressure"
     ]
-    explained, as_it_is = (_pressures(each, comparison) for each in (candidates[0], none))
-    errors = _relative_errors(theirs, ours)
+    explained, as_it_is = (_pressures(each, comparison) for each in (best, none))
+    errors = relative(theirs, ours)
     with np.errstate(all="ignore"):
-        unexplained_errors = _relative_errors(theirs, ours * (explained / as_it_is))
+        unexplained_errors = relative(theirs, ours * (explained / as_it_is))
     # the part of the errors that mistakes explain is not caused by the mesh
     norms = float(np.linalg.norm(unexplained_errors)), float(np.linalg.norm(errors) or 1.0)
     remaining = min(1.0, norms[0] / norms[1])
@@ -168,6 +212,7 @@ def _patterns_of_mesh(candidates: Sequence[Candidate], comparison: Comparison) -
             remaining * part,
             EXPLAINS,
             PATTERNS[name][0].format(size),
+            size,
             size * float(np.sqrt(max(0.0, 1 - part))),
             "",
             PATTERNS[name][1],
@@ -189,15 +234,9 @@ def _pressures(candidate: Candidate, comparison: Comparison) -> Array:
     pressures = Measurement(
         "pressure", "pressure", times, zeros, zeros, False, radii, means=np.eye(len(radii))
     )
-    model = replace(candidate.likelihood.predictor, measurements=(pressures,), known=())
+    model = candidate.likelihood.predictor
+    model = replace(model, measurements=(pressures,), known=(), mesh_errors=(np.zeros(1),))
     return model.predict(candidate.point.x)[0].reshape(len(times), -1)
-
-
-def _relative_errors(theirs: Array, ours: Array) -> Array:
-    """Return relative errors, 0 where they are not finite."""
-    with np.errstate(all="ignore"):
-        errors = theirs / ours - 1
-    return np.where(np.isfinite(errors), errors, 0.0)
 
 
 def unexplained(where: str) -> Diagnosis:
@@ -207,7 +246,7 @@ def unexplained(where: str) -> Diagnosis:
     ----------
     where : the greatest error, where it is, and what to do next
     """
-    return Diagnosis("", np.nan, np.nan, np.nan, 0.0, "", "", np.nan, "", where)
+    return Diagnosis("", np.nan, np.nan, np.nan, 0.0, "", "", np.nan, np.nan, "", where)
 
 
 def _split_by_reach(diagnosis: Diagnosis, reach: float) -> list[Diagnosis]:
@@ -248,7 +287,7 @@ def model_of(comparison: Comparison) -> Model:
         output={}, wear__steady=False, wear__march="modal", wear__step=None
     )
     model = Model.of(scene, (), comparison.measurements(NOISE, BIAS), RTOL, rough=True)
-    return replace(model, known=comparison.known())
+    return replace(model, known=comparison.known(), mesh_errors=comparison.mesh_errors())
 
 
 def _greatest_error(comparison: Comparison) -> float:
@@ -264,93 +303,112 @@ def _greatest_error(comparison: Comparison) -> float:
     return max(errors)
 
 
-def _diagnoses(candidates: Sequence[Candidate], comparison: Comparison) -> list[Diagnosis]:
-    (none,) = (each for each in candidates if not each.mistakes)
-    best = {each: first_with(candidates, each) for each in shares(candidates)}
-    share = {
-        mistake: value * explained_part(best[mistake], none)
-        for mistake, value in shares(candidates).items()
-    }
-    _merge_special(share, best)
-    order = sorted(share, key=lambda each: -share[each])
-    listed = [each for each in order if share[each] > MIN_SHARE]
-    lowest = min(each.bic for each in candidates)
+def _diagnoses(
+    candidates: Sequence[Candidate], none: Candidate, comparison: Comparison, deck: bool
+) -> list[Diagnosis]:
+    """Return the diagnoses of the mistakes that explain the difference, or else of the best one.
+
+    Parameters
+    ----------
+    deck : whether the program has solved our deck, so that its inputs are right: if errors of the
+        mesh explain the difference, only they are named
+    """
+    allowed, before = _allowed(comparison), float(none.errors.max(initial=0.0))
+    found = [
+        (each, each.mistake, explained_part(each, none))
+        for each in _without_alike(candidates)
+        if each.mistake and each.score < none.score
+    ]
+    found = [row for row in found if row[2] > MIN_REDUCED]
+
+    def explains(row: tuple[Candidate, Mistake, float]) -> bool:
+        return row[2] > MIN_EXPLAINED and bool((row[0].errors <= allowed).all())
+
+    # an input that leaves about as much as the mesh is not shown to be wrong
+    most = min(row[0].score for row in found) + NEAR if found else 0.0
+    mesh_suffices = any(
+        row[1].name == COARSE_MESH and row[0].score <= most and explains(row) for row in found
+    )
+    if deck:
+        mesh_suffices |= any(row[1].of_mesh and row[2] > MIN_EXPLAINED for row in found)
+    if mesh_suffices:
+        found = [row for row in found if row[1].of_mesh]
+    if not found:
+        return []
+    scores = np.array([row[0].score for row in found])
+    weights = np.exp(-np.maximum(scores - scores.min() - ALIKE, 0.0) / 2)
+    order = [int(number) for number in np.argsort(-weights, kind="stable")]
+    shares = weights / weights.sum() * [part for *_, part in found]
+    # in the order of the score
+    shares[order] = np.minimum.accumulate(shares[order])
+    explaining = [number for number in order if explains(found[number])]
+    listed = explaining or order[:1]
+    first = found[listed[0]][0].errors.max()
+    listed = [
+        number
+        for number in listed
+        if shares[number] > MIN_SHARE * shares[listed[0]]
+        and found[number][0].errors.max() <= MOST_WORSE * first
+    ][:MOST_NAMED]
     diagnoses = []
-    for mistake in listed:
-        with left_out(mistake.name):
-            candidate = best[mistake]
-            values = candidate.values[candidate.mistakes.index(mistake)]
-            rivals = [
-                each
-                for each in listed
-                if each not in candidate.mistakes and mistake not in best[each].mistakes
-            ]
-            without = [each.bic for each in candidates if not _has(each, mistake, best)]
-            part = explained_part(candidate, none)
-            judgement, rival_name, confirm = CONSISTENT, "", mistake.remedy
-            if min(without) - candidate.bic > NEAR and part > MIN_EXPLAINED:
-                judgement = EXPLAINS
-            elif rivals:
-                rival = rivals[0]
-                other = best[rival]
-                rival_name = named(rival, other.values[other.mistakes.index(rival)], comparison)
-                confirm = distinguishing_result(comparison, mistake, candidate, other, rival_name)
-                near = max(candidate.bic, other.bic) < lowest + NEAR
-                if near and min(part, explained_part(other, none)) > MIN_EXPLAINED:
-                    judgement = EQUALLY
-            low, high = interval_of(mistake, candidate)
-            diagnoses.append(
-                Diagnosis(
-                    named(mistake, values, comparison),
-                    mistake.size(*values),
-                    low,
-                    high,
-                    share[mistake],
-                    judgement,
-                    sentence(mistake, values),
-                    float(candidate.errors.max(initial=0.0)),
-                    rival_name,
-                    confirm,
-                )
+    for number in listed:
+        candidate, mistake, _ = found[number]
+        judgement, rival = EXPLAINS if explaining else REDUCES, ""
+        near = [
+            other
+            for other in listed
+            if other != number and abs(found[other][0].score - candidate.score) < NEAR
+        ]
+        if explaining and near:
+            judgement, rival = EQUALLY, named(*_with_values(found[near[0]]), comparison)
+        low, high = interval_of(mistake, candidate)
+        diagnoses.append(
+            Diagnosis(
+                named(mistake, candidate.values, comparison),
+                mistake.size(*candidate.values),
+                low,
+                high,
+                float(shares[number]),
+                judgement,
+                sentence(mistake, candidate.values),
+                before,
+                float(candidate.errors.max(initial=0.0)),
+                rival,
+                mistake.remedy,
             )
+        )
     return diagnoses
 
 
-def first_with(candidates: Sequence[Candidate], mistake: Mistake) -> Candidate:
-    """Return the best candidate with a mistake."""
-    return next(each for each in candidates if mistake in each.mistakes)
+def _with_values(row: tuple[Candidate, Mistake, float]) -> tuple[Mistake, tuple[float, ...]]:
+    return row[1], row[0].values
 
 
-def _has(candidate: Candidate, mistake: Mistake, best: Mapping[Mistake, Candidate]) -> bool:
-    """Return whether a candidate has a mistake, or its special case that predicts the same."""
-    return any(
-        each is mistake or (_is_special(each, mistake) and alike(best[each], best[mistake]))
-        for each in candidate.mistakes
-    )
+def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Return the candidates without those that predict the same as a special or more general one.
 
-
-def _is_special(mistake: Mistake, other: Mistake) -> bool:
-    """Return whether one of two mistakes is a special case of the other."""
-    related = mistake.special_of == other.name or other.special_of == mistake.name
-    return related and mistake.group == other.group
-
-
-def _merge_special(share: dict[Mistake, float], best: Mapping[Mistake, Candidate]) -> None:
-    """Give the share of a mistake and of its special case that predict the same to one of them.
-
-    A special case without a fitted number also says where the factor comes from.
+    Of two, the one with the better score is kept: a special case says where the number comes from.
     """
-    order = sorted(share, key=lambda each: -share[each])
-    for place, first in enumerate(order):
-        for other in order[place + 1 :]:
-            if not share[first] or not share[other] or not _is_special(first, other):
-                continue
-            if alike(best[first], best[other]):
-                both = share[first] + share[other]
-                special = other.fitted_numbers < first.fitted_numbers
-                special = special and share[other] > both * SPECIAL_SHARE
-                kept, dropped = (other, first) if special else (first, other)
-                share[kept], share[dropped] = both, 0.0
+    kept = list[Candidate]()
+    for each in candidates:
+        if not any(_are_one(each, other) for other in kept):
+            kept.append(each)
+    return kept
+
+
+def _are_one(candidate: Candidate, other: Candidate) -> bool:
+    """Return whether two candidates are the same mistake, in two forms."""
+    if candidate.mistake and other.mistake and candidate.mistake.name == COARSE_MESH:
+        return other.mistake.name == COARSE_MESH
+    return _is_special(candidate, other) and alike(candidate, other)
+
+
+def _is_special(candidate: Candidate, other: Candidate) -> bool:
+    """Return whether the mistake of one of two candidates is a special case of the other's."""
+    first, second = candidate.mistake, other.mistake
+    if not first or not second or first.changes != second.changes:
+        return False
+    return second.name == first.special_of or first.name == second.special_of
 
 
 def alike(candidate: Candidate, other: Candidate) -> bool:
@@ -361,79 +419,24 @@ def alike(candidate: Candidate, other: Candidate) -> bool:
 def explained_part(candidate: Candidate, none: Candidate) -> float:
     """Return the square of the part of the difference, 0 to 1, that a candidate explains.
 
-    Only quantities that it changes are counted, and errors that most programs have are not. What
-    remains is compared with the difference, or with the data themselves if these are smaller.
+    Only quantities that it changes are counted, and errors that most programs have are not. What is
+    wrong by more than its size is only wrong.
     """
     changed = candidate.changes(none) > MIN_EFFECT
     if not changed.any() or not none.errors[changed].any():
         return 0.0
-    before, after = (float(np.mean(each.errors[changed] ** 2)) for each in (none, candidate))
-    remaining = np.sqrt(max(after - USUAL_ERROR**2, 0.0) / min(before, 1.0))
+    before, after = (
+        float(np.mean(np.minimum(each.errors[changed], 1.0) ** 2)) for each in (none, candidate)
+    )
+    remaining = np.sqrt(max(after - USUAL_ERROR**2, 0.0) / before)
     return float(max(0.0, 1 - remaining) ** 2)
 
 
 def interval_of(mistake: Mistake, candidate: Candidate) -> tuple[float, float]:
     """Return the 95 % interval of the size of a mistake; NaN if nothing is fitted."""
-    numbers = iter(candidate.intervals)
-    for each in candidate.mistakes:
-        ends = [next(numbers) for parameter in each.parameters if not parameter.values]
-        if each is mistake and ends and len(ends) == len(mistake.parameters):
-            sizes = [mistake.size(*corner) for corner in zip(*ends, strict=True)]
-            return min(sizes), max(sizes)
-    return np.nan, np.nan
-
-
-def distinguishing_result(
-    comparison: Comparison, mistake: Mistake, candidate: Candidate, other: Candidate, rival: str
-) -> str:
-    """Return a sentence on the result that would distinguish a mistake best from its rival.
-
-    Quantities that the program has given are considered only at times after its last one.
-    """
-    names, last = UnitNames.of(comparison.scene.units), float(comparison.times.max())
-    times = np.array([0.0, last, 4 * last]) if last else np.zeros(1)
-    predicted = [means_over_face(each, times) for each in (candidate, other)]
-    best = ("", 0.0, 0)
-    for name, values in predicted[0].items():
-        for row, pair in enumerate(zip(values, predicted[1][name], strict=True)):
-            size = max(abs(pair[0]), abs(pair[1]))
-            present = name in comparison.quantities and times[row] <= last
-            # what the scene prescribes is an input
-            present |= name == comparison.scene.problem.prescribed
-            if size and not present and abs(pair[0] - pair[1]) / size > best[1]:
-                best = (name, abs(pair[0] - pair[1]) / size, row)
-    if best[1] < MIN_DISTINCTION:
-        return (
-            f"{mistake.remedy}; results at these times and radii do not distinguish it from "
-            f"{rival}: compare the inputs"
-        )
-    name, _, row = best
-    time = names.write(times[row], "time", 3)
-    texts = [names.write(float(each[name][row]), QUANTITIES[name].unit, 3) for each in predicted]
-    averaged = ", averaged over the radius" if name in FIELDS else ""
-    return (
-        f"compare the {name.replace('_', ' ')} at t = {time}{averaged}: with this mistake it is "
-        f"{texts[0]}, with {rival} {texts[1]}"
-    )
-
-
-def means_over_face(candidate: Candidate, times: Array) -> dict[str, Array]:
-    """Return every quantity (T,) that a candidate predicts at times (T,), fields as means."""
-    model = candidate.likelihood.predictor
-    radii = np.linspace(0.02, 0.98, 49) * model.scene.punch.radius
-    means, zeros = np.full((1, len(radii)), 1 / len(radii)), np.zeros(len(times))
-    measurements = tuple(
-        Measurement(
-            name,
-            name,
-            times,
-            zeros,
-            zeros,
-            False,
-            radii if name in FIELDS else None,
-            means=means if name in FIELDS else None,
-        )
-        for name in ("pressure", "normal_force", *LENGTHS)
-    )
-    values = replace(model, measurements=measurements, known=()).predict(candidate.point.x)
-    return {each.quantity: value for each, value in zip(measurements, values, strict=True)}
+    count = len(mistake.parameters)
+    if not count or any(each.values for each in mistake.parameters):
+        return np.nan, np.nan
+    ends = zip(*candidate.intervals[:count], strict=True)
+    sizes = [mistake.size(*corner) for corner in ends]
+    return min(sizes), max(sizes)

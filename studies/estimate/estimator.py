@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
+from lmfit import Minimizer, Parameters
 
 from ...meshes import Array, SolverError
 from .measurement import Measurement
@@ -32,8 +32,6 @@ SEARCH_STEP = 1e-4
 NO_EFFECT = 1e-6
 # least component of a parameter in a combination of length one
 MIN_COMPONENT = 1e-3
-# number of starting points, and standard deviation of the logarithms of all but the first
-STARTS, SCATTER = 4, 1.2
 # least noise that is estimated, over the greatest value: exact data have none, and their residuals
 # are roundoff of the model
 LEAST_NOISE = 1e-9
@@ -149,6 +147,35 @@ class Likelihood:
         """Return the derivatives (n, f) by the free parameters, over the noise."""
         return self.all_slopes(x)[:, self.free]
 
+    def minimizer(
+        self, start: Array, varied: Sequence[int], tolerance: float = TOLERANCE
+    ) -> Minimizer:
+        """Return lmfit's minimizer of chi-square, whose parameters ``x0``, ... are coordinates.
+
+        Parameters
+        ----------
+        start : (m,) coordinates at which a search begins
+        varied : indices of the parameters that are not held there
+        tolerance : relative change of chi-square and of the coordinates at which a search ends
+        """
+        known = Parameters()
+        for number, each in enumerate(self.parameters):
+            reach = SEARCH_MARGIN * each.reach if number in varied else np.inf
+            x = np.clip(start[number], -reach, reach)
+            # a start at an end would not be between them
+            ends = -reach * (1 + 1e-9), reach * (1 + 1e-9)
+            known.add(f"x{number}", x, number in varied, *ends)
+        return Minimizer(
+            lambda found: _finite(self.residuals(coordinates(found))),
+            known,
+            scale_covar=False,
+            Dfun=lambda found: -self._search_slopes(coordinates(found), [*varied]),
+            x_scale="jac",
+            ftol=tolerance,
+            xtol=tolerance,
+            gtol=tolerance,
+        )
+
     def best_from(
         self,
         start: Array,
@@ -169,34 +196,20 @@ class Likelihood:
         x, varied = start.copy(), [number for number in self.free if number != fixed]
         if fixed is not None:
             x[fixed] = value
-
-        def completed(coordinates: Array) -> Array:
-            full = x.copy()
-            full[varied] = coordinates
-            return full
-
         if not varied:
             return Point(x, float(np.sum(self.residuals(x) ** 2)))
-        reach = SEARCH_MARGIN * np.array([self.parameters[number].reach for number in varied])
-        solution = least_squares(
-            lambda coordinates: -self.residuals(completed(coordinates)),
-            np.clip(x[varied], -reach, reach),
-            lambda coordinates: self._search_slopes(completed(coordinates), varied),
-            bounds=(-reach * (1 + 1e-9), reach * (1 + 1e-9)),
-            x_scale="jac",
-            ftol=tolerance,
-            xtol=tolerance,
-            gtol=tolerance,
-            max_nfev=evaluations,
-        )
-        return Point(completed(solution.x), float(2 * solution.cost))
+        best = Point(x, np.inf)
 
-    def starts(self, count: int) -> list[Array]:
-        """Return starting points (m,): the values of the scene, then logarithms scattered there."""
-        random = np.random.default_rng(0)
-        logarithmic = np.array([parameter.logarithmic for parameter in self.parameters])
-        scattered = random.normal(0.0, SCATTER, (count - 1, len(self.parameters))) * logarithmic
-        return [np.zeros(len(self.parameters)), *scattered]
+        def follow(found: Parameters, _: int, residuals: Array) -> None:
+            nonlocal best
+            if (chi_square := float(residuals @ residuals)) < best.chi_square:
+                best = Point(coordinates(found), chi_square)
+
+        minimizer = self.minimizer(x, varied, tolerance)
+        # a search that reaches its last evaluation ends at that one, which may not be the best
+        minimizer.iter_cb = follow
+        minimizer.least_squares(max_nfev=evaluations)
+        return best
 
     def covariance(self, x: Array) -> Array:
         """Return the covariance (f, f) of the free parameters, by the curvature at a point."""
@@ -211,11 +224,16 @@ class Likelihood:
         return replace(self, predictor=self.predictor.for_measurements(scaled))
 
 
-def _finite(slopes: Array) -> Array:
-    """Return derivatives that are finite; otherwise raise a `SolverError`."""
-    if not np.isfinite(slopes).all():
-        raise SolverError("the derivatives by its parameters are not finite")
-    return slopes
+def coordinates(found: Parameters) -> Array:
+    """Return the values (m,) of lmfit's parameters."""
+    return np.array([each.value for each in found.values()])
+
+
+def _finite(values: Array) -> Array:
+    """Return residuals or derivatives that are finite; otherwise raise a `SolverError`."""
+    if not np.isfinite(values).all():
+        raise SolverError("its results are not finite")
+    return values
 
 
 def inverse_of_information(slopes: Array) -> Array:
@@ -263,24 +281,17 @@ def fix_ineffective_parameters(likelihood: Likelihood) -> tuple[Likelihood, list
     return likelihood, combinations
 
 
-def best_points(likelihood: Likelihood, count: int = STARTS) -> list[Point]:
-    """Return the local minima of chi-square from several starts, the lowest one first."""
-    points = [likelihood.best_from(start) for start in likelihood.starts(count)]
-    return sorted(points, key=lambda point: point.chi_square)
-
-
-def with_estimated_noise(likelihood: Likelihood, points: list[Point]) -> Likelihood:
+def with_estimated_noise(likelihood: Likelihood, best: Point) -> Likelihood:
     """Return the likelihood with unknown noises estimated from the residuals.
 
     Each column of the data has one noise.
 
     Parameters
     ----------
-    points : best points with the initial noises, the lowest chi-square first
+    best : the best point with the initial noises
     """
     if all(each.noise_known for each in likelihood.measurements):
         return likelihood
-    best = points[0]
     for _ in range(NOISE_ROUNDS):
         columns = [each.column for each in likelihood.measurements]
         residuals, row = likelihood.residuals(best.x), 0

@@ -1,13 +1,17 @@
-"""Patterns of pressures that show a mesh: coarse elements at the rim, and a checkerboard.
+"""Patterns in one column of a table: of a mesh, and of a column that is written wrongly.
 
-They are no parameters of a scene or of a reading, because they depend on the mesh.
+They are no parameters of a scene or of a reading, because they belong to single radii.
 """
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...meshes import Array
+from ..crosscheck import FIELDS
+from .compared import RIM_MARGIN, Comparison
 
 # radius, over the punch radius, beyond which errors count as errors at the rim
 RIM = 0.8
@@ -25,6 +29,27 @@ PATTERNS = {
 """What each pattern looks like, with the size of the errors, and its remedy."""
 
 
+class InColumn(NamedTuple):
+    """A column that is written wrongly.
+
+    Parameters
+    ----------
+    name : of the mistake
+    sentence, remedy : what it looks like, as a noun phrase, and how to confirm it
+    column : the wrong column
+    size : of the mistake: nodes, the number of a ring, or a factor
+    before, remaining : relative difference of the column, and what remains without the mistake
+    """
+
+    name: str
+    sentence: str
+    remedy: str
+    column: str
+    size: float
+    before: float
+    remaining: float
+
+
 def patterns(errors: Array, radii: Array, radius: float) -> Iterator[tuple[str, float, float]]:
     """Yield each pattern: its name, the size of the errors, and the part of them that it explains.
 
@@ -39,3 +64,53 @@ def patterns(errors: Array, radii: Array, radius: float) -> Iterator[tuple[str, 
     early = error[: (len(error) + 1) // 2, radii > RIM * radius]
     yield "coarse rim", size, float(1 - np.sqrt(abs(1 - np.sum(early**2))))
     yield "checkerboard", size, float(-np.sum(error[:, 1:] * error[:, :-1]))
+
+
+def in_columns(comparison: Comparison) -> Iterator[InColumn]:
+    """Yield the ways in which each column of fields may be written wrongly: what remains then.
+
+    A column may be shifted by a node, or have the wrong sign on one ring.
+    """
+    edges = comparison.scene.problem.ring_edges * comparison.scene.problem.units.length
+    ring = np.clip(np.searchsorted(edges, comparison.radii) - 1, 0, len(edges) - 2)
+    nodes = np.arange(len(comparison.radii))
+    # pressures at the rim are those of the mesh
+    inside = comparison.radii < edges[-1] * (1 - RIM_MARGIN)
+    for name in comparison.quantities:
+        if name not in FIELDS or len(nodes) < 2:
+            continue
+        # with the errors of their mesh, where these are known
+        theirs, ours = comparison.theirs[name], comparison.meshed.get(name, comparison.ours[name])
+        words = name.replace("_", " ")
+        before = relative_size(theirs, ours, inside)
+        for shift, side in ((1, "outward"), (-1, "inward")):
+            moved = np.full_like(ours, np.nan)
+            kept = nodes[(nodes - shift >= 0) & (nodes - shift < len(nodes))]
+            moved[:, kept] = ours[:, kept - shift]
+            yield InColumn(
+                "shifted column",
+                f"a column {name} that is shifted {side} by one node",
+                f"compare the rows of radius and {words}: do both begin at the same node?",
+                name,
+                float(shift),
+                before,
+                relative_size(theirs, moved, inside),
+            )
+        for number in range(len(edges) - 1):
+            sign = np.where(ring == number, -1.0, 1.0)
+            yield InColumn(
+                f"sign of the {words}",
+                f"an opposite sign of {words} on ring {number + 1}",
+                "compare the sign of this column on this ring with that on the others",
+                name,
+                float(number + 1),
+                before,
+                relative_size(theirs, sign * ours, inside),
+            )
+
+
+def relative_size(theirs: Array, ours: Array, inside: NDArray[np.bool_]) -> float:
+    """Return the mean difference of two fields (T, R) at some radii (R,), over their mean size."""
+    both = np.isfinite(theirs) & np.isfinite(ours) & inside
+    size = np.abs(ours[both]).sum()
+    return float(np.abs(theirs - ours)[both].sum() / size) if size else 0.0

@@ -1,12 +1,12 @@
 """The mistakes that people often make, as one table for each kind of scene.
 
 A row has a name, what is changed and by which values, what the difference looks like, and what the
-user can do to confirm it. Priors are our guesses: of two mistakes that explain the same, the one
-with the higher prior is named first.
+user can do to confirm it. Of mistakes that explain the same, the first in the table is named first.
 """
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from ..crosscheck import Scene
 from .compared import Comparison
 from .parameter import Change, Parameter, Reading, Situation
-from .select import Mistake
+from .select import COARSE_MESH, Mistake
 
 LENGTHS = ("displacement", "profile", "indentation")
 KINDS = {"lengths": LENGTHS, "pressure": ("pressure",), "normal_force": ("normal_force",)}
@@ -27,6 +27,8 @@ FACTORS = (1e-3, 0.03, 0.1, 0.4, 0.8, 1.25, 2.5, 10.0, 30.0, 1e3)
 TRUNCATION_ERRORS = ([0, 0.3, 0.45, 0.5], [0.94, 1.09, 1.51, 1.91])
 # greatest number of wear coefficients, and of layers, of which each is considered
 MAX_MATERIALS, MAX_LAYERS, MAX_RINGS = 5, 2, 24
+# greatest number of rings of which each is considered alone, and factor on a forgotten coefficient
+MAX_SINGLE_RINGS, FORGOTTEN = 12, 1e-3
 # greatest relative difference of a fitted factor to a well-known one whose name it is given
 MAX_FACTOR_DIFFERENCE = 0.01
 # spacing of the nodes for mistakes in layers, whose size is known roughly
@@ -75,7 +77,6 @@ PARTS_OF_CIRCLE = {
     1 / 360: "on a wedge of 1 degree, 1/360 of the whole",
     1 / (2 * math.pi): "per radian, 1/(2 pi) of the whole",
 }
-PRIOR_OF_PARTS = 0.2
 
 
 # ---- changes of a scene ---------------------------------------------------------------------
@@ -214,6 +215,39 @@ def with_layer(key: str, scene: Scene, value: float) -> Scene:
     return with_material(0, key)(scene, value)
 
 
+def mesh_part() -> Parameter:
+    """Return the part of the errors of a linear mesh that a table has, from 0 to 1."""
+    change = set_reading("mesh")
+    return Parameter("mesh", change, 0.5, 1.0, logarithmic=False, scale=0.5, of_scene=False)
+
+
+def coarse_mesh(errors: float, clamped: Change | None) -> list[Mistake]:
+    """Return the errors of a mesh whose nodes are at the radii, without and with those below it.
+
+    Parameters
+    ----------
+    errors : relative errors of pressures by the nodes alone
+    clamped : change by which all displacements are too low, as they are if elements below the
+        surface are too large; None if there is none
+    """
+    nodes = replace(mesh_part(), value=1.0, scale=1.0)
+    rows: list[tuple[Parameter, ...]] = [(nodes,)]
+    if clamped is not None:
+        below = Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors)
+        rows.append((nodes, below))
+    return [
+        Mistake(
+            COARSE_MESH,
+            "a mesh that is too coarse: {0:.2g} times the errors of linear elements with nodes at "
+            "these radii",
+            "halve the element size: this error decreases; give both results with --refinement",
+            row,
+            of_mesh=True,
+        )
+        for row in rows
+    ]
+
+
 # ---- the table ------------------------------------------------------------------------------
 
 
@@ -228,144 +262,12 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
     by_force = problem.indentation is None
     bare = not problem.ground.layered
     written = scene.unit_names.write
-    rows = []
+    rows = list[Mistake]()
 
-    # the program has another clock
-    if later and steady_load:
-        rows.append(
-            Mistake(
-                "wear coefficient",
-                "a wear coefficient or a sliding speed of {0:.4g} times ours: time runs {0:.4g} "
-                "times as fast",
-                "compare k and v of the input, and their units; with all times multiplied by this "
-                "factor the error disappears",
-                (factor(set_reading("time_scale")),),
-                "time",
-                prior=0.15,
-            )
-        )
-    if later:
-        rows.append(
-            Mistake(
-                "units of time",
-                lambda value: (
-                    f"another unit of time, {value:.4g} times that of the scene: the "
-                    f"column time is {1 / value:.4g} times ours"
-                ),
-                "give the unit of time of the table by --units, or in the heading of its times; a "
-                "wear coefficient or a sliding speed in another unit has the same effect",
-                (choice(set_reading("time_scale"), 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
-                "time",
-                prior=0.15,
-            )
-        )
-    if several:
-        last = float(comparison.times.max())
-        rows.append(
-            Mistake(
-                "late start",
-                lambda start: (
-                    f"a history that starts too late, at about t = {written(start, 'time', 3)}"
-                ),
-                "subtract this from all times: the error disappears",
-                (
-                    Parameter(
-                        "start",
-                        set_reading("start_time"),
-                        0.1 * last,
-                        math.log(10),
-                        starts=tuple(last * part for part in (0.02, 0.1, 0.3, 0.6)),
-                        of_scene=False,
-                    ),
-                ),
-                "late",
-            )
-        )
-    if several and flat:
-        longest = float(np.diff(comparison.times, prepend=0.0).max())
-        for kind, sign in (("implicit", 1.0), ("explicit", -1.0)):
-            rows.append(
-                Mistake(
-                    "first-order time step",
-                    partial(_steps_in_words, kind, written),
-                    "compute with half the time step: the error is halved",
-                    (
-                        Parameter(
-                            "step",
-                            of_reading(partial(with_step, sign)),
-                            longest / 20,
-                            math.log(20 * last / longest),
-                            of_scene=False,
-                        ),
-                    ),
-                    "step",
-                )
-            )
-
-    # the program solves another scene
-    if flat and by_force:
-        rows.append(
-            Mistake(
-                "normal force",
-                "a load of {0:.4g} times ours, which multiplies all results",
-                "compare the sum of 2 pi r p dr with the load of the scene",
-                (factor(of_scene(with_force), of_scene=True),),
-                "load",
-                prior=0.05,
-            )
-        )
-        known = force_factors(problem.units.length)
-        rows.append(
-            Mistake(
-                "force per length",
-                lambda value: (
-                    f"a load of {value:.4g} times ours, which multiplies all results: a "
-                    f"force {known[value]}"
-                ),
-                "compare the sum of 2 pi r p dr with the load; look up whether an axisymmetric "
-                "load counts for the whole circumference",
-                (choice(of_scene(with_force), *known, of_scene=True),),
-                "load",
-                "normal force",
-                prior=0.15,
-            )
-        )
-    if flat:
-        rows.append(
-            Mistake(
-                "modulus",
-                "a half-space {0:.4g} times as stiff as ours",
-                "compare the modulus of the input, and F / (2 a E*) with the first indentation",
-                (factor(of_scene(with_modulus), of_scene=True),),
-                "modulus",
-            )
-        )
-    plane = 1 - problem.poisson_ratio**2
-    if flat and bare and abs(problem.poisson_ratio) > 0.1:
-        rows.append(
-            Mistake(
-                "Poisson's ratio",
-                "a half-space {0:.4g} times as stiff as ours: E in place of E/(1 - nu^2), or the "
-                "reverse",
-                "compute with a Poisson's ratio of 0: the error disappears",
-                (choice(of_scene(with_modulus), plane, 1 / plane, of_scene=True),),
-                "modulus",
-                "modulus",
-                prior=0.03,
-            )
-        )
-    if bare:
-        rows.append(
-            Mistake(
-                "radius for diameter",
-                "a punch of {0:g} times the radius: a diameter in place of a radius, or the "
-                "reverse",
-                "look up the radius in the model beyond which pressures are zero",
-                (choice(of_scene(with_radius), 2.0, 0.5, of_scene=True),),
-                "radius",
-                prior=0.06,
-            )
-        )
+    errors = dict(zip(comparison.quantities, comparison.mesh_errors(), strict=False))
+    error = float(np.sqrt(np.mean(errors["pressure"] ** 2))) if errors else 0.0
+    if error and not (bare and (flat or by_force)):
+        rows += coarse_mesh(error, None)
     if bare and (flat or by_force):
         low = float(np.interp(problem.poisson_ratio, *TRUNCATION_ERRORS))
 
@@ -380,6 +282,8 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
             compliance = -part * low / 2 * units.displacement / units.force
             return scene, reading._replace(ground_compliance=compliance)
 
+        if error:
+            rows += coarse_mesh(error, clamped)
         rows.append(
             Mistake(
                 "truncated half-space",
@@ -405,10 +309,130 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                         of_scene=False,
                     ),
                 ),
-                "truncation",
-                prior=0.1,
                 of_mesh=True,
                 size=lambda part: 1 / part,
+            )
+        )
+
+    # the program has another clock
+    if later:
+        rows.append(
+            Mistake(
+                "units of time",
+                lambda value: (
+                    f"another unit of time, {value:.4g} times that of the scene: the "
+                    f"column time is {1 / value:.4g} times ours"
+                ),
+                "give the unit of time of the table by --units, or in the heading of its times; a "
+                "wear coefficient or a sliding speed in another unit has the same effect",
+                (choice(set_reading("time_scale"), 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
+            )
+        )
+    if later and steady_load:
+        rows.append(
+            Mistake(
+                "wear coefficient",
+                "a wear coefficient or a sliding speed of {0:.4g} times ours: time runs {0:.4g} "
+                "times as fast",
+                "compare k and v of the input, and their units; with all times multiplied by this "
+                "factor the error disappears",
+                (factor(set_reading("time_scale")),),
+            )
+        )
+    if several:
+        last = float(comparison.times.max())
+        rows.append(
+            Mistake(
+                "late start",
+                lambda start: (
+                    f"a history that starts too late, at about t = {written(start, 'time', 3)}"
+                ),
+                "subtract this from all times: the error disappears",
+                (
+                    Parameter(
+                        "start",
+                        set_reading("start_time"),
+                        0.1 * last,
+                        math.log(10),
+                        starts=tuple(last * part for part in (0.02, 0.1, 0.3, 0.6)),
+                        of_scene=False,
+                    ),
+                ),
+            )
+        )
+    if several and flat:
+        longest = float(np.diff(comparison.times, prepend=0.0).max())
+        for kind, sign in (("implicit", 1.0), ("explicit", -1.0)):
+            rows.append(
+                Mistake(
+                    "first-order time step",
+                    partial(_steps_in_words, kind, written),
+                    "compute with half the time step: the error is halved",
+                    (
+                        Parameter(
+                            "step",
+                            of_reading(partial(with_step, sign)),
+                            longest / 20,
+                            math.log(20 * last / longest),
+                            of_scene=False,
+                        ),
+                    ),
+                )
+            )
+
+    # the program solves another scene
+    if flat and by_force:
+        known = force_factors(problem.units.length)
+        rows.append(
+            Mistake(
+                "force per length",
+                lambda value: (
+                    f"a load of {value:.4g} times ours, which multiplies all results: a "
+                    f"force {known[value]}"
+                ),
+                "compare the sum of 2 pi r p dr with the load; look up whether an axisymmetric "
+                "load counts for the whole circumference",
+                (choice(of_scene(with_force), *known, of_scene=True),),
+                "normal force",
+            )
+        )
+        rows.append(
+            Mistake(
+                "normal force",
+                "a load of {0:.4g} times ours, which multiplies all results",
+                "compare the sum of 2 pi r p dr with the load of the scene",
+                (factor(of_scene(with_force), of_scene=True),),
+            )
+        )
+    plane = 1 - problem.poisson_ratio**2
+    if flat and bare and abs(problem.poisson_ratio) > 0.1:
+        rows.append(
+            Mistake(
+                "Poisson's ratio",
+                "a half-space {0:.4g} times as stiff as ours: E in place of E/(1 - nu^2), or the "
+                "reverse",
+                "compute with a Poisson's ratio of 0: the error disappears",
+                (choice(of_scene(with_modulus), plane, 1 / plane, of_scene=True),),
+                "modulus",
+            )
+        )
+    if flat:
+        rows.append(
+            Mistake(
+                "modulus",
+                "a half-space {0:.4g} times as stiff as ours",
+                "compare the modulus of the input, and F / (2 a E*) with the first indentation",
+                (factor(of_scene(with_modulus), of_scene=True),),
+            )
+        )
+    if bare:
+        rows.append(
+            Mistake(
+                "radius for diameter",
+                "a punch of {0:g} times the radius: a diameter in place of a radius, or the "
+                "reverse",
+                "look up the radius in the model beyond which pressures are zero",
+                (choice(of_scene(with_radius), 2.0, 0.5, of_scene=True),),
             )
         )
     rows += wear_mistakes(scene, later)
@@ -445,8 +469,6 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                         of_scene=False,
                     ),
                 ),
-                "ground",
-                prior=0.05,
             )
         )
         if problem.poisson_ratio < 0.5:
@@ -470,11 +492,9 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                         )
                         for key, value, number, nodes in (
                             ("thickness", 0.28, 3, (-1, 1)),
-                            ("youngs_modulus", 0.5, 4, (-3, -1, 2, 3)),
+                            ("youngs_modulus", 0.5, 5, (-3, -1, 2, 3)),
                         )
                     ),
-                    "ground",
-                    prior=0.03,
                     size=lambda _, stiff: stiff,
                 )
             )
@@ -493,17 +513,12 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                 "compare the sign conventions: p is positive in compression; u, d and f are "
                 "positive into the half-space",
                 (choice(columns(name), -1.0),),
-                f"sign of {name}",
-                prior=0.1,
             )
         )
     lengths = names & {*LENGTHS}
     kinds = {kind: {*members} & names for kind, members in KINDS.items()}
-    single = [({name}, 0.05, 0.03) for name in sorted(lengths) if len(lengths) > 1]
-    for members, of_units, of_factor in [
-        *((each, 0.06, 0.04) for each in kinds.values() if each),
-        *single,
-    ]:
+    single = [{name} for name in sorted(lengths) if len(lengths) > 1]
+    for members in [*filter(None, kinds.values()), *single]:
         words = " and ".join(name.replace("_", " ") for name in sorted(members))
         verb = "are" if len(members) > 1 else "is"
         rows.append(
@@ -515,9 +530,8 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                 ),
                 "give the units of the table by --units, or in the headings of its columns",
                 (choice(columns(*members), *POWERS),),
-                f"factor of {words}",
                 "constant factor",
-                prior=of_units,
+                words,
             )
         )
         if members == {"normal_force"}:
@@ -530,9 +544,8 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                     ),
                     "multiply the forces of the table to those on the whole circumference",
                     (choice(columns("normal_force"), *PARTS_OF_CIRCLE),),
-                    "factor of normal force",
                     "constant factor",
-                    prior=PRIOR_OF_PARTS,
+                    words,
                 )
             )
         rows.append(
@@ -541,8 +554,7 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                 f"a constant factor: {words} {verb} {{0:.4g}} times ours at all times and radii",
                 "compare the units and the definition of this column with those of the others",
                 (factor(columns(*members)),),
-                f"factor of {words}",
-                prior=of_factor,
+                changes=words,
             )
         )
     if len(comparison.radii) > 1:
@@ -559,8 +571,6 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
                 ),
                 "compare the greatest radius of the table with punch.radius; give --units",
                 (choice(set_reading("radius_scale"), 2.0, 0.5, *[power] * (power > 1)),),
-                "radius",
-                prior=0.03,
             )
         )
     return rows
@@ -612,8 +622,6 @@ def wear_mistakes(scene: Scene, later: bool) -> list[Mistake]:
                     of_scene=True,
                 ),
             ),
-            "rings",
-            prior=0.05 if count == 2 else 0.02,
         )
         for first, second in combinations(values[:MAX_MATERIALS], 2)
     ]
@@ -622,8 +630,8 @@ def wear_mistakes(scene: Scene, later: bool) -> list[Mistake]:
     rows += [
         Mistake(
             "wear ratio",
-            f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g} is "
-            "{0:.4g} times ours",
+            f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g}"
+            f"{_ring_of(value, scene)} is {{0:.4g}} times ours",
             "compare the wear coefficient of each material; late pressures are inverse to them",
             (
                 Parameter(
@@ -633,11 +641,10 @@ def wear_mistakes(scene: Scene, later: bool) -> list[Mistake]:
                     starts=(0.45, 2.2),
                 ),
             ),
-            "rings",
-            prior=0.06,
         )
         for value in values
     ]
+    rows += ring_mistakes(scene)
     if edges[0] == 0 and (edges[1:-1] * 1.24 < 1).all():
         rows.append(
             Mistake(
@@ -653,10 +660,46 @@ def wear_mistakes(scene: Scene, later: bool) -> list[Mistake]:
                         spacing=0.06,
                     ),
                 ),
-                "rings",
             )
         )
     return rows
+
+
+def _ring_of(value: float, scene: Scene) -> str:
+    """Return the number of the ring that alone has a wear coefficient, in brackets."""
+    wear = ring_wear(scene)
+    return f" (ring {wear.index(value) + 1})" if wear.count(value) == 1 else ""
+
+
+def ring_mistakes(scene: Scene) -> list[Mistake]:
+    """Return mistakes in the wear coefficient of one ring."""
+    wear = ring_wear(scene)
+    rows = []
+    for number, value in enumerate(wear):
+        change = of_scene(partial(with_wear_of_ring, number))
+        remedy = "compare the wear coefficient of this ring with that of the scene"
+        if value and len(wear) <= MAX_SINGLE_RINGS:
+            words = f"a wear coefficient of ring {number + 1} that is forgotten: it does not wear"
+            forgotten = choice(change, FORGOTTEN, of_scene=True)
+            rows.append(Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0))
+        # a ring that alone has its material has a wrong ratio of wear coefficients
+        if value and wear.count(value) > 1 and len(wear) <= MAX_SINGLE_RINGS:
+            rows.append(
+                Mistake(
+                    "wear coefficient of a ring",
+                    f"a wear coefficient of ring {number + 1} of {{0:.4g}} times ours",
+                    remedy,
+                    (Parameter("ring", change, reach=math.log(11), starts=(0.45, 2.2)),),
+                )
+            )
+    return rows
+
+
+def with_wear_of_ring(number: int, scene: Scene, size: float) -> Scene:
+    """Return a scene with the wear coefficient of one ring multiplied."""
+    wear = ring_wear(scene)
+    wear[number] *= size
+    return scene.changed({"punch.wear_coefficients": wear})
 
 
 def layer_mistakes(scene: Scene) -> list[Mistake]:
@@ -680,10 +723,8 @@ def layer_mistakes(scene: Scene) -> list[Mistake]:
             ),
             "compare the material of the model at each depth with the layers of the scene",
             (choice(of_scene(without_layers), *range(len(layers) + base), of_scene=True),),
-            "ground",
             # a layer of the modulus of the base is none
             "modulus of a layer",
-            prior=0.06,
             size=lambda place: tables[int(place)]["youngs_modulus"] / tables[0]["youngs_modulus"],
         )
     ]
@@ -707,7 +748,6 @@ def layer_mistakes(scene: Scene) -> list[Mistake]:
                             spacing=COARSE,
                         ),
                     ),
-                    "ground",
                 )
             )
         ratio = tables[place]["poisson_ratio"]
@@ -718,8 +758,6 @@ def layer_mistakes(scene: Scene) -> list[Mistake]:
                 f"a Poisson's ratio of {described(place)} of about {{0:.2g}}",
                 "compare Poisson's ratio of each layer",
                 (choice(of_scene(with_material(place, "poisson_ratio")), *ratios, of_scene=True),),
-                "ground",
-                prior=0.05,
             )
         )
     for places in combinations(range(len(layers) + base), 2):
@@ -733,7 +771,6 @@ def layer_mistakes(scene: Scene) -> list[Mistake]:
                     f"swapped {what} of {described(places[0])} and {described(places[1])}",
                     "compare the material of the model at each depth with the layers of the scene",
                     (choice(of_scene(with_exchanged(places, moved)), 1.0, of_scene=True),),
-                    "ground",
                 )
             )
     return rows
@@ -766,8 +803,6 @@ def shape_mistakes(scene: Scene) -> list[Mistake]:
                     spacing=0.29,
                 ),
             ),
-            "ground",
-            prior=0.05,
         )
         for name, (words, change) in changes.items()
     ]
@@ -788,6 +823,9 @@ def named(mistake: Mistake, values: tuple[float, ...], comparison: Comparison) -
         nearest = min(abs(values[0] / number - 1), abs(values[0] * number - 1))
         if number != 1 and nearest < MAX_FACTOR_DIFFERENCE:
             return label
+    # a factor of another mistake may come to that of a unit
+    if round(math.log(abs(values[0]), 1000)) and len(mistake.changes.split(" and ")) > 1:
+        return "units"
     return mistake.name
 
 

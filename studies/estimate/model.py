@@ -222,7 +222,8 @@ def ground_numbers(scene: Scene) -> Array:
     layers = np.empty(0)
     if (ground := problem.ground).layered:
         shear = np.array(ground.shear_moduli) / ground.shear_moduli[0]
-        layers = np.array([*ground.thicknesses, *np.minimum(shear, 1e9), *ground.poisson_ratios])
+        numbers = *ground.thicknesses, *np.minimum(shear, 1e9), *ground.poisson_ratios
+        layers = np.array([ground.share, *numbers])
     graded = np.array(scene.punch.table.radii if scene.punch.table else ())
     return np.concatenate([problem.ring_edges, layers, graded / problem.units.length])
 
@@ -265,6 +266,8 @@ class Model:
     origin : (m,) coordinates of a point of the lattice, at which nothing is interpolated
     known : accurate values of each measurement in the scene as it is, if there are any: predictions
         are multiplied by their ratio to those of the model, whose tolerance is loose
+    mesh_errors : relative errors of each measurement on a linear mesh, if they are known; a reading
+        tells which part of them a table has
     """
 
     scene: Scene
@@ -273,6 +276,7 @@ class Model:
     solver: Solver
     origin: Array
     known: tuple[Array, ...] = ()
+    mesh_errors: tuple[Array, ...] = ()
 
     @classmethod
     def of(
@@ -321,18 +325,19 @@ class Model:
 
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,)."""
-        return self._corrected(self._read(self._situation(x)[1], self._histories(x)))
-
-    def _corrected(self, values: list[Array]) -> list[Array]:
-        """Return values of the measurements without most of the error of the model."""
-        if not self.known:
-            return values
-        return [each * ratio for each, ratio in zip(values, self._ratios, strict=True)]
+        reading = self._situation(x)[1]
+        values = self._read(reading, self._histories(x))
+        if self.known:
+            values = [each * ratio for each, ratio in zip(values, self._ratios, strict=True)]
+        if reading.mesh:
+            errors = zip(values, self.mesh_errors, strict=True)
+            values = [each * (1 + reading.mesh * error) for each, error in errors]
+        return values
 
     @cached_property
     def _ratios(self) -> list[Array]:
         """Ratios of known values to those of the model in the scene as it is; 1 if far from 1."""
-        alone = replace(self, parameters=(), origin=np.zeros(0), known=())
+        alone = replace(self, parameters=(), origin=np.zeros(0), known=(), mesh_errors=())
         ratios = []
         for known, own in zip(self.known, alone.predict(np.zeros(0)), strict=True):
             with np.errstate(all="ignore"):

@@ -31,6 +31,7 @@ class Reading(NamedTuple):
     step : length of the program's time steps of first order, implicit if positive, else explicit
     plane_strain : whether the program models a strip in plane strain in place of a round punch
     factors : by quantity, such as -1000 for another sign and unit
+    mesh : part of the errors of a linear mesh that the table has (`Model.mesh_errors`)
     """
 
     start_time: float = 0.0
@@ -42,6 +43,7 @@ class Reading(NamedTuple):
     step: float = 0.0
     plane_strain: bool = False
     factors: Mapping[str, float] = {}
+    mesh: float = 0.0
 
     def times(self, times: Array) -> Array:
         """Return the times of the scene since sliding began, from those of a table."""

@@ -1,11 +1,11 @@
-"""Confidence intervals from profiles of the likelihood, which may have several valleys.
+"""Confidence intervals from profiles of the likelihood, whose valleys may bend.
 
 The profile of a parameter is the minimum of chi-square over all other parameters, as a function of
 its value. The interval ends where the profile has risen by a threshold. If the valleys of
-chi-square bend, a single path of constrained minima leaves the valley and ends too early.
-Therefore all points that any start or any profile has visited are pooled, each search begins at the
-outermost pooled point within the threshold, and a valley counts as ended only after constrained
-minima from two more points have failed, too.
+chi-square bend, a single path of constrained minima, such as that of lmfit's `conf_interval`,
+leaves the valley and ends too early. Therefore all points that any profile has visited are pooled,
+each search begins at the outermost pooled point within the threshold, and a valley counts as ended
+only after constrained minima from two more points have failed, too.
 """
 
 from dataclasses import dataclass, field

@@ -1,12 +1,11 @@
-"""Select the mistakes, one or several, that explain the difference of two results.
+"""Fit each mistake by itself, and rank the mistakes by what remains.
 
 A mistake is a parameter of the scene, or of the reading of a table, that is not as it should be.
-Each candidate is a set of mistakes whose values are estimated. Candidates are ranked by Bayes'
-information criterion (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773), with errors whose size
-is estimated from the residuals of the closest candidate.
+Candidates are ranked by ``n ln e^2 + f ln n`` for n values with the error e and f fitted numbers
+(Schwarz, Annals of Statistics 6 (1978) 461).
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,31 +19,26 @@ from .estimator import Likelihood, Point
 from .model import Model
 from .parameter import Parameter
 
-# assumed relative error of a program before its results are seen: the random part, and the part
-# that all values of a quantity have in common
+# assumed relative error of a program: the random part, and the part that all values of
+# a quantity have in common
 NOISE, BIAS = 0.02, 0.02
-# least random error that is assumed afterwards
-MIN_NOISE = 0.002
+# part of the difference, at most `NOISE`, below which differences of what remains do not count
+FLOOR = 0.1
 # greatest number of values that count as independent
 MAX_VALUES = 24
-# odds that there is no mistake if there are fewer than so many values: these cannot show the errors
-# of the program, and users then want to know what a mistake would be
-NO_MISTAKE_ODDS, FEW_VALUES = 0.03, 4
+# a choice among several values counts as half a fitted number
+CHOICE = 0.5
 # number of candidates that are estimated again, and of evaluations for each without interpolation
 MAX_SOLVED, EVALUATIONS_SOLVED = 3, 5
-# difference of the criterion up to which a candidate is still consistent with the data
-NEAR = 6.0
-# number of candidates to which every other mistake is added, and number of starts of a search
-MAX_EXTENDED, MAX_STARTS = 4, 2
-# relative change of chi-square, and number of evaluations, at which a search for the values of
-# mistakes ends
-TOLERANCE, EVALUATIONS = 1e-3, 20
-# relative error that remains in most programs, and least change of the prediction that a mistake
-# must cause
-USUAL_ERROR, MIN_EFFECT = 0.03, 1e-3
-# relative error up to which no further mistake is sought: coarse meshes have such errors, and
-# a thin layer looks like them
-MAX_UNEXPLAINED = 0.05
+# difference of the score that is hardly worth mentioning (Kass and Raftery, J. Am. Stat. Assoc. 90
+# (1995) 773)
+ALIKE = 2.0
+# number of starts of a search; relative change of chi-square and number of evaluations at its end
+MAX_STARTS, TOLERANCE, EVALUATIONS = 3, 1e-3, 20
+# least relative change of the prediction that a mistake must cause
+MIN_EFFECT = 1e-3
+# name of the mistake that is the mesh itself
+COARSE_MESH = "coarse mesh"
 # errors of a changed scene that has no solution, or none that can be computed
 NO_SOLUTION = (RingwearError, ArithmeticError, np.linalg.LinAlgError)
 
@@ -60,9 +54,8 @@ class Mistake:
         `str.format`, or a function of the values
     remedy : what the user can do to confirm the mistake
     parameters : unknown numbers, which are fitted; or with values to choose from
-    group : what it changes; two mistakes of one group are not combined
-    special_of : name of a mistake of which it is a special case
-    prior : how often it is made, over how often no mistake is made; our guess
+    special_of : name of a mistake of which it is a special case, if both change the same
+    changes : what it changes, to tell mistakes of one name
     of_mesh : whether a right model has this error, too, if its mesh is too small or too coarse
     size : returns the number that is reported for the mistake, from the values of the parameters
     """
@@ -71,22 +64,17 @@ class Mistake:
     sentence: str | Callable[..., str]
     remedy: str
     parameters: tuple[Parameter, ...] = ()
-    group: str = ""
     special_of: str = ""
-    prior: float = 0.04
+    changes: str = ""
     of_mesh: bool = False
     size: Callable[..., float] = lambda *values: values[0]
 
     @property
-    def fitted_numbers(self) -> int:
-        """Number of parameters that are fitted."""
-        return sum(not each.values for each in self.parameters)
-
-    @property
-    def log_prior(self) -> float:
-        """Logarithm of the prior odds of each choice of values."""
-        choices = [min(len(each.values), 3) for each in self.parameters if each.values]
-        return float(np.log(self.prior) - np.sum(np.log(choices or [1])))
+    def fitted_numbers(self) -> float:
+        """Number of parameters that are fitted; choices count as `CHOICE`."""
+        return sum(
+            1 if not each.values else CHOICE * (len(each.values) > 1) for each in self.parameters
+        )
 
     @property
     def starts(self) -> list[tuple[float, ...]]:
@@ -97,20 +85,21 @@ class Mistake:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Mistakes that are made together, with their values.
+    """A mistake with its values, or none.
 
     Parameters
     ----------
-    mistakes : empty for the candidate without a mistake
-    likelihood : of the data, with their parameters
+    mistake : None for the candidate without a mistake
+    likelihood : of the data; its parameters are those of the mistake and, last, those of the errors
+        of a mesh
     point : best coordinates (m,)
-    noise : (Q,) assumed relative error of each measurement
+    floor : relative error that is added to what remains: smaller differences do not count
     """
 
-    mistakes: tuple[Mistake, ...]
+    mistake: Mistake | None
     likelihood: Likelihood
     point: Point
-    noise: Array
+    floor: float
 
     @cached_property
     def predicted(self) -> list[Array]:
@@ -118,13 +107,10 @@ class Candidate:
         return self.likelihood.predictor.predict(self.point.x)
 
     @cached_property
-    def values(self) -> list[tuple[float, ...]]:
-        """The values of the parameters of each mistake."""
-        numbers = iter(self.point.x)
-        return [
-            tuple(each.at(float(next(numbers))) for each in mistake.parameters)
-            for mistake in self.mistakes
-        ]
+    def values(self) -> tuple[float, ...]:
+        """The values of the parameters of the mistake."""
+        parameters = self.mistake.parameters if self.mistake else ()
+        return tuple(each.at(float(x)) for each, x in zip(parameters, self.point.x, strict=False))
 
     @cached_property
     def intervals(self) -> list[tuple[float, float]]:
@@ -150,58 +136,43 @@ class Candidate:
         """Return the relative changes (Q,) of the prediction from another candidate's."""
         return self._relative_sizes(self.predicted, other.predicted)
 
+    @property
+    def _unbiased_errors(self) -> Array:
+        """(Q,) as `errors`, less what the values of a measurement may have in common."""
+        likelihood, measurements = self.likelihood, self.likelihood.measurements
+        measured = np.concatenate([each.values for each in measurements])
+        present = np.isfinite(likelihood.noise)
+        differences = np.where(present, measured - np.concatenate(self.predicted), 0.0)
+        ends = np.cumsum([len(each.values) for each in measurements])[:-1]
+        whitened = likelihood.whitened(differences / likelihood.noise)
+        parts = zip(np.split(whitened, ends), np.split(present, ends), strict=True)
+        return NOISE * np.array(
+            [np.sqrt(np.sum(part**2) / max(1, there.sum())) for part, there in parts]
+        )
+
     def _relative_sizes(self, first: list[Array], second: list[Array]) -> Array:
         """Return the root mean squares (Q,) of differences, over the sizes of the data."""
-        sizes = np.zeros(len(self.noise))
+        sizes = np.zeros(len(first))
         for number, each in enumerate(self.likelihood.measurements):
             present = np.isfinite(each.noise)
             differences = (first[number] - second[number])[present] / each.noise[present]
             if present.any():
-                sizes[number] = self.noise[number] * np.sqrt(np.mean(differences**2))
+                sizes[number] = NOISE * np.sqrt(np.mean(differences**2))
         return sizes
 
-    def with_errors(self, noise: Array, bias: float) -> "Candidate":
-        """Return the candidate with other assumed errors: (Q,) noises, and a bias."""
-        scaled = tuple(
-            replace(each, noise=each.noise * factor, bias=bias)
-            for each, factor in zip(self.likelihood.measurements, noise / self.noise, strict=True)
-        )
-        model = self.likelihood.predictor.for_measurements(scaled)
-        candidate = replace(self, likelihood=replace(self.likelihood, predictor=model), noise=noise)
-        # neither depends on the assumed errors
-        candidate.__dict__.update(predicted=self.predicted, errors=self.errors)
-        return candidate
-
     @cached_property
-    def chi_square(self) -> float:
-        """Sum of the squared residuals over the assumed errors."""
-        likelihood = self.likelihood
-        measured = np.concatenate([each.values for each in likelihood.measurements])
-        difference = measured - np.concatenate(self.predicted)
-        difference = np.where(np.isfinite(likelihood.noise), difference, 0.0)
-        return float(np.sum(likelihood.whitened(difference / likelihood.noise) ** 2))
+    def score(self) -> float:
+        """What remains, with a penalty for each fitted number; lower is better.
 
-    @cached_property
-    def bic(self) -> float:
-        """Bayes' information criterion; lower is better.
-
-        It is ``n ln(1 + chi2 / n) + f ln n - 2 ln prior`` for n values, of which at most
-        `MAX_VALUES` count as independent, and f fitted numbers. The logarithm is that of Student's
-        distribution: the errors are of about the assumed size, but their size is not known.
+        Each measurement has errors of unknown size, and all count the same. At most `MAX_VALUES`
+        values count as independent.
         """
-        misfit = self.values_counted * np.log1p(self.chi_square / self.values_present)
-        return float(misfit + self._penalty(self.mistakes))
-
-    def least_bic(self, further: Mistake) -> float:
-        """Return the criterion of a perfect prediction with a further mistake."""
-        return self._penalty((*self.mistakes, further))
-
-    def _penalty(self, mistakes: Sequence[Mistake]) -> float:
-        fitted = sum(each.fitted_numbers for each in mistakes)
-        prior = sum(each.log_prior for each in mistakes)
-        if not mistakes and self.values_present < FEW_VALUES:
-            prior = np.log(NO_MISTAKE_ODDS)
-        return float(fitted * np.log(self.values_counted) - 2 * prior)
+        own = self.mistake.fitted_numbers if self.mistake else 0.0
+        of_mesh = len(self.likelihood.parameters) - len(self.values)
+        # what is wrong by more than its size is only wrong
+        squares = np.minimum(self._unbiased_errors, 1.0) ** 2 + self.floor**2
+        remaining = self.values_counted * float(np.mean(np.log(squares)))
+        return remaining + (own + of_mesh) * float(np.log(self.values_counted))
 
     @property
     def values_present(self) -> int:
@@ -223,56 +194,35 @@ def left_out(what: str) -> Iterator[None]:
         LOG.warning("not tried as a mistake: %s: %s", what, error)
 
 
-def select(model: Model, mistakes: Sequence[Mistake], depth: int = 2) -> list[Candidate]:
-    """Return candidates of up to `depth` mistakes, the one with the lowest criterion first.
+def select(
+    model: Model, mistakes: Sequence[Mistake], of_mesh: tuple[Parameter, ...] = ()
+) -> list[Candidate]:
+    """Return the candidates of each mistake and of none, the lowest score first.
 
     Parameters
     ----------
     model : without parameters; its measurements have the relative error `NOISE`
     mistakes : that are considered
+    of_mesh : parameters of the errors of a mesh, which are fitted together with each mistake
     """
-    noise = np.full(len(model.measurements), NOISE)
-    none = Candidate((), Likelihood(model, (), ()), Point(np.empty(0), 0.0), noise)
-    levels, by_mistakes = [[none]], {frozenset[Mistake](): none}
-    for _ in range(depth):
-        # nothing is added to a candidate that leaves no more than most programs do, and nothing at
-        # all once the best candidate leaves no more
-        first = min(by_mistakes.values(), key=lambda each: each.bic)
-        if first.mistakes and first.errors.max() <= MAX_UNEXPLAINED:
-            break
-        worth = [each for each in levels[-1] if each is none or each.errors.max() > MAX_UNEXPLAINED]
-        extended = sorted(worth, key=lambda each: each.bic)[:MAX_EXTENDED]
-        level, tried = [], set[frozenset[Mistake]]()
-        for candidate in extended:
-            groups = {each.group for each in candidate.mistakes}
-            for mistake in mistakes:
-                key = frozenset({*candidate.mistakes, mistake})
-                lowest = min(each.bic for each in by_mistakes.values())
-                if mistake.group in groups or key in tried:
-                    continue
-                tried.add(key)
-                # even a perfect prediction could not come near the best candidate
-                if candidate.mistakes and candidate.least_bic(mistake) > lowest + NEAR:
-                    continue
-                found = None
-                with left_out(" and ".join(each.name for each in (*candidate.mistakes, mistake))):
-                    found = _with_mistake(candidate, mistake)
-                if found is not None and all(
-                    found.changes(other).max() > USUAL_ERROR
-                    for each in candidate.mistakes
-                    if (other := by_mistakes.get(key - {each}))
-                ):
-                    level.append(found)
-                    by_mistakes[key] = found
-        levels.append(level)
-    candidates = sorted((each for level in levels for each in level), key=lambda each: each.bic)
+    none = Candidate(None, Likelihood(model, (), ()), Point(np.empty(0), 0.0), 0.0)
+    none = replace(none, floor=min(NOISE, FLOOR * float(none.errors.max(initial=0.0))))
+    candidates = [none]
+    for mistake in mistakes:
+        with left_out(mistake.name):
+            # the mesh itself has the same parameter
+            further = of_mesh if mistake.name != COARSE_MESH else ()
+            if found := _with_mistake(none, mistake, further):
+                candidates.append(found)
+    candidates.sort(key=lambda each: each.score)
     candidates = [*map(_refined, candidates[:MAX_SOLVED]), *candidates[MAX_SOLVED:]]
-    # the closest prediction estimates the errors of the program
-    closest = min(candidates, key=lambda each: float(np.sum(each.errors**2)))
-    floor = MIN_NOISE * np.sqrt(MAX_VALUES / closest.values_counted)
-    noise = np.maximum(closest.errors, floor)
-    bias = min(BIAS, 2 * float(noise.max()))
-    return sorted((each.with_errors(noise, bias) for each in candidates), key=lambda each: each.bic)
+    # of mistakes that leave about the same, the first one of the table is first
+    order = {id(each): number for number, each in enumerate(mistakes)}
+    best = min(each.score for each in candidates)
+    return sorted(
+        candidates,
+        key=lambda each: (max(each.score - best - ALIKE, 0.0), order.get(id(each.mistake), -1)),
+    )
 
 
 def _refined(candidate: Candidate) -> Candidate:
@@ -291,59 +241,42 @@ def _refined(candidate: Candidate) -> Candidate:
     return replace(candidate, likelihood=likelihood, point=point)
 
 
-def _with_mistake(candidate: Candidate, mistake: Mistake) -> Candidate | None:
-    """Return the best candidate with one more mistake.
+def _with_mistake(
+    none: Candidate, mistake: Mistake, of_mesh: tuple[Parameter, ...]
+) -> Candidate | None:
+    """Return the best candidate with a mistake.
 
-    It is None if the mistake has no effect, or an effect that the errors of most programs exceed
-    beside another mistake; or if its values are at the ends of their range.
+    It is None if the mistake has no effect, or if its values are at the ends of their range.
 
     Raises
     ------
     SolverError
         if it has no finite results
     """
-    parameters = (*candidate.likelihood.parameters, *mistake.parameters)
+    parameters = (*mistake.parameters, *of_mesh)
     free = tuple(number for number, each in enumerate(parameters) if not each.values)
-    if len(free) > candidate.values_present:
+    if len(free) > none.values_present:
         return None
-    model = candidate.likelihood.predictor.with_parameters(parameters)
-    likelihood = Likelihood(model, parameters, free)
+    likelihood = Likelihood(none.likelihood.predictor.with_parameters(parameters), parameters, free)
     points = []
     for values in mistake.starts:
-        own = [each.coordinate(v) for each, v in zip(mistake.parameters, values, strict=True)]
-        x = np.append(candidate.point.x, own)
+        x = np.zeros(len(parameters))
+        for number, value in enumerate(values):
+            x[number] = parameters[number].coordinate(value)
         if np.isfinite(chi_square := float(np.sum(likelihood.residuals(x) ** 2))):
             points.append(Point(x, chi_square))
     if not points:
         raise SolverError("its results are not finite")
     points.sort(key=lambda point: point.chi_square)
-    count = MAX_STARTS if not candidate.mistakes else 1
     if free:
         points = [
             likelihood.best_from(point.x, tolerance=TOLERANCE, evaluations=EVALUATIONS)
-            for point in points[:count]
+            for point in points[:MAX_STARTS]
         ]
     best = min(points, key=lambda point: point.chi_square)
-    reach = np.array([parameters[number].reach for number in free])
-    if (np.abs(best.x[list(free)]) > reach).any():
+    own = [number for number in free if number < len(mistake.parameters)]
+    reach = np.array([parameters[number].reach for number in own])
+    if (np.abs(best.x[own]) > reach).any():
         return None
-    found = Candidate((*candidate.mistakes, mistake), likelihood, best, candidate.noise)
-    least = USUAL_ERROR if candidate.mistakes else MIN_EFFECT
-    return found if found.changes(candidate).max() > least else None
-
-
-def shares(candidates: Sequence[Candidate]) -> Mapping[Mistake, float]:
-    """Return the share of each mistake in all candidates, weighted by ``exp(-BIC / 2)``.
-
-    The shares say how much better candidates with a mistake are than all others that are known.
-    They are no probabilities that the mistake was made.
-    """
-    lowest = min(each.bic for each in candidates)
-    weights = np.exp(-(np.array([each.bic for each in candidates]) - lowest) / 2)
-    weights /= weights.sum()
-    shares = dict[Mistake, float]()
-    for candidate, weight in zip(candidates, weights.tolist(), strict=True):
-        for mistake in candidate.mistakes:
-            # the sum may exceed 1 by roundoff
-            shares[mistake] = min(shares.get(mistake, 0.0) + weight, 1.0)
-    return shares
+    found = Candidate(mistake, likelihood, best, none.floor)
+    return found if found.changes(none).max() > MIN_EFFECT else None

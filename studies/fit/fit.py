@@ -14,7 +14,6 @@ from ..estimate.estimator import (
     MAX_NUMERICAL_ERROR,
     Likelihood,
     Point,
-    best_points,
     fix_ineffective_parameters,
     inverse_of_information,
     with_estimated_noise,
@@ -84,8 +83,9 @@ def fit(
 
     Returns
     -------
-    fit : with `estimates` (value, low, high and identifiable by parameter), `correlations`,
-        `conclusions`, `chi_square`, `tests`, `figures` and `save(folder)`
+    fit : with `estimates` (value, stderr, low, high and identifiable by parameter),
+        `correlations`, `conclusions`, `chi_square`, `tests`, `figures`, `save(folder)`, and
+        `report()` in the form of lmfit
 
     Raises
     ------
@@ -143,11 +143,11 @@ def fit_measurements(
     predictor = model(scene, parameters, measurements, rtol, np.zeros(len(parameters)))
     likelihood = Likelihood(predictor, parameters, tuple(range(len(parameters))))
     likelihood, combinations = fix_ineffective_parameters(likelihood)
-    points = best_points(likelihood)
-    likelihood = with_estimated_noise(likelihood, points)
+    best = likelihood.best_from(np.zeros(len(parameters)))
+    likelihood = with_estimated_noise(likelihood, best)
     error = np.zeros(len(likelihood.noise))
     for finer_rtol in finer_rtols:
-        best = likelihood.best_from(points[0].x)
+        best = likelihood.best_from(best.x)
         finer = model(scene, parameters, likelihood.measurements, finer_rtol, best.x)
         finer_likelihood = replace(likelihood, predictor=finer)
         error = finer_likelihood.residuals(best.x) - likelihood.residuals(best.x)
@@ -155,16 +155,13 @@ def fit_measurements(
         if np.abs(error).max() <= MAX_NUMERICAL_ERROR:
             break
         likelihood = finer_likelihood
-    if len(points) > 1 and likelihood.predictor is not predictor:
-        points = sorted(
-            (likelihood.best_from(point.x) for point in points), key=lambda point: point.chi_square
-        )
-    best, profiles, intervals = _intervals(likelihood, points)
+    best, profiles, intervals = _intervals(likelihood, likelihood.best_from(best.x))
     if has_scars:
         error = np.maximum(np.abs(error), _widths_of_cells(likelihood, best.x) / likelihood.noise)
     slopes = likelihood.slopes(best.x)
     shifts = inverse_of_information(slopes) @ (slopes.T @ error)
     undetermined = {number for combination in combinations for number in combination}
+    deviations = dict(zip(likelihood.free, np.sqrt(np.diag(profiles.covariance)), strict=True))
     estimates = []
     for number, parameter in enumerate(parameters):
         place = likelihood.free.index(number) if number in likelihood.free else None
@@ -175,6 +172,7 @@ def fit_measurements(
                 float(best.x[number]),
                 low,
                 high,
+                float(deviations.get(number, np.nan)),
                 0.0 if place is None else float(abs(shifts[place])),
                 number in profiles.traces,
             )
@@ -237,47 +235,29 @@ def threshold(likelihood: Likelihood) -> float:
 
 
 def _intervals(
-    likelihood: Likelihood, points: list[Point]
+    likelihood: Likelihood, best: Point
 ) -> tuple[Point, Profiles, dict[int, tuple[float, float]]]:
     """Return the best point, its profiles, and the intervals of the free parameters by index."""
     for _ in range(MAX_RESTARTS):
-        best, covariance = points[0], likelihood.covariance(points[0].x)
-        rise = threshold(likelihood)
-        seen = [point for point in points[1:] if point.chi_square < best.chi_square + rise]
-        profiles = Profiles(likelihood, best, covariance, rise, seen)
-        half_widths = np.sqrt(np.diag(covariance) * rise)
+        covariance, rise = likelihood.covariance(best.x), threshold(likelihood)
+        profiles = Profiles(likelihood, best, covariance, rise)
+        deviations = dict(zip(likelihood.free, np.sqrt(np.diag(covariance)), strict=True))
         intervals = {
-            number: (float(best.x[number] - half_width), float(best.x[number] + half_width))
-            for number, half_width in zip(likelihood.free, half_widths, strict=True)
+            number: (
+                float(best.x[number] - deviation * np.sqrt(rise)),
+                float(best.x[number] + deviation * np.sqrt(rise)),
+            )
+            for number, deviation in deviations.items()
         }
+        not_quadratic = [
+            number
+            for number, deviation in deviations.items()
+            if likelihood.parameters[number].logarithmic and deviation > MAX_QUADRATIC_DEVIATION
+        ]
         try:
-            intervals |= profiles.intervals(_not_quadratic(likelihood, best, seen, covariance))
+            intervals |= profiles.intervals(not_quadratic)
         except BetterPointError as error:
-            better = likelihood.best_from(error.point.x)
-            points = [better, *(point for point in points if point is not better)]
+            best = likelihood.best_from(error.point.x)
             continue
         break
     return best, profiles, intervals
-
-
-def _not_quadratic(
-    likelihood: Likelihood, best: Point, seen: list[Point], covariance: Array
-) -> list[int]:
-    """Return the indices of the parameters whose likelihood is not nearly quadratic.
-
-    Their intervals do not follow from the curvature. If another likely point was found away from
-    the best one, these are all free parameters.
-
-    Parameters
-    ----------
-    seen : other points whose chi-square is within the threshold
-    """
-    deviations = np.sqrt(np.diag(covariance))
-    shifts = [np.abs(point.x - best.x)[list(likelihood.free)] / deviations for point in seen]
-    if any((shift > 0.1).any() for shift in shifts):
-        return list(likelihood.free)
-    return [
-        number
-        for number, deviation in zip(likelihood.free, deviations, strict=True)
-        if likelihood.parameters[number].logarithmic and deviation > MAX_QUADRATIC_DEVIATION
-    ]

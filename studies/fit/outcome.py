@@ -1,10 +1,13 @@
 """The results of a fit in numbers: estimates, intervals, correlations and residuals."""
 
+import re
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from lmfit import Parameters, fit_report
+from lmfit.minimizer import MinimizerResult
 
 from ...meshes import Array
 from ..crosscheck import Scene
@@ -27,6 +30,7 @@ class Estimate:
     parameter : that is estimated
     best : most likely coordinate
     low, high : ends of the 95 % interval, infinite where it is open
+    deviation : standard error of the coordinate, by the curvature; NaN if it is not fitted
     numerical : change of the coordinate by the numerical error of the model
     by_profile : whether the interval follows from the profile of the likelihood, not its curvature
     """
@@ -35,6 +39,7 @@ class Estimate:
     best: float
     low: float
     high: float
+    deviation: float
     numerical: float
     by_profile: bool
 
@@ -59,6 +64,12 @@ class Estimate:
     def ends(self) -> tuple[float, float]:
         """The ends of the interval, in the units of the scene; 0 or infinite where it is open."""
         return self.parameter.at(self.low), self.parameter.at(self.high)
+
+    @property
+    def standard_error(self) -> float:
+        """The standard error of the value by the curvature; NaN if the parameter is not fitted."""
+        scale = abs(self.value) if self.parameter.logarithmic else self.parameter.scale
+        return scale * self.deviation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -97,7 +108,7 @@ class Outcome:
 
     @cached_property
     def estimates(self) -> pd.DataFrame:
-        """By parameter: value, low and high end of the 95 % interval, and whether identifiable.
+        """By parameter: value, standard error, 95 % interval (low, high), whether identifiable.
 
         Further columns: `numerical`, the relative error of the estimate by the numerical error of
         the model (absolute if the parameter is not positive), and `profile`, whether the interval
@@ -106,6 +117,7 @@ class Outcome:
         rows = {
             each.parameter.name: {
                 "value": each.value,
+                "stderr": each.standard_error,
                 "low": each.ends[0],
                 "high": each.ends[1],
                 "identifiable": each.identifiable,
@@ -125,6 +137,32 @@ class Outcome:
     def degrees_of_freedom(self) -> int:
         """The expected value of chi-square, if the noise is as given."""
         return self.likelihood.degrees_of_freedom
+
+    @property
+    def reduced_chi_square(self) -> float:
+        """Chi-square over its expected value; NaN if there are as many parameters as values."""
+        freedom = self.degrees_of_freedom
+        return self.chi_square / freedom if freedom > 0 else float("nan")
+
+    def report(self) -> str:
+        """Return statistics, parameters and correlations as lmfit's `fit_report`, and intervals."""
+        likelihood, names = self.likelihood, [each.parameter.name for each in self.found]
+        minimizer = likelihood.minimizer(self.best.x, likelihood.free)
+        shown: MinimizerResult | Parameters = minimizer.params
+        if likelihood.free:
+            shown = minimizer.least_squares()
+            shown.redchi, minimizer.params = self.reduced_chi_square, shown.params
+        for each, known in zip(self.found, minimizer.params.values(), strict=True):
+            known.set(value=each.value, min=-np.inf, max=np.inf)
+            known.init_value, known.stderr = each.parameter.value, None
+            if known.vary:
+                known.stderr = each.standard_error
+        lines = [fit_report(shown), "[[95 % Intervals]]"]
+        lines += [
+            f"    {name}: {each.ends[0]:.7g} to {each.ends[1]:.7g}"
+            for name, each in zip(names, self.found, strict=True)
+        ]
+        return re.sub(r"\bx(\d+)\b", lambda found: names[int(found[1])], "\n".join(lines))
 
     @cached_property
     def covariance(self) -> Array:

@@ -50,16 +50,10 @@ def _estimates(fit: Outcome, names: UnitNames) -> Iterator[str]:
             yield f"{name} is not identifiable: the data do not determine it alone"
         elif each.identifiable:
             value = written(parameter, each.value, names)
-            yield f"{name} = {value} (95 %: {low} to {high}){_relative(each)}"
+            error = written(parameter, each.standard_error, names)
+            yield f"{name} = {value} (95 %: {low} to {high}) +/- {error}"
         else:
             yield f"{name} is not identifiable: {_bounds(each, low, high)}"
-
-
-def _relative(each: Estimate) -> str:
-    """Return half the width of the interval of a positive parameter, in per cent of the value."""
-    if not each.parameter.logarithmic:
-        return ""
-    return f", known to {50 * (np.exp(each.high - each.best) - np.exp(each.low - each.best)):.2g} %"
 
 
 def _bounds(each: Estimate, low: str, high: str) -> str:
@@ -185,7 +179,10 @@ def _quality(fit: Outcome, names: UnitNames) -> Iterator[str]:
             kind = KINDS["worn_volume" if first.quantity == "worn_volume" else column]
             size = names.write(float(np.median(first.noise)), kind, 2)
             yield f"the noise of {column}, estimated from the residuals, is {size}"
-    yield f"chi-square is {fit.chi_square:.3g} for {fit.degrees_of_freedom} degrees of freedom"
+    yield (
+        f"chi-square is {fit.chi_square:.3g} for {fit.degrees_of_freedom} degrees of freedom "
+        f"(reduced: {fit.reduced_chi_square:.3g})"
+    )
     probability = combined(fit.tests)
     if not fit.tests:
         yield (

@@ -11,6 +11,8 @@ by the factor ``|1 - l dt|`` with each update. Non-dimensional: time unit a / (E
 greatest wear coefficient k.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.sparse.linalg import eigs
 
@@ -22,6 +24,8 @@ MOST_DENSE = 600
 """Greatest number of nodes of which all eigenvalues are computed, and not only the largest one."""
 ITERATION_TOLERANCE = 1e-4
 """Relative residual of the largest eigenvalue of more nodes; those next to it are close."""
+ZERO_RATE = 1e-7
+"""Eigenvalues below this part of the largest one are zero: the even wear."""
 LEAST_PART = 1e-3
 """Eigenvalues below this part of the largest one do not limit the step."""
 
@@ -75,3 +79,44 @@ def longest_step(
         values = eigs(operator, k=1, v0=start, tol=ITERATION_TOLERANCE)[0]
     values = values[np.abs(values) > LEAST_PART * np.abs(values).max()]
     return float((2 * values.real / np.abs(values) ** 2).min())
+
+
+class WornOnMesh(NamedTuple):
+    """Contain what explicit updates with infinitely short steps give at T times and n nodes.
+
+    Parameters
+    ----------
+    profiles, pressures : (T, n) arrays
+    indentations : (T,) array
+    """
+
+    profiles: Array
+    pressures: Array
+    indentations: Array
+
+
+def worn_on_mesh(
+    problem: Problem, nodes: ContactNodes, treatment: str, wear: Array, times: Array
+) -> WornOnMesh:
+    """Return what the updates of a flat punch in full contact give without any error of steps.
+
+    Parameters
+    ----------
+    problem, nodes, treatment : as for `relief`
+    wear : (n,) wear coefficients of the nodes, over the greatest
+    times : (T,)
+    """
+    forces, matrix = nodes.stiffness.sum(axis=0), relief(problem, nodes, treatment)
+    start = (nodes.pressures(treatment) @ nodes.stiffness).sum(axis=1)
+    if problem.indentation is None:
+        start = start / forces.sum()
+    rates, vectors = np.linalg.eig(wear[:, None] * matrix)
+    parts = vectors * np.linalg.solve(vectors, (wear * start).astype(complex))
+    decays = np.abs(rates) > ZERO_RATE * np.abs(rates).max()
+    rest, elapsed = np.where(decays, rates, 1.0), times[:, None]
+    grown = np.where(decays, -np.expm1(-rest * elapsed) / rest, elapsed)
+    profiles = (grown @ parts.T).real
+    depths = (1 + profiles @ forces) / forces.sum()
+    if problem.indentation is not None:
+        depths = np.ones(len(times))
+    return WornOnMesh(profiles, start - profiles @ matrix.T, depths)

@@ -3,14 +3,21 @@
 A model is a mesh in rows and columns whose nodes are at the radii of the table. Non-dimensional.
 """
 
+from itertools import product
+
 import numpy as np
 
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
 from ..study.own import ELEMENTS
 from .contact_nodes import TREATMENTS, ContactNodes, contact_nodes
-from .explicit import longest_step, relief, wear_at_nodes
+from .explicit import longest_step, relief, wear_at_nodes, worn_on_mesh
 from .limits import mesh_below
+
+FEWEST_RADII, MOST_RADII = 4, 300
+"""Numbers of radii of which results on a mesh are computed; finer meshes have smaller errors."""
+BESIDE = 1e-7
+"""Distance from ring edges at which wear coefficients of both sides are taken, in punch radii."""
 
 
 def limit_of_models(
@@ -55,6 +62,54 @@ def limit_of_models(
                 best = float(rest), limit / float(scale), nodes.element
     # a model that allows the step does not describe the program
     return best[1:] if best[1] < np.diff(times).mean() else (np.nan, "")
+
+
+def results_on_mesh(
+    problem: Problem, times: Array, radii: Array, pressures: Array, element: str
+) -> dict[str, Array]:
+    """Return pressure, profile and displacement (T, R) and indentation (T,) on a mesh of elements.
+
+    The mesh has its nodes at the radii, and no error of wear steps. Nodes at ring edges have the
+    wear coefficient of the ring inside or outside, or their harmonic mean, and pressures are
+    computed per node or by the mass matrix, whichever is nearest to the pressures of the program.
+    Empty if no such mesh is known: of a punch that is not flat, of layers, or of a load that
+    varies.
+
+    Parameters
+    ----------
+    problem : the problem
+    times : (T,) non-dimensional
+    radii : (R,) radii of the nodes, in punch radii
+    pressures : (T, R) of the program, non-dimensional
+    element : name of the element
+    """
+    steady_load = problem.full_contact and not problem.keeps_contact and not problem.loading.varies
+    models = _models(problem, radii, element) if steady_load and _are_nodes(radii) else []
+    best, found = np.inf, dict[str, Array]()
+    for nodes, treatment, side in product(models, TREATMENTS, (-1, 0, 1)):
+        wear, greatest = wear_at_nodes(problem.merged, nodes.radii), problem.wear_coefficients.max()
+        if side:
+            places = np.clip(nodes.radii + side * BESIDE, nodes.radii[0], 1.0)
+            wear = problem.merged.at(places) / greatest
+        worn = worn_on_mesh(problem, nodes, treatment, wear, times * float(greatest))
+        fields = {
+            "pressure": worn.pressures,
+            "profile": worn.profiles,
+            "displacement": worn.indentations[:, None] - worn.profiles,
+        }
+        results = {
+            name: np.array([np.interp(radii, nodes.radii, row) for row in values])
+            for name, values in fields.items()
+        }
+        distance = float(np.nanmedian(np.abs(results["pressure"] - pressures)))
+        if distance < best:
+            best, found = distance, results | {"indentation": worn.indentations}
+    scale = 1.0 if problem.indentation is None else problem.indentation
+    return {name: scale * values for name, values in found.items()}
+
+
+def _are_nodes(radii: Array) -> bool:
+    return FEWEST_RADII <= len(radii) <= MOST_RADII
 
 
 def _models(problem: Problem, radii: Array, element: str | None) -> list[ContactNodes]:

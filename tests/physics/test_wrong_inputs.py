@@ -208,3 +208,81 @@ def test_finite_elements_with_wrong_edges_are_named_despite_their_own_errors():
     first, *others = looks(THREE, finite_elements(given))
     assert (first.name, first.size) == ("ring edges", pytest.approx(1.1, rel=0.03))
     assert all(other.share <= 0.7 or other.name in MESH for other in others)
+
+
+FIVE = Scene.load("five_rings").changed(
+    methods=["mdr"], wear__times=[0.0, 0.02, 0.1, 0.3, 0.6, 1.0, 2.0], accuracy__rtol=1e-3
+)
+
+
+def with_ring(number, factor):
+    """Return the input of five rings with the wear coefficient of one of them multiplied."""
+    given = input_of(FIVE)
+    wear = list(given.wear)
+    wear[number - 1] *= factor
+    return given.changed(wear=tuple(wear))
+
+
+def wrong_on_ring(table, column, number):
+    """Return a table whose column has the wrong sign on one ring."""
+    edges = FIVE.problem.ring_edges
+    on_ring = (table.radius > edges[number - 1]) & (table.radius < edges[number])
+    return table.assign(**{column: table[column].where(~on_ring, -table[column])})
+
+
+def shifted(table):
+    """Return a table whose pressures are each in the row of the next radius."""
+    return table.assign(pressure=table.groupby("time").pressure.shift(1)).dropna()
+
+
+def right(cells=40):
+    return finite_elements(input_of(FIVE), cells)
+
+
+SINGLE = {
+    "an own mesh of a/10": (lambda: right(10), "coarse mesh", "a mesh that is too coarse"),
+    "k of ring 2 forgotten": (
+        lambda: springs(with_ring(2, 1e-4)),
+        "forgotten ring",
+        "ring 2 that is forgotten",
+    ),
+    "k of ring 3 30 % too high": (
+        lambda: springs(with_ring(3, 1.3)),
+        "wear coefficient of a ring",
+        "a wear coefficient of ring 3 of 1.3",
+    ),
+    "pressure shifted": (
+        lambda: shifted(right()),
+        "shifted column",
+        "a column pressure that is shifted outward by one node",
+    ),
+    "sign of pressure": (
+        lambda: wrong_on_ring(right(), "pressure", 2),
+        "sign of the pressure",
+        "an opposite sign of pressure on ring 2",
+    ),
+    "sign of wear": (
+        lambda: wrong_on_ring(right(), "profile", 4),
+        "sign of the profile",
+        "an opposite sign of profile on ring 4",
+    ),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SINGLE)
+def test_a_mesh_a_ring_and_a_column_are_named(name):
+    table, cause, words = SINGLE[name]
+    first = looks(FIVE, table())[0]
+    assert first.name == cause
+    assert words in first.words
+    assert "explain" in first.words
+
+
+@pytest.mark.slow
+def test_results_that_converge_name_the_mesh_first():
+    sizes = (0.2, 0.1, 0.05)
+    files = {f"h = {size}": right(round(1 / size)) for size in sizes}
+    first = check(FIVE, files, sizes=sizes).mistakes()[0]
+    assert first.name == "mesh"
+    assert "which decrease with their size" in first.words

@@ -64,10 +64,32 @@ def test_the_result_displays_itself_in_print_and_in_a_notebook(measured, tmp_pat
     assert noise == pytest.approx(NOISE, rel=0.4)
     assert repr(result).startswith("Fit of a pin\n")
     assert "estimated from the residuals" in repr(result)
+    assert "+/-" in repr(result)
     page = result._repr_html_()
     assert "<table" in page
     assert "data:image/png;base64," in page
     assert "report.html" in result.save(tmp_path / "saved")
+
+
+def test_the_report_has_the_standard_error_of_linear_regression():
+    """Worn volumes are proportional to k, so that k and its errors are those of a weighted mean."""
+    times = np.array([1e3, 2e3, 4e3, 7e3, 9e3])
+    worn = 1.4e-15 * 100.0 * 0.1 * times * (1 + 0.02 * np.array([1.0, -0.5, 0.3, -1.2, 0.8]))
+    data = pd.DataFrame({"time": times, "worn_volume": worn})
+    result = ringwear.fit(SCENE, data, "punch.wear_coefficient", noise="2 %")
+    ratios, weights = worn / (10.0 * times), (times / worn) ** 2
+    exact = np.average(ratios, weights=weights)
+    error = 0.02 / np.sqrt((weights * 100.0).sum())
+    (row,) = result.estimates.itertuples()
+    assert (row.value, row.stderr) == (pytest.approx(exact), pytest.approx(error, rel=1e-4))
+    squares = ((ratios / exact - 1) ** 2 * weights * (10.0 * exact) ** 2).sum() / 0.02**2
+    (shown,) = [line for line in result.report().splitlines() if "reduced chi-square" in line]
+    assert float(shown.partition("=")[2]) == pytest.approx(squares / 4, rel=1e-4)
+    lines = [line.split() for line in result.report().splitlines()]
+    (shown,) = [line for line in lines if line[0] == "punch.wear_coefficient:" and "+/-" in line]
+    assert float(shown[1]) == pytest.approx(exact)
+    assert float(shown[3]) == pytest.approx(error, rel=1e-4)
+    assert f"{row.low:.7g} to {row.high:.7g}" in result.report()
 
 
 def test_data_that_contradict_archards_law_end_with_status_3(measured, tmp_path, capsys):

@@ -85,18 +85,19 @@ def tried():
     """Return the candidates for a load, and for a strip in plane strain."""
     table = compared(FLAT, ["indentation", "normal_force"])
     rows = [each for each in mistakes(table) if each.name in ("normal force", "plane strain")]
-    return {tuple(row.name for row in each.mistakes) for each in select(model_of(table), rows)}
+    found = select(model_of(table), rows)
+    return {each.mistake.name for each in found if each.mistake is not None}
 
 
 @pytest.mark.parametrize("error", [SolverError("singular"), np.linalg.LinAlgError("singular")])
 def test_a_mistake_without_a_solution_is_left_out_with_a_word(error, monkeypatch, caplog):
-    assert ("plane strain",) in tried()
+    assert "plane strain" in tried()
 
     def fail(*_):
         raise error
 
     monkeypatch.setattr(Strips, "sample", fail)
-    assert tried() == {(), ("normal force",)}
+    assert tried() == {"normal force"}
     assert "not tried as a mistake: plane strain: singular" in caplog.text
 
 

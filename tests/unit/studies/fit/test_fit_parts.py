@@ -10,11 +10,7 @@ import pandas as pd
 import pytest
 
 from ringwear import Scene, SceneError
-from ringwear.studies.estimate.estimator import (
-    Likelihood,
-    best_points,
-    fix_ineffective_parameters,
-)
+from ringwear.studies.estimate.estimator import Likelihood, fix_ineffective_parameters
 from ringwear.studies.estimate.measurement import Measurement
 from ringwear.studies.estimate.model import STENCIL, lagrange
 from ringwear.studies.estimate.parameter import Parameter, situation
@@ -189,7 +185,7 @@ def test_a_straight_model_has_the_intervals_of_linear_regression():
     design = np.column_stack([np.ones(6), np.arange(6.0)])
     values = np.array([0.1, 1.2, 1.9, 3.1, 3.9, 5.2])
     likelihood = likelihood_of(Formula(lambda x: design @ x, lambda _: design, values), 2)
-    best = best_points(likelihood, 1)[0]
+    best = likelihood.best_from(np.zeros(2))
     exact = np.linalg.lstsq(design, values, rcond=None)[0]
     assert best.x == pytest.approx(exact, abs=1e-7)
     covariance = 0.01 * np.linalg.inv(design.T @ design)
