@@ -314,6 +314,9 @@ def _diagnoses(
         mesh explain the difference, only they are named
     """
     allowed, before = _allowed(comparison), float(none.errors.max(initial=0.0))
+    if before <= LEAST_ERROR:
+        # a program without a mistake may differ as much
+        return []
     found = [
         (each, each.mistake, explained_part(each, none))
         for each in _without_alike(candidates)
