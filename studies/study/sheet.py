@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes import SceneError
+from ..tables.frame import Frame
 from ..tables.writing import write_csv
 from .formats import to_latex, to_markdown
 from .orders import RADIUS, orders
@@ -17,21 +18,16 @@ if TYPE_CHECKING:
 
 
 def read_table(file: str) -> pd.DataFrame:
-    """Return the table in a CSV file, whose columns are separated by commas, semicolons or tabs.
+    """Return the table of levels in a file, with the names in its headings without units.
+
+    Columns whose cells are no numbers are texts.
 
     Raises
     ------
     SceneError
         if the file cannot be read, or has no rows
     """
-    try:
-        table = pd.read_csv(file, sep=None, engine="python", comment="#", skipinitialspace=True)
-    except (OSError, ValueError, pd.errors.ParserError) as error:
-        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
-        raise SceneError(f"{file} cannot be read as a table: {reason}; give a CSV file") from None
-    if table.empty:
-        raise SceneError(f"{file} has no rows: give a table with one row for each level")
-    return table
+    return Frame.of_file(Path(file)).table()
 
 
 def right_values(texts: Sequence[str]) -> Mapping[str, float] | float | None:

@@ -6,8 +6,8 @@ import pytest
 from flat_export import PRESSURE, SCENE, R
 
 from ringwear import SceneError
-from ringwear.studies.check.columns import kind_of
 from ringwear.studies.check.tables import read
+from ringwear.studies.tables.headings import name_of
 
 
 @pytest.mark.parametrize(
@@ -33,8 +33,8 @@ from ringwear.studies.check.tables import read
     ],
 )
 def test_columns_of_other_programs_are_known(heading, name):
-    kind = kind_of(heading)
-    assert (kind.name if kind else None) == name
+    found = name_of(heading)
+    assert (found[1].name if found else None) == name
 
 
 def same(table, time=0.0):
