@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
-from .arguments import Parser, add_arguments
+from .arguments import Parser, add_arguments, in_units
 from .crosscheck import (
     Folder,
     Scene,
+    UnitNames,
     bundled,
     default_folder,
     named_folder,
@@ -134,6 +135,9 @@ def _check(
         size of the previous one
     """
     read = Scene.load(scene)
+    units = given.get("units")
+    names = UnitNames.of(units, read.load_.times_are_distances) if units else None
+    given = in_units(read, given, names)
     if not theirs:
         raise SceneError("check compares results of other programs with ours: give their files")
     if repeated := [file for file in theirs if theirs.count(file) > 1]:
@@ -194,7 +198,8 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     from .wear_step.plan import plan
 
     read = Scene.load(scene)
-    if given.keys() & {"size", "element", "mesh"}:
+    given = in_units(read, given)
+    if given.keys() & {"size", "element", "mesh", "units"}:
         print_lines(["", read.title or "Untitled scene", "", *plan(read, **given)])
         return Status.DONE
     methods = chosen_methods(read)
@@ -286,6 +291,7 @@ def _study(
     from .tables.writing import keep_tables, keeping_rows
 
     read, folder_name = Scene.load(scene), _out(out, study)
+    given = in_units(read, given)
     setup = {"study": study, "scene": read.to_toml(), "options": given}
     text = rows_before(folder_name, study, setup) if resume else ""
     with output_folder(folder_name, f"study {study}", ["report.html"]) as folder:
@@ -392,7 +398,7 @@ def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
     from .decks.deck import choose, write_decks
 
     read = Scene.load(scene)
-    choice = choose(read, **given)
+    choice = choose(read, **in_units(read, given))
     with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
         lines = write_decks(read, choice, folder.hidden)
     print_markdown(lines)

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from ..meshes import RingwearError, SceneError
-from .crosscheck import Problem, Scene, Solution, Source, method, shown
+from .crosscheck import Problem, Scene, Solution, Source, kind_of, method, number_of, shown
 from .study.accept import accept
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
@@ -173,11 +173,13 @@ def values_of_keys(
     if isinstance(vary, Mapping):
         return {str(key): list(values) for key, values in vary.items()}
     texts = [vary] if isinstance(vary, str) else list(vary)
-    return dict(map(parse, texts))
+    return dict(parse(text, scene) for text in texts)
 
 
-def parse(text: str) -> tuple[str, list[float]]:
+def parse(text: str, scene: Scene) -> tuple[str, list[float]]:
     """Return key and values of ``KEY=LOW:HIGH:N`` or ``KEY=geom:LOW:HIGH:N``.
+
+    The ends may have units, as numbers of a scene may.
 
     Raises
     ------
@@ -187,7 +189,7 @@ def parse(text: str) -> tuple[str, list[float]]:
     found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):([1-9]\d*)", text.strip())
     try:
         key, geometric, *ends, count = found.groups() if found else ()
-        low, high = map(float, ends)
+        low, high = (_end(key, end, scene) for end in ends)
         if geometric and min(low, high) <= 0:
             raise ValueError
     except ValueError:
@@ -202,6 +204,14 @@ def parse(text: str) -> tuple[str, list[float]]:
         int(value) if value.is_integer() and abs(value) < 1e6 else float(f"{value:.9g}")
         for value in map(float, spaced(low, high, int(count)))
     ]
+
+
+def _end(key: str, text: str, scene: Scene) -> float:
+    """Return an end of the values of a key, in the units of a scene."""
+    kind, digits = kind_of(key, Scene), text.strip().lstrip("+-.")[:1]
+    if kind == "number" or not digits.isdigit() or text.strip()[-1:] in "0123456789.":
+        return float(text)
+    return number_of(text, f"--vary {key}", kind, scene.unit_names)
 
 
 def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:

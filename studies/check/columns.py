@@ -88,7 +88,7 @@ def known_columns(
         of_grid = {frame.units.get(heading, "") for heading in grid}
         if len(of_grid) > 1:
             raise SceneError(f"{frame.name}: x and y have different units: give both in one")
-        units |= {"radius": unit for unit in of_grid if unit}
+        units["radius"] = "".join(of_grid)
     elif "radius" in values and values["radius"].min() < 0 < values["radius"].max():
         x = values.pop("radius").to_numpy()
         y = np.zeros(len(x))

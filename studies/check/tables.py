@@ -380,9 +380,8 @@ def _refuse_missing(
     ]
     if "time" in missing and "time" in options:
         remedies.append("or --time T if all rows are of one time")
-    if len({without_number(each) for each in others}) < len(others) or all(
-        map(is_number, others[-2:])
-    ):
+    plain = {"" if is_number(each) else without_number(each) for each in others}
+    if len(plain) < len(others):
         remedies.append("or, if it has a column for each time, a row for each time instead")
     if missing == ["radius"] and "columns" in options:
         field = next(each for each in frame.cells if name_of(each, FIELDS))

@@ -63,6 +63,7 @@ NAMES = (
         r"((\w*_)?rf_?[23yz]|(\w*_)?cfn_?[m23]?|(\w*_)?reaction(_force)?_?[yz]?)(_\w+)?",
         True,
     ),
+    Name("normal_force", "force", r"f"),
     Name("contact_radius", "length", r"radius_of_contact"),
     Name("scar_diameter", "length", r"(wear_)?scar_(diameter|width)"),
     Name("worn_volume", "volume", r"wear_volume|volume_loss|lost_volume"),
@@ -145,11 +146,15 @@ def name_of(heading: str, wanted: Container[str] = KINDS) -> tuple[int, Name] | 
     heading : of another program
     wanted : our names of which it may be one
     """
-    name = split_heading(heading).name
+    name, unit = split_heading(heading)
     if name in wanted:
         return -1, Name(name, KINDS.get(name, ""), name)
-    found = (pair for pair in enumerate(NAMES) if pair[1].name in wanted)
-    return next((pair for pair in found if _matches(pair[1], name)), None)
+    for place, entry in enumerate(NAMES):
+        # F [N] is a force
+        of_unit = entry.kind in INDICES.get(unit, KINDS.values())
+        if of_unit and entry.name in wanted and _matches(entry, name):
+            return place, entry
+    return None
 
 
 def _spelt(unit: str) -> str:

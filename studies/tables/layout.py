@@ -143,12 +143,11 @@ def layout_of(path: Path | str, text: str) -> Layout:
             comments += [] if lines else [comment[1]]
         elif start not in "-=+|:" or not RULE.fullmatch(line):
             # in a heading, # is a number: Sample #
-            if start in "+-.0123456789" and any(mark in line for mark in "#/!"):
+            if start in "+-.0123456789" and ("#" in line or "/" in line or "!" in line):
                 line = REMARK.sub("", line)
-            lines[number] = line.strip()
-            if start == "|" and lines[number].endswith("|"):
-                # a row of Markdown has a mark at both ends
-                lines[number] = lines[number][1:-1]
+            line = line.strip()
+            # a row of Markdown has a mark at both ends
+            lines[number] = line[1:-1] if start == "|" and line.endswith("|") else line
     if not lines:
         raise SceneError(f"{path} {NO_ROWS}")
     last = [*lines.values()][-SAMPLE:]
@@ -178,8 +177,9 @@ def layout_of(path: Path | str, text: str) -> Layout:
     headings = headings or _headings(above, comments, delimiter, width)
     if len(above) == 1 and not headings and not above[0].isdigit():
         raise _unequal(path, first, width, len(cells_of(above[0], delimiter)))
-    width = len(headings) or filled
-    return Layout(headings, {key: cells[:width] for key, cells in rows.items()}, delimiter)
+    if (len(headings) or filled) < width:
+        rows = {key: cells[: len(headings) or filled] for key, cells in rows.items()}
+    return Layout(headings, rows, delimiter)
 
 
 def _unequal(path: Path | str, line: int, cells: int, columns: int) -> SceneError:
@@ -201,7 +201,7 @@ def cells_of(line: str, delimiter: str) -> list[str]:
         # a unit in brackets belongs to the name before it
         line = re.sub(r"\bno data\b", "NaN", line, flags=re.IGNORECASE)
         parts = re.split(r"\s+(?![\[(])", line.strip())
-    return [cell.strip() for cell in parts]
+    return [cell.strip() for cell in parts] if " " in line else parts
 
 
 def _words(cells: Iterable[str]) -> int:
@@ -286,4 +286,4 @@ def _with_units_of_all(headings: list[str], comments: Sequence[str]) -> list[str
             heading if unit else f"{heading} [{lengths[1]}]"
             for heading, unit in zip(headings, units, strict=True)
         ]
-    return [split_heading(heading).name for heading in headings]
+    return [re.sub(r"\s*[\[(][^\[(=]*[\])]", "", heading) for heading in headings]
