@@ -173,13 +173,11 @@ def values_of_keys(
     if isinstance(vary, Mapping):
         return {str(key): list(values) for key, values in vary.items()}
     texts = [vary] if isinstance(vary, str) else list(vary)
-    return dict(parse(text, scene) for text in texts)
+    return dict(parse(_without_units(text, scene)) for text in texts)
 
 
-def parse(text: str, scene: Scene) -> tuple[str, list[float]]:
+def parse(text: str) -> tuple[str, list[float]]:
     """Return key and values of ``KEY=LOW:HIGH:N`` or ``KEY=geom:LOW:HIGH:N``.
-
-    The ends may have units, as numbers of a scene may.
 
     Raises
     ------
@@ -189,7 +187,7 @@ def parse(text: str, scene: Scene) -> tuple[str, list[float]]:
     found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):([1-9]\d*)", text.strip())
     try:
         key, geometric, *ends, count = found.groups() if found else ()
-        low, high = (_end(key, end, scene) for end in ends)
+        low, high = map(float, ends)
         if geometric and min(low, high) <= 0:
             raise ValueError
     except ValueError:
@@ -206,12 +204,14 @@ def parse(text: str, scene: Scene) -> tuple[str, list[float]]:
     ]
 
 
-def _end(key: str, text: str, scene: Scene) -> float:
-    """Return an end of the values of a key, in the units of a scene."""
-    kind, digits = kind_of(key, Scene), text.strip().lstrip("+-.")[:1]
-    if kind == "number" or not digits.isdigit() or text.strip()[-1:] in "0123456789.":
-        return float(text)
-    return number_of(text, f"--vary {key}", kind, scene.unit_names)
+def _without_units(text: str, scene: Scene) -> str:
+    """Return values of a key with numbers in the units of a scene in place of those with a unit."""
+    key, mark, values = text.partition("=")
+    parts, kind = values.split(":"), kind_of(key, Scene)
+    for place, part in enumerate(parts):
+        if kind != "number" and re.match(r"[-+.\s]*\d.*[^\d.]$", part):
+            parts[place] = repr(number_of(part, f"--vary {key}", kind, scene.unit_names))
+    return f"{key}{mark}{':'.join(parts)}"
 
 
 def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:

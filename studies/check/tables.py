@@ -31,7 +31,7 @@ from ..crosscheck import (
     refuse_large,
     shown,
 )
-from ..decks.reports import NO_RESULTS, READERS, differing_keys, is_xy_report
+from ..decks.reports import NO_RESULTS, READERS, differing_keys, is_table
 from ..tables.frame import MASK, Frame, surface_table
 from ..tables.headings import KINDS, TIME, name_of
 from ..tables.numbers import is_number
@@ -276,7 +276,7 @@ def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset | Frame":
     if ending in NO_RESULTS:
         raise SceneError(f"{path} {NO_RESULTS[ending]}")
     try:
-        if ending in READERS and path.is_file() and not is_xy_report(path):
+        if ending in READERS and path.is_file() and not is_table(path):
             results = READERS[ending](path)
             if keys := differing_keys(path, scene):
                 LOG.warning(

@@ -345,11 +345,12 @@ def _modelled_values(table: Mapping[str, object], prefix: str = "") -> dict[str,
     return values
 
 
-def is_xy_report(path: Path) -> bool:
-    """Return whether an .rpt file of Abaqus has columns of an XY plot, and no fields on nodes."""
-    return (
-        path.suffix.lower() == ".rpt" and "node" not in path.read_text("utf-8", "replace").lower()
-    )
+def is_table(path: Path) -> bool:
+    """Return whether a file has columns of numbers, as of an XY plot, and no results on nodes."""
+    text = path.read_text("utf-8", "replace")
+    if path.suffix.lower() == ".rpt":
+        return "node" not in text.lower()
+    return not (path.with_suffix(".inp").is_file() or DAT_TITLE.search(text))
 
 
 READERS = {".dat": read_dat, ".rpt": read_rpt}

@@ -34,6 +34,8 @@ OPTIONS = ("columns", "units", "cycle")
 VOLUMES = ("worn_volume", "lost_mass")
 # columns that depend on wear only if the contact grows
 SCARS = ("contact_radius", "scar_diameter")
+# correlation with time below which depths fall
+REVERSED = -0.9
 # number of rings whose columns are recognised
 MOST_RINGS = 1000
 # initial noise, over the range of a series or over each volume, if it is estimated from residuals
@@ -91,6 +93,7 @@ def read_measurements(
             ) from None
         _refuse_speed(table, name, parameters)
         _refuse_scars(table, name, scene)
+        _refuse_reversed(table, name, scene)
         _refuse_other_rings(table, name, rings)
         divisor = _density(scene, density, table, name)
         in_table = _measurements(table, divisor)
@@ -183,6 +186,25 @@ def _refuse_scars(table: "pd.DataFrame", name: str, scene: Scene) -> None:
             )
 
 
+def _refuse_reversed(table: "pd.DataFrame", name: str, scene: Scene) -> None:
+    """Refuse depths that fall steadily, although neither the force nor wear does.
+
+    Raises
+    ------
+    SceneError
+        with the first and the last depth
+    """
+    if "indentation" not in table or not scene.problem.loading.rising:
+        return
+    times, depths = table[["time", "indentation"]].dropna().sort_values("time").to_numpy().T
+    vary = len(depths) > 1 and np.ptp(depths) and np.ptp(times)
+    if vary and np.corrcoef(times, depths)[0, 1] < REVERSED:
+        raise SceneError(
+            f"{name}: indentation falls from {depths[0]:.4g} to {depths[-1]:.4g}, but rises while "
+            "a punch wears: reversed sign? Give depths, positive downwards"
+        )
+
+
 def _refuse_other_rings(table: "pd.DataFrame", name: str, rings: int) -> None:
     """Refuse columns of rings that the punch does not have.
 
@@ -256,11 +278,6 @@ def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
             continue
         series = rows.groupby("time")[column].first()
         times, values = series.index.to_numpy(dtype=float), series.to_numpy(dtype=float)
-        if base == "indentation" and values.max() <= 0 and values[-1] < values[0]:
-            raise SceneError(
-                f"{column} falls from {values[0]:.4g} to {values[-1]:.4g}, but rises while a punch "
-                "wears: reversed sign? Give depths, positive downwards"
-            )
         number = re.search(r"_(\d+)$", column)
         ring = int(number[1]) - 1 if number else None
         quantity = base

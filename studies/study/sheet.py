@@ -17,17 +17,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def read_table(file: str) -> pd.DataFrame:
+def read_table(file: str, by: str = "") -> pd.DataFrame:
     """Return the table of levels in a file, with the names in its headings without units.
 
-    Columns whose cells are no numbers are texts.
+    Columns whose cells are no numbers are texts, but for that of the sizes of levels, `by`.
 
     Raises
     ------
     SceneError
-        if the file cannot be read, or has no rows
+        if the file cannot be read, has no rows, or has cells that are no numbers
     """
-    return Frame.of_file(Path(file)).table()
+    frame = Frame.of_file(Path(file))
+    frame.refuse_faults(dict.fromkeys(frame.find(by), by))
+    return frame.table()
 
 
 def right_values(texts: Sequence[str]) -> Mapping[str, float] | float | None:
@@ -90,5 +92,5 @@ def orders_of_file(
     file: str, by: str, right: Sequence[str] = (), tolerance: float | None = None
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the table of a file, and its orders."""
-    table = read_table(file)
+    table = read_table(file, by)
     return table, orders(table, by, right_values(right), tolerance)

@@ -265,7 +265,8 @@ def _plain(column: "pd.Series[Any]", place: str) -> tuple["pd.Series[Any]", str]
         column = column - column.min()
     if types.is_timedelta64_dtype(column):
         return column.dt.total_seconds(), "s"
-    if types.is_numeric_dtype(column) and not types.is_complex_dtype(column):
+    plain = types.is_numeric_dtype(column) and not types.is_bool_dtype(column)
+    if plain and not types.is_complex_dtype(column):
         return column, ""
     units = {str(cell.units) for cell in column if hasattr(cell, "units")}
     if len(units) > 1:

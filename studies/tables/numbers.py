@@ -19,7 +19,7 @@ SIGNS = str.maketrans(
 """Signs and spaces of other alphabets, and ours."""
 MISSING = re.compile(
     r"|-+|\*+|\.+|\?|n/?a|null|none|nil|masked|bad|missing|(no|not) ?(data|available|measured)"
-    r"|#(n/a|div/0!|value!|num!|ref!|name\?).*|[-+]?nan(\(.*\)|q|s)?|[-+]?1\.#\w+",
+    r"|#(n/a|div/0!|value!|num!|ref!|name\?).*|[-+]?nan(\(.*\)|q|s)?|[-+]?1\.#(?!inf)\w+",
     re.IGNORECASE,
 )
 """Cells without a value."""
@@ -27,7 +27,7 @@ EXPONENT = re.compile(r"[dDqQ]|\s?[x*·×]\s?10\^?|(?<=[\d.])(?=[-+]\d)")
 """What is `e` in other numbers: 1.6D+02 and 1.6+02 of Fortran, and 1.6x10^2."""
 CLOCK = re.compile(r"(\d+ days?,? )?\d+:[0-5]\d:[0-5]\d([.,]\d+)?")
 DATE = re.compile(r"\d{4}-\d\d-\d\d([T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[-+]\d\d:?\d\d)?)?")
-FRACTION = re.compile(r"(-?\d+)/(\d*[1-9]\d*)")
+FRACTION = re.compile(r"(-?\d+) ?/ ?(\d*[1-9]\d*)")
 
 
 def _grammar(point: str, comma: str) -> re.Pattern[str]:
@@ -123,6 +123,8 @@ def _seconds(column: "pd.Series[str]") -> "pd.Series[float] | None":
         return None
     if column.str.fullmatch(CLOCK).all():
         times = pd.to_timedelta(column.str.replace(r",(?=\d)", ".", regex=True))
+        # after midnight, clocks begin again
+        times = times.mask(times.diff() < pd.Timedelta(hours=-12))
     elif column.str.fullmatch(DATE).all():
         dates = pd.to_datetime(column.str.replace(",", "."), format="ISO8601", utc=True)
         times = dates - dates.min()

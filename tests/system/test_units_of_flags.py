@@ -64,11 +64,11 @@ def test_times_of_tables_have_the_units_of_the_tables(scene, tmp_path, capsys):
 
 def test_values_of_a_key_may_have_units(scene):
     from ringwear import Scene
-    from ringwear.studies.extremes import parse
+    from ringwear.studies.extremes import values_of_keys
 
-    read = Scene.load(scene)
-    assert parse("punch.radius=geom:1 cm:1 m:3", read) == ("punch.radius", [10, 100, 1000])
-    assert parse("half_space.poisson_ratio=0.3:0.5:2", read)[1] == [0.3, 0.5]
+    texts = ["punch.radius=geom:1 cm:1 m:3", "half_space.poisson_ratio=0.3:0.5:2"]
+    values = {"punch.radius": [10, 100, 1000], "half_space.poisson_ratio": [0.3, 0.5]}
+    assert values_of_keys(Scene.load(scene), texts, False) == values
 
 
 def test_the_mesh_of_a_plan_has_its_own_unit(tmp_path, capsys):
