@@ -7,6 +7,7 @@ docstrings.
 
 import atexit
 import gc
+import re
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
@@ -48,7 +49,25 @@ def conduct(arguments: list[str] | None) -> Status:
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     show_progress(of_stages=command not in ("plan", "study", "sweep"))
-    return COMMANDS[command].conduct(**options)
+    usage = options.pop("usage")
+    try:
+        return COMMANDS[command].conduct(**options)
+    except SceneError as error:
+        error.args = (_possible(str(error), usage),)
+        raise
+
+
+def _possible(message: str, usage: str) -> str:
+    """Return a message without remedies by options that a command does not have.
+
+    The remedies of readers name options, and several commands read the same files.
+    """
+    first, *remedies = re.split(r"(?=; |, by --)", message)
+    flag = re.compile(r"--[a-z-]+")
+    options = {*flag.findall(usage)}
+    # a whole command is in backquotes
+    had = (each for each in remedies if {*flag.findall(re.sub("`.*?`", "", each))} <= options)
+    return "".join([first, *had])
 
 
 def _run(
@@ -525,6 +544,7 @@ def _read(arguments: list[str]) -> dict[str, Any]:
         )
         if name != "study":
             add_arguments(subparser, place, conduct)
+            subparser.set_defaults(usage=subparser.format_usage())
             continue
         names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
         for study, row in STUDIES.items():
@@ -539,4 +559,5 @@ def _read(arguments: list[str]) -> dict[str, Any]:
                     help="a function of your own that takes the result of a run and returns a "
                     "number; may be repeated",
                 )
+            subparser.set_defaults(usage=subparser.format_usage())
     return vars(parser.parse_args(arguments))

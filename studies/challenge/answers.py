@@ -127,7 +127,7 @@ def submission(problem: Path, file: Path) -> list[str]:
     scene = Scene.load(problem)
     times = scene.wear.times
     only = times[0] if len(times) == 1 else None
-    theirs = read(file, file.name, scene, {}, "", time=only, options=())
+    theirs = read(file, file.name, scene, {}, "", time=only)
     if "radius" in theirs:
         inside = theirs["radius"].isna() | (theirs["radius"] < INSIDE * scene.punch.radius)
         theirs = theirs[inside].drop(columns="normal_force", errors="ignore")

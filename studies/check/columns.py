@@ -31,9 +31,7 @@ class Known(NamedTuple):
     others: list[str]
 
 
-def known_columns(
-    frame: Frame, wanted: Container[str], columns: Mapping[str, str], by_option: bool = True
-) -> Known:
+def known_columns(frame: Frame, wanted: Container[str], columns: Mapping[str, str]) -> Known:
     """Return the columns of a table that are known.
 
     Parameters
@@ -41,7 +39,6 @@ def known_columns(
     frame : the table
     wanted : our names that a column may have
     columns : our names by those of the user
-    by_option : whether the user can give such names
 
     Raises
     ------
@@ -62,7 +59,7 @@ def known_columns(
     over_time = "normal_force" in present and not present & {"pressure", "profile", "time"}
     signs, remarks = dict[str, float](), list[str]()
     for name, entries in candidates.items():
-        heading, entry = _best(frame, name, entries, by_option)
+        heading, entry = _best(frame, name, entries)
         if over_time and split_heading(heading).name == "x":
             name = "time"
         elif entry.signed and name == "displacement" and (over_time or "radius" not in present):
@@ -111,9 +108,7 @@ def _grid(frame: Frame) -> list[str]:
     return [places["x"], places["y"]] if frame.values[places["y"]].nunique() > 1 else []
 
 
-def _best(
-    frame: Frame, name: str, entries: list[tuple[int, str, Name]], by_option: bool
-) -> tuple[str, Name]:
+def _best(frame: Frame, name: str, entries: list[tuple[int, str, Name]]) -> tuple[str, Name]:
     """Return the heading of a quantity, and its entry in the names.
 
     Raises
@@ -128,10 +123,10 @@ def _best(
         best = [each for each in best if frame.values[each[0]].any()] or best
     if len(best) > 1:
         both = " and ".join(repr(heading) for heading, _ in best)
-        remedy = f"choose one by --columns '{best[0][0]}={name}'" if by_option else "leave one out"
         raise SceneError(
-            f"{frame.name}: {both} may both be {name}: {remedy}; if each is of one time, give a "
-            "table with a row for each time and radius"
+            f"{frame.name}: {both} may both be {name}: choose one, and leave out the other; or "
+            f"--columns '{best[0][0]}={name}'; if each is of one time, give a table with a row for "
+            "each time and radius"
         )
     return best[0]
 

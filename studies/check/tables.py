@@ -48,8 +48,6 @@ COMPARED = ("pressure", "displacement", "profile", "indentation", "normal_force"
 """Columns that messages name as those that `check` compares."""
 CLOCKS = ("distance", "cycles")
 """Columns that may take the place of times."""
-OPTIONS = ("columns", "units", "time")
-"""Options of `ringwear check` that decide how a table is read."""
 FAR = 500.0
 """Largest radius, in punch radii, that is read without a unit: others may be in another unit."""
 
@@ -78,7 +76,6 @@ def read(
     wanted: Sequence[str] = COMPARED,
     cycle: float | None = None,
     time: float | None = None,
-    options: Collection[str] = OPTIONS,
 ) -> pd.DataFrame:
     """Return the validated results of another program, in the units of a scene.
 
@@ -96,7 +93,6 @@ def read(
     wanted : columns of which the table needs at least one, for messages
     cycle : sliding distance of one cycle, in the units of the scene
     time : of all rows, in the units of the table, if it has no column of times
-    options : of the command, which messages name as remedies
 
     Raises
     ------
@@ -121,13 +117,13 @@ def read(
             "xarray Dataset"
         )
     name = str(source) if isinstance(source, str | Path) else name
-    frame = _frame_of(source, name, scene, columns, [*kinds], time, options)
+    frame = _frame_of(source, name, scene, columns, [*kinds], time)
     # arrays of a mesh are named already
     columns = {} if Path(name).suffix == ".vtu" else columns
     # a table with a column for each time, unless the user has chosen some of them
     if not any(TIME.fullmatch(theirs) for theirs in columns):
         frame = frame.long()
-    known = known_columns(frame, kinds, columns, "columns" in options)
+    known = known_columns(frame, kinds, columns)
     for remark in known.remarks:
         LOG.info("%s: %s", name, remark)
     values, heading_units = known.values, known.units
@@ -138,7 +134,7 @@ def read(
         kinds["time"], heading_units["time"] = kinds[clock], heading_units.pop(clock, "")
     values = values.rename(columns={clock: "time"})
     absent = [theirs for theirs in columns if not frame.find(theirs)]
-    _refuse_missing(frame, values, absent, known.others, wanted, options)
+    _refuse_missing(frame, values, absent, known.others, wanted)
     written = known.written.rename(columns={clock: "time"})
     table = _validate(values, f"{name}, {frame.place}", clock, written)
     _report_missing(written, table, frame)
@@ -160,17 +156,15 @@ def read(
         elif unit:
             size = scene_units.size_of(unit, kind, f"{name}, the heading of {key}")
         table[key] *= size
-    table["time"] = _times(table["time"], clock, scene, cycle, name, options)
+    table["time"] = _times(table["time"], clock, scene, cycle, name)
     table.attrs["clock"] = clock
     if "radius" in table:
         stated = bool(units or heading_units.get("radius"))
-        table = _on_face(table, scene, name, stated, options)
+        table = _on_face(table, scene, name, stated)
     return table
 
 
-def _on_face(
-    table: pd.DataFrame, scene: Scene, name: str, stated: bool, options: Collection[str]
-) -> pd.DataFrame:
+def _on_face(table: pd.DataFrame, scene: Scene, name: str, stated: bool) -> pd.DataFrame:
     """Return the rows of a table on the face of the punch; others are reported.
 
     Raises
@@ -179,9 +173,10 @@ def _on_face(
         if there are none, or if radii without a unit are so large that they may be in another one
     """
     radius, rim, hole = table["radius"], scene.punch.radius, scene.punch.inner_radius
-    remedy = "give distances from the axis, with their unit in the heading, as in radius [mm]"
-    if "units" in options:
-        remedy += ", and --units if they are not in the units of the scene"
+    remedy = (
+        "give distances from the axis, with their unit in the heading, as in radius [mm]; or "
+        "--units if they are not in the units of the scene"
+    )
     # a radius that roundoff of units has moved beyond the rim is at the rim
     beyond, in_hole = radius > rim * (1 + 1e-9), radius < hole * (1 - 1e-9)
     far = radius.max() > FAR * rim and not stated
@@ -189,7 +184,7 @@ def _on_face(
         power = 1000.0 ** np.round(np.log10(radius.max() / rim) / 3)
         unit = f" (the column radius seems to be {power:g} times ours: a unit)" * bool(power > 1)
         what = f"radii reach {radius.max() / rim:.4g} times" if far else "all radii are beyond"
-        raise SceneError(f"{name}: {what} punch.radius = {rim:g}: {remedy}{unit}")
+        raise SceneError(f"{name}: {what} punch.radius = {rim:g}{unit}: {remedy}")
     if in_hole.all():
         raise SceneError(
             f"{name}: all radii are inside the hole, punch.inner_radius = {hole:g}: {remedy}"
@@ -201,12 +196,7 @@ def _on_face(
 
 
 def _times(
-    values: "pd.Series[float]",
-    clock: str,
-    scene: Scene,
-    cycle: float | None,
-    name: str,
-    options: Collection[str],
+    values: "pd.Series[float]", clock: str, scene: Scene, cycle: float | None, name: str
 ) -> Array:
     """Return the times at which a scene reaches the values of a column: its clock.
 
@@ -219,11 +209,10 @@ def _times(
     if clock == "time":
         return numbers
     if clock == "cycles" and cycle is None:
-        by_option = (
-            "; or the sliding distance of one cycle by --cycle, such as '20 mm' for a stroke of "
-            "10 mm to and fro"
-        ) * ("cycle" in options)
-        raise SceneError(f"{name} has cycles: give a column of times or distances{by_option}")
+        raise SceneError(
+            f"{name} has cycles: give a column of times or distances; or the sliding distance of "
+            "one cycle by --cycle, such as '20 mm' for a stroke of 10 mm to and fro"
+        )
     distances = numbers * (cycle or 1.0) if clock == "cycles" else numbers
     problem, speed = scene.problem, scene.load_.speed_over_time.greatest
     unit = problem.units.time
@@ -243,13 +232,12 @@ def _frame_of(
     columns: Mapping[str, str],
     kinds: Collection[str],
     time: float | None,
-    options: Collection[str],
 ) -> Frame:
     """Return the table in a file or in memory."""
     if isinstance(source, str | Path):
         path = Path(source)
         if path.suffix == ".vtu":
-            return _read_surface(path, columns, time, options)
+            return _read_surface(path, columns, time)
         source = _open(path, scene)
     if isinstance(source, Frame):
         return source
@@ -308,9 +296,7 @@ def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset | Frame":
     return Frame.of_file(path)
 
 
-def _read_surface(
-    path: Path, columns: Mapping[str, str], only_time: float | None, options: Collection[str]
-) -> Frame:
+def _read_surface(path: Path, columns: Mapping[str, str], only_time: float | None) -> Frame:
     """Return the results at the surface of a mesh in the plane of radius and depth.
 
     Names of point arrays consist of quantity and time: ``displacement t=0.5``, and ``pressure
@@ -329,14 +315,11 @@ def _read_surface(
     frame = Frame.of_pandas(surface_table(mesh.points, arrays), str(path)).long()
     known = [name_of(each, FIELDS) for each in frame.cells.columns[1:]]
     if not any(known) or not (timed or only_time is not None):
-        by_option = (
-            "; or --time T if all are of one time, or --columns such as "
-            "'U=displacement t=0.5,S22=stress_zz t=0.5'"
-        ) * ("time" in options)
         raise SceneError(
             f"{path} has no point array with a quantity and a time in its name; its arrays are "
-            f"{', '.join(mesh.point_data) or 'none'}: give names such as 'pressure t=0.5'"
-            f"{by_option}"
+            f"{', '.join(mesh.point_data) or 'none'}: give names such as 'pressure t=0.5'; "
+            "or --time T if all are of one time; or --columns such as "
+            "'U=displacement t=0.5,S22=stress_zz t=0.5'"
         )
     return frame
 
@@ -347,7 +330,6 @@ def _refuse_missing(
     absent: list[str],
     others: list[str],
     wanted: Sequence[str],
-    options: Collection[str],
 ) -> None:
     """Refuse a table that lacks a necessary column, and report columns that are not read.
 
@@ -357,7 +339,7 @@ def _refuse_missing(
     values : its known columns, by our names
     absent : names of columns that the user has given, but the table does not have
     others : headings of the columns that are not known
-    wanted, options : see `read`
+    wanted : see `read`
 
     Raises
     ------
@@ -375,15 +357,15 @@ def _refuse_missing(
     pairs = [(theirs, nearest(theirs, ["time", "radius", *wanted])) for theirs in others]
     renamed = ",".join(f"{theirs}={ours}" for theirs, ours in pairs if ours) or "theirs=ours"
     remedies = [
-        f"give time, radius if there are fields, and some of {', '.join(wanted)}, each once"
-        + f", by --columns {renamed} if necessary" * ("columns" in options)
+        f"give time, radius if there are fields, and some of {', '.join(wanted)}, each once, by "
+        f"--columns {renamed} if necessary"
     ]
-    if "time" in missing and "time" in options:
+    if "time" in missing:
         remedies.append("or --time T if all rows are of one time")
     plain = {"" if is_number(each) else without_number(each) for each in others}
     if len(plain) < len(others):
         remedies.append("or, if it has a column for each time, a row for each time instead")
-    if missing == ["radius"] and "columns" in options:
+    if missing == ["radius"]:
         field = next(each for each in frame.cells if name_of(each, FIELDS))
         remedies.append(f"or, if it has one depth for each time, --columns '{field}=indentation'")
     raise (NoTimesError if missing == ["time"] else SceneError)(

@@ -30,7 +30,6 @@ FITTED = (
     "worn_volume",
     "lost_mass",
 )
-OPTIONS = ("columns", "units", "cycle")
 VOLUMES = ("worn_volume", "lost_mass")
 # columns that depend on wear only if the contact grows
 SCARS = ("contact_radius", "scar_diameter")
@@ -84,9 +83,8 @@ def read_measurements(
     by_source = dict[str, list[Measurement]]()
     for name, source in _sources_by_name(data).items():
         source = _without_known(source, scene)
-        how = (columns or {}, units, more, FITTED, length, None, OPTIONS)
         try:
-            table = read(source, name, scene, *how)
+            table = read(source, name, scene, columns or {}, units, more, FITTED, length)
         except NoTimesError as error:
             raise SceneError(
                 f"{error}; if the force varies, give it over time in the scene, load.normal_force"
