@@ -67,6 +67,14 @@ def test_two_columns_that_may_be_one_quantity_are_asked_about():
     assert (chosen["displacement"] == 0.5).all()
 
 
+def test_radii_that_may_be_in_another_unit_are_asked_about():
+    table = pd.DataFrame({"r": [0.5, 1000.0], "pressure": 1.0})
+    with pytest.raises(SceneError, match=r"radii reach 1000 times punch.radius = 1 .*a unit\)"):
+        read(table, "theirs", SCENE, {}, "", time=0.0)
+    stated = read(table.rename(columns={"r": "r [um]"}), "theirs", SCENE, {}, "", time=0.0)
+    assert stated["radius"].tolist() == [0.0005, 1.0]
+
+
 def test_a_history_of_the_punch_has_a_force_and_an_approach():
     times = np.array([0.0, 1.0])
     table = pd.DataFrame({"X": times, "RF2-history": -2.0, "U2-history": [-1.0, -1.5]})

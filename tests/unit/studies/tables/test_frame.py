@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 
 from ringwear import SceneError
+from ringwear.studies.crosscheck import QUANTITIES
 from ringwear.studies.tables.frame import Frame, surface_table
-from ringwear.studies.tables.headings import name_of, split_heading
+from ringwear.studies.tables.headings import KINDS, name_of, split_heading
 
 
 def frame_of(text, tmp_path, encoding="utf-8", headed=True):
@@ -49,6 +50,77 @@ def test_thousands_are_read_if_another_column_decides_and_else_refused(tmp_path)
     for other, expected in ("1.00625", 1600), ("1,00625", 1.6):
         frame = frame_of(f"a;b\n1,600;{other}\n", tmp_path)
         assert frame.values["a"].tolist() == [expected]
+
+
+@pytest.mark.parametrize(
+    ("cells", "line"), [("0,5;1,25;1.800", 4), ("1.25;1,800;0.5", 3), ("23:59:00;00:01:00", 3)]
+)
+def test_a_cell_that_differs_from_its_column_is_refused(cells, line, tmp_path):
+    """A point may be a comma that is misspelt, and a clock may have passed midnight."""
+    rows = "".join(f"{cell}|x\n" for cell in cells.split(";"))
+    with pytest.raises(SceneError, match=f"line {line}, column 'a'"):
+        frame_of(f"a|b\n{rows}", tmp_path).refuse_faults({"a": "a"})
+
+
+def test_large_files_are_read_fast_and_like_small_ones(tmp_path, monkeypatch):
+    table = pd.DataFrame({"time": 0.0, "radius": np.linspace(0, 1, 500), "pressure": 2.0})
+    plain = table.to_csv(index=False)
+    head, _, rows = plain.partition("\n")
+    plain_texts = [
+        plain,
+        "# a remark\n\n" + plain,
+        "% a remark\n% time,radius,pressure\n" + rows,
+        f"{head}\ns,m,Pa\n{rows}",
+        plain.replace(",", " "),
+        plain.replace(",", ";").replace(".", ","),
+        plain + "0,0.5,NaN\n",
+    ]
+    odd_texts = [plain + line for line in ("0,0.5,\n", "# a remark\n", "\n", "0,.5,1D0\n")]
+    for text in plain_texts + odd_texts:
+        by_lines = frame_of(text, tmp_path)
+        monkeypatch.setattr("ringwear.studies.tables.frame.HEAD", 2000)
+        at_once = frame_of(text, tmp_path)
+        monkeypatch.undo()
+        pd.testing.assert_frame_equal(at_once.values, by_lines.values, check_index_type=False)
+        assert at_once.units == by_lines.units
+        # numbers that are read at once are no texts any more
+        assert (at_once.cells.dtypes == "float64").all() == (text in plain_texts)
+    for line in ("0,0.5\n", "0,0.5,1,2\n"):
+        for size in (2000, 10**6):
+            monkeypatch.setattr("ringwear.studies.tables.frame.HEAD", size)
+            with pytest.raises(SceneError, match=r"line 502: \d cells under 3 columns"):
+                frame_of(plain + line, tmp_path)
+
+
+def test_a_heading_that_is_open_is_refused_if_the_column_is_needed(tmp_path):
+    text = "t,p [MPa,q [mPa],a,a,b\n0,1,2,3,4,5\n"
+    frame = frame_of(text, tmp_path)
+    frame.refuse_faults({"t": "time", "b": "b"})
+    for heading, message in (
+        ("p [MPa", "close the brackets"),
+        ("q [mPa]", "a thousandth of a pascal"),
+        ("a", "two columns are called a"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            frame.refuse_faults({heading: heading})
+
+
+def test_kinds_of_units_are_those_of_the_quantities():
+    for name, kind in KINDS.items():
+        assert name not in QUANTITIES or QUANTITIES[name].unit == kind
+
+
+@pytest.mark.parametrize(
+    ("heading", "name"),
+    [
+        ("F [N]", "normal_force"),
+        ("f", "profile"),
+        ("load (kN)", "normal_force"),
+        ("d", "indentation"),
+    ],
+)
+def test_a_unit_may_tell_what_a_symbol_is(heading, name):
+    assert name_of(heading)[1].name == name
 
 
 @pytest.mark.parametrize(
@@ -145,6 +217,8 @@ def test_units(text, tmp_path):
         ("time,p\n0,1,2\n1,2,3\n", "line 2: 3 cells under 2 columns"),
         ("time p\n0 1\n\ntime p\n0 2\n", "line 4: 'time p' is no row of numbers"),
         ('{"time": [0, 1]}', "is JSON: give CSV"),
+        ("PK\x03\x04\x00", "is a workbook of Excel or an archive: export one sheet as CSV"),
+        ("<html><body>", "is a page in HTML"),
         ("*Step = 1\n*Time = 0\n1 2 3\n", "is a log of FEBio"),
     ],
 )
