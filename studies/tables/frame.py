@@ -1,5 +1,6 @@
 """Tables with a number or a missing value in each cell, whatever they were read from."""
 
+import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -86,6 +87,8 @@ class Frame:
                 keep_default_na=False,
                 na_values=["nan", "NaN"],
                 skip_blank_lines=False,
+                # a quote in a comment would hide lines
+                quoting=csv.QUOTE_NONE,
                 encoding="latin-1",
             )
         except ValueError:
@@ -185,10 +188,11 @@ class Frame:
                 )
             if len(re.findall(r"[\[(]", heading)) != len(re.findall(r"[\])]", heading)):
                 raise SceneError(f"{self.name}: close the brackets of the column {heading!r}")
-            if self.units.get(heading) == "mPa":
+            # a thousandth of a pascal, or a letter that was lost, which pint would leave out
+            if re.search("^mPa$|[?\ufffd]", self.units.get(heading, "")):
                 raise SceneError(
-                    f"{self.name}: the unit of {heading!r} is a thousandth of a pascal: write MPa, "
-                    "or 1e-3 Pa"
+                    f"{self.name}: the unit of {heading!r} may be another one: write it as in MPa, "
+                    "um or 1e-3 Pa"
                 )
             if heading in self._read.wrong:
                 wrong = self._read.wrong[heading]
@@ -305,9 +309,8 @@ def surface_table(points: Array, arrays: Mapping[str, Array]) -> pd.DataFrame:
             moved = name_of(f"{quantity}_y", ("displacement",))
             label = "displacement" if moved else f"{quantity}_y"
             columns[f"{label}{mark}{time}"] = inward * components[min(axis, count - 1)]
-        else:
-            # symmetric tensors, in a plane or not, and full ones
-            normal = {4: 3, 6: axis, 9: 4 * axis}.get(count, 0)
-            columns[f"{quantity}_zz{mark}{time}"] = components[normal]
+        elif count in (6, 9):
+            # symmetric tensors, and full ones; four components have no usual order
+            columns[f"{quantity}_zz{mark}{time}"] = components[{6: axis, 9: 4 * axis}[count]]
     table = pd.DataFrame(columns)[on_surface]
     return table.groupby("radius").first().reset_index()

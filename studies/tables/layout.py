@@ -191,7 +191,7 @@ def _unequal(path: Path | str, line: int, cells: int, columns: int) -> SceneErro
 
 def cells_of(line: str, delimiter: str) -> list[str]:
     """Return the cells of a line."""
-    if '"' in line:
+    if '"' in line and len(line) < csv.field_size_limit():
         (parts,) = csv.reader([line], delimiter=delimiter or " ", skipinitialspace=True)
     elif delimiter:
         parts = line.split(delimiter)

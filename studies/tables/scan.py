@@ -5,6 +5,7 @@ radius or over a whole diameter. Values that are no numbers are left out and cou
 to a scan, and what is only guessed, is in its notes.
 """
 
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,9 +13,14 @@ import numpy as np
 
 from ...meshes import Array, SceneError
 from .circles import ROUNDOFF, on_circles
-from .frame import Frame
+from .frame import HEAD, Frame
 from .headings import name_of, split_heading
+from .layout import content_of_file, text_of
 
+UNIT_LINE = re.compile(
+    r"^.*\bunits?\b.*[:=,;\t ]\W*([nuµμmc]?m|micro\w+|in|inch)\b.*$", re.I | re.M
+)
+"""A line above the numbers that states a unit of length."""
 SLOPE_KEPT = 0.05
 """A slope at the axis is mentioned if it makes this part of all height differences."""
 POWERS = (0, 1, 2, 4, 6)
@@ -59,6 +65,12 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
         raise SceneError(
             f"{path} has units at some columns only ({', '.join(columns)}): give one at each, as "
             "in x [mm], z [um]"
+        )
+    elsewhere = UNIT_LINE.search(text_of(content_of_file(path, HEAD), path))
+    if elsewhere and not any(units):
+        raise SceneError(
+            f"{path} has a unit outside of its headings, {elsewhere[0].strip()!r}: give one in "
+            "each heading, as in x [mm], z [um]"
         )
     frame.refuse_faults(dict(zip(columns, columns, strict=True)))
     numbers = frame.values[columns].to_numpy(dtype=float)

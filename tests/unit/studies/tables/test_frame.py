@@ -93,12 +93,13 @@ def test_large_files_are_read_fast_and_like_small_ones(tmp_path, monkeypatch):
 
 
 def test_a_heading_that_is_open_is_refused_if_the_column_is_needed(tmp_path):
-    text = "t,p [MPa,q [mPa],a,a,b\n0,1,2,3,4,5\n"
+    text = "t,p [MPa,q [mPa],a,a,b,d [?m]\n0,1,2,3,4,5,6\n"
     frame = frame_of(text, tmp_path)
     frame.refuse_faults({"t": "time", "b": "b"})
     for heading, message in (
         ("p [MPa", "close the brackets"),
-        ("q [mPa]", "a thousandth of a pascal"),
+        ("q [mPa]", "may be another one: write it as in MPa"),
+        ("d [?m]", "may be another one: write it as in MPa, um"),
         ("a", "two columns are called a"),
     ):
         with pytest.raises(SceneError, match=message):

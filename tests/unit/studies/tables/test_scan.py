@@ -116,6 +116,8 @@ def test_a_map_is_a_mean_over_circles(tmp_path):
         ("r,z\n1,x\n", "line 2, column 'z': 'x'; give a number"),
         ("r,z\n1,Bad\n", "0 rows of numbers: give at least two"),
         ("x (um),y1\n0,1\n1,2\n", "units at some columns only"),
+        ("# Units: um\n0,1\n1,2\n", "has a unit outside of its headings, '# Units: um'"),
+        ("0,1\n1,2\n\n0,2\n1,3\n", "has each position twice or more"),
         ("x,z,x,z\n0,1,0,1\n", "two columns are called x"),
         ("", "has no rows"),
     ],
