@@ -100,7 +100,8 @@ LENGTH_UNIT = re.compile(r"length unit[:,]\s*(\S+)", re.IGNORECASE)
 WORD = re.compile(r"(?P<name>.+?)(?:[_\s]+in[_\s]+|[_\s]+)(?P<unit>[^_\s]+)")
 """A heading that ends with a word, which may be a unit: x_um, x um, x in um."""
 TIME = re.compile(
-    r"(?P<heading>.+?)\s*(?:@\s*|,\s*|\(\s*|\[\s*|\s)(?:t|time)\s*=\s*(?P<time>\d*\.?\d+(?:E[-+]?\d+)?)"
+    r"(?P<heading>.+?)\s*(?:@\s*|,\s*|\(\s*|\[\s*|\s)(?:t|time)\s*=\s*"
+    r"(?P<time>\d*\.?\d+(?:E[-+]?\d+)?)"
     r"\s*(?P<unit>[^\s\])]*)[\])]?",
     re.IGNORECASE,
 )
