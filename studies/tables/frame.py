@@ -18,7 +18,7 @@ from .numbers import Numbers, marks_of, numbers, refuse
 
 MASK = "vtkvalidpointmask"
 """Column of ParaView that is 0 at points outside of a mesh."""
-HEAD = 200_000
+HEAD = 50_000
 """Number of bytes whose layout is that of a larger file, if all others are plain numbers."""
 
 
