@@ -8,7 +8,7 @@ from shutil import get_terminal_size
 from textwrap import fill
 from typing import Any, NoReturn
 
-from .crosscheck import bundled, nearest
+from .crosscheck import Scene, UnitNames, bundled, nearest, number_of
 from .documented import documented
 
 
@@ -46,6 +46,15 @@ def _names(text: str) -> tuple[str, ...]:
     return tuple(name.strip() for name in text.split(","))
 
 
+def _quantity(text: str) -> float | str:
+    """Return a number, or a text that begins with one, which may have a unit."""
+    with suppress(ValueError):
+        return float(text)
+    if not re.match(r"[-+.\s]*\d", text):
+        raise ValueError(text)
+    return text
+
+
 def _noise(text: str) -> str | dict[str, str]:
     return PAIRS(text) if "=" in text else text
 
@@ -53,7 +62,10 @@ def _noise(text: str) -> str | dict[str, str]:
 NUMBER = _reads(float, "a number, such as 1e-4")
 POSITIVE = _reads(_above_zero, "a positive number")
 WHOLE = _reads(int, "a whole number")
-NUMBERS = _reads(lambda text: tuple(map(float, text.split(","))), "numbers, such as 0.2,0.1,0.05")
+QUANTITY = _reads(_quantity, "a number, such as 0.05 or '2 mm'")
+QUANTITIES = _reads(
+    lambda text: tuple(map(_quantity, text.split(","))), "numbers, such as 0.2,0.1,0.05"
+)
 PAIRS = _reads(_by_name, "theirs=ours, such as p=pressure,r=radius")
 DIRECTORY, FILE = _reads(_not_empty, "a directory"), _reads(_not_empty, "a file")
 
@@ -75,15 +87,15 @@ FLAGS: dict[str, tuple[str, Callable[[str], Any]]] = {
     "parameters": ("NAME,...", _names),
     "program": ("{calculix,abaqus}", str),
     "quantities": ("A,B", _names),
-    "radii": ("R,...", NUMBERS),
-    "reach": ("R", NUMBER),
+    "radii": ("R,...", QUANTITIES),
+    "reach": ("R", QUANTITY),
     "right": ("[NAME=]VALUE", str),
     "rtol": ("X", NUMBER),
     "scheduler": ("ADDRESS", str),
-    "size": ("H", NUMBER),
-    "sizes": ("H,...", NUMBERS),
-    "steps": ("H,...", NUMBERS),
-    "times": ("T", NUMBER),
+    "size": ("H", QUANTITY),
+    "sizes": ("H,...", QUANTITIES),
+    "steps": ("H,...", QUANTITIES),
+    "times": ("T", QUANTITY),
     "tolerance": ("X", POSITIVE),
     "units": ("UNITS", str),
     "vary": ("KEY=[geom:]LOW:HIGH:N", str),
@@ -94,6 +106,13 @@ FLAGS: dict[str, tuple[str, Callable[[str], Any]]] = {
 
 A flag means the same in all commands.
 """
+KINDS = {"radii": "length", "reach": "length", "size": "length", "sizes": "length"} | {
+    "steps": "time",
+    "times": "time",
+}
+"""Kinds of the units that the numbers of flags may have."""
+IN_PUNCH_RADII = ("radii", "reach")
+"""Flags whose numbers without a unit are multiples of the radius of the punch."""
 OTHER_NAMES = {"program": "for", "times": "time", "meshes": "mesh", "elements": "element"}
 """Names of flags that differ from those of their parameters."""
 REPEATED = {"quantities": "extend"} | dict.fromkeys(
@@ -144,6 +163,31 @@ class Parser(ArgumentParser):
         if message.startswith("unrecognized arguments") and not suggestion:
             super().error(f"{message}; leave it out: --help lists what the command takes")
         super().error(f"{message}; did you mean {suggestion}?" if suggestion else message)
+
+
+def in_units(scene: Scene, given: dict[str, Any], names: UnitNames | None = None) -> dict[str, Any]:
+    """Return options of a command in which numbers with a unit are numbers in those of a scene.
+
+    Parameters
+    ----------
+    scene : of the command
+    given : options by the names of their parameters
+    names : units of the numbers, if they are not those of the scene
+    """
+    names = names or scene.unit_names
+
+    def number(name: str, value: float | str) -> float:
+        if not isinstance(value, str):
+            return value
+        found = number_of(value, f"--{OTHER_NAMES.get(name, name)}", KINDS[name], names)
+        return found / scene.punch.radius if name in IN_PUNCH_RADII else found
+
+    converted = dict(given)
+    for name in KINDS.keys() & given.keys():
+        value = given[name]
+        several = isinstance(value, list | tuple)
+        converted[name] = [number(name, each) for each in value] if several else number(name, value)
+    return converted
 
 
 def add_arguments(parser: Parser, place: str, conduct: str) -> None:

@@ -7,6 +7,7 @@ docstrings.
 
 import atexit
 import gc
+import re
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
@@ -15,10 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
-from .arguments import Parser, add_arguments
+from .arguments import Parser, add_arguments, in_units
 from .crosscheck import (
     Folder,
     Scene,
+    UnitNames,
     bundled,
     default_folder,
     named_folder,
@@ -47,7 +49,25 @@ def conduct(arguments: list[str] | None) -> Status:
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     show_progress(of_stages=command not in ("plan", "study", "sweep"))
-    return COMMANDS[command].conduct(**options)
+    usage = options.pop("usage")
+    try:
+        return COMMANDS[command].conduct(**options)
+    except SceneError as error:
+        error.args = (_possible(str(error), usage),)
+        raise
+
+
+def _possible(message: str, usage: str) -> str:
+    """Return a message without remedies by options that a command does not have.
+
+    The remedies of readers name options, and several commands read the same files.
+    """
+    first, *remedies = re.split(r"(?=; |, by --)", message)
+    flag = re.compile(r"--[a-z-]+")
+    options = {*flag.findall(usage)}
+    # a whole command is in backquotes
+    had = (each for each in remedies if {*flag.findall(re.sub("`.*?`", "", each))} <= options)
+    return "".join([first, *had])
 
 
 def _run(
@@ -134,6 +154,9 @@ def _check(
         size of the previous one
     """
     read = Scene.load(scene)
+    units = given.get("units")
+    names = UnitNames.of(units, read.load_.times_are_distances) if units else None
+    given = in_units(read, given, names)
     if not theirs:
         raise SceneError("check compares results of other programs with ours: give their files")
     if repeated := [file for file in theirs if theirs.count(file) > 1]:
@@ -194,7 +217,8 @@ def _plan(scene: str, *, check: bool = False, **given: Any) -> Status:
     from .wear_step.plan import plan
 
     read = Scene.load(scene)
-    if given.keys() & {"size", "element", "mesh"}:
+    given = in_units(read, given)
+    if given.keys() & {"size", "element", "mesh", "units"}:
         print_lines(["", read.title or "Untitled scene", "", *plan(read, **given)])
         return Status.DONE
     methods = chosen_methods(read)
@@ -286,6 +310,7 @@ def _study(
     from .tables.writing import keep_tables, keeping_rows
 
     read, folder_name = Scene.load(scene), _out(out, study)
+    given = in_units(read, given)
     setup = {"study": study, "scene": read.to_toml(), "options": given}
     text = rows_before(folder_name, study, setup) if resume else ""
     with output_folder(folder_name, f"study {study}", ["report.html"]) as folder:
@@ -393,7 +418,7 @@ def _deck(scene: str, *, out: str = "", **given: Any) -> Status:
 
     read = Scene.load(scene)
     with output_folder(_out(out, scene, "deck_"), "deck", ["README.md"]) as folder:
-        lines = write_decks(read, folder.hidden, **given)
+        lines = write_decks(read, folder.hidden, **in_units(read, given))
     print_markdown(lines)
     return _finish(folder)
 
@@ -518,6 +543,7 @@ def _read(arguments: list[str]) -> dict[str, Any]:
         )
         if name != "study":
             add_arguments(subparser, place, conduct)
+            subparser.set_defaults(usage=subparser.format_usage())
             continue
         names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
         for study, row in STUDIES.items():
@@ -532,4 +558,5 @@ def _read(arguments: list[str]) -> dict[str, Any]:
                     help="a function of your own that takes the result of a run and returns a "
                     "number; may be repeated",
                 )
+            subparser.set_defaults(usage=subparser.format_usage())
     return vars(parser.parse_args(arguments))

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from ..meshes import RingwearError, SceneError
-from .crosscheck import Problem, Scene, Solution, Source, method, shown
+from .crosscheck import Problem, Scene, Solution, Source, kind_of, method, number_of, shown
 from .study.accept import accept
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
@@ -173,7 +173,7 @@ def values_of_keys(
     if isinstance(vary, Mapping):
         return {str(key): list(values) for key, values in vary.items()}
     texts = [vary] if isinstance(vary, str) else list(vary)
-    return dict(map(parse, texts))
+    return dict(parse(_without_units(text, scene)) for text in texts)
 
 
 def parse(text: str) -> tuple[str, list[float]]:
@@ -202,6 +202,16 @@ def parse(text: str) -> tuple[str, list[float]]:
         int(value) if value.is_integer() and abs(value) < 1e6 else float(f"{value:.9g}")
         for value in map(float, spaced(low, high, int(count)))
     ]
+
+
+def _without_units(text: str, scene: Scene) -> str:
+    """Return values of a key with numbers in the units of a scene in place of those with a unit."""
+    key, mark, values = text.partition("=")
+    parts, kind = values.split(":"), kind_of(key, Scene)
+    for place, part in enumerate(parts):
+        if kind != "number" and re.match(r"[-+.\s]*\d.*[^\d.]$", part):
+            parts[place] = repr(number_of(part, f"--vary {key}", kind, scene.unit_names))
+    return f"{key}{mark}{':'.join(parts)}"
 
 
 def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:

@@ -16,7 +16,8 @@ from ..check.check import check
 from ..check.tables import read
 from ..crosscheck import Scene
 from ..study.formats import to_markdown
-from ..tables.text import read_texts, split_heading, text_of_file
+from ..tables.frame import Frame
+from ..tables.headings import split_heading
 from .problems import answers_of, name_of, number_of
 
 PLACE = {"time", "radius"}
@@ -58,15 +59,18 @@ def errors_in(problem: Path, file: Path) -> pd.DataFrame | None:
         return None
     answers = read_answers(problem)
     case = columns_of_case(answers)
-    theirs = read_texts(file, text_of_file(file))
-    theirs.columns = [split_heading(str(heading))[0] for heading in theirs]
+    frame = Frame.of_file(file)
+    ours = {heading: split_heading(heading).name for heading in frame.cells}
+    theirs = frame.values.rename(columns=ours)
     if set(case) <= PLACE or (not set(case) <= set(theirs) and PLACE & set(theirs)):
         return None
     missing = ", ".join(name for name in case if name not in theirs)
     if missing:
         raise SceneError(f"{file} has no column {missing}: give it, as in answers.csv")
     quantities = [name for name in answers["quantity"].unique() if name in theirs]
-    numbers = theirs[[*case, *quantities]].apply(pd.to_numeric, errors="coerce")
+    used = {heading: name for heading, name in ours.items() if name in (*case, *quantities)}
+    frame.refuse_faults(used)
+    numbers = theirs[[*case, *quantities]]
     rows = []
     for quantity in quantities:
         wanted = answers[answers["quantity"] == quantity]
@@ -122,7 +126,8 @@ def submission(problem: Path, file: Path) -> list[str]:
         return to_markdown(table.rename(columns={"error": "greatest relative error"})).splitlines()
     scene = Scene.load(problem)
     times = scene.wear.times
-    theirs = read(file, file.name, scene, {}, "", time=times[0] if len(times) == 1 else None)
+    only = times[0] if len(times) == 1 else None
+    theirs = read(file, file.name, scene, {}, "", time=only)
     if "radius" in theirs:
         inside = theirs["radius"].isna() | (theirs["radius"] < INSIDE * scene.punch.radius)
         theirs = theirs[inside].drop(columns="normal_force", errors="ignore")
@@ -130,7 +135,8 @@ def submission(problem: Path, file: Path) -> list[str]:
     rows = check(exact, {"theirs": theirs}, methods=["bem"]).errors
     greatest = rows["error"].abs().groupby(rows["quantity"]).max().reindex([*QUANTITIES])
     errors_of = {QUANTITIES[name]: _written(error) for name, error in greatest.items()}
-    seconds = re.match(r"#\s*([\d.]+)\s*s\b", file.open(encoding="utf-8").readline())
+    with file.open(encoding="utf-8", errors="replace") as lines:
+        seconds = re.match(r"#\s*([\d.]+)\s*s\b", lines.readline())
     time = f"{float(seconds[1]):.2g}" if seconds else "unknown"
     return to_markdown(pd.DataFrame([labels | errors_of | {"seconds": time}])).splitlines()
 

@@ -1,173 +1,147 @@
-"""Recognise the columns of other programs by their headings, and give them our names.
+"""Choose the columns of a table that are known, and give them our names, signs and radii."""
 
-Programs write `CPRESS`, `contact_pressure`, `solid.Tn` or `sigma_zz` for the pressure, and `U2`,
-`disp_y` or `disp:1` for the displacement. Stresses, and displacements along an axis that points out
-of the half-space, have the opposite sign of ours: their values show it.
-"""
-
-import re
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from ...meshes import Array, SceneError
-from ..crosscheck import SYMBOLS
 from ..tables.circles import on_circles
-from ..tables.text import split_heading
+from ..tables.frame import Frame
+from ..tables.headings import Name, name_of, split_heading
 
 
-class Kind(NamedTuple):
-    """What other programs call a column.
+class Known(NamedTuple):
+    """The known columns of a table.
 
     Parameters
     ----------
-    name : our name
-    pattern : of their names, in lower case with underscores for all marks
-    signed : whether its sign may be the opposite of ours
+    values : numbers by our names, over radii that are not negative
+    written : the cells as the other program has written them, with the rows of `values`
+    units : by our names, where they are known
+    remarks : on what is only guessed
+    others : headings of the columns that are not known
     """
 
-    name: str
-    pattern: re.Pattern[str]
-    signed: bool = False
+    values: pd.DataFrame
+    written: pd.DataFrame
+    units: dict[str, str]
+    remarks: list[str]
+    others: list[str]
 
 
-# the first that matches a heading, and the first heading of each name, are used
-KINDS = (
-    Kind("time", re.compile(r"(total_|step_)?time(_value)?")),
-    Kind("radius", re.compile(r"(radius|radii|rho|r_?coord\w*|points?_0|coord\w*_[0x1]|coor1)")),
-    Kind("radius", re.compile(r"(x|x_?(coord|loc|pos)\w*|position|lateral)")),
-    Kind("radius", re.compile(r"(arc_?length|(true_)?distance\w*|path(_distance)?)")),
-    Kind(
-        "pressure",
-        re.compile(
-            r"(cpress\w*|cont_?pres\w*|\w*contact_?press\w*|(\w+_)?tn|\w*normal_?contact_?(pressure"
-            r"|stress)|\w*contact_?normal_?(pressure|stress|traction)|penalty_?pressure\w*"
-            r"|pressure_\w+)"
-        ),
-    ),
-    Kind(
-        "pressure",
-        re.compile(r"(\w*_)?(s|sig|sigma|stress)_?(zz|yy|22|33|z|y)(_\w+)?"),
-        signed=True,
-    ),
-    Kind(
-        "displacement",
-        re.compile(
-            r"((\w*_)?u_?[23yz]|(\w*_)?disp(l|lacements?)?_?[12yz]|(\w+_)?w|v|d_?[yz]"
-            r"|[yz]_disp(l|lacement)?|directional_deformation)(_\w+)?"
-        ),
-        signed=True,
-    ),
-    Kind(
-        "normal_force",
-        re.compile(
-            r"((\w*_)?rf_?[23yz]|(\w*_)?cfn_?[m23]?|(\w*_)?reaction(_force)?_?[yz]?)(_\w+)?"
-        ),
-        signed=True,
-    ),
-)
-
-
-def our_name(heading: str) -> str:
-    """Return our name of a heading that is ours, or a usual symbol; else the name in it."""
-    name, _ = split_heading(heading)
-    return SYMBOLS.get(name, name)
-
-
-def kind_of(heading: str) -> Kind | None:
-    """Return what a heading of another program is called here; None if it is not known."""
-    name = re.sub(r"[^a-z0-9]+", "_", split_heading(heading)[0]).strip("_")
-    return next((kind for kind in KINDS if kind.pattern.fullmatch(name)), None)
-
-
-def recognised(
-    frame: pd.DataFrame, wanted: Container[str]
-) -> tuple[pd.DataFrame, dict[str, str], list[str]]:
-    """Return a table with our names for columns of other programs, units in them, and remarks.
-
-    Columns that have our names already are kept, and no other takes their place.
+def known_columns(frame: Frame, wanted: Container[str], columns: Mapping[str, str]) -> Known:
+    """Return the columns of a table that are known.
 
     Parameters
     ----------
-    frame : a table of texts or numbers
+    frame : the table
     wanted : our names that a column may have
+    columns : our names by those of the user
 
     Raises
     ------
     SceneError
-        if two columns may be the same quantity
+        if two columns may be the same quantity, or if a cell is no number
     """
-    candidates = dict[str, list[tuple[int, object, Kind]]]()
-    for heading in frame:
-        kind = None if str(heading) in wanted else kind_of(str(heading))
-        if kind and kind.name in wanted and kind.name not in frame:
-            candidates.setdefault(kind.name, []).append((KINDS.index(kind), heading, kind))
-    names, units, remarks = dict[object, str](), dict[str, str](), list[str]()
-    signs = dict[str, float]()
-    present = {*map(str, frame), *candidates}
+    names = {heading: ours for theirs, ours in columns.items() for heading in frame.find(theirs)}
+    grid = [] if "radius" in names.values() else _grid(frame)
+    candidates = dict[str, list[tuple[int, str, Name]]]()
+    for heading in frame.cells:
+        found = None if heading in (*names, *grid) else name_of(heading, wanted)
+        if found and found[1].name not in names.values():
+            candidates.setdefault(found[1].name, []).append((found[0], heading, found[1]))
+    if grid:
+        candidates.pop("radius", None)
+    present = {*names.values(), *candidates, *["radius"] * bool(grid)}
     # along a path of forces there is time, and the displacement without a radius is the punch's
     over_time = "normal_force" in present and not present & {"pressure", "profile", "time"}
-    meant = {"radius": "time"} if over_time else {}
-    if over_time or "radius" not in present:
-        meant["displacement"] = "indentation"
-    for name, found in candidates.items():
-        best = min(order for order, _, _ in found)
-        headings = [(heading, kind) for order, heading, kind in found if order == best]
-        if len(headings) > 1:
-            # components that vanish are those across the plane
-            headings = [each for each in headings if _numbers(frame, each[0]).any()] or headings
-        if len(headings) > 1:
-            both = " and ".join(repr(str(heading)) for heading, _ in headings)
-            raise SceneError(
-                f"{both} may both be {name}: choose one by --columns '{headings[0][0]}={name}'"
-            )
-        ((heading, kind),) = headings
-        name = meant.get(name, name)
-        names[heading], units[name] = name, split_heading(str(heading))[1]
+    signs, remarks = dict[str, float](), list[str]()
+    for name, entries in candidates.items():
+        heading, entry = _best(frame, name, entries)
+        if over_time and split_heading(heading).name == "x":
+            name = "time"
+        elif entry.signed and name == "displacement" and (over_time or "radius" not in present):
+            name = "indentation"
+        names[heading] = name
         remark = f"{heading} is read as {name}"
-        if kind.signed and np.nansum(_numbers(frame, heading)) < 0:
+        if entry.signed and np.nansum(frame.values[heading]) < 0:
             signs[name] = -1.0
             remark += ", with the opposite sign, because it is negative"
-        remarks.append(remark)
-    frame = frame.rename(columns=names)
-    for name, sign in signs.items():
-        frame[name] = sign * _numbers(frame, name)
-    return frame, {name: unit for name, unit in units.items() if unit}, remarks
+        if split_heading(heading).name != name:
+            remarks.append(remark)
+        if heading in frame.clocks:
+            remarks.append(f"{heading}: dates are seconds since the first, clocks since 0:00:00")
+    used = {heading: name for heading, name in names.items() if name in wanted}
+    if len({*used.values()}) < len(used):
+        raise SceneError(f"{frame.name} has a column twice among {', '.join(used)}: name one only")
+    frame.refuse_faults(used | dict(zip(grid, grid, strict=True)))
+    values = frame.values[[*used]].rename(columns=used)
+    written = frame.cells[[*used]].rename(columns=used)
+    units = {used[heading]: unit for heading, unit in frame.units.items() if heading in used}
+    if grid:
+        x, y = frame.values[grid].to_numpy().T
+        of_grid = {frame.units.get(heading, "") for heading in grid}
+        if len(of_grid) > 1:
+            raise SceneError(f"{frame.name}: x and y have different units: give both in one")
+        units["radius"] = "".join(of_grid)
+    elif "radius" in values and values["radius"].min() < 0 < values["radius"].max():
+        x = values.pop("radius").to_numpy()
+        y = np.zeros(len(x))
+    else:
+        x = y = np.empty(0)
+    if signs:
+        values = values.assign(**{name: sign * values[name] for name, sign in signs.items()})
+    if len(x):
+        values, spreads = _on_circles(values, x, y)
+        written, remarks = values, [*remarks, *spreads]
+    others = [heading for heading in frame.cells if heading not in (*used, *grid)]
+    return Known(values, written, units, remarks, others)
 
 
-def over_radii(frame: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
-    """Return a table of values on a grid, or on both sides of the axis, as means over circles.
+def _grid(frame: Frame) -> list[str]:
+    """Return the headings of x and y of values on a grid, else none."""
+    places = {split_heading(heading).name: heading for heading in frame.cells}
+    if not {"x", "y"} <= places.keys() or {"r", "radius"} & places.keys():
+        return []
+    return [places["x"], places["y"]] if frame.values[places["y"]].nunique() > 1 else []
 
-    The remarks say how much values on one circle differ. Other tables are returned as they are.
 
-    Parameters
-    ----------
-    frame : with the columns x and y, or with radii of either sign
+def _best(frame: Frame, name: str, entries: list[tuple[int, str, Name]]) -> tuple[str, Name]:
+    """Return the heading of a quantity, and its entry in the names.
+
+    Raises
+    ------
+    SceneError
+        if two columns may be that quantity
     """
-    names = {split_heading(str(heading))[0]: heading for heading in frame}
-    if "radius" in frame:
-        radii = _numbers(frame, "radius")
-        if not np.nanmin(radii, initial=0.0) < 0 < np.nanmax(radii, initial=0.0):
-            return frame, []
-        return _on_circles(frame.drop(columns="radius"), radii, np.zeros(len(radii)))
-    if not {"x", "y"} <= names.keys():
-        return frame, []
-    x, y = (_numbers(frame, names[each]) for each in ("x", "y"))
-    if not np.ptp(y):
-        return frame, []
-    return _on_circles(frame.drop(columns=[names["x"], names["y"]]), x, y)
+    least = min(place for place, _, _ in entries)
+    best = [(heading, entry) for place, heading, entry in entries if place == least]
+    if len(best) > 1:
+        # components that vanish are those across the plane
+        best = [each for each in best if frame.values[each[0]].any()] or best
+    if len(best) > 1:
+        both = " and ".join(repr(heading) for heading, _ in best)
+        raise SceneError(
+            f"{frame.name}: {both} may both be {name}: choose one, and leave out the other; or "
+            f"--columns '{best[0][0]}={name}'; if each is of one time, give a table with a row for "
+            "each time and radius"
+        )
+    return best[0]
 
 
 def _on_circles(frame: pd.DataFrame, x: Array, y: Array) -> tuple[pd.DataFrame, list[str]]:
-    """Return a table of the means over circles of the columns of a table of values at points."""
-    times = _numbers(frame, "time") if "time" in frame else np.zeros(len(frame))
+    """Return a table of the means over circles of the columns of a table of values at points.
+
+    The remarks say how much values on one circle differ.
+    """
+    times = frame["time"].to_numpy() if "time" in frame else np.zeros(len(frame))
     tables, spreads = list[pd.DataFrame](), dict[str, float]()
     for time in np.unique(times):
         rows, table = times == time, dict[str, Array | float]()
         for name in frame.columns.difference(["time"], sort=False):
-            values = _numbers(frame, name)[rows]
+            values = frame[name].to_numpy()[rows]
             radii, means, spread = on_circles(x[rows], y[rows], values)
             table |= {"radius": radii, str(name): means}
             spreads[str(name)] = max(spreads.get(str(name), 0.0), spread)
@@ -177,7 +151,3 @@ def _on_circles(frame: pd.DataFrame, x: Array, y: Array) -> tuple[pd.DataFrame, 
         for name, spread in spreads.items()
     ]
     return pd.concat(tables, ignore_index=True), remarks
-
-
-def _numbers(frame: pd.DataFrame, heading: object) -> Array:
-    return pd.to_numeric(frame[heading], errors="coerce").to_numpy(dtype=float)

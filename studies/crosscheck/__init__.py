@@ -24,8 +24,8 @@ Quantities, and differences of results
 --------------------------------------
 `QUANTITIES`, `ANSWER`, `FIELDS`
     definitions of histories and states; of the numbers of the answer; names of fields
-`error_name`, `SYMBOLS`, `UnitNames`
-    the name of an estimate; names of quantities by symbols; names of the units of a scene
+`error_name`, `UnitNames`
+    the name of an estimate; names of the units of a scene
 `Results`, `differences`
     values by quantity; relative differences of two of these
 

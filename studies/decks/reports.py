@@ -15,6 +15,7 @@ import pandas as pd
 
 from ...meshes import Array, SceneError, ring_of
 from ..crosscheck import Scene
+from ..tables.numbers import EXPONENT
 from ..wear_step.contact_nodes import contact_mass
 
 WEDGE = 180.0
@@ -25,8 +26,6 @@ infinite at the edge, and those of polynomial elements oscillate there."""
 DAT_TITLE = re.compile(
     r"(?P<quantity>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
 )
-FORTRAN_EXPONENT = re.compile(r"(?<=[\d.])(?:[dDqQ]|(?=[+-]))(?=[+-]?\d+$)")
-"""Where an `e` belongs in a number with an exponent of Fortran: ``1.0D-03``, or ``1.0-103``."""
 RPT_STEP = re.compile(r"Step: *STEP-(?P<step>\d+)", re.IGNORECASE)
 
 
@@ -231,7 +230,7 @@ def fortran_number(text: str) -> float:
     ValueError
         if the text is no number
     """
-    return float(FORTRAN_EXPONENT.sub("e", text))
+    return float(EXPONENT.sub("e", text, count=1))
 
 
 def read_rpt(path: Path) -> pd.DataFrame:
@@ -346,11 +345,12 @@ def _modelled_values(table: Mapping[str, object], prefix: str = "") -> dict[str,
     return values
 
 
-def is_xy_report(path: Path) -> bool:
-    """Return whether an .rpt file of Abaqus has columns of an XY plot, and no fields on nodes."""
-    return (
-        path.suffix.lower() == ".rpt" and "node" not in path.read_text("utf-8", "replace").lower()
-    )
+def is_table(path: Path) -> bool:
+    """Return whether a file has columns of numbers, as of an XY plot, and no results on nodes."""
+    text = path.read_text("utf-8", "replace")
+    if path.suffix.lower() == ".rpt":
+        return "node" not in text.lower()
+    return not (path.with_suffix(".inp").is_file() or DAT_TITLE.search(text))
 
 
 READERS = {".dat": read_dat, ".rpt": read_rpt}

@@ -10,28 +10,31 @@ import numpy as np
 import pandas as pd
 
 from ...meshes import Array, SceneError
-from ..check.tables import OthersResults, read
+from ..check.tables import NoTimesError, OthersResults, read
 from ..crosscheck import LOG, Scene, number_of, shown
 from ..estimate.measurement import Measurement
 from ..estimate.model import is_flat
+from ..tables.headings import KINDS
 
 NoiseInput = float | str | Mapping[str, float | str] | None
 """Standard deviations of the data: one, or several by column. Each is a number in the units of the
 scene, or a text such as "2 um" or, relative to each value, "1 %"."""
 
-# columns that can be fitted, each with the kind of its unit
-KINDS = {
-    "indentation": "displacement",
-    "normal_force": "force",
-    "profile": "displacement",
-    "contact_radius": "length",
-    "scar_diameter": "length",
-    "worn_volume": "volume",
-    "lost_mass": "mass",
-}
+# columns that can be fitted
+FITTED = (
+    "indentation",
+    "normal_force",
+    "profile",
+    "contact_radius",
+    "scar_diameter",
+    "worn_volume",
+    "lost_mass",
+)
 VOLUMES = ("worn_volume", "lost_mass")
 # columns that depend on wear only if the contact grows
 SCARS = ("contact_radius", "scar_diameter")
+# correlation with time below which depths fall
+REVERSED = -0.9
 # number of rings whose columns are recognised
 MOST_RINGS = 1000
 # initial noise, over the range of a series or over each volume, if it is estimated from residuals
@@ -72,9 +75,7 @@ def read_measurements(
     """
     rings = len(scene.problem.wear_coefficients)
     # columns of rings that the punch does not have are read, too, and then refused by their names
-    volumes = {name: KINDS[name] for name in VOLUMES}
-    volumes |= {f"{name}_{ring}": KINDS[name] for name in VOLUMES for ring in range(MOST_RINGS)}
-    more = volumes | {name: KINDS[name] for name in SCARS}
+    more = [*VOLUMES, *(f"{name}_{ring}" for name in VOLUMES for ring in range(MOST_RINGS)), *SCARS]
     length = None
     if cycle is not None:
         length = _positive_number(scene, cycle, "length", "--cycle")
@@ -82,16 +83,22 @@ def read_measurements(
     by_source = dict[str, list[Measurement]]()
     for name, source in _sources_by_name(data).items():
         source = _without_known(source, scene)
-        table = read(source, name, scene, columns or {}, units, more, list(KINDS), length)
+        try:
+            table = read(source, name, scene, columns or {}, units, more, FITTED, length)
+        except NoTimesError as error:
+            raise SceneError(
+                f"{error}; if the force varies, give it over time in the scene, load.normal_force"
+            ) from None
         _refuse_speed(table, name, parameters)
         _refuse_scars(table, name, scene)
+        _refuse_reversed(table, name, scene)
         _refuse_other_rings(table, name, rings)
         divisor = _density(scene, density, table, name)
         in_table = _measurements(table, divisor)
         unused = [
             key
             for key in table
-            if key not in ("time", "radius") and _without_ring(key) not in KINDS
+            if key not in ("time", "radius") and _without_ring(key) not in FITTED
         ]
         if not in_table:
             raise SceneError(f"{name} has nothing to fit: {_what_to_give(table)}")
@@ -177,6 +184,25 @@ def _refuse_scars(table: "pd.DataFrame", name: str, scene: Scene) -> None:
             )
 
 
+def _refuse_reversed(table: "pd.DataFrame", name: str, scene: Scene) -> None:
+    """Refuse depths that fall steadily, although neither the force nor wear does.
+
+    Raises
+    ------
+    SceneError
+        with the first and the last depth
+    """
+    if "indentation" not in table or not scene.problem.loading.rising:
+        return
+    times, depths = table[["time", "indentation"]].dropna().sort_values("time").to_numpy().T
+    vary = len(depths) > 1 and np.ptp(depths) and np.ptp(times)
+    if vary and np.corrcoef(times, depths)[0, 1] < REVERSED:
+        raise SceneError(
+            f"{name}: indentation falls from {depths[0]:.4g} to {depths[-1]:.4g}, but rises while "
+            "a punch wears: reversed sign? Give depths, positive downwards"
+        )
+
+
 def _refuse_other_rings(table: "pd.DataFrame", name: str, rings: int) -> None:
     """Refuse columns of rings that the punch does not have.
 
@@ -201,7 +227,7 @@ def _what_to_give(table: "pd.DataFrame") -> str:
     late_columns = [key for key in table if _without_ring(key) in (*VOLUMES, "profile")]
     if late_columns:
         return f"{', '.join(late_columns)} is given only at the start: give later times"
-    return f"give columns of {', '.join(KINDS)}"
+    return f"give columns of {', '.join(FITTED)}"
 
 
 def _refuse_repeated(
@@ -239,7 +265,7 @@ def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
     measurements = list[Measurement]()
     for column in table:
         base = _without_ring(column)
-        if base not in KINDS:
+        if base not in FITTED:
             continue
         rows = table.dropna(subset=[column])
         if base == "profile":

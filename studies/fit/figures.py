@@ -18,7 +18,7 @@ from ..figures.style import (
     set_logarithmic,
     show_values,
 )
-from .data import KINDS
+from ..tables.headings import KINDS
 from .outcome import Outcome
 
 # half width of the 95 % interval of a normal variable of deviation one

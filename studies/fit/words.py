@@ -7,7 +7,7 @@ import numpy as np
 from ...meshes import Array, ring_areas
 from ..crosscheck import UnitNames, running_in
 from ..estimate.estimator import inverse_of_information
-from .data import KINDS
+from ..tables.headings import KINDS
 from .outcome import Estimate, Outcome
 from .parameters import REACH, written
 from .residual_tests import LEVEL, combined

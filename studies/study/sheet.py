@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes import SceneError
+from ..tables.frame import Frame
 from ..tables.writing import write_csv
 from .formats import to_latex, to_markdown
 from .orders import RADIUS, orders
@@ -16,22 +17,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def read_table(file: str) -> pd.DataFrame:
-    """Return the table in a CSV file, whose columns are separated by commas, semicolons or tabs.
+def read_table(file: str, by: str = "") -> pd.DataFrame:
+    """Return the table of levels in a file, with the names in its headings without units.
+
+    Columns whose cells are no numbers are texts, but for that of the sizes of levels, `by`.
 
     Raises
     ------
     SceneError
-        if the file cannot be read, or has no rows
+        if the file cannot be read, has no rows, or has cells that are no numbers
     """
-    try:
-        table = pd.read_csv(file, sep=None, engine="python", comment="#", skipinitialspace=True)
-    except (OSError, ValueError, pd.errors.ParserError) as error:
-        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
-        raise SceneError(f"{file} cannot be read as a table: {reason}; give a CSV file") from None
-    if table.empty:
-        raise SceneError(f"{file} has no rows: give a table with one row for each level")
-    return table
+    frame = Frame.of_file(Path(file))
+    frame.refuse_faults(dict.fromkeys(frame.find(by), by))
+    return frame.table()
 
 
 def right_values(texts: Sequence[str]) -> Mapping[str, float] | float | None:
@@ -94,5 +92,5 @@ def orders_of_file(
     file: str, by: str, right: Sequence[str] = (), tolerance: float | None = None
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the table of a file, and its orders."""
-    table = read_table(file)
+    table = read_table(file, by)
     return table, orders(table, by, right_values(right), tolerance)

@@ -10,16 +10,17 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from ...meshes import Array, SceneError
 from .circles import ROUNDOFF, on_circles
-from .text import read_texts, split_heading, text_of_file
+from .frame import HEAD, Frame
+from .headings import name_of, split_heading
+from .layout import content_of_file, text_of
 
-POSITION = re.compile(r"x|r|radius|radii|rho|lateral\w*|position\w*|distance\w*|length|path|s")
-"""Names of columns of positions along a line."""
-HEIGHT = re.compile(r"z|h|heights?|profile|elevation|topography|depths?|wear_?depth|f|y")
-"""Names of columns of heights; those before others are preferred."""
+UNIT_LINE = re.compile(
+    r"^.*\bunits?\b.*[:=,;\t ]\W*([nuµμmc]?m|micro\w+|in|inch)\b.*$", re.I | re.M
+)
+"""A line above the numbers that states a unit of length."""
 SLOPE_KEPT = 0.05
 """A slope at the axis is mentioned if it makes this part of all height differences."""
 POWERS = (0, 1, 2, 4, 6)
@@ -57,12 +58,24 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
     SceneError
         if the file has other columns, or too few numbers
     """
-    texts = read_texts(path, text_of_file(path), headed=False)
-    columns = _columns(path, texts)
-    units = [split_heading(str(texts.columns[each]))[1] for each in columns]
-    numbers = texts.iloc[:, columns].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    frame = Frame.of_file(path, headed=False)
+    columns = _columns(frame)
+    units = [frame.units.get(each, "") for each in columns]
+    if any(units) and not all(units):
+        raise SceneError(
+            f"{path} has units at some columns only ({', '.join(columns)}): give one at each, as "
+            "in x [mm], z [um]"
+        )
+    elsewhere = UNIT_LINE.search(text_of(content_of_file(path, HEAD), path))
+    if elsewhere and not any(units):
+        raise SceneError(
+            f"{path} has a unit outside of its headings, {elsewhere[0].strip()!r}: give one in "
+            "each heading, as in x [mm], z [um]"
+        )
+    frame.refuse_faults(dict(zip(columns, columns, strict=True)))
+    numbers = frame.values[columns].to_numpy(dtype=float)
     known, notes = np.isfinite(numbers).all(axis=1), list[str]()
-    heading = str(texts.columns[columns[-1]])
+    heading = columns[-1]
     if "depth" in heading.lower():
         notes.append(f"{heading} is read as the depth of missing material, not as a height below 0")
     if not known.all():
@@ -73,8 +86,15 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
             f"{path} has {len(numbers)} rows of numbers: give at least two, position and height"
         )
     heights = numbers[:, -1]
+    constant = [number for number in range(numbers.shape[1] - 1) if not np.ptp(numbers[:, number])]
+    if numbers.shape[1] == 3 and len(constant) == 1:
+        across = constant[0]
+        notes.append(f"a line, because {columns[across]} is {numbers[0, across]:g} everywhere")
+        numbers = np.delete(numbers, across, axis=1)
     if numbers.shape[1] == 3:
         radii, heights = _of_map(numbers[:, :2], heights, center, level, notes)
+    elif len(np.unique(numbers[:, 0])) <= len(numbers) / 2:
+        raise SceneError(f"{path} has each position twice or more: give each curve in a file")
     else:
         radii, heights = _of_line(numbers[:, 0], heights, center, level, notes)
     if level or heights.min() < 0:
@@ -82,29 +102,33 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
     return Scan(radii, heights, (units[0], units[-1]), tuple(notes))
 
 
-def _columns(path: Path, texts: pd.DataFrame) -> list[int]:
-    """Return the numbers of the columns of positions, one or two, and of heights."""
-    names = [split_heading(str(heading))[0] for heading in texts]
-    count = len(names)
-    if count == 2:
-        swapped = HEIGHT.fullmatch(names[0]) and POSITION.fullmatch(names[1])
-        return [1, 0] if swapped and not POSITION.fullmatch(names[0]) else [0, 1]
-    if count == 3 and (not isinstance(texts.columns[0], str) or names[:2] == ["x", "y"]):
-        return [0, 1, 2]
-    positions = [number for number, name in enumerate(names) if POSITION.fullmatch(name)]
-    heights = [
-        number
-        for number, name in enumerate(names)
-        if HEIGHT.fullmatch(name) and not (name == "y" and "z" in names)
-    ]
-    if {"x", "y"} <= set(names) and heights and names[heights[0]] != "y":
-        return [names.index("x"), names.index("y"), heights[0]]
+def _columns(frame: Frame) -> list[str]:
+    """Return the headings of the columns of positions, one or two, and of heights."""
+    headings = [heading for heading in frame.cells if frame.cells[heading].ne("").any()]
+    names = [split_heading(heading).name for heading in headings]
+    positions = _known(headings, ("radius", "position"))
+    heights = _known(headings, ("height",))
+    if len(headings) == 2:
+        swapped = heights == headings[:1] and positions == headings[1:]
+        return headings[::-1] if swapped else headings
+    if len(headings) == 3 and (names[0].isdigit() or names[:2] == ["x", "y"]):
+        return headings
+    if {"x", "y"} <= set(names) and heights and split_heading(heights[0]).name != "y":
+        return [headings[names.index("x")], headings[names.index("y")], heights[0]]
     if len(positions) == 1 and len(heights) == 1:
         return [positions[0], heights[0]]
-    listed = ", ".join(map(str, texts.columns)) if count > 1 else "one"
+    listed = ", ".join(headings) if len(headings) > 1 else "one"
     raise SceneError(
-        f"{path} has the columns {listed}: give two, radius and height, or three, x, y and height"
+        f"{frame.name} has the columns {listed}: give two, radius and height, or three, x, y and "
+        "height"
     )
+
+
+def _known(headings: list[str], wanted: tuple[str, ...]) -> list[str]:
+    """Return the headings of a quantity, only those that are the most usual."""
+    found = [(pair[0], heading) for heading in headings if (pair := name_of(heading, wanted))]
+    least = min((place for place, _ in found), default=0)
+    return [heading for place, heading in found if place == least]
 
 
 def _of_line(

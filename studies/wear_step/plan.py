@@ -11,7 +11,7 @@ from ..crosscheck import (
     numbers,
     plan_run,
 )
-from ..study.own import element_named, read_meshes
+from ..study.own import element_named, length_of, read_meshes
 
 if TYPE_CHECKING:
     from skfem import Mesh
@@ -27,6 +27,7 @@ def plan(
     size: float | None = None,
     element: str | None = None,
     mesh: "str | Path | Mesh | None" = None,
+    units: str = "",
 ) -> list[str]:
     """Predict what a run needs, or the longest stable update of wear on the mesh of a program.
 
@@ -48,6 +49,9 @@ def plan(
         default Q1, or P1 on triangles of a file.
     mesh : str, Path or Mesh, optional
         The mesh of the other program: the longest stable step is that of this very mesh.
+    units : str, optional
+        The unit of lengths in the file of the mesh, such as "mm", or a factor on them, such as 0.1,
+        if they are not in the units of the scene.
 
     Returns
     -------
@@ -62,6 +66,8 @@ def plan(
     stable: at most a sliding distance of 0.175
     """
     scene = Scene.of(source)
+    if units and mesh is None:
+        raise SceneError("units are those of the mesh of another program: give mesh, too")
     if size is None and mesh is None:
         if element is not None:
             raise SceneError("element is about the mesh of another program: give size or mesh, too")
@@ -73,7 +79,7 @@ def plan(
 
     problem = scene.problem
     if mesh is not None:
-        (found,) = read_meshes(problem, [mesh]).values()
+        (found,) = read_meshes(problem, [mesh], length_of(scene, units)).values()
         usual = "P1" if found.t.shape[0] == 3 else "Q1"
         return describe([limits_on_mesh(scene, found, element_named(element or usual))])
     if problem.ground.layered:

@@ -267,7 +267,7 @@ MALFORMED = [
     ("radius,pressure\n0.5,1\n", "no column 'time'"),
     ("time,pressure\n0,1\n", "no column 'radius'"),
     ("time,radius,presure\n0,0.5,1\n", "no column 'pressure'"),
-    ("time,time,indentation\n0,0,1\n", "a column twice"),
+    ("time,time,indentation\n0,0,1\n", "two columns are called time"),
     ("time,radius,pressure\n0,0.5,high\n", "line 2, column 'pressure': 'high'; give a number"),
     ("# of others\ntime;radius;pressure\n0;0;5;1\n", "line 3: 4 cells under 3 columns"),
     ("time,radius,pressure\n0,0.5,1\n\n0,0.6\n", "line 4: 2 cells under 3 columns"),

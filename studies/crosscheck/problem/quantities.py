@@ -531,28 +531,6 @@ GROUPS = {
 }
 
 
-SYMBOLS = {
-    "t": "time",
-    "r": "radius",
-    "p": "pressure",
-    "contact_pressure": "pressure",
-    "u": "displacement",
-    "uz": "displacement",
-    "u_z": "displacement",
-    "f": "profile",
-    "worn_profile": "profile",
-    "wear": "profile",
-    "d": "indentation",
-    "depth": "indentation",
-    "approach": "indentation",
-    "fn": "normal_force",
-    "f_n": "normal_force",
-    "force": "normal_force",
-    "load": "normal_force",
-}
-"""Our names of quantities and coordinates, by those that other programs and papers use."""
-
-
 def expand(names: Iterable[str]) -> frozenset[str]:
     """Return the quantities for names of quantities and of groups.
 

@@ -423,6 +423,12 @@ def number_of(quantity: str, key: str, kind: str, names: UnitNames) -> float:
     if re.search(r"\d\s+\d+(?!\s*/)\b|[^\W\d]\s+\d", quantity):  # pint would multiply them
         raise SceneError(f"{key} = {quantity!r} has two numbers: give one number and its unit")
     # pint would read 1,5 as fifteen
+    if "," in number and re.match(r"[-+]?[1-9]\d{0,2}[.,]\d{3}\b", number):
+        plain = re.sub(r"[.,](?=\d{3}\b)", "", number).replace(",", ".")
+        raise SceneError(
+            f"{key} = {quantity!r}: leave out separators of thousands: '{plain} {unit}', and give "
+            "a point for decimals"
+        )
     if "," in number:
         point = number.replace(",", ".")
         raise SceneError(f"{key} = {quantity!r}: give '{point} {unit}', with a decimal point")

@@ -6,8 +6,8 @@ import pytest
 from flat_export import PRESSURE, SCENE, R
 
 from ringwear import SceneError
-from ringwear.studies.check.columns import kind_of
 from ringwear.studies.check.tables import read
+from ringwear.studies.tables.headings import name_of
 
 
 @pytest.mark.parametrize(
@@ -33,8 +33,8 @@ from ringwear.studies.check.tables import read
     ],
 )
 def test_columns_of_other_programs_are_known(heading, name):
-    kind = kind_of(heading)
-    assert (kind.name if kind else None) == name
+    found = name_of(heading)
+    assert (found[1].name if found else None) == name
 
 
 def same(table, time=0.0):
@@ -65,6 +65,14 @@ def test_two_columns_that_may_be_one_quantity_are_asked_about():
         read(table, "theirs", SCENE, {}, "", time=0.0)
     chosen = read(table, "theirs", SCENE, {"disp_z": "displacement"}, "", time=0.0)
     assert (chosen["displacement"] == 0.5).all()
+
+
+def test_radii_that_may_be_in_another_unit_are_asked_about():
+    table = pd.DataFrame({"r": [0.5, 1000.0], "pressure": 1.0})
+    with pytest.raises(SceneError, match=r"radii reach 1000 times punch.radius = 1 .*a unit\)"):
+        read(table, "theirs", SCENE, {}, "", time=0.0)
+    stated = read(table.rename(columns={"r": "r [um]"}), "theirs", SCENE, {}, "", time=0.0)
+    assert stated["radius"].tolist() == [0.0005, 1.0]
 
 
 def test_a_history_of_the_punch_has_a_force_and_an_approach():

@@ -113,7 +113,12 @@ def test_a_map_is_a_mean_over_circles(tmp_path):
     [
         ("a,b,c,d\n1,2,3,4\n", "has the columns a, b, c, d: give two, radius and height"),
         ("1\n2\n", "has the columns one: give two"),
-        ("r,z\n1,x\n", "0 rows of numbers: give at least two"),
+        ("r,z\n1,x\n", "line 2, column 'z': 'x'; give a number"),
+        ("r,z\n1,Bad\n", "0 rows of numbers: give at least two"),
+        ("x (um),y1\n0,1\n1,2\n", "units at some columns only"),
+        ("# Units: um\n0,1\n1,2\n", "has a unit outside of its headings, '# Units: um'"),
+        ("0,1\n1,2\n\n0,2\n1,3\n", "has each position twice or more"),
+        ("x,z,x,z\n0,1,0,1\n", "two columns are called x"),
         ("", "has no rows"),
     ],
 )

@@ -1,0 +1,316 @@
+"""Tables with a number or a missing value in each cell, whatever they were read from."""
+
+import csv
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ...meshes import Array, SceneError
+from .headings import BRACKETS, TIME, name_of, split_heading
+from .layout import content_of_file, layout_of, text_of
+from .numbers import Numbers, marks_of, numbers, refuse
+
+MASK = "vtkvalidpointmask"
+"""Column of ParaView that is 0 at points outside of a mesh."""
+HEAD = 50_000
+"""Number of bytes whose layout is that of a larger file, if all others are plain numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A table.
+
+    Parameters
+    ----------
+    name : of the file, or of the table in memory
+    cells : texts or numbers by heading, indexed by the numbers of lines or rows
+    stated : units by heading, of columns whose units are not in their headings
+    place : what a row is called, line or row
+    repeated : headings that several columns have, of which the first is in `cells`
+    """
+
+    name: str
+    cells: pd.DataFrame
+    stated: Mapping[str, str]
+    place: str = "row"
+    repeated: frozenset[str] = frozenset()
+
+    @classmethod
+    def of_file(cls, path: Path, headed: bool = True) -> "Frame":
+        """Return the table in a file of text; without headings, columns are called 0, 1 and so on.
+
+        Parameters
+        ----------
+        path : of the file
+        headed : whether the table must have headings
+
+        Raises
+        ------
+        SceneError
+            if the file cannot be read, or has no table
+        """
+        content = content_of_file(path, HEAD)
+        if len(content) == HEAD:
+            head = text_of(content[: content.rfind(b"\n") + 1], path)
+            frame = cls._of_plain(path, head, headed)
+            if frame is not None:
+                return frame._without_masked()
+            content = content_of_file(path)
+        headings, rows, _ = layout_of(path, text_of(content, path))
+        cells = pd.DataFrame([*rows.values()], [*rows], dtype=object)
+        return cls._named(path, headings, cells, headed)._without_masked()
+
+    @classmethod
+    def _of_plain(cls, path: Path, head: str, headed: bool) -> "Frame | None":
+        """Return the table in a large file, if its rows are plain numbers; else None."""
+        try:
+            headings, rows, delimiter = layout_of(path, head)
+        except SceneError:
+            return None
+        sample = pd.DataFrame([*rows.values()], dtype=str)
+        first, marks = next(iter(rows)), marks_of(sample[key] for key in sample)
+        try:
+            cells = pd.read_csv(
+                path,
+                sep=delimiter or r"\s+",
+                decimal="." if "." in marks else ",",
+                header=None,
+                skiprows=first - 1,
+                dtype=float,
+                # an empty line or cell is none of these, and no number
+                keep_default_na=False,
+                na_values=["nan", "NaN"],
+                skip_blank_lines=False,
+                # a quote in a comment would hide lines
+                quoting=csv.QUOTE_NONE,
+                encoding="latin-1",
+            )
+        except ValueError:
+            return None
+        if cells.shape[1] != sample.shape[1]:
+            return None
+        cells.index = pd.RangeIndex(first, first + len(cells))
+        return cls._named(path, headings, cells, headed)
+
+    @classmethod
+    def _named(cls, path: Path, headings: list[str], cells: pd.DataFrame, headed: bool) -> "Frame":
+        if headed and not headings:
+            raise SceneError(
+                f"{path}, line {cells.index[0]}: the first line must name the columns; give names, "
+                "as in time,radius,pressure"
+            )
+        cells, repeated = _distinct(cells, headings or [*map(str, cells)])
+        return cls(str(path), cells, {}, "line", repeated)
+
+    @classmethod
+    def of_pandas(cls, table: pd.DataFrame, name: str) -> "Frame":
+        """Return a table of pandas, whose cells may be durations, dates or quantities of pint.
+
+        Raises
+        ------
+        SceneError
+            if a column has quantities of several units
+        """
+        if table.index.names != [None] or not table.index.is_unique:
+            table = table.reset_index(drop=table.index.names == [None])
+        table, repeated = _distinct(table, [*map(_heading, table)])
+        columns, stated = dict[str, Any](), dict[str, str]()
+        for label, column in table.items():
+            columns[str(label)], unit = _plain(column, f"{name}, column {label!r}")
+            stated |= {str(label): unit} if unit else {}
+        cells = pd.DataFrame(columns, table.index)
+        return cls(name, cells, stated, repeated=repeated)._without_masked()
+
+    @classmethod
+    def of_xarray(cls, data: Any, name: str) -> "Frame":
+        """Return a table of a dataset of xarray, with the units in its attributes."""
+        data = data.drop_vars([key for key in data.coords if not data[key].dims])
+        units = {str(key): str(data[key].attrs.get("units", "")) for key in data.variables}
+        # seconds since a date
+        units = {key: unit.partition(" since ")[0] for key, unit in units.items()}
+        frame = cls.of_pandas(data.to_dataframe(), name)
+        known = {key: unit for key, unit in units.items() if unit not in ("", "1")}
+        return replace(frame, stated=known | dict(frame.stated))
+
+    def _without_masked(self) -> "Frame":
+        """Return the table without points that are outside of a mesh."""
+        for heading, cells in self.cells.items():
+            if split_heading(str(heading)).name == MASK:
+                inside = pd.to_numeric(cells, errors="coerce") != 0
+                return replace(self, cells=self.cells[inside].drop(columns=heading))
+        return self
+
+    @cached_property
+    def _read(self) -> Numbers:
+        return numbers(self.cells)
+
+    @property
+    def values(self) -> pd.DataFrame:
+        """Numbers by heading; NaN in cells that are missing or no numbers."""
+        return self._read.values
+
+    @property
+    def clocks(self) -> frozenset[str]:
+        """Headings of columns of times of the day or dates, which are in seconds."""
+        return self._read.clocks
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Units by heading, where they are known."""
+        units = {heading: split_heading(heading).unit for heading in self.cells}
+        units |= {key: unit for key, unit in self.stated.items() if key in units}
+        units |= dict.fromkeys(self.clocks, "s")
+        return {key: unit for key, unit in units.items() if unit}
+
+    def refuse_faults(self, columns: Mapping[str, str]) -> None:
+        """Refuse headings that are open, and cells that are neither numbers nor missing.
+
+        Parameters
+        ----------
+        columns : names of the columns that are needed, in messages, by their headings
+
+        Raises
+        ------
+        SceneError
+            with the line, the column and the cell
+        """
+        for heading, name in columns.items():
+            if heading in self.repeated:
+                raise SceneError(
+                    f"{self.name}: two columns are called {heading}: give each table or curve in a "
+                    "file of its own"
+                )
+            if len(re.findall(r"[\[(]", heading)) != len(re.findall(r"[\])]", heading)):
+                raise SceneError(f"{self.name}: close the brackets of the column {heading!r}")
+            # a thousandth of a pascal, or a letter that was lost, which pint would leave out
+            if re.search("^mPa$|[?\ufffd]", self.units.get(heading, "")):
+                raise SceneError(
+                    f"{self.name}: the unit of {heading!r} may be another one: write it as in MPa, "
+                    "um or 1e-3 Pa"
+                )
+            if heading in self._read.wrong:
+                wrong = self._read.wrong[heading]
+                place = f"{self.name}, {self.place} {wrong.index[0]}, column {name!r}"
+                refuse(place, wrong.iloc[0])
+
+    def table(self) -> pd.DataFrame:
+        """Return a table with the headings without units; columns that have words are texts.
+
+        Raises
+        ------
+        SceneError
+            if a column of numbers has a cell that is none
+        """
+        words = [key for key in self.cells if self.values[key].isna().all()]
+        self.refuse_faults({key: key for key in self.cells if key not in words})
+        table = self.values.assign(**{key: self.cells[key] for key in words})
+        return table.rename(columns=lambda key: BRACKETS.sub("", key)).reset_index(drop=True)
+
+    def find(self, heading: str) -> list[str]:
+        """Return the headings that a user means: a whole one, or one without unit in any case."""
+        exact = [each for each in self.cells if each == heading]
+        name = split_heading(heading).name
+        return exact or [each for each in self.cells if split_heading(each).name == name]
+
+    def long(self) -> "Frame":
+        """Return a table with a row for each time, in place of a column for each: p @ t=0, p @ t=1.
+
+        Raises
+        ------
+        SceneError
+            if the times have different units
+        """
+        matched = {heading: found for heading in self.cells if (found := TIME.fullmatch(heading))}
+        if not matched:
+            return self
+        units = {found["unit"] for found in matched.values()}
+        if len(units) > 1:
+            raise SceneError(f"{self.name} has times of several units: give all in one")
+        time = f"time [{''.join(units)}]" if any(units) else "time"
+        others = self.cells.drop(columns=[*matched])
+        tables = dict[float, pd.DataFrame]()
+        for heading, found in matched.items():
+            moment = float(found["time"])
+            table = tables.setdefault(moment, others.assign(**{time: moment}))
+            table[found["heading"]] = self.cells[heading]
+        cells = pd.concat(tables.values(), ignore_index=True)
+        # lines of the file are no rows any more
+        return Frame(self.name, cells, {}, repeated=self.repeated)
+
+
+def _distinct(table: pd.DataFrame, headings: Sequence[str]) -> tuple[pd.DataFrame, frozenset[str]]:
+    """Return the first column of each heading, with numbers in place of those that are empty.
+
+    The headings of further columns are returned as well.
+    """
+    labels = [each.strip() or f"column {number}" for number, each in enumerate(headings, 1)]
+    first = [number for number, label in enumerate(labels) if label not in labels[:number]]
+    distinct = table.iloc[:, first].set_axis([labels[number] for number in first], axis=1)
+    return distinct, frozenset(label for label in labels if labels.count(label) > 1)
+
+
+def _heading(label: object) -> str:
+    """Return the heading of a column of pandas: of several levels the last, if it is a name."""
+    if isinstance(label, tuple):
+        return label[-1] if isinstance(label[-1], str) else " ".join(map(str, label))
+    return str(label)
+
+
+def _plain(column: "pd.Series[Any]", place: str) -> tuple["pd.Series[Any]", str]:
+    """Return a column of pandas as texts or numbers, and its unit, if its cells have one."""
+    types = pd.api.types
+    if types.is_datetime64_any_dtype(column):
+        column = column - column.min()
+    if types.is_timedelta64_dtype(column):
+        return column.dt.total_seconds(), "s"
+    plain = types.is_numeric_dtype(column) and not types.is_bool_dtype(column)
+    if plain and not types.is_complex_dtype(column):
+        return column, ""
+    units = {str(cell.units) for cell in column if hasattr(cell, "units")}
+    if len(units) > 1:
+        raise SceneError(f"{place} has the units {', '.join(sorted(units))}: give one")
+    plain = column.astype(object).map(lambda cell: getattr(cell, "magnitude", cell))
+    return plain.map(str).where(plain.notna(), ""), next(iter(units), "")
+
+
+def surface_table(points: Array, arrays: Mapping[str, Array]) -> pd.DataFrame:
+    """Return the arrays on the free surface of a half-space, over the radius.
+
+    The plane may be x-y or x-z, with an axis that points into the half-space or out of it. Of
+    vectors the component into the half-space is taken, called `name_y`, and of tensors that of the
+    normal stress on the surface, called `name_zz`. Points outside of a mesh are left out.
+
+    Parameters
+    ----------
+    points : (n, 2 or 3) coordinates
+    arrays : by name, perhaps with a time, as in ``stress t=0.5``: (n,) or (n, components)
+    """
+    axis = 2 if points.shape[1] > 2 and not np.ptp(points[:, 1]) else 1
+    height = points[:, axis]
+    on_surface = np.abs(height) <= 1e-9 * np.ptp(height)
+    inward = float(np.sign(height.mean()))
+    columns = {"radius": points[:, 0]}
+    for name, values in arrays.items():
+        components = values.reshape(len(points), -1).T
+        quantity, mark, time = name.partition(" t=")
+        count = len(components)
+        if name.lower() == MASK:
+            on_surface &= components[0] != 0
+        elif count == 1:
+            columns[name] = components[0]
+        elif count <= 3:
+            # its sign is known, unlike that of a component in a table
+            moved = name_of(f"{quantity}_y", ("displacement",))
+            label = "displacement" if moved else f"{quantity}_y"
+            columns[f"{label}{mark}{time}"] = inward * components[min(axis, count - 1)]
+        elif count in (6, 9):
+            # symmetric tensors, and full ones; four components have no usual order
+            columns[f"{quantity}_zz{mark}{time}"] = components[{6: axis, 9: 4 * axis}[count]]
+    table = pd.DataFrame(columns)[on_surface]
+    return table.groupby("radius").first().reset_index()
