@@ -346,7 +346,7 @@ def _diagnoses(
     shares[order] = np.minimum.accumulate(shares[order])
     explaining = [number for number in order if explains(found[number])]
     listed = explaining or order[:1]
-    first = found[listed[0]][0].errors.max()
+    first = max(found[listed[0]][0].errors.max(), none.floor)
     listed = [
         number
         for number in listed

@@ -208,7 +208,9 @@ class Likelihood:
         minimizer = self.minimizer(x, varied, tolerance)
         # a search that reaches its last evaluation ends at that one, which may not be the best
         minimizer.iter_cb = follow
-        minimizer.least_squares(max_nfev=evaluations)
+        # lmfit's standard errors are not used here, and along a flat valley they are not defined
+        with np.errstate(invalid="ignore"):
+            minimizer.least_squares(max_nfev=evaluations)
         return best
 
     def covariance(self, x: Array) -> Array:

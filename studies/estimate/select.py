@@ -216,12 +216,17 @@ def select(
                 candidates.append(found)
     candidates.sort(key=lambda each: each.score)
     candidates = [*map(_refined, candidates[:MAX_SOLVED]), *candidates[MAX_SOLVED:]]
-    # of mistakes that leave about the same, the first one of the table is first
+    # of mistakes that leave about the same, the one with fewest parameters is first, and then
+    # the first one of the table
     order = {id(each): number for number, each in enumerate(mistakes)}
     best = min(each.score for each in candidates)
     return sorted(
         candidates,
-        key=lambda each: (max(each.score - best - ALIKE, 0.0), order.get(id(each.mistake), -1)),
+        key=lambda each: (
+            max(each.score - best - ALIKE, 0.0),
+            len(each.likelihood.parameters),
+            order.get(id(each.mistake), -1),
+        ),
     )
 
 

@@ -43,6 +43,9 @@ def blocks(table: pd.DataFrame, width: int = WIDTH) -> list[pd.DataFrame]:
     Each value of a first column `case` heads tables of its own. Rows and columns without an entry
     are left out.
     """
+    if table.empty:
+        # a study that was stopped has no results of a level
+        return []
     parts, cases = list[pd.DataFrame](), [("", table)]
     if "case" in table.columns[:1]:
         cases = list(table.drop(columns="case").groupby(table["case"], sort=False))

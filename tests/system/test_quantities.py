@@ -28,7 +28,7 @@ ANSWERS = {
     *("indentation_start", "indentation_steady", "pressure_min", "pressure_max", "force_share"),
     *("running_in_time", "time_to_90", "time_to_99", "worn_volume", "contact_radius_start"),
     *("pressure_peak_start", "time_to_full_contact", "time_to_half_force"),
-    *("force_start", "force_end"),
+    *("force_start", "force_end", "contact_radius_end", "worn_depth_end"),
 }
 
 
