@@ -43,7 +43,7 @@ from ..crosscheck import (
 )
 from ..decks.reports import reach_of_deck
 from ..estimate.compared import PRINTED, Comparison
-from ..estimate.diagnose import EXPLAINS, Diagnosis, diagnose, unexplained
+from ..estimate.diagnose import EXPLAINS, REDUCES, Diagnosis, diagnose, unexplained
 from ..estimate.model import unit_of
 from ..study.own import element_named
 from ..tables.writing import as_json, write_csv
@@ -252,8 +252,9 @@ class Check(AnswersGuesses):
         if self.refinements and not self.is_within(program):
             first += self._error_of_mesh()
         others = diagnose(self._compared(program), self.decks.get(program))
-        if not (first or others) and rows and not self.is_within(program):
-            others = [unexplained(self.texts.next_step(program))]
+        nothing_explains = not first and all(each.judgement == REDUCES for each in others)
+        if nothing_explains and rows and not self.is_within(program):
+            others.append(unexplained(self.texts.next_step(program)))
         return [replace(each, program=program) for each in (*first, *others)]
 
     def _error_of_mesh(self) -> list[Diagnosis]:
