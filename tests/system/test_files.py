@@ -54,6 +54,8 @@ ANSWER = {
     "force_end": (),
     "time_to_half_force": (),
     "contact_radius_start": (),
+    "contact_radius_end": (),
+    "worn_depth_end": (),
     "pressure_peak_start": (),
     "time_to_full_contact": (),
 }

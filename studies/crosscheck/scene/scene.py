@@ -35,7 +35,6 @@ from ..problem.written import check_one_line, shown
 from ..registry import METHODS
 from .explain import explain, key_meant, keys_of, place_of
 from .keys import dotted, listed, with_key, without_alternatives
-from .scar import with_scar_radius
 from .sources import line_of, tables_of, text_of
 
 
@@ -112,7 +111,12 @@ class Scene(AnswersGuesses, Section):
                 f"Scene.{reader}({shown(misplaced[0])}) to read a complete scene"
             )
         stated = with_profile_of_file(without_quantities(table, type(self)))
-        table = with_scar_radius(stated)
+        table, punch = stated, stated.get("punch")
+        if isinstance(punch, Mapping) and "radius" not in punch:
+            # imported only for a punch without a radius
+            from .scar import with_scar_radius
+
+            table = with_scar_radius(stated)
         try:
             super().__init__(**table)
         except ValidationError as error:
