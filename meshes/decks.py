@@ -27,11 +27,6 @@ REFUSED = re.compile(
     r"SYSTEM|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|IMPERFECTION|IMPORT|SYMMETRIC MODEL GENERATION"
 )
 """Keywords that would make or move nodes and elements."""
-BYTE_ORDER_MARKS = {
-    codecs.BOM_UTF8: "utf-8-sig",
-    codecs.BOM_UTF16_LE: "utf-16",
-    codecs.BOM_UTF16_BE: "utf-16",
-}
 FORTRAN = str.maketrans("dD", "ee")
 """Exponents of Fortran."""
 
@@ -310,5 +305,5 @@ def _text(path: Path) -> str:
         content = path.read_bytes()
     except OSError as error:
         raise MeshError(f"{path} cannot be read: {error.strerror}") from None
-    marks = (name for mark, name in BYTE_ORDER_MARKS.items() if content.startswith(mark))
-    return content.decode(next(marks, "utf-8"), "replace")
+    marked = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if marked else "utf-8-sig", "replace")

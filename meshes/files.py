@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from skfem import Mesh, MeshQuad, MeshTri
 from skfem.io.meshio import from_meshio
 
-from .by_gmsh.session import session, unavailable
+from .by_gmsh.session import nodes, session, unavailable
 from .decks import CornerMesh, read_deck
 from .errors import MeshError
 from .half_space import as_half_space
@@ -193,18 +193,16 @@ def _read_with_gmsh(path: Path) -> CornerMesh:
             raise MeshError(
                 f"gmsh cannot read it ({error}): export it again as MSH 4.1 or 2.2"
             ) from None
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        number = np.zeros(int(tags.max(initial=0)) + 1, dtype=np.int64)
-        number[tags] = np.arange(len(tags))
-        for kind, _, nodes in zip(*gmsh.model.mesh.getElements(), strict=True):
+        points, number = nodes(gmsh)
+        for kind, _, cells in zip(*gmsh.model.mesh.getElements(), strict=True):
             name, dimension, _, count, _, corners = gmsh.model.mesh.getElementProperties(kind)
             if dimension == 2 and corners in blocks:
-                rows = number[nodes].reshape(-1, count)[:, :corners]
+                rows = number[cells].reshape(-1, count)[:, :corners]
                 _, first = np.unique(np.sort(rows, axis=1), axis=0, return_index=True)
                 blocks[corners].append(rows[np.sort(first)])
             elif dimension > 1:
                 others.add(name)
-    return CornerMesh(coordinates.reshape(-1, 3), *_joined(blocks, others))
+    return CornerMesh(points, *_joined(blocks, others))
 
 
 def read_with_meshio(path: Path) -> "meshio.Mesh":

@@ -184,9 +184,15 @@ def elements(gmsh: ModuleType, kind: int) -> tuple[Array, Indices]:
 
     `kind` is gmsh's number of the element type.
     """
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    points, number = nodes(gmsh)
     _, cells = gmsh.model.mesh.getElementsByType(kind)
-    number = np.full(int(tags.max()) + 1, -1)
-    number[tags] = np.arange(len(tags))
     corners = number[cells].reshape(-1, {TRIANGLE: 3, QUADRILATERAL: 4}[kind])
-    return np.ascontiguousarray(coordinates.reshape(-1, 3).T[:2]), np.ascontiguousarray(corners.T)
+    return np.ascontiguousarray(points.T[:2]), np.ascontiguousarray(corners.T)
+
+
+def nodes(gmsh: ModuleType) -> tuple[Array, Indices]:
+    """Return the points (n, 3) of the model, and their numbers, from 0, by gmsh's tags."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    number = np.full(int(tags.max(initial=0)) + 1, -1)
+    number[tags] = np.arange(len(tags))
+    return coordinates.reshape(-1, 3), number

@@ -73,11 +73,7 @@ class Ground:
 
     @classmethod
     def from_youngs_moduli(
-        cls,
-        thicknesses: list[float],
-        youngs_moduli: list[float],
-        poisson_ratios: list[float],
-        share: float = 1.0,
+        cls, thicknesses: list[float], youngs_moduli: list[float], poisson_ratios: list[float]
     ) -> "Ground":
         """Return the ground with given Young's moduli, which may be in any unit.
 
@@ -87,13 +83,11 @@ class Ground:
         youngs_moduli : (n + 1,) Young's moduli of the layers and, last, of the substrate; infinite
             for a rigid base
         poisson_ratios : (n + 1,) Poisson's ratios in the same order
-        share : the part of the compliance that is of the ground
         """
         ratios = np.array(poisson_ratios, dtype=float)
         unit = youngs_moduli[0] / (1 - ratios[0] ** 2)
         shear = np.array(youngs_moduli) / unit / (2 * (1 + ratios))
-        lengths, moduli, numbers = map(float, thicknesses), shear.tolist(), ratios.tolist()
-        return cls(tuple(lengths), tuple(moduli), tuple(numbers), share)
+        return cls(tuple(map(float, thicknesses)), tuple(shear.tolist()), tuple(ratios.tolist()))
 
     @property
     def rigid(self) -> bool:

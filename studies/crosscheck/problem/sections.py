@@ -3,6 +3,7 @@
 In messages about a key, the description follows the word "give".
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
@@ -169,8 +170,8 @@ class HalfSpaceSection(Section):
                 "one"
             )
         ratios = [*(layer.poisson_ratio for layer in self.layers), self.poisson_ratio]
-        share = self.modulus / self.own_modulus
-        return Ground.from_youngs_moduli(thicknesses, self._youngs_moduli, ratios, share)
+        ground = Ground.from_youngs_moduli(thicknesses, self._youngs_moduli, ratios)
+        return replace(ground, share=self.modulus / self.own_modulus)
 
     @property
     def greatest_poisson_ratio(self) -> float:
