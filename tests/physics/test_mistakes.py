@@ -8,7 +8,6 @@ Mistakes that the diagnosis does not know may be named as those with the most si
 
 import math
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,7 +18,6 @@ from programs import Input, finite_elements, input_of, of_tamaas, springs
 
 from ringwear import Scene, check
 
-CHALLENGE = Path(__file__).parents[2] / "studies" / "challenge"
 MM = {"units": "mm, N, MPa, s", "methods": ["mdr"]}
 SCENES = {
     "five": Scene.load("five_rings").changed(

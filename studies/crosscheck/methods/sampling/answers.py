@@ -123,7 +123,8 @@ class MarchedRun(SteadyRun):
         self.worn_volumes = functions.worn_volumes(ends)[-1]
         self.forces = _forces(problem, ring_forces)
         if not problem.loading.varies:
-            self.time_to_full_contact = evolution.time_of_full_contact
+            if not problem.as_wide_as_scar:
+                self.time_to_full_contact = evolution.time_of_full_contact
             if problem.times[0] == 0:
                 self.indentation_at_start = ends.indentation[0] + problem.profile.standoff
                 if (total := ring_forces[0].sum()) > 0:
@@ -133,8 +134,6 @@ class MarchedRun(SteadyRun):
             self.contact_radius_at_end = float(np.nanmax(edges[-1], initial=0.0))
             worn = functions.at(functions.centre, ends.shape)
             self.worn_depth_at_end = float(worn[-1, 0] + ends.even_wear[-1])
-            # these would be properties of the face, not of the scar
-            self.time_to_full_contact, self.time_until = np.nan, lambda _: np.nan
         if start is not None:
             self.contact_radius_at_start, self.peak_at_start = start.radius, _peak(start)
 
