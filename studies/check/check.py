@@ -375,10 +375,11 @@ class Check(AnswersGuesses):
             if best(self._our_solutions, key)
         }
         times, radii = dataset["time"].values, np.asarray(dataset.get("radius", np.empty(0)))
-        meshed = self._meshed(times, radii, theirs["pressure"]) if "pressure" in theirs else {}
-        return Comparison(times, radii, theirs, ours, self.scene, meshed)
+        pressures = theirs.get("pressure")
+        on_mesh = {} if pressures is None else self._results_on_mesh(times, radii, pressures)
+        return Comparison(times, radii, theirs, ours, self.scene, on_mesh)
 
-    def _meshed(self, times: Array, radii: Array, pressures: Array) -> dict[str, Array]:
+    def _results_on_mesh(self, times: Array, radii: Array, pressures: Array) -> dict[str, Array]:
         """Return results of a mesh with nodes at the radii; empty if there is no such mesh."""
         # it loads scikit-fem, which tables without an error do not need
         from ..wear_step.models import results_on_mesh

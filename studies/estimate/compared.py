@@ -35,7 +35,7 @@ class Comparison:
     theirs, ours : pressure, displacement, profile (T, R), indentation, normal_force (T,), NaN or
         absent where they are unknown
     scene : the scene that both have solved
-    meshed : results of linear elements with nodes at their radii, where these are known
+    mesh_results : results of linear elements with nodes at their radii, where these are known
     """
 
     times: Array
@@ -43,7 +43,7 @@ class Comparison:
     theirs: Results
     ours: Results
     scene: Scene
-    meshed: Results = field(default_factory=dict)
+    mesh_results: Results = field(default_factory=dict)
 
     @cached_property
     def time_rows(self) -> Indices:
@@ -109,13 +109,13 @@ class Comparison:
 
     def mesh_errors(self) -> tuple[Array, ...]:
         """Return the relative errors (n,) of a linear mesh in each measurement; 0 where unknown."""
-        if not self.meshed:
+        if not self.mesh_results:
             return ()
-        names = [name for name in self.quantities if name in self.meshed]
-        meshed = replace(self, theirs=self.meshed)
+        names = [name for name in self.quantities if name in self.mesh_results]
+        on_mesh = replace(self, theirs=self.mesh_results)
         ours = replace(self, theirs=self.ours)
         return tuple(
-            relative(meshed.observed(name), ours.observed(name)).ravel()
+            relative(on_mesh.observed(name), ours.observed(name)).ravel()
             if name in names
             else np.zeros(ours.observed(name).size)
             for name in self.quantities

@@ -131,7 +131,7 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
 
 def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]:
     """Return the diagnoses of a difference that is above the `rtol` of the scene."""
-    model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.meshed)
+    model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.mesh_results)
     candidates = select(model, mistakes(comparison), of_mesh)
     (none,) = (each for each in candidates if each.mistake is None)
     with left_out("a column"):
@@ -179,7 +179,7 @@ def _in_column(comparison: Comparison, none: Candidate) -> list[Diagnosis]:
 def _allowed(comparison: Comparison) -> Array:
     """Return the estimated relative errors (Q,) of both programs together, by quantity."""
     ours = comparison.scene.accuracy.rtol
-    if not comparison.meshed:
+    if not comparison.mesh_results:
         return np.full(len(comparison.quantities), TRUST * (USUAL_ERROR + ours))
     sizes = np.array([float(np.sqrt(np.mean(each**2))) for each in comparison.mesh_errors()])
     return TRUST * (np.maximum(sizes, LEAST_ERROR) + ours)

@@ -80,7 +80,10 @@ def in_columns(comparison: Comparison) -> Iterator[InColumn]:
         if name not in FIELDS or len(nodes) < 2:
             continue
         # with the errors of their mesh, where these are known
-        theirs, ours = comparison.theirs[name], comparison.meshed.get(name, comparison.ours[name])
+        theirs, ours = (
+            comparison.theirs[name],
+            comparison.mesh_results.get(name, comparison.ours[name]),
+        )
         words = name.replace("_", " ")
         before = relative_size(theirs, ours, inside)
         for shift, side in ((1, "outward"), (-1, "inward")):
