@@ -168,10 +168,12 @@ class SystemSize(NamedTuple):
     ----------
     unknowns : unknowns of the system from which the compliance is condensed
     pressures : size of the pressure space, and of the compliance matrix
+    notes : texts for the user, such as that the mesher has to be replaced
     """
 
     unknowns: int
     pressures: int
+    notes: tuple[str, ...] = ()
 
 
 def flat_punches_only(name: str) -> dict[Feature, Refusal]:

@@ -121,11 +121,13 @@ class Fem(ComplianceMethod):
         """Return the number of unknowns and of pressures of the finite elements."""
         from ....fem.contact_meshes import even_half_space
 
+        notes = tuple(filter(None, [unloadable()]))
         if problem.full_contact:
-            half_space = half_space_on(problem, fem_sizes(problem))
+            sizes = fem_sizes(problem)
+            half_space, notes = half_space_on(problem, sizes), (*sizes.notes, *notes)
         else:
             half_space = even_half_space(contact_cells(problem)[0], problem.ground)
-        return SystemSize(half_space.unknowns, half_space.space.size)
+        return SystemSize(half_space.unknowns, half_space.space.size, notes)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
         """Return the condensed half-space that suits a problem, and how to make a coarser one.
