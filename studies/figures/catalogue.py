@@ -1,11 +1,13 @@
 """List the figures of a run: file name, caption, drawing function, and required data."""
 
+from functools import partial
+
 from ..crosscheck import OVER_TIME, Result
 from .contact import draw_contact
 from .difference import draw_result_difference
 from .history import draw_history
 from .mesh import draw_result_mesh, draw_stress
-from .states import draw_states, draw_steady
+from .states import draw_field, draw_states, draw_steady
 from .style import Picture
 
 
@@ -77,3 +79,13 @@ PICTURES = (
         lambda result: result.has_inside,
     ),
 )
+
+
+def picture_of_field(name: str, index: int) -> Picture:
+    """Return the figure of a field along the radius, at the time with an index."""
+    return Picture(
+        f"{name}.png",
+        f"{name} along the radius, at one of the times.",
+        partial(draw_field, name=name, index=index),
+        lambda result: result.gives(name),
+    )

@@ -31,6 +31,7 @@ LABELS = {
     "time": ("time t", "time"),
     "profile": ("profile Δf", "height"),
     "pressure": ("pressure p", "pressure"),
+    "displacement": ("displacement u", "displacement"),
     "steady_profile": ("limiting profile fₛₜₐₜ", "height"),
     "steady_pressure": ("steady pressure p", "pressure"),
     "displacement_max": ("displacement uₘₐₓ", "displacement"),

@@ -152,6 +152,21 @@ def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) ->
     return lines
 
 
+def draw_field(result: Result, name: str, index: int) -> Figure:
+    """Draw a field along the radius at the time with an index, all methods in one panel."""
+    scale, values = Scale.of(result), result.by_method(name, index)
+    figure, ((axes,),) = new_panels(PAGE, 2.8)
+    scale.suit(name, np.array(list(values.values())))
+    scale.plot_radial(axes, name, result.coordinates["radius"], values)
+    set_linear(axes, "x")
+    set_linear(axes, "y")
+    if name != "pressure":
+        # the axis of heights points down, as the punch does
+        axes.invert_yaxis()
+    when = scale.when(float(result.coordinates["time"][index]))
+    return complete(figure, (result.scene.title, when), [axes], _shaded(scale))
+
+
 def draw_steady(result: Result) -> Figure:
     """Draw limiting profile and steady pressure, all methods in the same panels."""
     scale, names = Scale.of(result), ("steady_profile", "steady_pressure")

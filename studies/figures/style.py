@@ -72,12 +72,17 @@ def in_style() -> AbstractContextManager[None]:
     return rc_context(fname=Path(__file__).with_name("ringwear.mplstyle"))
 
 
-def html_of(figure: Figure) -> str:
-    """Return a figure as an HTML image with embedded data, for notebooks."""
+def png_of(figure: Figure) -> bytes:
+    """Return a figure as PNG, for notebooks."""
     image = BytesIO()
     with in_style():
         figure.savefig(image, format="png", dpi=100)
-    return f'<img src="data:image/png;base64,{b64encode(image.getvalue()).decode()}">'
+    return image.getvalue()
+
+
+def html_of(figure: Figure) -> str:
+    """Return a figure as an HTML image with embedded data, for notebooks."""
+    return f'<img src="data:image/png;base64,{b64encode(png_of(figure)).decode()}">'
 
 
 def save(path: Path, draw: Callable[..., Figure], *arguments: Any) -> None:
@@ -142,16 +147,23 @@ def picture_of(pictures: Iterable[Picture], name: str = "") -> Picture:
     return by_name[name]
 
 
+class Drawing(Figure):
+    """A figure that notebooks show as a picture."""
+
+    def _repr_png_(self) -> bytes:
+        return png_of(self)
+
+
 def new_figure(width: float, height: float) -> Figure:
     """Return a figure with automatic layout that needs no display; sizes in inches."""
-    return Figure(figsize=(width, height), layout="constrained", dpi=200)
+    return Drawing(figsize=(width, height), layout="constrained", dpi=200)
 
 
 def new_panels(
     width: float, height: float, rows: int = 1, columns: int = 1, **settings: Any
 ) -> tuple[Figure, Any]:
     """Return a figure and its panels (rows, columns); `complete` arranges them. Sizes in inches."""
-    figure = Figure(figsize=(width, height), dpi=200)
+    figure = Drawing(figsize=(width, height), dpi=200)
     return figure, figure.subplots(rows, columns, squeeze=False, **settings)
 
 

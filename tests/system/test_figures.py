@@ -14,7 +14,7 @@ from groups import nightly, nightly_but
 from matplotlib.figure import Figure
 from natural import natural
 
-from ringwear import Scene, check, main, run, study
+from ringwear import Scene, SceneError, check, main, run, study
 from ringwear.studies.crosscheck import bundled
 from ringwear.studies.named_studies import STUDIES
 
@@ -251,3 +251,19 @@ def test_other_programs_have_different_colours(worn):
     )
     assert len(ours) == len(theirs) == 2
     assert not ours & theirs
+
+
+def test_a_field_at_one_time(worn):
+    """It has a curve for each method, and notebooks show it."""
+    time = float(worn.dataset.time[-1])
+    figure = worn.plot("pressure", time=f"{time} s")
+    (axes,) = figure.axes
+    drawn = axes.lines[0].get_ydata()
+    pressure = worn.dataset.pressure.sel(time=time).isel(solver=0).to_numpy()
+    ratio = pressure.max() / pressure.min()
+    assert np.nanmax(drawn) / np.nanmin(drawn) == pytest.approx(ratio)
+    assert figure._repr_png_().startswith(b"\x89PNG")
+    with pytest.raises(SceneError, match="no results then; the nearest are at"):
+        worn.plot("profile", time=1.01 * time)
+    with pytest.raises(SceneError, match="time is that of a field"):
+        worn.plot("history", time=time)

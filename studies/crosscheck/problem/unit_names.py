@@ -14,7 +14,9 @@ wear rates are heights per length.
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from functools import lru_cache
+from operator import eq
 from typing import TYPE_CHECKING, NamedTuple, get_args
 
 import numpy as np
@@ -74,6 +76,8 @@ FAR_APART = 1e4
 BASE = ("m", "N", "Pa", "s")
 # names of units for the number 1
 SINGULAR = {"days": "day", "years": "year"}
+# least part of letters in common, twice over both lengths, of a unit that is suggested
+LEAST_LIKENESS = 0.5
 # name of the unit of numbers without units
 NO_UNIT = "1"
 # kind of unit of scene keys without a unit
@@ -460,12 +464,23 @@ def _split(quantity: str) -> tuple[str, str]:
 
 
 def nearest_unit(unit: str, kind: str) -> str:
-    """Return the question whether a similar unit is meant; empty if none is similar."""
-    by_lower = {name.lower(): name for name in SI[kind]}
-    match = by_lower.get(unit.lower())
-    if match is None and _size_in_si(unit.lower(), kind) is not None:
+    """Return the question whether a similar unit is meant; empty if none is similar.
+
+    A letter is more often mistyped than added: "mn" means "mm" rather than "m".
+    """
+
+    def likeness(name: str) -> tuple[float, int]:
+        ratio = SequenceMatcher(None, name.lower(), unit.lower()).ratio()
+        return ratio, sum(map(eq, name, unit))
+
+    match = max(SI[kind], key=likeness)
+    if likeness(match)[0] < 1 and _size_in_si(unit.lower(), kind) is not None:
         match = unit.lower()
-    match = match or nearest(unit, SI[kind])
+    elif likeness(match)[0] < 1:
+        as_long = [name for name in SI[kind] if len(name) >= len(unit) and name[:1] == unit[:1]]
+        match = max(as_long, key=likeness, default="")
+        if not match or likeness(match)[0] < LEAST_LIKENESS:
+            match = nearest(unit, SI[kind])
     return f"did you mean '{match}'? Else " if match else ""
 
 

@@ -26,6 +26,7 @@ from ..methods.sampling.field_differences import (
 from ..methods.sampling.sampler import Sampler
 from ..problem.quantities import FIELDS, error_name
 from ..problem.suggestions import AnswersGuesses, did_you_mean
+from ..problem.unit_names import number_of
 from ..problem.written import shown
 from ..progress import LOG, Stages
 from ..scene.scene import Scene
@@ -45,6 +46,9 @@ if TYPE_CHECKING:
     from ...figures.style import Picture
     from .judgement import Judged
     from .load import Summary
+
+# relative difference of two times below which they are the same
+SAME_TIME = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -333,23 +337,45 @@ class Result(AnswersGuesses):
             raise SceneError(f"no {shown(quantity)} in these results{hint}")
         return self.dataset[quantity]
 
-    def plot(self, kind: str = "") -> "Figure":
-        """Draw a figure.
+    def plot(self, kind: str = "", time: float | str | None = None) -> "Figure":
+        """Draw a figure, which notebooks show; ``.savefig("figure.pdf")`` writes it.
 
         Parameters
         ----------
         kind : ``"profiles_and_pressures"``, ``"history"``, ``"contact"``, ``"steady_state"``,
             ``"difference"``, ``"stress"`` or ``"mesh"``; by default the first of these that can be
-            drawn
+            drawn. Or a field at one time: ``"profile"``, ``"pressure"`` or ``"displacement"``
+        time : of a field: one of the times of the results, a number or a text such as ``"100 h"``;
+            by default the last
 
         Raises
         ------
         SceneError
-            if the results have no such figure; the message lists the available ones
+            if the results have no such figure or time; the message lists the available ones
         """
+        from ...figures.catalogue import picture_of_field
         from ...figures.style import picture_of
 
+        if kind in OVER_TIME:
+            picture = picture_of_field(kind, self._number_of_time(time))
+            if not picture.drawn_for(self):
+                raise SceneError(f"no {kind} in these results: add it to output.quantities")
+            return picture.figure(self)
+        if time is not None:
+            raise SceneError(f"time is that of a field: give one of {', '.join(OVER_TIME)}")
         return picture_of(self._pictures, kind).figure(self)
+
+    def _number_of_time(self, time: float | str | None) -> int:
+        """Return the number of a time of the results; without a time, that of the last."""
+        times, names = self.coordinates["time"], self.scene.unit_names
+        if time is None:
+            return len(times) - 1
+        wanted = number_of(time, "time", "time", names) if isinstance(time, str) else time
+        nearest = int(np.abs(times - wanted).argmin())
+        if not abs(times[nearest] - wanted) <= SAME_TIME * abs(wanted):
+            near = names.write(float(times[nearest]), "time")
+            raise SceneError(f"time = {shown(time)}: no results then; the nearest are at {near}")
+        return nearest
 
     def save(self, folder: str | Path) -> list[str]:
         """Write the files of ``ringwear run --out folder``; return their names.

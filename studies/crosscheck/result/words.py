@@ -65,13 +65,14 @@ class Account:
             of_kind = {key: value for key, value in values.items() if quantities[key].unit == kind}
             texts = self.names.write_together(list(of_kind.values()), kind)
             written |= dict(zip(of_kind, texts, strict=True))
-        lines = []
+        problem, lines = self.scene.problem, []
+        full_disc = problem.full_contact and not (problem.inner_radius or problem.ground.layered)
         for key in values:
             name = key.replace("_", " ").replace("rms", "RMS")
             meaning = quantities[key].definition
-            if key == "indentation_start" and self.scene.half_space.layers:
-                # leave out F / (2 a E*), which is valid on a homogeneous half-space only
-                meaning = meaning.partition(";")[0]
+            if not full_disc:
+                # leave out F / (2 a E*)
+                meaning = meaning.partition("; F")[0]
             lines.append((name, written[key], meaning))
         return lines
 

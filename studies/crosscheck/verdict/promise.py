@@ -147,7 +147,8 @@ def _limit_of_cells(problem: Problem, solutions: Mapping[str, Solution]) -> Limi
         edges = "pressures jump at edges of worn faces that move"
     return Limit(
         MOVING_EDGES if problem.earliest else "where pressures may be infinite",
-        f"{edges}, where fields are only known to a cell; choose a smaller rtol",
+        f"{edges}, where fields are only known to a cell, at any rtol; forces, volumes and the "
+        "indentation are not affected",
     )
 
 
