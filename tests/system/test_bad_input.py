@@ -26,7 +26,6 @@ SCENES = [
     ("radius = 1.0", f"radius = 1{400 * '0'}", "give the punch radius, a positive length"),
     ("radius = 1.0", 'radius = "10 mmm"', "did you mean 'mm'?"),
     ("radius = 1.0", 'radius = "10 mn"', "did you mean 'mm'?"),
-    ("times = [0.0, 1.0]", 'times = ["0 s", "10 mn"]', "did you mean 'min'?"),
     ("radius = 1.0", 'radius = "10 N"', "is no length"),
     ("radius = 1.0", 'radius = "10 mm 5"', "has two numbers: give one number and its unit"),
     ("radius = 1.0", 'radius = "10 5 mm"', "has two numbers: give one number and its unit"),

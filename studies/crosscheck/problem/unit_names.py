@@ -71,6 +71,8 @@ SI: dict[str, dict[str, float]] = {
 SI["displacement"] = SI["length"]
 # kinds of quantities instead of others, if the times of a scene are sliding distances
 OF_DISTANCES = {"time": "distance", "wear_rate": "wear_per_distance"}
+# multiple of a unit from which on numbers are written in it: 36 h rather than 1.5 days
+WRITTEN_FROM = {"days": 2.0}
 # ratio of two numbers above which they are not written in the unit of the smaller one
 FAR_APART = 1e4
 BASE = ("m", "N", "Pa", "s")
@@ -268,7 +270,8 @@ class UnitNames:
             return 1.0, self.name(kind)
         for larger, larger_size in choices.items():
             # 0.39 mm³, not 3.9e8 µm³
-            if abs(size) * stored >= 0.9995 * min(larger_size, 1e6 * unit):
+            least = min(WRITTEN_FROM.get(larger, 1.0) * larger_size, 1e6 * unit)
+            if abs(size) * stored >= 0.9995 * least:
                 name, unit = larger, larger_size
         return unit / stored, name
 

@@ -136,7 +136,7 @@ def test_a_scene_without_units_takes_no_quantities():
         (1.234e-5, "displacement", "12.34 µm"),
         (3e5, "pressure", "300 kPa"),
         (1e6, "time", "11.57 days"),
-        (86400.0, "time", "1 day"),
+        (86400.0, "time", "24 h"),
         (108000.0, "time", "30 h"),
         (1080.0, "time", "18 min"),
         (2.5e-8, "displacement", "25 nm"),
@@ -160,7 +160,7 @@ def test_numbers_in_si_are_written_in_convenient_units(value, kind, text):
     [
         ([37116.0, 89165.0], "time", ["10.31 h", "24.77 h"]),
         ([60.0, 3600.0, 5400.0], "time", ["1 min", "60 min", "90 min"]),
-        ([86400.0, 172800.0], "time", ["1 day", "2 days"]),
+        ([86400.0, 172800.0], "time", ["24 h", "48 h"]),
         ([1e-9, 1e-3], "displacement", ["0.001 µm", "1000 µm"]),
         ([0.0, 5e-6], "displacement", ["0 µm", "5 µm"]),
         ([0.0, 0.0], "time", ["0 s", "0 s"]),
