@@ -13,8 +13,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
+from base64 import b64decode
 from functools import partial
-from inspect import ismodule
+from inspect import getdoc, ismodule
 from pathlib import Path
 
 import pdoc
@@ -69,11 +71,6 @@ THEME = {
 }
 # commands and printed answers have up to 100 letters in a line
 STYLE = ".md-grid { max-width: 80rem; }\n"
-API = """# API
-
-[The public names of ringwear, with their docstrings](api/ringwear.html): `run`, `check`, `fit`,
-`study`, `sweep`, `plan`, `deck`, and what they return.
-"""
 
 
 def copy_pages(docs: Path) -> None:
@@ -114,14 +111,19 @@ def gallery(docs: Path) -> list[str | dict[str, str]]:
     folder = docs / "gallery"
     folder.mkdir()
     pages = {file: page_of_script(file, folder) for file in sorted(EXAMPLES.glob("[!_]*.py"))}
-    pages |= {file: page_of_notebook(file) for file in sorted(EXAMPLES.glob("*.ipynb"))}
+    pages |= {file: page_of_notebook(file, folder) for file in sorted(EXAMPLES.glob("*.ipynb"))}
     titles = {}
     for file, text in pages.items():
         (folder / f"{file.stem}.md").write_text(text, "utf-8")
         titles[f"{file.stem}.md"] = text.partition("\n")[0].removeprefix("# ")
-    lines = [f"- [{title}]({name})" for name, title in titles.items()]
-    text = "# Gallery\n\nEach page is a script or a notebook that is run.\n\n" + "\n".join(lines)
-    (folder / "index.md").write_text(text + "\n", "utf-8")
+    parts = ["# Gallery", "Each page is a script or a notebook that is run."]
+    for name, title in titles.items():
+        parts.append(f"[{title}]({name})")
+        parts += [
+            f"[![{title}]({image.name})]({name})"
+            for image in sorted(folder.glob(f"{Path(name).stem}_*.png"))[:1]
+        ]
+    (folder / "index.md").write_text("\n\n".join(parts) + "\n", "utf-8")
     pages_by_title = ({title.replace("`", ""): f"gallery/{name}"} for name, title in titles.items())
     return ["gallery/index.md", *pages_by_title]
 
@@ -165,16 +167,23 @@ def notebook_of(text: str, code: str) -> dict[str, object]:
     }
 
 
-def page_of_notebook(file: Path) -> str:
+def page_of_notebook(file: Path, folder: Path) -> str:
     """Return the page of a notebook, with the outputs that it holds (a test runs its cells)."""
     parts = []
-    for cell in json.loads(read(file))["cells"]:
+    for number, cell in enumerate(json.loads(read(file))["cells"]):
         source = "".join(cell["source"])
         if cell["cell_type"] == "markdown":
             parts.append(source)
             continue
-        outputs = (out.get("text") or out["data"]["text/plain"] for out in cell["outputs"])
-        parts += [fenced(source, "python"), *(fenced("".join(lines)) for lines in outputs)]
+        parts.append(fenced(source, "python"))
+        for out in cell["outputs"]:
+            data = out.get("data", {})
+            if picture := data.get("image/png"):
+                name = f"{file.stem}_{number}.png"
+                (folder / name).write_bytes(b64decode(picture))
+                parts.append(f"![{source}]({name})")
+            else:
+                parts.append(fenced("".join(out.get("text") or data["text/plain"])))
     return "\n\n".join(parts) + "\n"
 
 
@@ -188,6 +197,8 @@ def write_api(docs: Path) -> None:
     # names that load when they are used, so that pdoc shows what is there
     vars(ringwear).update({name: public(name) for name in ringwear.__all__})
     pdoc.render.configure(docformat="numpy")
+    # it evaluates names of types where they are not imported, and shows them as they are written
+    warnings.filterwarnings("ignore", "Error parsing type annotation", UserWarning)
     modules = [value.__name__ for value in map(public, ringwear.__all__) if ismodule(value)]
     pdoc.pdoc("ringwear", *modules, output_directory=docs / "api")
     text = read(docs / "api" / "ringwear.html")
@@ -196,7 +207,14 @@ def write_api(docs: Path) -> None:
     wanted += ["Result.plot", "Study.save", "Comparison.table", "Scene.changed"]
     if missing := [name for name in wanted if f'id="{name}"' not in text]:
         raise SystemExit(f"the page of the API lacks {', '.join(missing)}")
-    (docs / "api.md").write_text(API, "utf-8")
+    lines = ["# API", "", "The public names of ringwear, with their docstrings:", ""]
+    for name in ringwear.__all__:
+        place = f"ringwear.html#{name}"
+        if ismodule(public(name)):
+            place = f"{public(name).__name__.replace('.', '/')}.html"
+        first, *_ = (getdoc(public(name)) or "").splitlines() or [""]
+        lines.append(f"- [`{name}`](api/{place}) {first}".rstrip())
+    (docs / "api.md").write_text("\n".join(lines) + "\n", "utf-8")
 
 
 def public(name: str) -> object:
@@ -239,7 +257,9 @@ def build(out: Path) -> None:
             "-f",
             str(config),
         ]
-        subprocess.run(command, check=True)
+        # MkDocs advertises its successors
+        quiet = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
+        subprocess.run(command, check=True, env=quiet)
     check_links(out)
 
 
