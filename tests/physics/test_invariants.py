@@ -51,23 +51,6 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
     np.testing.assert_allclose(values @ (history.profile[1] - history.profile[0]), worn, rtol=1e-10)
 
 
-@pytest.mark.slow
-def test_rings_of_equal_wear_equal_a_plain_punch():
-    flat, ringed = (
-        run(
-            FIVE.changed(
-                punch__rings=rings,
-                punch__wear_coefficients=[3.0, 3.0],
-                output__radii=[0.1, 0.3, 0.9],
-            ),
-            methods=["mdr", "fem"],
-        ).dataset
-        for rings in (1, 5)
-    )
-    for name in ("pressure", "profile", "indentation", "relaxation_time"):
-        np.testing.assert_array_equal(flat[name], ringed[name])
-
-
 def test_neighbours_of_equal_wear_are_merged():
     merged = FIVE.changed(punch__wear_coefficients=[1.0, 1.0, 10.0, 10.0, 1.0]).problem.merged
     np.testing.assert_allclose(merged.ring_edges, [0, 0.4, 0.8, 1.0], rtol=1e-15)

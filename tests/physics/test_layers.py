@@ -18,7 +18,6 @@ from ringwear import (
     ring_kernel,
     run,
 )
-from ringwear.mdr.annulus import flat_annulus
 from ringwear.meshes.ground.line_energy import relative_stiffness
 
 TWO_RINGS = {"rings": 2, "wear_coefficients": [1.0, 0.1]}
@@ -81,18 +80,6 @@ def test_boundary_elements_and_the_mdr_are_the_same_operator():
     assert np.abs(matrices[0] - matrices[1]).max() <= 1e-13 * np.abs(matrices[0]).max()
     # the layers have an effect on the matrix
     assert np.abs(energy.compliance(space).matrix - matrices[0]).max() > 0.1 * matrices[0].max()
-
-
-@pytest.mark.gmsh
-@pytest.mark.slow
-def test_three_layers_by_all_methods():
-    scene = on(layer(0.2, 1.0, 0.49), layer(0.05, 5.0, 0.2), layer(0.6, 0.2))
-    result = run(scene, methods=["mdr", "bem", "direct", "fem"])
-    assert result.verdict == "agree"
-    assert all(anchor.holds for anchor in result.anchors)
-    start = 0.5 / relative_stiffness(scene.problem.ground) * scene.problem.units.displacement
-    for depth in result.dataset.indentation.values[:, 0]:
-        assert np.isnan(depth) or depth == pytest.approx(start, rel=1e-6)
 
 
 def test_equal_layers_equal_a_plain_half_space():
@@ -159,20 +146,6 @@ def test_a_sphere_on_layers():
     assert depths[0] == pytest.approx(radius**2 / 2.0, rel=1e-6)
     assert (depths[1] < 0.8 * depths[0]).all()
     assert depths[1] == pytest.approx(depths[1][0], rel=1e-6)
-
-
-@pytest.mark.gmsh
-@pytest.mark.slow
-def test_hollow_punches_on_layers():
-    """By all methods; the start is that of the annulus, the anchors hold."""
-    punch = {"inner_radius": 0.4, "rings": 3, "wear_coefficients": [1.0, 0.2, 0.5]}
-    scene = on(layer(0.2), layer(0.4, 0.3), below=8.0, punch=punch, rtol=1e-4)
-    result = run(scene, methods=["mdr", "bem", "direct", "fem"])
-    assert result.verdict == "agree"
-    assert all(anchor.holds for anchor in result.anchors)
-    exact = flat_annulus(0.4, ground=scene.problem.ground).indentation
-    depths = result.dataset.indentation.sel(time=0, solver=["mdr", "bem", "fem"])
-    assert depths.values / scene.problem.units.displacement == pytest.approx(exact, rel=1e-8)
 
 
 @pytest.mark.gmsh

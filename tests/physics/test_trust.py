@@ -197,24 +197,6 @@ def test_the_rule_of_the_verdict(difference, first, second, verdict):
     assert row.verdict == verdict
 
 
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_methods_agree_on_an_annulus_without_wear():
-    scene = natural(
-        {"ring_edges": [0.6, 1.0], "wear_coefficients": [1.0, 1.0], "recess": [0.5, 0.0]},
-        rtol=1e-6,
-        methods="mdr bem fem",
-        load={"normal_force": 0.1},
-        wear={"times": [0.0], "steady": False},
-    )
-    result = run(scene)
-    assert result.verdict == "agree"
-    lines = [line for line in result.remarks if "undecided" in line]
-    undecided = {row.quantity for row in result.agreement if row.remark}
-    assert all(any(quantity in line for line in lines) for quantity in undecided)
-    assert not any("worn" in line for line in lines)
-
-
 MM = {"units": "mm, N, MPa, s"}
 # scenes in which anchors once did not hold although the results were right
 RIGHT = {

@@ -3,17 +3,12 @@
 Each mistake is made in the input or in the table; what has to be named follows from it.
 """
 
-import os
-import shutil
-import subprocess
-
 import numpy as np
 import pytest
 from checks import mistakes
 from groups import nightly, nightly_but
 from programs import finite_elements, input_of, ours, springs
 
-import ringwear
 from ringwear import Scene, SceneError, check
 from ringwear.studies.estimate.compared import Comparison
 from ringwear.studies.estimate.diagnose import diagnose
@@ -183,23 +178,6 @@ def test_the_error_of_a_deck_is_shared_by_its_arc_and_its_mesh(reach, share):
         for name, fault in found.items()
         if name not in MESH | {"truncated half-space"}
     )
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
-@pytest.mark.xfail(strict=True, reason="with two times, no mistake at all has the better criterion")
-@pytest.mark.parametrize("size", [0.2, 0.1, 0.05])
-def test_a_right_deck_of_calculix_has_errors_of_its_mesh_only(size, tmp_path):
-    ringwear.deck("five_rings", "calculix", tmp_path, size=size, reach=50, times=[0.1])
-    scene = Scene.load(tmp_path / "scene.toml").changed(methods=["mdr"])
-    environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    for job in ("prescribed", "contact_1"):
-        call = {"cwd": tmp_path, "check": True, "stdout": subprocess.DEVNULL, "env": environment}
-        subprocess.run(["ccx", "-i", job], timeout=200, **call)
-        found = looks(scene, str(tmp_path / f"{job}.dat"))
-        assert {fault.name for fault in found} <= MESH | {"truncated half-space"}
-        if size < 0.2:
-            assert found[0].name == "truncated half-space"
 
 
 @pytest.mark.slow

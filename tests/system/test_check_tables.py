@@ -21,31 +21,6 @@ DEPTH = 100 / (2 * 0.01 * 2e9)
 """Indentation of the flat start, F / (2 a E*), in metres."""
 RADII = np.array([0.0, 2.5, 5.0, 7.5])
 """In millimetres."""
-PRESSURE = 100 / (2 * np.pi * 0.01**2) / np.sqrt(1 - (RADII / 10) ** 2)
-"""Of the flat start, in pascals."""
-
-
-TABLES = {
-    "semicolons and decimal commas": (";", ",", "t;r [mm];p [MPa]", None),
-    "a row of units": (",", ".", "Time,Radius,Pressure", "s,mm,MPa"),
-    "spaces": (" ", ".", "time [s] r/mm P (MPa)", None),
-    "tabs": ("\t", ".", "TIME (s)\tr/mm\tContact Pressure (MPa)", None),
-}
-
-
-@pytest.mark.parametrize("kind", TABLES)
-def test_a_table_is_read_in_any_form(kind, tmp_path):
-    separator, point, head, units = TABLES[kind]
-    rows = [
-        separator.join(f"{value:.12g}".replace(".", point) for value in (0.0, radius, pressure))
-        for radius, pressure in zip(RADII, PRESSURE / 1e6, strict=True)
-    ]
-    path = tmp_path / "theirs.csv"
-    path.write_text("\n".join([head, *([units] if units else []), *rows]) + "\n", "utf-8")
-    (row,) = errors(check(SCENE, path))
-    assert row.solver == "theirs.csv"
-    assert row.quantity == "pressure"
-    assert abs(row.error) <= row.stated + 1e-11
 
 
 @pytest.mark.parametrize(

@@ -259,13 +259,6 @@ def test_the_inside_is_written_as_a_series(tmp_path):
             )
 
 
-@pytest.mark.slow
-def test_plan_and_scenes_write_nothing(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert main(["plan", "rubber"]) == main(["scenes"]) == 0
-    assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.gmsh
 def test_the_mesh_that_the_command_writes_is_read_back(tmp_path, capsys):
     scene = Scene.load("rubber")

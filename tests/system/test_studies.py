@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import logging
-import signal
 import subprocess
 import sys
 import time
@@ -92,34 +91,6 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkey
     names = {file.name for file in tmp_path.iterdir()}
     assert {"march.csv", "orders.csv", "march.png"} <= names
     assert "report.html" not in names
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-@pytest.mark.parametrize("number", [signal.SIGINT, *nightly(signal.SIGTERM)])
-@pytest.mark.parametrize("seconds", [0.0, *nightly(1.3, 4.1)])
-def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
-    def finished_rows():
-        return sum(len(levels(table)) for table in out.glob(".writing/extremes.csv"))
-
-    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from ringwear import main; raise SystemExit(main())"
-    out = tmp_path / "out"
-    command = [sys.executable, "-c", code, "study", "extremes", "--quick", "--out", str(out)]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as study:
-        while study.poll() is None and not finished_rows():
-            time.sleep(0.02)
-        time.sleep(seconds)
-        finished = finished_rows()
-        study.send_signal(number)
-        printed, errors = study.communicate(timeout=60)
-    assert study.returncode == 1
-    assert INTERRUPTED in printed
-    assert "Traceback" not in errors
-    assert len(levels(out / "extremes.csv")) >= finished >= 1
-    assert not list(out.glob(".writing"))
 
 
 @pytest.mark.nightly

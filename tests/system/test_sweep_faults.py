@@ -22,6 +22,7 @@ import zarr
 from groups import nightly
 
 from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
+from ringwear.studies.crosscheck.versions import code
 from ringwear.studies.sweep import blocks, compute, results, template
 
 # three blocks of eight scenes
@@ -272,13 +273,18 @@ def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, fai
         assert main([*command, "--resume"]) == (1 if failing else 3)
 
 
-def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch):
-    """Other versions do not continue it."""
-    there = json.loads(xarray.open_zarr(undisturbed / "sweep.zarr").attrs["versions"])
+@pytest.mark.parametrize("changed", ["versions", "code"])
+def test_a_store_of_other_versions_or_code_is_refused(tmp_path, undisturbed, monkeypatch, changed):
+    """Other versions, or another hash of the code, do not continue it."""
+    attributes = xarray.open_zarr(undisturbed / "sweep.zarr").attrs
+    there = json.loads(attributes["versions"])
     assert (there["ringwear"], there["numpy"]) == (__version__, np.__version__)
+    assert attributes["code"] == code()
     other = there | {"ringwear": "0", "numpy": "1.0"}
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
-    monkeypatch.setattr(template, "package_versions", lambda: other)
+    names = {"versions": ("package_versions", other), "code": ("code", "of another edit")}
+    name, value = names[changed]
+    monkeypatch.setattr(template, name, lambda: value)
     with pytest.raises(
         SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
     ):

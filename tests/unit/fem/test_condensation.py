@@ -10,7 +10,7 @@ from groups import nightly
 from scipy.sparse import bmat, coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-from ringwear import SizeField, SolverError, bisection, direct, energy, press_flat
+from ringwear import SizeField, SolverError, bisection, direct, press_flat
 from ringwear.fem import condensation
 from ringwear.fem.condensation import solve, symmetric, trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
@@ -101,16 +101,6 @@ def test_coupling_carries_forces_and_moments(solid):
     np.testing.assert_allclose(ones @ coupling, whole.space.weights, rtol=1e-12, atol=1e-15)
     moments = radii @ coupling @ whole.space.ring_indicator()
     np.testing.assert_allclose(moments, 2 * np.pi * np.diff(EDGES**3) / 3, rtol=1e-12)
-
-
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.4999])
-@each_solid
-def test_multipliers_are_stable(solid, poisson_ratio):
-    """Without checkerboards, each pressure has at least 0.3 times its energy in theory."""
-    whole = half_space(solid, poisson_ratio)
-    ratios = squared_ratios(whole.compliance().factor, energy.compliance(whole.space).factor)
-    assert ratios.min() >= 0.3
-    assert ratios.max() <= 1 + 1e-3
 
 
 @pytest.mark.parametrize(("degree", "tolerance"), [(5, 3e-4), (6, 4e-5), (8, 1e-5)])
