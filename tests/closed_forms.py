@@ -22,7 +22,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1, gamma, hyp2f1
 
 
@@ -56,37 +55,6 @@ class PowerPunch:
         depth = np.sqrt((1 - inside) * (1 + inside))
         shape = depth * hyp2f1(1.0, 1 - n / 2, 1.5, depth**2)
         return np.asarray(n * self.kappa * self.coefficient / np.pi * radius ** (n - 1) * shape)
-
-
-@dataclass(frozen=True)
-class RoundedPunch:
-    """Contact of a flat face of radius b with a rounded rim, ``f = (r - b)^2 / (2 R)`` beyond b.
-
-    M. Ciavarella, Indentation by nominally flat or conical indenters with rounded corners, Int. J.
-    Solids Struct. 36 (1999) 4149; first by G. Schubert, Ing.-Arch. 13 (1942) 132. The
-    one-dimensional profile is ``g(x) = x int_b^x f'(r) dr / sqrt(x^2 - r^2)``. At the contact
-    radius c, with ``cos(phi) = b / c``, this gives ``d = g(c) = c b (tan(phi) - phi) / R`` and ``F
-    = 2 E* (d c - int_b^c g dx)``.
-    """
-
-    flat_radius: float
-    curvature_radius: float
-
-    def indentation(self, radius):
-        """Return the indentation at a contact radius."""
-        phi = np.arccos(self.flat_radius / radius)
-        return radius * self.flat_radius * (np.tan(phi) - phi) / self.curvature_radius
-
-    def force(self, radius):
-        """Return the force at a contact radius."""
-        b, phi = self.flat_radius, np.arccos(self.flat_radius / radius)
-        s = b * np.tan(phi)
-        under = s**3 / 3 + b**2 * s / 2 - b * radius**2 * phi / 2
-        return 2 * (self.indentation(radius) * radius - under / self.curvature_radius)
-
-    def contact_radius(self, force):
-        b = self.flat_radius
-        return float(brentq(lambda c: self.force(c) - force, b * (1 + 1e-9), 1e3 * b, xtol=1e-15))
 
 
 # F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits

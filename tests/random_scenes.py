@@ -22,10 +22,10 @@ FINE, COARSE = 0.2, 1.0
 SHOWN_MODES = 8
 
 
-def draw(kind: str, seed: int, number: int) -> Scene:
+def draw(kind: str, seed: int, number: int, most_rings: int = 11) -> Scene:
     """Return a scene, which names no methods."""
     random = np.random.default_rng([KINDS.index(kind), seed, number])
-    rings = int(np.exp(random.uniform(0, np.log(11))))
+    rings = min(int(np.exp(random.uniform(0, np.log(11)))), most_rings)
     if kind in ("graded", "load", "steep"):
         rings = min(rings, 5)
     widths = 10 ** random.uniform(-random.uniform(0, 2), 0, rings)
@@ -214,38 +214,3 @@ def _judge(outcome: Held, label: str, error: Array, doubt: Array, named: Array) 
         outcome.beyond.append(label)
         if not named[over].all():
             outcome.silent.append(label)
-
-
-def random_scenes(seed, count, most_rings, **changes):
-    """Yield random scenes of flat punches with 1 to `most_rings` rings.
-
-    Widths are 1e-4 or more, wear ratios 1e-6 to 1e6, Poisson's ratios -0.5 to 0.5, and rtol 1e-2 to
-    1e-8. Seven times lie between 1e-8 and 1e3 natural units; about half of the scenes also have the
-    start.
-    """
-    draw = np.random.default_rng(seed)
-    for _ in range(count):
-        rings = int(np.exp(draw.uniform(0, np.log(most_rings + 1))))
-        widths = 10 ** draw.uniform(-draw.uniform(0, 4), 0, rings)
-        edges = np.cumsum(np.maximum(widths / widths.sum(), 1e-4))
-        power = draw.uniform(-6, 6)
-        if rings == 1:
-            wear = np.ones(1)
-        elif rings == 2 or draw.random() < 1 / 3:  # two materials, or one for each ring
-            wear = np.resize([1.0, 10**power], rings)
-        else:
-            wear = 10 ** draw.uniform(-abs(power), 0, rings)
-        first = 10 ** draw.uniform(-8, 1)
-        times = np.geomspace(first, first * 10 ** draw.uniform(0.3, 3 - np.log10(first)), 7)
-        if draw.random() < 0.5:
-            times = np.append(0.0, times)
-        usual = draw.random() < 0.7
-        ratio = draw.uniform(-0.5, 0.5) if usual else draw.choice((0.5, 0.49, 0.3))
-        punch = {"radius": 1.0, "ring_edges": (edges / edges[-1]).tolist()}
-        yield Scene.load("five_rings").changed(
-            punch=punch | {"wear_coefficients": wear.tolist()},
-            half_space__poisson_ratio=float(ratio),
-            wear={"times": (times / wear.max()).tolist()},
-            accuracy__rtol=float(10 ** draw.uniform(-8, -2)),
-            **{"methods": ["mdr", "direct", "fem"]} | changes,
-        )

@@ -157,7 +157,7 @@ TABLE = {
         5e-8,
         "1: least error of the radius of the first contact, a few times the tolerance of the "
         "search for its edges, and of the slope of the unworn face, a difference of heights",
-        "tests/physics/test_light_rounding.py::test_lightly_rounded_edges",
+        "tests/physics/test_profiles.py::test_starts_against_closed_forms",
     ),
     "kinks inside elements": ErrorFactor(
         2.0,
