@@ -24,6 +24,8 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from scipy.special import ellipe, ellipkm1, gamma, hyp2f1
 
+from ringwear import direct
+
 
 @dataclass(frozen=True)
 class PowerPunch:
@@ -138,9 +140,10 @@ class GradedSteadyState:
 
     The wear rate ``w = k p`` is constant, so that ``1 / w = int dA / k``. The pressure is a sum of
     discs under uniform pressures: ``p(1)`` on the whole punch, ``-p'(c) dc`` on each radius c, and
-    the jumps of p. Displacement and slope of a disc are known (`direct` has them, too), and the sum
-    is an integral over c. Gauss's rule is used between points that approach the ends of intervals
-    and the radius of the result geometrically, and between which k grows by at most half.
+    the jumps of p. Displacement and slope of a disc are those of `direct`, which is tested by
+    itself, and the sum is an integral over c. Gauss's rule is used between points that approach the
+    ends of intervals and the radius of the result geometrically, and between which k grows by at
+    most half.
 
     Parameters
     ----------
@@ -174,27 +177,27 @@ class GradedSteadyState:
 
     def displacement(self, radii):
         """Return the displacement of the surface at radii."""
-        return np.array([self._sum(radius, displacement_of_disc) for radius in radii])
+        return np.array([self._sum(radius, direct.disc_displacement) for radius in radii])
 
     def rms_slope(self, average="line"):
         """Return the root mean square slope of the face, over the radius or over its area."""
         square = 0.0
         for interval in self.intervals:
             radii, lengths = quadrature(*interval)
-            slopes = np.array([self._sum(radius, slope_of_disc) for radius in radii])
+            slopes = np.array([self._sum(radius, direct.disc_slope) for radius in radii])
             square += lengths @ (slopes**2 * (1 if average == "line" else 2 * radii))
         hole = self.radii[0]
         return float(np.sqrt(square / (1 - (hole if average == "line" else hole**2))))
 
     def _sum(self, radius, of_disc):
         discs, pressures = self.jumps
-        total = pressures @ of_disc(radius, discs)
+        total = pressures @ of_disc(discs, radius)
         for interval in self.intervals:
             inner, outer, first, last = interval
             if first != last:
                 c, lengths = quadrature(*interval, towards=radius)
                 falls = (last - first) / (outer - inner) / wear_in(interval, c) ** 2
-                total += lengths @ (falls * of_disc(radius, c))
+                total += lengths @ (falls * of_disc(c, radius))
         return self.wear_rate * total
 
 
@@ -221,26 +224,6 @@ def quadrature(inner, outer, first, last, towards=None):
     node, weight = leggauss(12)
     half = np.diff(ends)[:, None] / 2
     return (ends[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
-
-
-def displacement_of_disc(radius, discs):
-    """Return the displacement at a radius under the pressure 1 on discs (n,)."""
-    inner, outer = np.minimum(radius, discs), np.maximum(radius, discs)
-    complement = (outer - inner) * (outer + inner) / outer**2
-    whole, second = ellipe(1 - complement), ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    outside = radius * (whole - complement * second)
-    return 4 / np.pi * np.where(radius < discs, discs * whole, outside)
-
-
-def slope_of_disc(radius, discs):
-    """Return the derivative of `displacement_of_disc` in the radius."""
-    inner, outer = np.minimum(radius, discs), np.maximum(radius, discs)
-    complement = (outer - inner) * (outer + inner) / outer**2
-    second = ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    difference = ellipe(1 - complement) - second
-    # E - K = -pi m / 4 - ..., which cancels for small m
-    difference = np.where(complement > 1 - 1e-8, np.pi / 4 * (complement - 1), difference)
-    return 4 / np.pi * difference * np.where(radius < discs, discs / radius, 1.0)
 
 
 def potentials(r, z, poisson_ratio, radius):

@@ -497,11 +497,21 @@ def exact_results(problem, finer: float = 0.01) -> dict[str, Array]:
     return results | answer
 
 
+def errors_less_doubts(solution, problem, exact: dict, doubts: dict, modes: int):
+    """Yield the name and the errors of each quantity, less twice the uncertainty of the exact one.
+
+    So many relaxation times, the slowest, are compared.
+    """
+    for name, error in differences(solution.compared, exact, problem.face).items():
+        error, doubt = np.atleast_1d(error), np.atleast_1d(doubts[name])
+        shown = min(modes if name == "relaxation_time" else np.inf, len(error), len(doubt))
+        yield name, np.maximum(error[:shown] - 2 * doubt[:shown], 0.0)
+
+
 def true_errors(result) -> dict[str, dict[str, tuple[Array, Array]]]:
     """Return errors and estimates at the compared times, for each method and quantity of a run.
 
-    Twice the uncertainty of the independent solution, its difference to a coarser one, is
-    subtracted from the errors. Three relaxation times, the slowest, are compared.
+    The uncertainty of the independent solution is its difference to a coarser one.
     """
     problem = result.scene.problem
     exact = exact_results(problem)
@@ -509,13 +519,11 @@ def true_errors(result) -> dict[str, dict[str, tuple[Array, Array]]]:
     errors: dict = {}
     for method, solution in result.solutions.items():
         errors[method] = {}
-        for name, error in differences(solution.compared, exact, problem.face).items():
+        for name, error in errors_less_doubts(solution, problem, exact, doubts, 3):
             if name in solution.errors:
-                estimate = solution.compared_error(problem, name)
-                parts = [np.atleast_1d(part) for part in (error, estimate, doubts[name])]
-                shown = min(3 if name == "relaxation_time" else np.inf, *map(len, parts))
+                estimate = np.atleast_1d(solution.compared_error(problem, name))[: len(error)]
+                error = error[: len(estimate)]
                 # a number of the answer has NaN where the method does not give it
-                given = ~np.isnan(parts[0][:shown])
-                error, estimate, doubt = (part[:shown][given] for part in parts)
-                errors[method][name] = np.maximum(error - 2 * doubt, 0.0), estimate
+                given = ~np.isnan(error)
+                errors[method][name] = error[given], estimate[given]
     return errors

@@ -55,25 +55,6 @@ def test_recesses_and_profiles_add():
     assert heights == pytest.approx([0.02, 0.12, 0.19])
 
 
-@pytest.mark.slow
-def test_the_force_on_a_cone_at_a_fixed_indentation_decays_to_zero():
-    fixed = SCENE.changed(
-        load={"indentation": 0.02},
-        punch__profile={"kind": "cone", "slope": 0.01},
-        wear__times=[0.0, 1.0, 10.0, 1e4],
-    )
-    data, cone = run(fixed).dataset.isel(solver=0), PowerPunch(0.01, 1)
-    contact = 0.02 / cone.indentation(1.0)
-    assert float(data.normal_force[0]) == pytest.approx(MODULUS * cone.force(contact), rel=1e-7)
-    assert float(data.contact_radius[0]) == pytest.approx(contact, rel=1e-6)
-    assert np.array(data.indentation) == pytest.approx(0.02)
-    assert (np.diff(data.normal_force) <= 0).all()
-    assert float(data.normal_force[-1]) < 1e-11 * MODULUS
-    assert np.isnan(data.steady_wear_rate)
-    # finally, everything within the indentation has worn off
-    assert np.array(data.profile[-1]) == pytest.approx(0.02, abs=1e-5)
-
-
 def table(radii, heights):
     return {"punch__profile": {"kind": "table", "radii": radii, "heights": heights}}
 

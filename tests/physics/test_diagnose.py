@@ -86,7 +86,6 @@ def test_the_right_fault_of_the_model_is_named_first(scene):
         first = look(scene, solve(SCENES[scene], **change))[0]
         assert (first.name, first.size) == (name, pytest.approx(size, rel=0.2))
         assert 0.8 < first.share <= 1
-    assert f"{first.size:.4g}" in first.words
 
 
 @pytest.mark.slow
@@ -158,11 +157,10 @@ def test_missing_layers_are_named():
         half_space=below | {"layers": [layer]}, wear__steady=False, accuracy__rtol=1e-3
     )
     right, times = solve(scene), np.array(scene.wear.times)
-    for modulus in (1.0, stiffness):
-        theirs = solve(scene.changed(half_space=below | {"youngs_modulus": modulus}))
-        (only,) = diagnose(Comparison(times, radii_of(scene), theirs, right, scene))
-        assert (only.name, only.size) == ("layers left out", pytest.approx(modulus / stiffness))
-        assert only.share > 0.8
+    theirs = solve(scene.changed(half_space=below))
+    (only,) = diagnose(Comparison(times, radii_of(scene), theirs, right, scene))
+    assert (only.name, only.size) == ("layers left out", pytest.approx(1.0 / stiffness))
+    assert only.share > 0.8
 
 
 def test_one_number_names_both_the_load_and_the_modulus():

@@ -138,24 +138,3 @@ def test_sizes_of_the_user_are_not_refined():
         assert result.solutions["mdr"].settings["ring_size"] == 0.1
         assert not result.notes
     assert "mdr" in result.short_of
-
-
-@pytest.mark.nightly
-def test_no_locking_of_an_incompressible_half_space():
-    """The estimate bounds the error for unequal rings.
-
-    With degree 3 at ring edges, it would not.
-    """
-    scene = FIVE.changed(
-        methods=["fem"],
-        punch={
-            "radius": 1.0,
-            "ring_edges": [0.003, 0.08, 0.091, 0.816, 0.818, 1.0],
-            "wear_coefficients": [240.0, 170.0, 0.0013, 18.0, 0.001, 1.0],
-        },
-        half_space__poisson_ratio=0.5,
-        wear={"times": [0.0, 0.0017, 0.0089, 0.042]},
-        accuracy__rtol=1e-4,
-    )
-    error, estimate = (values.max() for values in true_errors(run(scene))["fem"]["indentation"])
-    assert error <= estimate <= 1e-4

@@ -74,5 +74,4 @@ def test_without_a_fault_nothing_disagrees(rtol):
     assert result.verdict == "agree" or (rtol < 1e-4 and result.verdict == "undecided")
     # finite elements do not reach rtol 1e-6 for the infinite start pressures and for early slopes
     assert {row.quantity for row in result.agreement if not row.agrees} <= {"pressure", "rms_slope"}
-    assert all(anchor.holds for anchor in result.anchors)
     assert {anchor.method for anchor in result.anchors} == set(methods)

@@ -41,7 +41,6 @@ def test_late_states_are_the_steady_state(punch):
     force, rtol = 0.05 if punch == "ball" else 1.0, 1e-4
     result = run(scene(PUNCHES[punch], force=force))
     assert result.verdict == "agree"
-    assert all(anchor.holds for anchor in result.anchors)
     greatest, slope = (
         float(value(*rings(punch))) for value in (direct.greatest_displacement, line_slope)
     )

@@ -24,7 +24,7 @@ def test_results_of_every_load_have_the_same_quantities(name, sphere):
             assert np.isfinite(values[1:]).all(), quantity
     # only a punch that loses contact has no relaxation modes
     assert data.relaxation_time.isnull().all() == (name == "falling")
-    assert all(anchor.holds for anchor in result.anchors)
+    assert result.verdict != "disagree"
 
 
 def test_a_flat_punch_has_the_contact_of_its_face():

@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 from faults import computed, pipeline, reported
-from faults.scenes import SCENES, damage, healthy, shared, with_results, with_table
+from faults.scenes import SCENES, healthy, shared, with_results, with_table
 
 FAULTS = [
     (kind, place, name, fault)
@@ -48,10 +48,7 @@ def test_anchors_hold_without_a_fault(kind):
     ids=NAMES,
 )
 def test_a_fault_is_noticed(monkeypatch, kind, place, fault):
-    right = healthy(kind)
-    wrong = with_fault(monkeypatch, kind, place, fault)
-    assert damage(right, wrong) > 3 * SCENES[kind].problem.rtol
-    assert wrong.verdict != "agree"
+    assert with_fault(monkeypatch, kind, place, fault).verdict != "agree"
 
 
 def test_every_fault_is_tried_once():

@@ -43,7 +43,7 @@ def test_start_pressures_are_those_of_the_closed_form(rtol, first):
     exact = 1 / np.pi / np.sqrt((1 - edges) * (1 + edges))
     np.testing.assert_allclose(rings["pressure_min"][0], exact, rtol=rtol)
     np.testing.assert_allclose(rings["pressure_max"][0][:-1], exact[1:], rtol=rtol)
-    assert all(anchor.holds for anchor in result.anchors)
+    assert result.verdict != "disagree"
 
 
 @pytest.mark.slow
@@ -238,6 +238,12 @@ RIGHT = {
         [0.0, 1.0],
         1.5e-6,
         "mdr",
+    ),
+    # at a distance of 1e-12 from the dip, the coefficient is 1.3e-6 greater
+    "a narrow dip": natural(
+        {"wear_coefficient": {"radii": [0.394, 0.39438, 0.3948], "values": [1.0, 1e-3, 1.0]}},
+        rtol=2e-7,
+        methods="mdr",
     ),
     # squares of the pressures underflow
     "vanishing pressures": natural(

@@ -76,7 +76,7 @@ def test_a_single_column_in_other_units_is_named_with_its_factor(column, factor)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [60.0, 1e3])
+@pytest.mark.parametrize("factor", [60.0, *nightly(1e3)])
 def test_a_column_of_times_in_other_units_cannot_be_told_from_a_wear_coefficient(factor):
     """Results depend on the time only as k v t, so that neither may be sure."""
     found = in_other_units("time", factor)
@@ -239,7 +239,7 @@ SINGLE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SINGLE)
+@pytest.mark.parametrize("name", nightly_but([*SINGLE][:-1], SINGLE))
 def test_a_mesh_a_ring_and_a_column_are_named(name):
     table, cause, words = SINGLE[name]
     first = looks(FIVE, table())[0]

@@ -200,24 +200,3 @@ def test_what_no_layer_has_is_refused(name, words):
     )
     with pytest.raises(ringwear.SceneError, match=words):
         ringwear.fit(scene, {"time": [1.0], "indentation": [1.0]}, name, noise=0.1)
-
-
-def test_wear_coefficients_are_fitted_on_layers():
-    """The data are by boundary elements, the model of the fit is the MDR."""
-    layer = {"thickness": 0.3, "youngs_modulus": 0.25, "poisson_ratio": 0.3}
-    scene = ringwear.Scene.load("five_rings").changed(
-        half_space={"youngs_modulus": 1.0, "poisson_ratio": 0.3, "layers": [layer]},
-        wear={"times": np.geomspace(0.01, 5.0, 40).tolist(), "steady": False},
-        punch__wear_coefficients=[1.3, 4.0],
-    )
-    data = ringwear.run(scene, methods=["bem"], rtol=1e-5, quantities=["indentation"]).dataset
-    noise = np.random.default_rng(5).normal(0, 1e-3, 40)
-    table = pd.DataFrame(
-        {"time": scene.wear.times, "indentation": data.indentation.values[0] + noise}
-    )
-    start = scene.changed(punch__wear_coefficients=[1.0, 3.0])
-    found = ringwear.fit(start, table, "punch.wear_coefficients", noise=1e-3).estimates
-    assert found.identifiable.all()
-    for true, row in zip((1.3, 4.0), found.itertuples(), strict=True):
-        assert row.low < true < row.high
-        assert row.high - row.low < 0.05 * true
