@@ -1,10 +1,12 @@
 """Fixtures that many tests share.
 
-They are the reference history of the five rings, and compliances of methods that are computed once.
+They are the reference history of the five rings, compliances of methods that are computed once, and
+commands.
 """
 
 import json
 import os
+import shlex
 import signal
 from functools import cache
 from pathlib import Path
@@ -15,7 +17,7 @@ import pytest
 from groups import nightly
 from threadpoolctl import threadpool_limits
 
-from ringwear import Problem, RunningIn, Scene, Stages, method as find_method
+from ringwear import Problem, RunningIn, Scene, Stages, main, method as find_method
 from ringwear.meshes.by_gmsh.session import unavailable
 
 # pytest-xdist sets COLUMNS in its workers; argparse would then break lines as on a terminal
@@ -58,6 +60,7 @@ class Prepared(NamedTuple):
 
 
 MESHERS = ("quads", "gmsh", "bisection")
+METHODS = ("mdr", "bem", *MESHERS)
 WITHOUT_GMSH = unavailable()
 
 
@@ -84,6 +87,29 @@ def _one_thread():
         yield
 
 
+@pytest.fixture
+def command(tmp_path, monkeypatch, capsys):
+    """Return ``command(line, status=0, scene=None)``, which runs a command in `tmp_path`.
+
+    A scene is written as `scene.toml` there. The exit status is compared, and what was printed is
+    returned.
+    """
+    monkeypatch.chdir(tmp_path)
+
+    def command(line, status=0, scene=None):
+        if scene:
+            Path("scene.toml").write_text(scene.to_toml(), "utf-8")
+        capsys.readouterr()
+        try:
+            ended = main(shlex.split(line))
+        except SystemExit as end:
+            ended = end.code
+        assert ended == status
+        return capsys.readouterr()
+
+    return command
+
+
 @pytest.fixture(scope="session")
 def prepare():
     """Return ``prepare(scene, name, **changes)``; `name` is a method or a mesher of `fem`."""
@@ -101,7 +127,7 @@ def prepare():
     return prepare
 
 
-@pytest.fixture(params=["mdr", "bem", *MESHERS])
+@pytest.fixture(params=METHODS)
 def method(request):
     """Name of a method or mesher; each test of an invariant runs once for each."""
     return str(request.param)

@@ -128,7 +128,8 @@ def finite_elements(given, cells=40):
     thickness, softness = given.layer or (0.0, 1.0)
     lines = np.append(np.linspace(0, 1, cells + 1), np.geomspace(1 + 1 / cells, given.reach, cells))
     # rounded, so that no two lines differ by roundoff only
-    mesh = MeshTri.init_tensor(lines, np.unique(np.append(lines, thickness).round(9)))
+    depths = np.unique(np.append(lines, thickness).round(9))
+    mesh = MeshTri.init_tensor(lines, -depths[::-1]).scaled((1.0, -1.0))
 
     def shear_at(depth):
         return shear * np.where(depth < thickness, softness, 1.0)

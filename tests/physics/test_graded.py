@@ -38,7 +38,7 @@ def test_a_constant_table_equals_a_plain_number(shape):
         np.testing.assert_allclose(table[name], number[name], rtol=1e-13, atol=1e-13)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_many_rings_tend_to_wear_along_the_radius_at_second_order():
     def times_and_depths(**punch):
         chosen = {"output__quantities": ["indentation", "relaxation_time"]}

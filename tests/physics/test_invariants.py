@@ -1,10 +1,12 @@
 """Properties that every method has for every scene: balances, signs and units."""
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
-from groups import slow
+from conftest import METHODS
+from groups import nightly, slow
 
 from ringwear import Scene, run
 
@@ -14,8 +16,12 @@ TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
 
 
 @pytest.mark.parametrize(
-    "scene",
-    ["flat_punch", "five_rings", "rubber", *slow("many_rings")],
+    ("scene", "method"),
+    [
+        *product(("flat_punch", "five_rings", "rubber"), METHODS),
+        *slow(("many_rings", "mdr"), ("many_rings", "quads")),
+        *nightly(*product(["many_rings"], ("bem", "gmsh", "bisection"))),
+    ],
 )
 def test_flat_punches_balance_forces_and_stay_in_full_contact(prepare, scene, method):
     punch = prepare(scene, method)

@@ -13,7 +13,6 @@ from functools import cache
 import numpy as np
 import pandas as pd
 import pytest
-from checks import mistakes
 from programs import finite_elements, input_of, of_tamaas, ours, springs
 
 from ringwear import Scene, check
@@ -187,7 +186,7 @@ def look(seed, kind):
     table = program(given)
     for change in tables:
         table = change(table)
-    found = mistakes(check(scene, table))
+    found = check(scene, table).mistakes()
     explain = {each.name for each in found if each.judgement == EXPLAINS}
     assert explain <= names | {"coarse rim"}, kind
     return found, names
@@ -291,7 +290,7 @@ UNKNOWN = {
 def test_at_most_one_unknown_mistake_is_explained_wrongly():
     explained = {}
     for name, make in UNKNOWN.items():
-        found = mistakes(check(FIVE, make()))
+        found = check(FIVE, make()).mistakes()
         if wrong := [each.name for each in found if each.judgement == EXPLAINS]:
             explained[name] = wrong
     assert len(UNKNOWN) == 12
@@ -302,7 +301,7 @@ def test_at_most_one_unknown_mistake_is_explained_wrongly():
 def test_causes_with_the_same_pressures_explain_them_equally_well():
     """k and E* both scale the time; only lengths, which are not given, distinguish them."""
     table = springs(multiplied(wear=1.1)(input_of(FIVE)))[["time", "radius", "pressure"]]
-    first, second = mistakes(check(FIVE, table))
+    first, second = check(FIVE, table).mistakes()
     assert {first.name, second.name} == {"wear coefficient", "Poisson's ratio"}
     assert first.share + second.share == pytest.approx(1, abs=0.1)
     assert first.share < 0.7
@@ -319,20 +318,20 @@ def test_no_cause_is_sure_for_programs_without_a_mistake(program):
         "tamaas": (TAMAAS, lambda: of_tamaas("tamaas_three")),
     }[program]
     mesh = {"coarse rim", "checkerboard"}
-    assert all(one.share <= 0.7 for one in mistakes(check(scene, table())) if one.name not in mesh)
+    assert all(one.share <= 0.7 for one in check(scene, table()).mistakes() if one.name not in mesh)
 
 
 @pytest.mark.slow
 def test_metres_for_millimetres_are_named_in_a_table_of_tamaas():
     table = scaled(**dict.fromkeys(LENGTHS, 1e-3))(of_tamaas("tamaas_three"))
-    first, *others = mistakes(check(TAMAAS, table))
+    first, *others = check(TAMAAS, table).mistakes()
     assert first.name == "units"
     assert all(other.share <= 0.7 for other in others)
 
 
 def test_one_number_has_several_unsure_causes():
     """A clamped box is named first, and the others with it."""
-    first, *others = mistakes(check(FIVE, pd.DataFrame({"time": [0.0], "indentation": [0.95]})))
+    first, *others = check(FIVE, pd.DataFrame({"time": [0.0], "indentation": [0.95]})).mistakes()
     assert (first.name, first.size) == (
         "truncated half-space",
         pytest.approx(1.09 / 0.05, rel=1e-2),

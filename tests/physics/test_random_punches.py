@@ -24,7 +24,7 @@ def decide(seed):
     return result, time.process_time() - began
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_at_most_one_of_12_punches_is_undecided():
     """Two punches of each kind; results for forty are in studies/crosscheck/verdict/README.md."""
     runs = [decide(seed) for seed in range(10, 10 + 2 * len(KINDS))]

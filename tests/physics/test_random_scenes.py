@@ -6,6 +6,7 @@ from groups import nightly, nightly_but
 from independent import CONSTANT, Load, Pieces, Punch, solved
 from natural import natural
 from random_layers import random_layers
+from random_punches import random_punch
 from random_scenes import KINDS, draw, hold
 from test_hollow import random_hollow
 
@@ -135,6 +136,7 @@ def test_numbers_at_extremes_are_right_or_left_out(name):
 FAMILIES = {
     "hollow": random_hollow,
     "layers": random_layers,
+    "punches": random_punch,
     "layers, shaped": lambda seed: random_layers(seed, shaped=True, rtol=1e-3),
 }
 

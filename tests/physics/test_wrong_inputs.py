@@ -5,7 +5,6 @@ Each mistake is made in the input or in the table; what has to be named follows 
 
 import numpy as np
 import pytest
-from checks import mistakes
 from groups import nightly, nightly_but
 from programs import finite_elements, input_of, ours, springs
 
@@ -52,7 +51,7 @@ BALL = Scene(
 
 
 def looks(scene, table, **how):
-    return mistakes(check(scene, {"theirs": table}, **how), "theirs")
+    return check(scene, {"theirs": table}, **how).mistakes("theirs")
 
 
 def in_other_units(column, factor):

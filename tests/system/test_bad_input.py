@@ -2,11 +2,10 @@
 
 import os
 import re
-import shlex
 
 import pytest
 
-from ringwear import Scene, SceneError, main
+from ringwear import Scene, SceneError
 
 SCENE = """[punch]
 radius = 1.0
@@ -116,25 +115,18 @@ SCENES = [
 ]
 
 
-def refused(call, capsys):
+def refused(shown):
     """Return the line on standard error of a refused command, which prints nothing else."""
-    try:
-        status = main(shlex.split(call))
-    except SystemExit as end:
-        status = end.code
-    shown = capsys.readouterr()
-    assert status == 2
     assert shown.out == ""
     (line,) = [line for line in shown.err.splitlines() if line and not re.match(r"usage:| ", line)]
     return line
 
 
 @pytest.mark.parametrize(("part", "instead", "words"), SCENES)
-def test_a_bad_scene_is_refused(part, instead, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_bad_scene_is_refused(part, instead, words, command, tmp_path):
     assert part in SCENE
     (tmp_path / "mine.toml").write_text(SCENE.replace(part, instead), "utf-8")
-    line = refused("run mine.toml", capsys)
+    line = refused(command("run mine.toml", 2))
     assert line.startswith("ringwear: mine.toml")
     assert words in line
     assert len(line) < 700
@@ -187,12 +179,11 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize(("call", "words"), COMMANDS)
-def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_bad_command_is_refused(call, words, command, tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
-    line = refused(call, capsys)
+    line = refused(command(call, 2))
     assert words in line
     # the line has no path of the installation
     assert "studies/" not in line
@@ -213,14 +204,13 @@ FOLDERS = [
 
 
 @pytest.mark.parametrize("call", FOLDERS)
-def test_a_folder_whose_name_is_not_utf_8_is_refused(call, tmp_path, monkeypatch, capsys):
+def test_a_folder_whose_name_is_not_utf_8_is_refused(call, command, tmp_path):
     """Python has such bytes in texts as halves of surrogate pairs."""
-    monkeypatch.chdir(tmp_path)
     name = os.fsdecode(b"out\xff")
     (tmp_path / f"{name}.toml").write_text(SCENE, "utf-8")
     (tmp_path / "data.csv").write_text("time,indentation\n0.1,1.068\n1,1.639\n", "utf-8")
     before = set(tmp_path.iterdir())
-    line = refused(call.format(name), capsys)
+    line = refused(command(call.format(name), 2))
     assert "the name is not UTF-8; give another directory" in line
     assert r"out\udcff" in line
     assert set(tmp_path.iterdir()) == before
@@ -238,20 +228,15 @@ def test_values_of_python_that_cannot_be_written_are_refused():
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
-def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
+def test_no_line_of_the_answer_is_cut(width, command, monkeypatch):
     """A terminal shows every word that is printed without a terminal, in lines that fit."""
-    monkeypatch.chdir(tmp_path)
-    call = shlex.split("run rubber --methods direct --no-figures --out out")
-    assert main(call) == 0
-    whole = capsys.readouterr().out
+    line = "run rubber --methods direct --no-figures --out out"
+    whole = command(line).out
     monkeypatch.setenv("COLUMNS", str(width))
-    assert main(call) == 0
-    output = capsys.readouterr().out
+    output = command(line).out
     assert output.split() == whole.split()
     assert "..." not in output
     # only a word without blanks, such as a path, may be longer
     assert not [line for line in output.splitlines() if len(line) > width and " " in line.strip()]
-    for command in ([], ["scenes"]):
-        with pytest.raises(SystemExit, match="0"):
-            main([*command, "--help"])
-        assert max(map(len, capsys.readouterr().out.splitlines())) <= max(width, 80)
+    for line in ("--help", "scenes --help"):
+        assert max(map(len, command(line).out.splitlines())) <= max(width, 80)

@@ -10,7 +10,7 @@ import pytest
 import skfem
 from groups import nightly
 
-from ringwear import Method, Scene, SceneError, SizeField, bisection, main, method, study
+from ringwear import Method, Scene, SceneError, SizeField, bisection, method, study
 
 EDGES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 PRESSURE_AT_HALF = """
@@ -44,13 +44,10 @@ def errors(rows, quantity, when="all"):
 
 
 @pytest.mark.slow
-def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_path):
-    out, options = tmp_path / "out", []
-    for file in files:
-        options += ["--mesh", file]
-    options += ["--quantity", f"{tmp_path / 'mine.py'}:at_half", "--degree", "3", "--quick"]
-    options += ["--against", "unknowns"]
-    assert main(["study", "convergence", "five_rings", *options, "--out", str(out)]) == 0
+def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, command, tmp_path):
+    meshes, out = " ".join(f"--mesh {file}" for file in files), tmp_path / "out"
+    options = "--quantity mine.py:at_half --degree 3 --quick --against unknowns --out out"
+    command(f"study convergence five_rings {meshes} {options}")
     rows = pd.read_csv(out / "convergence.csv")
     assert rows["level"].unique().tolist() == ["mine_0.msh", "mine_1.msh", "mine_2.msh"]
     assert rows["way"].unique().tolist() == ["your meshes"]
@@ -93,10 +90,9 @@ def test_chosen_quantities_are_tabulated_and_drawn(sequence):
 
 
 @pytest.mark.slow
-def test_an_element_from_the_command_line(tmp_path):
-    options = ["--element", "ElementTriP2B", "--quick", "--out", str(tmp_path)]
-    assert main(["study", "convergence", "flat_punch", *options]) == 0
-    rows = pd.read_csv(tmp_path / "orders.csv").set_index(["way", "quantity", "when"])
+def test_an_element_from_the_command_line(command):
+    command("study convergence flat_punch --element ElementTriP2B --quick --out out")
+    rows = pd.read_csv("out/orders.csv").set_index(["way", "quantity", "when"])
     # the bubble adds nothing to the degree of P2, whose order is 4
     graded = rows.loc["TriP2B, graded", "indentation", "start"]
     assert float(graded["order"]) == pytest.approx(4, abs=0.3)

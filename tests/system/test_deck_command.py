@@ -10,7 +10,7 @@ import pytest
 from groups import slow
 
 import ringwear
-from ringwear import Scene, main
+from ringwear import Scene
 from ringwear.studies.decks.reports import read_dat
 
 RUN = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
@@ -32,11 +32,10 @@ def run_calculix(folder, job):
 
 @pytest.mark.slow
 @RUN
-def test_decks_for_calculix_run_and_are_read_back(tmp_path, capsys):
+def test_decks_for_calculix_run_and_are_read_back(command, tmp_path):
     """The flat start is Boussinesq's, F = 2 a E* d, reduced by the effect of the clamped arc."""
-    call = ["deck", "flat_punch", "--for", "calculix", "--out", str(tmp_path), "--time", "0"]
-    assert main([*call, "--size", "0.08", "--reach", "400"]) == 0
-    assert "ringwear check scene.toml prescribed.dat" in capsys.readouterr().out
+    printed = command("deck flat_punch --for calculix --out . --time 0 --size 0.08 --reach 400").out
+    assert "ringwear check scene.toml prescribed.dat" in printed
     scene = Scene.load(tmp_path / "scene.toml")
     force, modulus = scene.load_.normal_force, scene.half_space.modulus
     radius, clamped = scene.punch.radius, 1.1 / 400
@@ -134,9 +133,8 @@ def test_decks_for_abaqus_have_documented_keywords(tmp_path):
     assert "not run" in (tmp_path / "README.md").read_text("utf-8")
 
 
-def test_a_scene_without_a_deck_is_refused_in_one_line(tmp_path, capsys):
-    assert main(["deck", "recessed_binder", "--for", "calculix", "--out", str(tmp_path / "a")]) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+def test_a_scene_without_a_deck_is_refused_in_one_line(command, tmp_path):
+    assert command("deck recessed_binder --for calculix --out a", 2).err.count("\n") == 1
     assert not list(tmp_path.iterdir())
 
 
@@ -144,22 +142,20 @@ def test_a_scene_without_a_deck_is_refused_in_one_line(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("flags", "rows"),
     [
-        ([], ["100 ms | 400 N", "14.25 s | 1 kN"]),
-        (["--time", "4"], ["100 ms | 400 N", "4 s | 2 kN"]),
-        (["--time", "0.05"], ["50 ms | 200 N", "100 ms | 400 N"]),
+        ("", ["100 ms | 400 N", "14.25 s | 1 kN"]),
+        ("--time 4", ["100 ms | 400 N", "4 s | 2 kN"]),
+        ("--time 0.05", ["50 ms | 200 N", "100 ms | 400 N"]),
     ],
 )
-def test_a_brake_has_decks_of_times_at_which_it_is_applied(flags, rows, tmp_path, capsys):
+def test_a_brake_has_decks_of_times_at_which_it_is_applied(flags, rows, command):
     """Its force rises from 0 to 2 kN in 0.5 s, and falls from 2 kN at 14 s to 0 at 14.5 s."""
-    call = ["deck", "duty_cycle", "--for", "calculix", "--size", "0.005", "--reach", "20"]
-    assert main([*call, *flags, "--out", str(tmp_path)]) == 0
-    table = re.findall(r"\| - \| (.*?) \|.*\| (.*?) \|$", capsys.readouterr().out, re.MULTILINE)
+    printed = command(f"deck duty_cycle --for calculix --size 0.005 --reach 20 --out . {flags}").out
+    table = re.findall(r"\| - \| (.*?) \|.*\| (.*?) \|$", printed, re.MULTILINE)
     assert [f"{time} | {force}" for time, force in table] == rows
 
 
-def test_a_time_without_load_is_refused_before_anything_is_computed(tmp_path, capsys):
-    call = ["deck", "duty_cycle", "--for", "abaqus", "--time", "8", "--out", str(tmp_path / "a")]
-    assert main(call) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+def test_a_time_without_load_is_refused_before_anything_is_computed(command, tmp_path):
+    printed = command("deck duty_cycle --for abaqus --time 8 --out a", 2)
+    (line,) = printed.err.splitlines()
     assert "--time 8: the load is zero then: give times at which the punch is loaded" in line
     assert not list(tmp_path.iterdir())

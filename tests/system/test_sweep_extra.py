@@ -7,7 +7,7 @@ import sys
 import pytest
 from test_sweep_faults import AXES, BASE, KEEP
 
-from ringwear import SceneError, main
+from ringwear import SceneError
 from ringwear.studies.sweep.axes import Sweep
 from ringwear.studies.sweep.compute import compute_block
 from ringwear.studies.sweep.results import HIDDEN, Store
@@ -58,7 +58,7 @@ def test_a_sweep_in_memory_needs_no_extra(tmp_path):
 
 
 @pytest.mark.parametrize("linked", [True, False])
-def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(tmp_path, capsys, linked):
+def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(command, tmp_path, linked):
     foreign, out = tmp_path / "foreign", tmp_path / "out"
     foreign.mkdir()
     (foreign / "download.partial").write_text("of someone else", "utf-8")
@@ -68,9 +68,8 @@ def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(tmp_path, ca
         path.symlink_to(foreign)
     else:
         shutil.copytree(foreign, path)
-    command = ["sweep", "running_in", "--out", str(out), "--resume", "--workers", "1"]
-    assert main(command) == 2
-    assert "zarr.json is damaged or lost" in capsys.readouterr().err
+    printed = command("sweep running_in --out out --resume --workers 1", 2)
+    assert "zarr.json is damaged or lost" in printed.err
     assert [file.name for file in path.iterdir()] == ["download.partial"]
 
 

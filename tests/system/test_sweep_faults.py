@@ -21,7 +21,7 @@ import xarray
 import zarr
 from groups import nightly
 
-from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
+from ringwear import RingwearError, Scene, SceneError, __version__, sweep
 from ringwear.studies.crosscheck.versions import code
 from ringwear.studies.sweep import blocks, compute, results, template
 
@@ -217,39 +217,37 @@ def fail_for_three_rings(patch, error):
 @pytest.mark.parametrize(
     ("error", "status"), [(ValueError("a bad day"), 2), (MemoryError("no room"), 0)], ids=str
 )
-def test_failed_scenes_end_the_command_with_status_1(tmp_path, monkeypatch, capsys, error, status):
+def test_failed_scenes_end_the_command_with_status_1(command, tmp_path, monkeypatch, error, status):
     """The reason is printed, and other scenes are computed.
 
     A failed scene is tried again only with --retry-failed; a scene that lacked memory stays
     pending.
     """
-    file, out = tmp_path / "sweep.toml", tmp_path / "out"
-    file.write_text(tomli_w.dumps({"base": BASE.table(), "keep": KEEP, "axes": AXES}))
-    command = ["sweep", str(file), "--workers", "1", "--out", str(out)]
+    table = {"base": BASE.table(), "keep": KEEP, "axes": AXES}
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(table))
+    line, out = "sweep sweep.toml --workers 1 --out out", tmp_path / "out"
     with monkeypatch.context() as patch:
         fail_for_three_rings(patch, error)
-        assert main(command) == 1
-    output = capsys.readouterr().out
+        output = command(line, 1).out
     assert f"direct: {type(error).__name__}: {error} (8 scenes)" in output
     assert statuses(out) == [1] * 8 + [status] * 8 + [1] * 8
     results = xarray.open_zarr(out / "sweep.zarr")["steady_rms_slope"].isel(solver=0)
     np.testing.assert_array_equal(results.notnull().all("wear_ratio"), [True, False, True])
-    assert main([*command, "--resume"]) == (1 if status == 2 else 0)
-    assert main([*command, "--retry-failed"]) == 0
+    command(f"{line} --resume", 1 if status == 2 else 0)
+    command(f"{line} --retry-failed")
     assert statuses(out) == [1] * 24
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("failing", [False, True])
-def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, failing):
+def test_methods_that_disagree_end_the_command_with_3(command, tmp_path, monkeypatch, failing):
     """If scenes failed, the status is 1 even if others disagree."""
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(LONG | {"axes": AXES}))
     monkeypatch.setattr(compute, "disagreement", lambda *_: 1.5)
     if failing:
         fail_for_three_rings(monkeypatch, ValueError())
-    command = ["sweep", str(tmp_path / "sweep.toml"), "--workers", "1", "--out", str(tmp_path)]
     for _ in range(2):
-        assert main([*command, "--resume"]) == (1 if failing else 3)
+        command("sweep sweep.toml --workers 1 --out . --resume", 1 if failing else 3)
 
 
 @pytest.mark.parametrize("changed", ["versions", "code"])

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import ringwear
-from ringwear import Scene, SceneError, main
+from ringwear import Scene, SceneError
 
 WEAR = "punch.wear_coefficient"
 BALL = Scene(
@@ -142,10 +142,8 @@ def test_what_has_no_meaning_is_refused(scene, data, how, words):
 
 
 @pytest.mark.slow
-def test_the_command_reads_cycles(tmp_path, capsys):
-    (tmp_path / "ball.toml").write_text(BALL.to_toml(), "utf-8")
+def test_the_command_reads_cycles(command, tmp_path):
     (tmp_path / "scar.csv").write_text("cycles, scar_diameter [um]\n50000, 2080\n", "utf-8")
-    command = ["fit", str(tmp_path / "ball.toml"), str(tmp_path / "scar.csv"), "--parameters", WEAR]
-    command += ["--cycle", "20 mm", "--noise", "1 %", "--out", str(tmp_path / "out")]
-    assert main(command) == 0
-    assert f"{WEAR} = 1.86" in capsys.readouterr().out
+    flags = f"--parameters {WEAR} --cycle '20 mm' --noise '1 %' --out out"
+    printed = command(f"fit scene.toml scar.csv {flags}", scene=BALL).out
+    assert f"{WEAR} = 1.86" in printed
