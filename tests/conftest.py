@@ -8,6 +8,8 @@ import json
 import os
 import shlex
 import signal
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -108,6 +110,17 @@ def command(tmp_path, monkeypatch, capsys):
         return capsys.readouterr()
 
     return command
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Return ``script(code, *arguments)``, which runs Python in another process in `tmp_path`."""
+
+    def script(code, *arguments):
+        call = [sys.executable, "-c", code, *arguments]
+        return subprocess.run(call, cwd=tmp_path, text=True, capture_output=True, timeout=300)
+
+    return script
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,5 @@
 """Fits of wear coefficients against closed forms and an independent history."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

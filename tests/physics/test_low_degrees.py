@@ -1,10 +1,10 @@
-"""Linear elements and others of low degree: their errors, estimates and refusals."""
+"""Elements of low degree, and the uniform grid of the paper: errors, estimates and refusals."""
 
 import numpy as np
 import pytest
 from groups import nightly
 
-from ringwear import Scene, SceneError, differences, run
+from ringwear import Scene, SceneError, Stages, differences, method, run
 
 FIVE = Scene.load("five_rings")
 LOW = [
@@ -59,3 +59,21 @@ def test_linear_triangles_agree_with_mdr_on_a_sphere():
     indentation = result.dataset.indentation
     error = np.abs(indentation.sel(solver="fem") / indentation.sel(solver="mdr") - 1)
     assert float(error.max()) <= 0.02
+
+
+@pytest.mark.parametrize("springs", [60, 120])
+@pytest.mark.parametrize(("rings", "ratio"), [(5, 10.0), (2, 0.1), (3, 30.0), (6, 0.3), (1, 1.0)])
+def test_errors_are_below_their_estimates(rings, ratio, springs):
+    """At each time, in the norm of each quantity; the reference is by the MDR at rtol 1e-5."""
+    scene = Scene.load("five_rings").changed(
+        punch__rings=rings,
+        punch__wear_coefficients=[1.0, ratio],
+        accuracy__rtol=1e-5,
+        accuracy__mdr__grid=springs,
+        wear={"times": [0.0, 0.001, 0.01, 0.1, 0.5, 2.0], "steady": False},
+    )
+    problem = scene.problem
+    grid, exact = (method(name).solve(problem, Stages(name)) for name in ("mdr-grid", "mdr"))
+    for name in ("indentation", "displacement", "profile", "pressure", "rms_slope", "ring_force"):
+        true_errors = differences(grid.compared, exact.compared, problem.face)[name]
+        assert (true_errors <= grid.compared_error(problem, name)).all(), name

@@ -1,7 +1,5 @@
 """The study of the paper: quadratures, limits, agreement of methods, and its files."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

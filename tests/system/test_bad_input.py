@@ -26,7 +26,6 @@ SCENES = [
     ("radius = 1.0", 'radius = "10 mmm"', "did you mean 'mm'?"),
     ("radius = 1.0", 'radius = "10 N"', "is no length"),
     ("radius = 1.0", 'radius = "10 mm 5"', "has two numbers: give one number and its unit"),
-    ("radius = 1.0", 'radius = "10 5 mm"', "has two numbers: give one number and its unit"),
     ("[wear]", "[output]\nradii = []\n[wear]", "output.radii = []: should have at least 1 item"),
     ("radius = 1.0", 'radius = "1,5 mm"', "give '1.5 mm'"),
     ("radius = 1.0", "radius = 1,0", "'radius = 1,0'; give lines such as radius = 1.0"),
@@ -47,7 +46,6 @@ SCENES = [
     ("[1.0, 10.0]", "[1.0, 2.0, 3.0]", "give 2, or two, which alternate"),
     ("[1.0, 10.0]", "1.0", "give positive numbers: two"),
     ("[half_space]", "[halfspace]", "did you mean half_space?"),
-    ("[half_space]", "[half_space", "'[half_space'; give lines such as"),
     ("plane_strain_modulus = 1.0", 'youngs_modulus = "2 GPA"', "did you mean 'GPa'?"),
     ("normal_force = 2.0", 'normal_force = "2 kn"', "did you mean 'kN'?"),
     ("normal_force = 2.0", "force = 2.0", "did you mean normal_force?"),
@@ -91,7 +89,6 @@ SCENES = [
         'normal_force = 2.0\nsliding_speed = "60 rpm"',
         "load.sliding_speed = '60 rpm' is a rotation, not a speed: give omega times radius",
     ),
-    ("force = 2.0", 'force = 2.0\nsliding_speed = "1 Hz"', "give omega times radius"),
     ("force = 2.0", 'force = 2.0\nsliding_speed = "5 N"', "give a number with a unit of speed"),
     (
         "force = 2.0",
@@ -110,7 +107,6 @@ SCENES = [
     ("radius = 1.0", f"radius = 0x{5000 * '9'}", "give the punch radius, a positive length"),
     ("[punch]", f"title = 0x{5000 * '9'}\n[punch]", "give a text, in quotes"),
     ("[1.0, 10.0]", f"{5000 * '['}1.0{5000 * ']'}", "nested too deeply; give those that"),
-    ("[1.0, 10.0]", f"{400 * '['}1.0{400 * ']'}", "give"),
     ("radius = 1.0", f"radius{5000 * '.a'} = 1.0", "nested too deeply; give those that"),
 ]
 

@@ -57,22 +57,6 @@ def test_errors_are_reported_with_sign_time_and_radius(command):
     command("check scene.toml abaqus.csv --out out --within 0.5")
 
 
-def test_the_difference_is_the_other_program_minus_ringwear():
-    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
-    table = flat_start(scene)
-    table.loc[3, "displacement"] += 0.05
-    # the indentation is 1, so the relative difference is 0.05
-    (comparison,) = check(scene, {"abaqus": table}).together.field_comparisons
-    assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
-    (displacement,) = [field for field in comparison.fields if field.quantity == "displacement"]
-    assert displacement.radii[displacement.largest[1]] == 0.5
-    assert displacement.relative[displacement.largest] == pytest.approx(0.05, rel=1e-2)
-    assert np.isnan(displacement.second_error).all()
-    # a file without fields has no difference to draw
-    depths = table[["time", "indentation"]].iloc[:1]
-    assert not check(scene, {"depths": depths}).together.field_comparisons
-
-
 def test_errors_of_pressure_are_weighted_by_wear_and_area():
     """Steady pressures are w/k, so an error on one ring counts by its part of int k p^2 dA."""
     scene = Scene.load("five_rings").changed(

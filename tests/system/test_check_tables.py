@@ -1,7 +1,5 @@
 """Tables of other programs in any form: headings, separators, units, one verdict for each."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

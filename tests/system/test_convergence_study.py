@@ -1,7 +1,5 @@
 """Studies of convergence and refinement with meshes, elements and quantities of the user."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -174,9 +174,8 @@ MODULES = [
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_an_interruption_while_modules_are_loaded_is_one_line(module, tmp_path):
-    call = [sys.executable, "-c", INTERRUPTED_IMPORT, module, str(tmp_path / "out")]
-    done = subprocess.run(call, text=True, capture_output=True, timeout=120)
+def test_an_interruption_while_modules_are_loaded_is_one_line(module, script, tmp_path):
+    done = script(INTERRUPTED_IMPORT, module, "out")
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == "ringwear: stopped; no incomplete files are left"
     assert "Traceback" not in done.stderr
@@ -201,9 +200,8 @@ sys.exit(main(["run", "flat_punch", "--out", sys.argv[1]]))
 
 
 @pytest.mark.slow
-def test_an_interruption_that_a_library_turns_into_an_error_is_one_line(tmp_path):
-    call = [sys.executable, "-c", LATER, str(tmp_path / "out")]
-    done = subprocess.run(call, text=True, capture_output=True, timeout=120)
+def test_an_interruption_that_a_library_turns_into_an_error_is_one_line(script, tmp_path):
+    done = script(LATER, "out")
     assert done.returncode == 1
     assert done.stderr == "ringwear: stopped; no incomplete files are left\n"
     assert not (tmp_path / "out").exists()

@@ -3,8 +3,6 @@
 Overlaps are detected by the extents of all texts (`figure_faults`).
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -251,18 +249,16 @@ def test_other_programs_have_different_colours(worn):
     assert not ours & theirs
 
 
-def texts(figure):
-    return [axes.get_title(loc="left") for axes in figure.axes]
-
-
 @pytest.mark.slow
 def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
     scene = Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-2)
     result = run(scene)
     result.save(tmp_path)
-    again = load(tmp_path)
-    first, second = (texts(each.plot("difference")) for each in (result, again))
-    assert first == second
+    titles, again = (
+        [axes.get_title(loc="left") for axes in each.plot("difference").axes]
+        for each in (result, load(tmp_path))
+    )
+    assert titles == again
 
 
 def test_finite_elements_are_drawn_before_other_methods():

@@ -1,7 +1,5 @@
 """The command line from end to end: files, their contents, exit status, no half-written files."""
 
-from __future__ import annotations
-
 import json
 from xml.etree import ElementTree
 

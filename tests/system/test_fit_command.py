@@ -1,7 +1,5 @@
 """The command `ringwear fit`, and the call: what they print, write and refuse."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -89,15 +87,6 @@ def test_the_report_has_the_standard_error_of_linear_regression():
     assert float(shown[1]) == pytest.approx(exact)
     assert float(shown[3]) == pytest.approx(error, rel=1e-4)
     assert f"{row.low:.7g} to {row.high:.7g}" in result.report()
-
-
-def test_data_that_contradict_archards_law_end_with_status_3(measured, command):
-    table = pd.read_csv(measured / "data.csv")
-    table["Depth [um]"] *= 1 + 0.2 * table["time [h]"] / table["time [h]"].max()
-    table.to_csv("wrong.csv", index=False)
-    flags = "--noise 1e-8 --parameters punch.wear_coefficient --out out"
-    printed = command(f"fit {measured / 'pin.toml'} wrong.csv {flags}", 3).out
-    assert "THE MODEL DOES NOT FIT" in printed
 
 
 @pytest.mark.parametrize("count", [5, *nightly(7, 9, 30)])

@@ -4,8 +4,6 @@ The folder has the old or the new files as a whole, files of other people are un
 are written even if a figure fails.
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import signal

@@ -1,11 +1,7 @@
 """Files of other people, and malformed files: none is lost, and each is reported in one line."""
 
-from __future__ import annotations
-
 import os
 import signal
-import subprocess
-import sys
 
 import netCDF4
 import pytest
@@ -118,19 +114,16 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
-@pytest.mark.parametrize(
-    "command", ["run scene.toml", *nightly("sweep sweep.toml", "run /dev/zero")]
-)
-def test_an_endless_file_is_refused(tmp_path, command):
+@pytest.mark.parametrize("line", ["run scene.toml", *nightly("sweep sweep.toml", "run /dev/zero")])
+def test_an_endless_file_is_refused(script, tmp_path, line):
     """It is refused before it is read."""
     scene = Scene.load("flat_punch").table()
     scene["punch"]["profile"] = {"kind": "table", "file": "/dev/zero"}
     (tmp_path / "scene.toml").write_text(tomli_w.dumps(scene))
     table = {"base": scene, "keep": ["indentation"], "axes": {"load.normal_force": [1.0, 2.0]}}
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(table))
-    call = [sys.executable, "-c", ENDLESS, *command.split()]
-    done = subprocess.run(call, cwd=tmp_path, text=True, capture_output=True, timeout=60)
+    done = script(ENDLESS, *line.split())
     assert done.returncode == 2
-    (line,) = done.stderr.splitlines()
-    assert "/dev/zero" in line
-    assert "give a" in line
+    (message,) = done.stderr.splitlines()
+    assert "/dev/zero" in message
+    assert "give a" in message

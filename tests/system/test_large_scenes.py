@@ -4,7 +4,6 @@ Extremes are tested by what is predicted, not by filling the memory.
 """
 
 import resource
-import subprocess
 import sys
 import time
 
@@ -174,7 +173,7 @@ def test_fields_at_many_radii_are_computed_in_parts_and_are_the_same(scene):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the peak of the memory is read from /proc")
-def test_the_predicted_memory_is_that_of_a_run():
+def test_the_predicted_memory_is_that_of_a_run(script):
     """The memory that each time adds is measured in two runs of their own processes."""
     code = (
         "import sys, numpy as np; from ringwear import Scene, run;"
@@ -185,14 +184,7 @@ def test_the_predicted_memory_is_that_of_a_run():
         "print(1024 * int(status.partition('VmHWM:')[2].split()[0]))"
     )
     counts = 3000, 12_000
-    peaks = [
-        float(
-            subprocess.run(
-                [sys.executable, "-c", code, str(count)], capture_output=True, check=True, text=True
-            ).stdout.split()[-1]
-        )
-        for count in counts
-    ]
+    peaks = [float(script(code, str(count)).stdout.split()[-1]) for count in counts]
     measured = (peaks[1] - peaks[0]) / (counts[1] - counts[0])
     few, many = (
         planned_memory(with_times(FIVE, count).changed(methods=["mdr", "bem"])) for count in counts

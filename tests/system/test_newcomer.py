@@ -28,10 +28,8 @@ def result():
 @pytest.mark.parametrize(
     "call",
     [
-        lambda _: run("flat_punch", methods="direct"),
         lambda _: run("five_rings", "mdr,direct", 1e-2),
         lambda _: run("flat_punch", methods=("mdr",), quantities="indentation"),
-        lambda _: run("flat_punch", methods=["mdr"], quantities=["steady"]),
         lambda _: run(SCENE),
         lambda _: run(Scene(**SCENE)),
         lambda _: run(Scene.load("flat_punch").table(), methods=["direct"]),

@@ -3,8 +3,6 @@
 It is one file, has the input of the run, and works in a browser, on paper and on a phone.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import re

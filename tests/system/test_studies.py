@@ -1,7 +1,5 @@
 """Tables that any study writes row by row, and that Ctrl-C keeps."""
 
-from __future__ import annotations
-
 import csv
 import logging
 import subprocess

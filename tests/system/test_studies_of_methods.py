@@ -1,7 +1,5 @@
 """The quick studies: conclusions of their tables, and the files that they write."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

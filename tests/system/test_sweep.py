@@ -1,7 +1,5 @@
 """Sweeps: the file, the grid, shared work, and equality of every scene with `run`."""
 
-from __future__ import annotations
-
 import json
 import os
 import tomllib

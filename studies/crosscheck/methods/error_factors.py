@@ -169,12 +169,12 @@ TABLE = {
         2.5,
         "difference to the grid with half as many springs and half as many steps: slopes and "
         "jumps converge with order 1/2, so that the error is 1 / (sqrt(2) - 1) times it",
-        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+        "tests/physics/test_low_degrees.py::test_errors_are_below_their_estimates",
     ),
     "uniform grid, slope": ErrorFactor(
         4.0,
         "the same for slopes, whose squares have a logarithm at each ring edge",
-        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+        "tests/physics/test_low_degrees.py::test_errors_are_below_their_estimates",
     ),
     "incompressible layers": ErrorFactor(
         5e-8,

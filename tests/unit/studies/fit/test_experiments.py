@@ -1,7 +1,5 @@
 """Models of measurements against balances, and synthetic experiments with known true values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
