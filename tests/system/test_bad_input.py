@@ -29,7 +29,6 @@ SCENES = [
     ("[wear]", "[output]\nradii = []\n[wear]", "output.radii = []: should have at least 1 item"),
     ("radius = 1.0", 'radius = "1,5 mm"', "give '1.5 mm'"),
     ("radius = 1.0", "radius = 1,0", "'radius = 1,0'; give lines such as radius = 1.0"),
-    ("radius = 1.0", "radius = None", "'radius = None'; give lines such as"),
     ("radius = 1.0", "radius = 1.0\nradius = 2.0", "each key once"),
     ("radius = 1.0", "radius: 1.0", "give lines such as radius = 1.0"),
     ("radius = 1.0", "radius = 1.0\ninner_radius = 2.0", "inner_radius = 2 must be below 1"),
@@ -96,7 +95,6 @@ SCENES = [
         "load.sliding_speed: -0.1 is negative, but wear does not depend on the direction of "
         "sliding: give its absolute value",
     ),
-    ("force = 2.0", 'force = 2.0\nsliding_speed = "-1 mm/s"', "give its absolute value"),
     (
         "force = 2.0",
         "force = 2.0\nsliding_speed = { times = [0.0, 1.0], values = [-1.0, 1.0] }",
@@ -142,15 +140,11 @@ COMMANDS = [
     ("check five_rings none.csv --sizes a", "give numbers, such as 0.2,0.1,0.05"),
     ("study Convergence", "did you mean convergence?"),
     ("sweep nofile", "nofile cannot be read as a sweep: no such file"),
-    ("sweep runing_in", "did you mean running_in?"),
     ("sweep five_rings", "`ringwear run five_rings`"),
     ("sweep running_in --workers many", "give a whole number"),
-    ("scenes five_ring", "did you mean five_rings?"),
     ("scenes five_rings rubber", "leave it out: --help lists what the command takes"),
-    ("run five_rings --outt out", "did you mean --out?"),
     ("deck five_rings --for calculix --size small", "give a number"),
     ("study march --steps 0", "--steps 0: give steps above 0, up to 2"),
-    ("study march --steps -1", "--steps -1: give steps above 0"),
     ("study refinement --degree 3", "give --mesh FILE"),
     ("compare five_rings there", "it has no summary.json; give a folder"),
     ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
@@ -165,11 +159,8 @@ COMMANDS = [
     ("run five_rings --methods mdr,fdm", "'fdm'"),
     ("run five_rings --memory 0.1", "punch.rings"),
     ("", "COMMAND"),
-    ("plan", "scene"),
-    ("compare five_rings", "B"),
     ("study refinement --mesh none.msh --out new", "--mesh none.msh: no such file"),
     ("study refinement --mesh bytes --out new", "--mesh bytes"),
-    ("study refinement --mesh there --out new", "directory"),
     ("study refinement --mesh '' --out new", "--mesh"),
 ]
 

@@ -156,7 +156,6 @@ REFUSED = [
     (GOOD.replace("[2, 3]", f"{5000 * '['}1.0{5000 * ']'}"), "nested too deeply; give those"),
     (GOOD.replace("punch.rings", f"punch{5000 * '.a'}"), "nested too deeply; give those"),
     (GOOD.replace("[2, 3]", f"[{5000 * '9'}]"), "a number has thousands of digits; give numbers"),
-    (GOOD.replace("[2, 3]", f"[0x{5000 * '9'}]"), "give"),
     (HEAD + FORCES + DRAWN + "count = 2\nseed = 1", "given twice, in [axes] and in [random]"),
     (HEAD + FORCES + FORCES.replace("axes", "zip"), "is given twice, in [axes] and in [zip]"),
     (GOOD.replace("3", "2"), "punch.rings has 2 twice"),
