@@ -22,8 +22,9 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.optimize import brentq
 from scipy.special import ellipe, ellipkm1, gamma, hyp2f1
+
+from ringwear import direct
 
 
 @dataclass(frozen=True)
@@ -56,37 +57,6 @@ class PowerPunch:
         depth = np.sqrt((1 - inside) * (1 + inside))
         shape = depth * hyp2f1(1.0, 1 - n / 2, 1.5, depth**2)
         return np.asarray(n * self.kappa * self.coefficient / np.pi * radius ** (n - 1) * shape)
-
-
-@dataclass(frozen=True)
-class RoundedPunch:
-    """Contact of a flat face of radius b with a rounded rim, ``f = (r - b)^2 / (2 R)`` beyond b.
-
-    M. Ciavarella, Indentation by nominally flat or conical indenters with rounded corners, Int. J.
-    Solids Struct. 36 (1999) 4149; first by G. Schubert, Ing.-Arch. 13 (1942) 132. The
-    one-dimensional profile is ``g(x) = x int_b^x f'(r) dr / sqrt(x^2 - r^2)``. At the contact
-    radius c, with ``cos(phi) = b / c``, this gives ``d = g(c) = c b (tan(phi) - phi) / R`` and ``F
-    = 2 E* (d c - int_b^c g dx)``.
-    """
-
-    flat_radius: float
-    curvature_radius: float
-
-    def indentation(self, radius):
-        """Return the indentation at a contact radius."""
-        phi = np.arccos(self.flat_radius / radius)
-        return radius * self.flat_radius * (np.tan(phi) - phi) / self.curvature_radius
-
-    def force(self, radius):
-        """Return the force at a contact radius."""
-        b, phi = self.flat_radius, np.arccos(self.flat_radius / radius)
-        s = b * np.tan(phi)
-        under = s**3 / 3 + b**2 * s / 2 - b * radius**2 * phi / 2
-        return 2 * (self.indentation(radius) * radius - under / self.curvature_radius)
-
-    def contact_radius(self, force):
-        b = self.flat_radius
-        return float(brentq(lambda c: self.force(c) - force, b * (1 + 1e-9), 1e3 * b, xtol=1e-15))
 
 
 # F / (E* a d) of flat annuli by the ratio of radii b/a, to nine digits
@@ -170,9 +140,10 @@ class GradedSteadyState:
 
     The wear rate ``w = k p`` is constant, so that ``1 / w = int dA / k``. The pressure is a sum of
     discs under uniform pressures: ``p(1)`` on the whole punch, ``-p'(c) dc`` on each radius c, and
-    the jumps of p. Displacement and slope of a disc are known (`direct` has them, too), and the sum
-    is an integral over c. Gauss's rule is used between points that approach the ends of intervals
-    and the radius of the result geometrically, and between which k grows by at most half.
+    the jumps of p. Displacement and slope of a disc are those of `direct`, which is tested by
+    itself, and the sum is an integral over c. Gauss's rule is used between points that approach the
+    ends of intervals and the radius of the result geometrically, and between which k grows by at
+    most half.
 
     Parameters
     ----------
@@ -206,27 +177,27 @@ class GradedSteadyState:
 
     def displacement(self, radii):
         """Return the displacement of the surface at radii."""
-        return np.array([self._sum(radius, displacement_of_disc) for radius in radii])
+        return np.array([self._sum(radius, direct.disc_displacement) for radius in radii])
 
     def rms_slope(self, average="line"):
         """Return the root mean square slope of the face, over the radius or over its area."""
         square = 0.0
         for interval in self.intervals:
             radii, lengths = quadrature(*interval)
-            slopes = np.array([self._sum(radius, slope_of_disc) for radius in radii])
+            slopes = np.array([self._sum(radius, direct.disc_slope) for radius in radii])
             square += lengths @ (slopes**2 * (1 if average == "line" else 2 * radii))
         hole = self.radii[0]
         return float(np.sqrt(square / (1 - (hole if average == "line" else hole**2))))
 
     def _sum(self, radius, of_disc):
         discs, pressures = self.jumps
-        total = pressures @ of_disc(radius, discs)
+        total = pressures @ of_disc(discs, radius)
         for interval in self.intervals:
             inner, outer, first, last = interval
             if first != last:
                 c, lengths = quadrature(*interval, towards=radius)
                 falls = (last - first) / (outer - inner) / wear_in(interval, c) ** 2
-                total += lengths @ (falls * of_disc(radius, c))
+                total += lengths @ (falls * of_disc(c, radius))
         return self.wear_rate * total
 
 
@@ -253,26 +224,6 @@ def quadrature(inner, outer, first, last, towards=None):
     node, weight = leggauss(12)
     half = np.diff(ends)[:, None] / 2
     return (ends[:-1, None] + half * (1 + node)).ravel(), (half * weight).ravel()
-
-
-def displacement_of_disc(radius, discs):
-    """Return the displacement at a radius under the pressure 1 on discs (n,)."""
-    inner, outer = np.minimum(radius, discs), np.maximum(radius, discs)
-    complement = (outer - inner) * (outer + inner) / outer**2
-    whole, second = ellipe(1 - complement), ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    outside = radius * (whole - complement * second)
-    return 4 / np.pi * np.where(radius < discs, discs * whole, outside)
-
-
-def slope_of_disc(radius, discs):
-    """Return the derivative of `displacement_of_disc` in the radius."""
-    inner, outer = np.minimum(radius, discs), np.maximum(radius, discs)
-    complement = (outer - inner) * (outer + inner) / outer**2
-    second = ellipkm1(np.maximum(complement, np.finfo(float).tiny))
-    difference = ellipe(1 - complement) - second
-    # E - K = -pi m / 4 - ..., which cancels for small m
-    difference = np.where(complement > 1 - 1e-8, np.pi / 4 * (complement - 1), difference)
-    return 4 / np.pi * difference * np.where(radius < discs, discs / radius, 1.0)
 
 
 def potentials(r, z, poisson_ratio, radius):

@@ -1,11 +1,15 @@
 """Fixtures that many tests share.
 
-They are the reference history of the five rings, and compliances of methods that are computed once.
+They are the reference history of the five rings, compliances of methods that are computed once, and
+commands.
 """
 
 import json
 import os
+import shlex
 import signal
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +19,7 @@ import pytest
 from groups import nightly
 from threadpoolctl import threadpool_limits
 
-from ringwear import Problem, RunningIn, Scene, Stages, method as find_method
+from ringwear import Problem, RunningIn, Scene, Stages, main, method as find_method
 from ringwear.meshes.by_gmsh.session import unavailable
 
 # pytest-xdist sets COLUMNS in its workers; argparse would then break lines as on a terminal
@@ -58,6 +62,7 @@ class Prepared(NamedTuple):
 
 
 MESHERS = ("quads", "gmsh", "bisection")
+METHODS = ("mdr", "bem", *MESHERS)
 WITHOUT_GMSH = unavailable()
 
 
@@ -84,6 +89,40 @@ def _one_thread():
         yield
 
 
+@pytest.fixture
+def command(tmp_path, monkeypatch, capsys):
+    """Return ``command(line, status=0, scene=None)``, which runs a command in `tmp_path`.
+
+    A scene is written as `scene.toml` there. The exit status is compared, and what was printed is
+    returned.
+    """
+    monkeypatch.chdir(tmp_path)
+
+    def command(line, status=0, scene=None):
+        if scene:
+            Path("scene.toml").write_text(scene.to_toml(), "utf-8")
+        capsys.readouterr()
+        try:
+            ended = main(shlex.split(line))
+        except SystemExit as end:
+            ended = end.code
+        assert ended == status
+        return capsys.readouterr()
+
+    return command
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Return ``script(code, *arguments)``, which runs Python in another process in `tmp_path`."""
+
+    def script(code, *arguments):
+        call = [sys.executable, "-c", code, *arguments]
+        return subprocess.run(call, cwd=tmp_path, text=True, capture_output=True, timeout=300)
+
+    return script
+
+
 @pytest.fixture(scope="session")
 def prepare():
     """Return ``prepare(scene, name, **changes)``; `name` is a method or a mesher of `fem`."""
@@ -101,7 +140,7 @@ def prepare():
     return prepare
 
 
-@pytest.fixture(params=["mdr", "bem", *MESHERS])
+@pytest.fixture(params=METHODS)
 def method(request):
     """Name of a method or mesher; each test of an invariant runs once for each."""
     return str(request.param)

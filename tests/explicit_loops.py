@@ -27,17 +27,25 @@ ELEMENTS = {
 }
 
 
-def condensed(mesh, element, ratio=0.3):
-    """Return radii of the contact nodes and their stiffness; the outer boundary is clamped."""
-    young = 1 - ratio**2
-    lame, shear = young * ratio / (1 + ratio) / (1 - 2 * ratio), young / (1 + ratio)
+def condensed(mesh, element, ratio=0.3, shear=None, plane=False):
+    """Return radii of the contact nodes and their stiffness; the outer boundary is clamped.
+
+    Parameters
+    ----------
+    mesh : its depths are positive
+    shear : function of the depth that returns the shear modulus; without it, that of E* = 1
+    plane : whether the strain is plane; forces are then per length
+    """
+    shear = shear or (lambda _: (1 - ratio) / 2)
 
     @BilinearForm
     def form(u, v, at):
-        radius = at.x[0]
-        volume = lame * (div(u) + u[0] / radius) * (div(v) + v[0] / radius)
-        shape = shear * (ddot(sym_grad(u), sym_grad(v)) + u[0] * v[0] / radius**2)
-        return 2 * np.pi * radius * (volume + shape)
+        radius, depth = at.x
+        hoop, hoop_v = (0.0, 0.0) if plane else (u[0] / radius, v[0] / radius)
+        volume = ratio / (1 - 2 * ratio) * (div(u) + hoop) * (div(v) + hoop_v)
+        shape = ddot(sym_grad(u), sym_grad(v)) + hoop * hoop_v
+        around = 2.0 if plane else 2 * np.pi * radius
+        return around * 2 * shear(depth) * (volume + shape)
 
     basis = Basis(mesh, ElementVector(ELEMENTS[element]()), intorder=6)
     stiffness = form.assemble(basis).tocsc()
@@ -45,7 +53,9 @@ def condensed(mesh, element, ratio=0.3):
     functions = basis.elem.doflocs.shape[0]
     axial = np.zeros(basis.N, dtype=bool)
     axial[np.unique(basis.element_dofs[np.arange(1, functions, 2)])] = True
-    fixed = (np.hypot(r, z) > mesh.p[0].max() * (1 - 1e-3)) | (~axial & (r < 1e-12))
+    outer = mesh.facets_satisfying(lambda middle: middle.min(axis=0) > 1e-12, boundaries_only=True)
+    fixed = ~axial & (r < 1e-12)
+    fixed[basis.get_dofs(outer).flatten()] = True
     contact = axial & (z < 1e-12) & (r < 1 + 1e-9)
     nodes = np.flatnonzero(contact)
     nodes = nodes[np.argsort(r[nodes])]

@@ -10,14 +10,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
 from threadpoolctl import threadpool_limits
 
 from ringwear import Scene
 from ringwear.meshes import Array
 from ringwear.studies.estimate.measurement import Measurement
 from ringwear.studies.estimate.model import Model
-from ringwear.studies.estimate.modes import discretise
 from ringwear.studies.estimate.parameter import Parameter
 from ringwear.studies.fit.fit import fit_measurements
 from ringwear.studies.fit.parameters import find_parameters
@@ -44,7 +42,6 @@ class Experiments:
     noise_known : whether the noise is given to the fits
     law : for data by another law than Archard's: a function from the times of the clock to the
         times at which Archard's law yields the same wear
-    depths : for data by another law: a function from a scene and times (T,) to indentations (T,)
     """
 
     scene: Scene
@@ -52,7 +49,6 @@ class Experiments:
     columns: tuple[tuple[str, Array, Array | None, float, int | None], ...]
     noise_known: bool = True
     law: Callable[[Array], Array] | None = None
-    depths: Callable[[Scene, Array], Array] | None = None
 
     @cached_property
     def _prepared(self) -> tuple[Scene, tuple[Parameter, ...], tuple[Measurement, ...]]:
@@ -87,11 +83,6 @@ class Experiments:
         return Model.of(scene, parameters, empty, rtol, np.zeros(len(parameters)))
 
     @cached_property
-    def _depths_by_other_law(self) -> list[Array]:
-        scene, _, empty = self._prepared
-        return [self.depths(scene, each.times) for each in empty] if self.depths else []
-
-    @cached_property
     def _models(self) -> dict[float, Any]:
         return {}
 
@@ -118,8 +109,7 @@ class Experiments:
         truth = random.normal(0.0, scatter)
         truth += np.array([0.0 if each.logarithmic else 0.2 for each in parameters])
         measurements = []
-        predictions = self._depths_by_other_law if self.depths else self.sharp.predict(truth)
-        for column, each, exact in zip(self.columns, empty, predictions, strict=True):
+        for column, each, exact in zip(self.columns, empty, self.sharp.predict(truth), strict=True):
             spread = np.ptp(exact) if each.quantity == "profile" else np.abs(exact)
             noise = column[3] * (spread if each.quantity != "indentation" else 1.0)
             noise = noise * np.ones(len(exact))
@@ -139,43 +129,6 @@ WEAR = "punch.wear_coefficients"
 def falls_by_30_percent(times: Array) -> Array:
     """Return the times of equal wear at constant k, if k falls linearly by 30 % over the test."""
     return np.asarray(times - 0.15 * times**2 / times.max())
-
-
-def depths_if_wear_goes_as_pressure_squared(scene: Scene, times: Array) -> Array:
-    """Return the indentations (T,) of a flat punch whose k is proportional to the pressure.
-
-    At the mean pressure, k is that of the scene. ``A p' = d' b - int k p^2 phi dA / p_mean`` is
-    integrated from the flat start by backward differentiation formulas.
-    """
-    problem = scene.problem
-    units = problem.units
-    first, last = float(times[0]) / units.time, float(times[-1]) / units.time
-    compliance = discretise(replace(problem, rtol=0.1), first, last, fields=False)
-    space, matrix = compliance.space, compliance.matrix
-    radii, lengths, local = space.quadrature
-    basis = space.on_elements(local)
-    areas = (2 * np.pi * radii * lengths * problem.wear_coefficients[space.ring][:, None]).ravel()
-    solution = np.linalg.solve(matrix, np.column_stack([space.weights, basis.T.toarray()]))
-    by_weights, by_points = solution[:, 0], solution[:, 1:]
-    stiffness = float(space.weights @ by_weights)
-
-    def rates(_: float, state: Array) -> Array:
-        worn = by_points @ (np.pi * areas * (basis @ state[:-1]) ** 2)
-        approach = float(space.weights @ worn) / stiffness
-        return np.append(approach * by_weights - worn, approach)
-
-    def jacobian(_: float, state: Array) -> Array:
-        wear_slopes = 2 * np.pi * areas * (basis @ state[:-1])
-        worn = by_points @ basis.multiply(wear_slopes[:, None]).toarray()
-        approach = space.weights @ worn / stiffness
-        rows = np.vstack([np.outer(by_weights, approach) - worn, approach])
-        return np.column_stack([rows, np.zeros(len(rows))])
-
-    start = np.append(by_weights, 1.0) / stiffness
-    span = (0.0, last)
-    steps = {"rtol": 1e-5, "atol": 1e-7, "first_step": 1e-9, "jac": jacobian}
-    solution = solve_ivp(rates, span, start, "BDF", times / units.time, **steps)
-    return np.asarray(solution.y[-1] * units.displacement)
 
 
 def cases() -> dict[str, Experiments]:
@@ -206,7 +159,4 @@ def cases() -> dict[str, Experiments]:
         "five": Experiments(five_rings, (WEAR,), (INDENTATION, EARLY_PROFILE)),
         "ball": Experiments(ball, (WEAR,), (("worn_volume", weighings, None, 0.02, None),)),
         "k falls": Experiments(two_materials, (WEAR,), (INDENTATION,), law=falls_by_30_percent),
-        "k goes as p": Experiments(
-            two_materials, (WEAR,), (INDENTATION,), depths=depths_if_wear_goes_as_pressure_squared
-        ),
     }

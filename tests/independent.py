@@ -108,7 +108,8 @@ class Punch:
         edge, low, high, piece, order = map(np.array, zip(*rows, strict=True))
         self.edge, self.low, self.width = edge, low, high - low
         self.piece, self.order = piece.astype(int), order.astype(int)
-        self.first = np.concatenate([[0], np.cumsum(self.order + 1)])
+        first = np.concatenate([[0], np.cumsum(self.order + 1)])
+        self.columns = [slice(*ends) for ends in pairwise(first)]
         self._place_points(low, high)
         self.orthogonal = [self._orthonormal(number) for number in range(len(rows))]
         # force of each function: of the Legendre polynomials only the constant carries a force
@@ -119,8 +120,8 @@ class Punch:
             ]
         )
         # int P dA; worn volume = these times the coefficients of worn heights
-        self.volumes = np.zeros(self.first[-1])
-        self.volumes[self.first[:-1]] = np.sqrt(np.pi * self.width)
+        self.volumes = np.zeros(first[-1])
+        self.volumes[first[:-1]] = np.sqrt(np.pi * self.width)
         self.triangle = self._triangular_energy()
         self._solve()
 
@@ -141,13 +142,17 @@ class Punch:
         self.radius = np.sqrt(self.square)
         self.wear = self.pieces.at(self.piece[self.owner], self.radius)
 
+    def _scale(self, number: int) -> Array:
+        """Return the factors (n,) by which Legendre polynomials are orthonormal by area."""
+        return np.sqrt((2 * np.arange(self.order[number] + 1) + 1) / (np.pi * self.width[number]))
+
     def _legendre(self, number: int, local: Array, derivative: bool = False) -> Array:
         """Return (points, n) Legendre polynomials, orthonormal by area, or derivatives in `s`."""
-        order, width = self.order[number], self.width[number]
-        scale = np.sqrt((2 * np.arange(order + 1) + 1) / (np.pi * width))
-        every = np.diag(scale)
+        every = np.diag(self._scale(number))
         if derivative:
-            every = legder(every, axis=0) / (width / 2) if order else every[:1] * 0
+            every = (
+                legder(every, axis=0) / (self.width[number] / 2) if len(every) > 1 else 0 * every
+            )
         return legval(local, every).T
 
     def _orthonormal(self, number: int) -> Array:
@@ -163,7 +168,7 @@ class Punch:
         DLMF 18.17.46 and the generating function of the Legendre polynomials give the integrals
         ``int P_n(t) / sqrt(x - t) dt = Re sqrt(2) exp(-(n + 1/2) arcosh x) / (n + 1/2)``.
         """
-        density = np.zeros((len(self.owner), self.first[-1]))
+        density = np.zeros((len(self.owner), len(self.weights)))
         for number, half in enumerate(self.width / 2):
             order = np.arange(self.order[number] + 1) + 0.5
             from_edge = self.edge[self.owner] - self.edge[number]
@@ -171,10 +176,8 @@ class Punch:
             after = np.flatnonzero((x > -1) & (self.owner >= number))
             depth = np.arccosh(x[after].astype(complex))
             integral = np.sqrt(2) * np.exp(-np.outer(depth, order)).real / order
-            scale = np.sqrt(order / np.pi)
-            of_legendre = integral * scale
-            columns = slice(self.first[number], self.first[number + 1])
-            density[after, columns] = solve_triangular(
+            of_legendre = integral * np.sqrt(order / np.pi)
+            density[after, self.columns[number]] = solve_triangular(
                 self.orthogonal[number], of_legendre.T, lower=True
             ).T
         density *= np.sqrt(self.length / self.radius)[:, None]
@@ -215,8 +218,7 @@ class Punch:
     def worn(self, depths: Array, pressures: Array) -> Array:
         """Return coefficients (T, n) of the worn heights d - u in Legendre polynomials."""
         moments = depths[:, None] * self.weights - (pressures @ self.triangle.T) @ self.triangle
-        for number, lower in enumerate(self.orthogonal):
-            columns = slice(self.first[number], self.first[number + 1])
+        for columns, lower in zip(self.columns, self.orthogonal, strict=True):
             moments[:, columns] = moments[:, columns] @ lower.T
         return moments
 
@@ -227,36 +229,23 @@ class Punch:
         from_rim = np.searchsorted(self.edge + self.low, s) - 1
         from_axis = np.searchsorted(-((1 - self.edge) - self.low), -square) - 1
         number = np.clip(np.where(s < 0.5, from_rim, from_axis), 0, len(self.edge) - 1)
-        pressures, heights = np.zeros((2, len(radii), self.first[-1]))
+        pressures, heights = np.zeros((2, len(radii), len(self.weights)))
         for each in np.unique(number):
             on = number == each
             from_edge = np.where(s < 0.5, s - self.edge[each], (1 - self.edge[each]) - square)
             within = from_edge[on] - self.low[each]
             local = (2 * within / self.width[each] - 1).clip(-1, 1)
-            functions = self._legendre(each, local)
-            columns = slice(self.first[each], self.first[each + 1])
+            functions, columns = self._legendre(each, local), self.columns[each]
             lower = self.orthogonal[each]
             heights[on, columns] = functions
             pressures[on, columns] = solve_triangular(lower, functions.T, lower=True).T
         return pressures, heights, self.pieces.at(self.piece[number], radii)
 
-    def _pressures_on_points(self, pressures: Array) -> Array:
-        """Return pressures (T, points) at the Gauss points of all elements."""
-        values = np.empty((len(pressures), len(self.owner)))
-        for number, lower in enumerate(self.orthogonal):
-            on = self.owner == number
-            columns = slice(self.first[number], self.first[number + 1])
-            functions = self._legendre(number, self.local[on])
-            of_legendre = solve_triangular(lower, pressures[:, columns].T, lower=True, trans="T")
-            values[:, on] = (functions @ of_legendre).T
-        return values
-
     def rms_slopes(self, worn: Array, average: str) -> Array:
         """Return the root mean square slope (T,) of the worn face."""
         slopes = np.empty((len(worn), len(self.owner)))
-        for number in range(len(self.order)):
+        for number, columns in enumerate(self.columns):
             on = self.owner == number
-            columns = slice(self.first[number], self.first[number + 1])
             rise = self._legendre(number, self.local[on], derivative=True)
             slopes[:, on] = worn[:, columns] @ rise.T
         slopes *= -2 * self.radius
@@ -266,20 +255,16 @@ class Punch:
     def least(self, worn: Array) -> Array:
         """Return the least worn height (T,), by samples and the bends of the polynomials there."""
         samples = np.cos(np.pi * np.linspace(1, 0, 80))
-        columns = [slice(*ends) for ends in pairwise(self.first)]
         lowest = np.array(
             [
                 (worn[:, of_element] @ self._legendre(number, samples).T).min(axis=1)
-                for number, of_element in enumerate(columns)
+                for number, of_element in enumerate(self.columns)
             ]
         )
         least = lowest.min(axis=0)
         for row, number in enumerate(lowest.argmin(axis=0)):
-            for near in range(max(number - 1, 0), min(number + 2, len(columns))):
-                scale = np.sqrt(
-                    (2 * np.arange(self.order[near] + 1) + 1) / (np.pi * self.width[near])
-                )
-                series = worn[row, columns[near]] * scale
+            for near in range(max(number - 1, 0), min(number + 2, len(self.columns))):
+                series = worn[row, self.columns[near]] * self._scale(near)
                 roots = legroots(legder(series))
                 roots = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) < 1)]
                 least[row] = min(least[row], *legval(roots, series), np.inf)
@@ -295,7 +280,12 @@ class Punch:
 
     def least_pressure(self, pressures: Array) -> float:
         """Return the least ratio, over time, of the least pressure to the greatest pressure."""
-        values = self._pressures_on_points(pressures)
+        values = np.empty((len(pressures), len(self.owner)))
+        for number, (columns, lower) in enumerate(zip(self.columns, self.orthogonal, strict=True)):
+            on = self.owner == number
+            functions = self._legendre(number, self.local[on])
+            of_legendre = solve_triangular(lower, pressures[:, columns].T, lower=True, trans="T")
+            values[:, on] = (functions @ of_legendre).T
         return float((values.min(axis=1) / values.max(axis=1)).min())
 
     def left(self, distance: float) -> float:
@@ -497,11 +487,21 @@ def exact_results(problem, finer: float = 0.01) -> dict[str, Array]:
     return results | answer
 
 
+def errors_less_doubts(solution, problem, exact: dict, doubts: dict, modes: int):
+    """Yield the name and the errors of each quantity, less twice the uncertainty of the exact one.
+
+    So many relaxation times, the slowest, are compared.
+    """
+    for name, error in differences(solution.compared, exact, problem.face).items():
+        error, doubt = np.atleast_1d(error), np.atleast_1d(doubts[name])
+        shown = min(modes if name == "relaxation_time" else np.inf, len(error), len(doubt))
+        yield name, np.maximum(error[:shown] - 2 * doubt[:shown], 0.0)
+
+
 def true_errors(result) -> dict[str, dict[str, tuple[Array, Array]]]:
     """Return errors and estimates at the compared times, for each method and quantity of a run.
 
-    Twice the uncertainty of the independent solution, its difference to a coarser one, is
-    subtracted from the errors. Three relaxation times, the slowest, are compared.
+    The uncertainty of the independent solution is its difference to a coarser one.
     """
     problem = result.scene.problem
     exact = exact_results(problem)
@@ -509,13 +509,11 @@ def true_errors(result) -> dict[str, dict[str, tuple[Array, Array]]]:
     errors: dict = {}
     for method, solution in result.solutions.items():
         errors[method] = {}
-        for name, error in differences(solution.compared, exact, problem.face).items():
+        for name, error in errors_less_doubts(solution, problem, exact, doubts, 3):
             if name in solution.errors:
-                estimate = solution.compared_error(problem, name)
-                parts = [np.atleast_1d(part) for part in (error, estimate, doubts[name])]
-                shown = min(3 if name == "relaxation_time" else np.inf, *map(len, parts))
+                estimate = np.atleast_1d(solution.compared_error(problem, name))[: len(error)]
+                error = error[: len(estimate)]
                 # a number of the answer has NaN where the method does not give it
-                given = ~np.isnan(parts[0][:shown])
-                error, estimate, doubt = (part[:shown][given] for part in parts)
-                errors[method][name] = np.maximum(error - 2 * doubt, 0.0), estimate
+                given = ~np.isnan(error)
+                errors[method][name] = error[given], estimate[given]
     return errors

@@ -31,7 +31,7 @@ def kernel(x, poisson_ratio):
     return above / below
 
 
-def start(thickness, poisson_ratio, points=600, compliance=None):
+def start(thickness, poisson_ratio, compliance=None):
     """Return the indentation of a flat punch under the force 1.
 
     `compliance` replaces the kernel of one layer: a function of wave numbers.
@@ -40,7 +40,9 @@ def start(thickness, poisson_ratio, points=600, compliance=None):
     satisfies ``phi(x) - 1/pi int (K(x - t) + K(x + t)) phi(t) dt = d / pi`` with ``K(t) = int (1 -
     kernel(s h)) cos(s t) ds``; the force is ``2 pi int phi dt``.
     """
-    node, weight = _graded(thickness, points)
+    # panels are at most as wide as the layer is thick
+    panels = max(int(np.ceil(1 / thickness)), 8)
+    node, weight = gauss(np.linspace(0, 1, panels + 1), max(600 // panels, 8))
     s, lengths = wave_numbers(thickness, 2.0)
     cosines = np.cos(np.outer(node, s))
     relative = compliance(s) if compliance else kernel(s * thickness, poisson_ratio)
@@ -84,12 +86,6 @@ def wave_numbers(thickness, reach, least_depth=None):
     edges = np.linspace(0, end, int(np.ceil(end * reach / 10)) + 1)
     edges = np.concatenate([[0.0], edges[1] * 0.5 ** np.arange(12, 0, -1), edges[1:]])
     return gauss(edges, 16)
-
-
-def _graded(thickness, points):
-    """Return Gauss points and weights on the radius, with panels of at most the thickness."""
-    count = max(int(np.ceil(1 / thickness)), 8)
-    return gauss(np.linspace(0, 1, count + 1), max(points // count, 8))
 
 
 def gauss(edges, count):

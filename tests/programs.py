@@ -14,6 +14,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from explicit_loops import condensed
+from skfem import MeshTri
 
 from ringwear import run
 
@@ -122,39 +124,21 @@ def explicit_steps(given, stiffness, areas, radii, force, steps_to_longest):
 
 def finite_elements(given, cells=40):
     """Return a table by linear triangles in a box with a clamped outer boundary."""
-    from scipy.sparse.linalg import splu
-    from skfem import Basis, BilinearForm, ElementTriP1, ElementVector, MeshTri, enforce
-    from skfem.helpers import ddot, div, sym_grad
-
-    size, plane = given.radius, given.plane
-    radii = np.linspace(0, 1, cells + 1)
+    size, shear = given.radius, given.youngs / (2 * (1 + given.ratio))
     thickness, softness = given.layer or (0.0, 1.0)
-    lines = np.append(radii, np.geomspace(1 + 1 / cells, given.reach, cells))
+    lines = np.append(np.linspace(0, 1, cells + 1), np.geomspace(1 + 1 / cells, given.reach, cells))
     # rounded, so that no two lines differ by roundoff only
     depths = np.unique(np.append(lines, thickness).round(9))
-    mesh = MeshTri.init_tensor(lines, -depths[::-1])
-    shear, ratio = given.youngs / (2 * (1 + given.ratio)), given.ratio
+    mesh = MeshTri.init_tensor(lines, -depths[::-1]).scaled((1.0, -1.0))
 
-    @BilinearForm
-    def stiffness(u, v, at):
-        modulus = shear * np.where(at.x[1] > -thickness, softness, 1.0)
-        lame = 2 * modulus * ratio / (1 - 2 * ratio)
-        hoop, hoop_v = (0.0, 0.0) if plane else (u[0] / at.x[0], v[0] / at.x[0])
-        around = 2.0 if plane else 2 * np.pi * at.x[0] * size
-        strain = ddot(sym_grad(u), sym_grad(v)) + hoop * hoop_v
-        return around * (lame * (div(u) + hoop) * (div(v) + hoop_v) + 2 * modulus * strain)
+    def shear_at(depth):
+        return shear * np.where(depth < thickness, softness, 1.0)
 
-    basis, (r, z) = Basis(mesh, ElementVector(ElementTriP1())), mesh.p
-    (across, down), far = basis.nodal_dofs, (r == given.reach) | (z == z.min())
-    fixed, contact = np.append(across[far | (r == 0)], down[far]), down[(z == 0) & (r <= 1)]
-    contact = contact[np.argsort(r[(z == 0) & (r <= 1)])]
-    loads = np.zeros((basis.N, cells + 1))
-    loads[contact, range(cells + 1)] = 1
-    matrix = enforce(stiffness.assemble(basis), D=fixed).tocsc()
-    stiff = np.linalg.inv(splu(matrix).solve(loads)[contact])
+    radii, stiffness = condensed(mesh, "P1", given.ratio, shear_at, given.plane)
     ends = np.clip(np.arange(-0.5, cells + 1) / cells, 0, 1) * size
-    areas = np.diff(2 * ends if plane else np.pi * ends**2)
-    results = explicit_steps(given, stiff, areas, radii * size, given.force, 400)
+    areas = np.diff(2 * ends if given.plane else np.pi * ends**2)
+    stiffness = stiffness * (1.0 if given.plane else size)
+    results = explicit_steps(given, stiffness, areas, radii * size, given.force, 400)
     rows = table(given.times, radii * size, *results)
     return rows[~rows["radius"].isin([edge for edge in given.edges if edge < size])]
 

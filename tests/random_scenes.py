@@ -9,7 +9,7 @@ rtol beside the number does not count as a report.
 from dataclasses import dataclass, field
 
 import numpy as np
-from independent import ROUNDOFF, load_of, solved
+from independent import ROUNDOFF, errors_less_doubts, load_of, solved
 
 from ringwear import Scene, differences, run
 from ringwear.studies.crosscheck.result.words import Account
@@ -22,10 +22,10 @@ FINE, COARSE = 0.2, 1.0
 SHOWN_MODES = 8
 
 
-def draw(kind: str, seed: int, number: int) -> Scene:
+def draw(kind: str, seed: int, number: int, most_rings: int = 11) -> Scene:
     """Return a scene, which names no methods."""
     random = np.random.default_rng([KINDS.index(kind), seed, number])
-    rings = int(np.exp(random.uniform(0, np.log(11))))
+    rings = min(int(np.exp(random.uniform(0, np.log(11)))), most_rings)
     if kind in ("graded", "load", "steep"):
         rings = min(rings, 5)
     widths = 10 ** random.uniform(-random.uniform(0, 2), 0, rings)
@@ -121,36 +121,42 @@ class Held:
     Parameters
     ----------
     excluded : quantity -> times at which it is left out; an empty list means all times
+    lost_contact : whether contact is lost, so that nothing was compared
     beyond : numbers whose error is above rtol
     silent : numbers above rtol that the run does not report
     first : numbers above rtol among the first six lines of the answer
     """
 
-    rtol: float
-    verdict: str = ""
-    excluded: dict[str, list[float]] = field(default_factory=dict)
+    verdict: str
+    excluded: dict[str, list[float]]
+    lost_contact: bool
     beyond: list[str] = field(default_factory=list)
     silent: list[str] = field(default_factory=list)
     first: list[str] = field(default_factory=list)
-    lost_contact: bool = False
 
 
 def hold(scene: Scene, *methods: str) -> Held:
     """Run a scene, and compare all of its numbers with the independent solution."""
-    outcome, problem = Held(scene.accuracy.rtol), scene.problem
-    solutions = []
-    for part in (FINE, COARSE):
-        # both are finer for large rtol, so that their difference shows how accurate they are
-        error = part * min(outcome.rtol, 1e-3)
-        solutions.append(solved(problem, error, ROUNDOFF * part / FINE))
-    (fine, answer, punch), (coarse, less, _) = solutions
-    outcome.lost_contact = loses_contact(problem, punch)
+    problem, rtol = scene.problem, scene.accuracy.rtol
+    # both solutions are finer for large rtol, so that their difference shows how accurate they are
+    (fine, answer, punch), (coarse, less, _) = (
+        solved(problem, part * min(rtol, 1e-3), ROUNDOFF * part / FINE) for part in (FINE, COARSE)
+    )
     result = run(scene, methods=list(methods))
-    outcome.verdict = result.verdict
-    outcome.excluded = excluded(result)
-    if not outcome.lost_contact:
-        exact = fine | answer
-        _hold_results(outcome, result, exact, differences(coarse | less, exact, problem.face))
+    outcome = Held(result.verdict, excluded(result), loses_contact(problem, punch))
+    if outcome.lost_contact:
+        return outcome
+    exact = fine | answer
+    doubts = differences(coarse | less, exact, problem.face)
+    for method, solution in result.solutions.items():
+        for name, error in errors_less_doubts(solution, problem, exact, doubts, SHOWN_MODES):
+            over = error > rtol
+            if over.any():
+                outcome.beyond.append(f"{method} {name}")
+                if not _named(outcome, result, method, name, len(error))[over].all():
+                    outcome.silent.append(f"{method} {name}")
+    shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
+    outcome.first = [label for label in outcome.beyond if label.split()[1] in shown]
     return outcome
 
 
@@ -180,18 +186,6 @@ def excluded(result) -> dict[str, list[float]]:
     return names
 
 
-def _hold_results(outcome: Held, result, fine: dict, doubt: dict) -> None:
-    problem = result.scene.problem
-    for method, solution in result.solutions.items():
-        for name, error in differences(solution.compared, fine, problem.face).items():
-            parts = [np.atleast_1d(part) for part in (error, doubt[name])]
-            count = min(SHOWN_MODES if name == "relaxation_time" else np.inf, *map(len, parts))
-            named = _named(outcome, result, method, name, count)
-            _judge(outcome, f"{method} {name}", *(part[:count] for part in parts), named)
-    shown = [what.replace(" ", "_").lower() for what, *_ in Account(result).answers[:6]]
-    outcome.first = [label for label in outcome.beyond if label.split()[1] in shown]
-
-
 def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
     """Return which values (count,) of a quantity the run reports as beyond rtol or left out."""
     problem, beyond = result.scene.problem, result.summary["methods"][method]["beyond_rtol"]
@@ -206,46 +200,3 @@ def _named(outcome: Held, result, method: str, name: str, count: int) -> Array:
         times = problem.times[problem.compared_rows] * problem.units.time
         named |= np.isclose(times[:, None], left_out, rtol=1e-6, atol=0.0).any(axis=1)
     return named
-
-
-def _judge(outcome: Held, label: str, error: Array, doubt: Array, named: Array) -> None:
-    over = error - 2 * doubt > outcome.rtol
-    if over.any():
-        outcome.beyond.append(label)
-        if not named[over].all():
-            outcome.silent.append(label)
-
-
-def random_scenes(seed, count, most_rings, **changes):
-    """Yield random scenes of flat punches with 1 to `most_rings` rings.
-
-    Widths are 1e-4 or more, wear ratios 1e-6 to 1e6, Poisson's ratios -0.5 to 0.5, and rtol 1e-2 to
-    1e-8. Seven times lie between 1e-8 and 1e3 natural units; about half of the scenes also have the
-    start.
-    """
-    draw = np.random.default_rng(seed)
-    for _ in range(count):
-        rings = int(np.exp(draw.uniform(0, np.log(most_rings + 1))))
-        widths = 10 ** draw.uniform(-draw.uniform(0, 4), 0, rings)
-        edges = np.cumsum(np.maximum(widths / widths.sum(), 1e-4))
-        power = draw.uniform(-6, 6)
-        if rings == 1:
-            wear = np.ones(1)
-        elif rings == 2 or draw.random() < 1 / 3:  # two materials, or one for each ring
-            wear = np.resize([1.0, 10**power], rings)
-        else:
-            wear = 10 ** draw.uniform(-abs(power), 0, rings)
-        first = 10 ** draw.uniform(-8, 1)
-        times = np.geomspace(first, first * 10 ** draw.uniform(0.3, 3 - np.log10(first)), 7)
-        if draw.random() < 0.5:
-            times = np.append(0.0, times)
-        usual = draw.random() < 0.7
-        ratio = draw.uniform(-0.5, 0.5) if usual else draw.choice((0.5, 0.49, 0.3))
-        punch = {"radius": 1.0, "ring_edges": (edges / edges[-1]).tolist()}
-        yield Scene.load("five_rings").changed(
-            punch=punch | {"wear_coefficients": wear.tolist()},
-            half_space__poisson_ratio=float(ratio),
-            wear={"times": (times / wear.max()).tolist()},
-            accuracy__rtol=float(10 ** draw.uniform(-8, -2)),
-            **{"methods": ["mdr", "direct", "fem"]} | changes,
-        )

@@ -1,7 +1,5 @@
 """Verdicts: methods agree on sensible scenes, and a wrong result is a disagreement."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

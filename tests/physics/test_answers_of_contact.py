@@ -65,33 +65,6 @@ def worn():
     return run(sphere([0.0, 1e-3, 0.2, 40.0], load__normal_force=20.0, accuracy__rtol=1e-3))
 
 
-@pytest.mark.slow
-def test_running_in_times_of_a_sphere_against_a_finer_run(worn):
-    answers = worn.answers["mdr"]
-    early, late, full = (
-        float(answers[name]) for name in ("time_to_90", "time_to_99", "time_to_full_contact")
-    )
-    assert early < late < 40.0
-    # the history of a finer run by another method agrees at these times
-    times = np.sort(
-        [*np.linspace(0.0, 1.2 * late, 60), early, late, 0.94 * full, 1.06 * full, 40.0]
-    )
-    finer = run(sphere(times.tolist(), load__normal_force=20.0), methods=["bem"])
-    rate = float(finer.dataset.steady_wear_rate[0])
-    straight = finer.dataset.indentation.values[0] - rate * times
-    left = np.abs(straight - straight[-1])
-    left /= left.max()
-    assert left[np.isin(times, [early, late])] == pytest.approx([0.1, 0.01], rel=1e-2)
-    assert (left[times > late] < 0.01).all()
-    # the whole face is in contact from then on, to within a step of the march
-    contact = finer.dataset.contact.values[0].all(axis=1)
-    assert contact[times > 1.05 * full].all()
-    assert not contact[times < 0.95 * full].any()
-    assert float(answers["running_in_time"]) == pytest.approx(
-        1.0 * 0.4852837728 * 2.0 / 7.0 / 0.5 / 3.0, rel=1e-5
-    )
-
-
 def test_the_printed_answer_lists_the_running_in_times(worn):
     printed = repr(worn)
     for label in ("time to full contact", "time to 90", "time to 99"):

@@ -6,10 +6,9 @@ from closed_forms import PowerPunch
 from groups import nightly_but
 from natural import natural
 
-from ringwear import Scene, SceneError, run, study, sweep
+from ringwear import Scene, SceneError, run, sweep
 
 LENGTH, MODULUS, FORCE = 2.0, 5.0, 0.3
-WEAR = np.array([1.0, 10.0, 1.0])
 SCENE = natural(
     {"radius": LENGTH, "ring_edges": [0.8, 1.4, LENGTH], "wear_coefficients": [1, 10]},
     [0.0, 0.1, 1.0],
@@ -17,7 +16,6 @@ SCENE = natural(
     half_space={"plane_strain_modulus": MODULUS},
     load={"normal_force": FORCE},
 )
-RECESSED = SCENE.changed(punch__recess=[0.0, 0.01, 0.0])
 # for the plane strain modulus 1: forces are to be divided by MODULUS
 EXACT_SPHERE = PowerPunch(1 / (2 * 8.0), 2)
 
@@ -55,46 +53,6 @@ def test_recesses_and_profiles_add():
     assert not problem.full_contact
     heights = problem.profile(np.array([0.1, 0.5, 0.9])) * SCENE.problem.units.displacement
     assert heights == pytest.approx([0.02, 0.12, 0.19])
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-def test_results_of_a_recessed_punch_have_contact_edges_and_balances():
-    result = run(RECESSED, methods=["mdr", "direct", "fem"])
-    assert result.verdict == "agree"
-    undecided = {row.quantity for row in result.agreement if not row.agrees}
-    assert undecided
-    # only fields, which are known to a cell at edges of the contact, and what follows from them
-    assert undecided <= {row.quantity for row in result.left_out_of_promise}
-    assert not undecided & {"indentation", "normal_force", "ring_force", "ring_worn_volume"}
-    assert all(anchor.holds for anchor in result.anchors)
-    data = result.dataset
-    assert float(data.contact_edge.sel(solver="fem").isel(time=0, edge=1)) == pytest.approx(0.8)
-    for name in ("indentation", "ring_force", "ring_worn_volume", "contact_radius"):
-        assert np.isfinite(data[f"{name}_error"].sel(solver="mdr")).all()
-    # sum of V / k over the rings = F v0 t
-    worn = (data.ring_worn_volume.sel(solver="mdr") / WEAR).sum("ring")
-    np.testing.assert_allclose(worn, FORCE * data.time, rtol=1e-12)
-    assert "springs' rule of the MDR" in result.summary["left_out"]
-
-
-@pytest.mark.slow
-def test_the_force_on_a_cone_at_a_fixed_indentation_decays_to_zero():
-    fixed = SCENE.changed(
-        load={"indentation": 0.02},
-        punch__profile={"kind": "cone", "slope": 0.01},
-        wear__times=[0.0, 1.0, 10.0, 1e4],
-    )
-    data, cone = run(fixed).dataset.isel(solver=0), PowerPunch(0.01, 1)
-    contact = 0.02 / cone.indentation(1.0)
-    assert float(data.normal_force[0]) == pytest.approx(MODULUS * cone.force(contact), rel=1e-7)
-    assert float(data.contact_radius[0]) == pytest.approx(contact, rel=1e-6)
-    assert np.array(data.indentation) == pytest.approx(0.02)
-    assert (np.diff(data.normal_force) <= 0).all()
-    assert float(data.normal_force[-1]) < 1e-11 * MODULUS
-    assert np.isnan(data.steady_wear_rate)
-    # finally, everything within the indentation has worn off
-    assert np.array(data.profile[-1]) == pytest.approx(0.02, abs=1e-5)
 
 
 def table(radii, heights):
@@ -137,19 +95,6 @@ def test_a_sweep_takes_flat_and_recessed_punches():
         alone = run(scene.changed(punch__recess=recess)).answers["mdr"]
         np.testing.assert_allclose(worn, alone["worn_volume"], rtol=1e-3)
         np.testing.assert_allclose(share, alone["force_share"], atol=1e-3)
-
-
-@pytest.mark.nightly
-def test_the_tradeoff_study_of_a_sphere_reaches_its_tolerances():
-    scene = Scene.load("sphere").changed(wear__times=[0.0, 0.1])
-    results = study("tradeoff", scene, quick=True)
-    table = results.table
-    assert (table["outcome"] == "solved").all()
-    judged = table["case"].isin(["d(t), F, relaxation times", "steady state"])
-    promised = table[judged & table["tolerance"].notna()]
-    assert set(promised["method"]) == {"mdr", "bem", "fem"}
-    assert len(promised.groupby(["case", "way", "level"])) == 12
-    assert (promised["error"].abs() <= promised["level"].astype(float)).all()
 
 
 DEGENERATE = {

@@ -40,7 +40,7 @@ def test_twenty_cycles_are_those_that_are_written_in_full(punch):
     np.testing.assert_allclose(ends, 2.2 * np.arange(21))
     written = scene(None, punch, ends, in_full(FORCE, 20), in_full(SPEED, 20))
     ours, theirs = run(repeated), run(written)
-    assert all(anchor.holds for anchor in ours.anchors)
+    assert ours.verdict != "disagree"
     for name in ("indentation", "ring_worn_volume", "pressure", "profile"):
         scale = float(np.abs(theirs.dataset[name]).max())
         np.testing.assert_allclose(

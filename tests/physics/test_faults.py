@@ -7,7 +7,6 @@ import pytest
 from faults.pipeline import stiffness, weights
 
 from ringwear import Rings, Scene, method as named, run
-from ringwear.studies.crosscheck.anchors.checks import anchors
 
 Fem = type(named("fem"))
 FIVE = Scene.load("five_rings").changed(wear__times=[0.0, 0.01, 0.1, 1.0])
@@ -75,38 +74,4 @@ def test_without_a_fault_nothing_disagrees(rtol):
     assert result.verdict == "agree" or (rtol < 1e-4 and result.verdict == "undecided")
     # finite elements do not reach rtol 1e-6 for the infinite start pressures and for early slopes
     assert {row.quantity for row in result.agreement if not row.agrees} <= {"pressure", "rms_slope"}
-    assert all(anchor.holds for anchor in result.anchors)
     assert {anchor.method for anchor in result.anchors} == set(methods)
-
-
-@pytest.fixture(scope="module")
-def right():
-    return run(FIVE, methods=["mdr"])
-
-
-@pytest.mark.parametrize(
-    ("name", "factor", "anchor"),
-    [
-        ("indentation", 1.001, "flat start, d = F / (2 a E*)"),
-        # an anchor does not hold for NaN
-        ("indentation", np.nan, "flat start, d = F / (2 a E*)"),
-        ("indentation", 1.001, "u + f = d in contact"),
-        ("ring_force", 1.001, "ring forces add up to F"),
-        ("relaxation_time", 1.001, "relaxation times, by an independent small problem"),
-        ("steady_wear_rate", 1.001, "steady_wear_rate in closed form"),
-        ("worn_volume", 1.001, "the table has the numbers of the solution"),
-        ("indentation_start", 1.001, "flat start of the answer"),
-        ("pressure_min", 1.001, "steady pressure_min of the answer"),
-    ],
-)
-def test_anchors_check_the_written_dataset(right, name, factor, anchor):
-    """Anchors fail for a wrong number in the dataset although the solution itself is right."""
-
-    def broken(dataset):
-        numbers = right.answers["mdr"], right.solutions["mdr"]
-        rows = anchors(right.scene, {"mdr": (dataset, *numbers)})
-        return {row.name for row in rows if not row.holds}
-
-    dataset = right.dataset.sel(solver="mdr").drop_vars("solver")
-    assert not broken(dataset)
-    assert anchor in broken(dataset.assign({name: factor * dataset[name]}))

@@ -1,10 +1,12 @@
 """Properties that every method has for every scene: balances, signs and units."""
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
-from groups import slow
+from conftest import METHODS
+from groups import nightly, slow
 
 from ringwear import Scene, run
 
@@ -14,8 +16,12 @@ TIMES = np.concatenate([[0.0], np.geomspace(1e-4, 1e2, 25)])
 
 
 @pytest.mark.parametrize(
-    "scene",
-    ["flat_punch", "five_rings", "rubber", *slow("many_rings")],
+    ("scene", "method"),
+    [
+        *product(("flat_punch", "five_rings", "rubber"), METHODS),
+        *slow(("many_rings", "mdr"), ("many_rings", "quads")),
+        *nightly(*product(["many_rings"], ("bem", "gmsh", "bisection"))),
+    ],
 )
 def test_flat_punches_balance_forces_and_stay_in_full_contact(prepare, scene, method):
     punch = prepare(scene, method)
@@ -49,23 +55,6 @@ def test_wear_is_the_integral_of_the_wear_rate(prepare, method):
     values, wear = punch.space.matrix(radii), punch.problem.rings.at(radii)
     worn = wear * (half * weight @ (history.pressure[2:] @ values.T))
     np.testing.assert_allclose(values @ (history.profile[1] - history.profile[0]), worn, rtol=1e-10)
-
-
-@pytest.mark.slow
-def test_rings_of_equal_wear_equal_a_plain_punch():
-    flat, ringed = (
-        run(
-            FIVE.changed(
-                punch__rings=rings,
-                punch__wear_coefficients=[3.0, 3.0],
-                output__radii=[0.1, 0.3, 0.9],
-            ),
-            methods=["mdr", "fem"],
-        ).dataset
-        for rings in (1, 5)
-    )
-    for name in ("pressure", "profile", "indentation", "relaxation_time"):
-        np.testing.assert_array_equal(flat[name], ringed[name])
 
 
 def test_neighbours_of_equal_wear_are_merged():

@@ -146,21 +146,6 @@ def test_worn_volume_over_k_is_the_integral_of_the_force(height):
     assert history.gap.min() >= -1e-12 * np.abs(history.indentation).max()
 
 
-@pytest.mark.slow
-def test_a_punch_rests_between_the_loads_of_a_duty_cycle():
-    result = run(Scene.load("duty_cycle").changed(accuracy__rtol=1e-3), methods=["mdr"])
-    assert all(anchor.holds for anchor in result.anchors)
-    data, load = result.dataset.sel(solver="mdr"), result.scene.load_.normal_force
-    forces = np.interp(data.time, load.times, load.values)
-    assert data.normal_force.to_numpy() == pytest.approx(forces, rel=1e-12)
-    # there is no contact and no wear from 4.5 s to 8 s
-    off = np.flatnonzero(forces == 0)[1:]
-    worn = data.ring_worn_volume.sum("ring").to_numpy()
-    assert worn[off[1]] == worn[off[0]] > 0
-    assert (data.contact_radius[off] == 0).all()
-    assert np.isnan(result.answers["mdr"]["time_to_90"])
-
-
 def test_stored_steps_follow_a_varying_load():
     scene = Scene.load("duty_cycle").changed(output__every_step=True, accuracy__rtol=1e-3)
     stored, load = run(scene, methods=["mdr"]).dataset.isel(solver=0), scene.load_.normal_force

@@ -1,13 +1,13 @@
 """The study of the paper: quadratures, limits, agreement of methods, and its files."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from ringwear import Scene, run, study
 from ringwear.studies.paper.running_in import FiveRings
+
+pytestmark = pytest.mark.slow
 
 # states of Fig. 4 by the completed fraction of the change of the greatest displacement, and the
 # fraction at which the paper's run ends
@@ -27,7 +27,6 @@ def written(tmp_path_factory):
     return out
 
 
-@pytest.mark.slow
 @pytest.mark.gmsh
 def test_times_of_the_states(five):
     assert float(five.states.time[4]) == pytest.approx(0.27, abs=0.005)
@@ -39,7 +38,6 @@ def test_times_of_the_states(five):
     assert completed.item() == pytest.approx(LAST_FRACTION, rel=1e-9)
 
 
-@pytest.mark.slow
 def test_methods_agree_in_every_state(five):
     assert five.states.solver.values.tolist() == ["mdr", "fem", "bem"]
     for name in ("f_over_d0", "g_over_d0"):
@@ -50,7 +48,6 @@ def test_methods_agree_in_every_state(five):
     np.testing.assert_allclose(later, later[:, [0, 0, 0]], atol=1e-3)
 
 
-@pytest.mark.slow
 def test_line_profile_is_equation_three(five):
     """Eq. 3 with its missing f(0), applied to the profile; the study integrates the pressure."""
     radii, states = five.states.radius.values, five.states.sel(solver="mdr")
@@ -64,7 +61,6 @@ def test_line_profile_is_equation_three(five):
     np.testing.assert_allclose(by_pressure[1:-1], by_profile[1:-1], atol=1e-2)
 
 
-@pytest.mark.slow
 def test_steady_state_in_units_of_the_paper(five):
     """Of 25 equal areas, 15 wear slowly and 10 ten times faster.
 
@@ -79,7 +75,6 @@ def test_steady_state_in_units_of_the_paper(five):
     )
 
 
-@pytest.mark.slow
 @pytest.mark.gmsh
 def test_the_study_writes_figures_and_tables(written):
     endings = ("png", "csv", "md", "tex")
@@ -95,7 +90,6 @@ def test_the_study_writes_figures_and_tables(written):
     assert set(pd.read_csv(written / "fig4.csv").solver) == {"mdr", "fem", "bem"}
 
 
-@pytest.mark.slow
 def test_one_of_ten_claims_does_not_hold(written):
     claims = pd.read_csv(written / "claims.csv")
     assert len(claims) == 10

@@ -1,4 +1,4 @@
-"""Faces with closed forms: balls, truncated cones and paraboloids, dishes; two elastic bodies.
+"""Faces with closed forms: balls, truncated cones, rounded rims, dishes; two elastic bodies.
 
 With the one-dimensional profile g of Eq. 3, ``d = g(c)`` and ``F = 2 int_0^c (d - g) dx``.
 """
@@ -28,23 +28,50 @@ def truncated_paraboloid(x, radius=1.5):
     return x * np.sqrt(x**2 - FLAT**2) / radius if x > FLAT else 0.0
 
 
-# the one-dimensional profile of each kind of face, which may be a function, too
+def lightly_rounded(radius, mean_pressure):
+    """Return a flat face whose edge is rounded over a width of twice the radius of the rounding.
+
+    M. Ciavarella, Indentation by nominally flat or conical indenters with rounded corners, Int. J.
+    Solids Struct. 36 (1999) 4149; first by G. Schubert, Ing.-Arch. 13 (1942) 132.
+    """
+    flat = 1 - 2 * radius
+
+    def g(x):
+        if x <= flat:
+            return 0.0
+        return x * (np.sqrt(x**2 - flat**2) - flat * np.arccos(flat / x)) / radius
+
+    profile = {"kind": "rounded_rim", "flat_radius": flat, "curvature_radius": radius}
+    return profile, g, flat, np.pi * mean_pressure
+
+
+# profile of each kind of face, which may be a function, too; its one-dimensional profile, the
+# radius at which that has a kink, and a force
 PROFILES = {
-    "ball": ({"kind": "ball", "ball_radius": 2.0}, ball),
+    "ball": ({"kind": "ball", "ball_radius": 2.0}, ball, FLAT, 0.05),
     "truncated cone": (
-        {"kind": "truncated_cone", "flat_radius": FLAT, "slope": 0.2},
-        truncated_cone,
+        *({"kind": "truncated_cone", "flat_radius": FLAT, "slope": 0.2}, truncated_cone),
+        *(FLAT, 0.05),
     ),
     "truncated paraboloid": (
         {"kind": "truncated_paraboloid", "flat_radius": FLAT, "curvature_radius": 1.5},
-        truncated_paraboloid,
+        *(truncated_paraboloid, FLAT, 0.05),
     ),
-    "function, cone": (lambda r: 0.2 * np.maximum(r - FLAT, 0), truncated_cone),
+    "function, cone": (lambda r: 0.2 * np.maximum(r - FLAT, 0), truncated_cone, FLAT, 0.05),
     "function, paraboloid": (
         lambda r: np.maximum(r - FLAT, 0) * (r + FLAT) / (2 * 1.5),
-        truncated_paraboloid,
+        *(truncated_paraboloid, FLAT, 0.05),
     ),
+    **{
+        f"rounded by {radius} under {mean_pressure}": lightly_rounded(radius, mean_pressure)
+        for radius in (0.003, 0.01, 0.03, 0.1)
+        for mean_pressure in (1e-5, 1e-4, 1e-3)
+    },
 }
+CHOSEN = (
+    *("ball", "truncated cone", "function, paraboloid"),
+    *("rounded by 0.01 under 0.0001", "rounded by 0.03 under 0.001"),
+)
 
 
 def pressed(profile, methods="mdr fem", force=0.05, rtol=1e-3, **changes):
@@ -58,23 +85,22 @@ def pressed(profile, methods="mdr fem", force=0.05, rtol=1e-3, **changes):
 @pytest.mark.slow
 # without gmsh, the start of finite elements is as accurate as the march
 @pytest.mark.gmsh
-@pytest.mark.parametrize(
-    "name", nightly_but(("ball", "truncated cone", "function, paraboloid"), PROFILES)
-)
+@pytest.mark.parametrize("name", nightly_but(CHOSEN, PROFILES))
 def test_starts_against_closed_forms(name):
-    profile, g = PROFILES[name]
+    profile, g, kink, force = PROFILES[name]
 
     def force_on(contact):
-        accuracy = {"points": [min(FLAT, contact)], "epsabs": 0.0, "epsrel": 1e-12}
+        accuracy = {"points": [min(kink, contact)], "epsabs": 0.0, "epsrel": 1e-11}
         area, _ = quad(lambda x: g(contact) - g(x), 0.0, contact, **accuracy)
         return 2 * area
 
-    contact = brentq(lambda radius: force_on(radius) - 0.05, 1e-3, 0.999)
-    result = run(pressed(profile))
-    assert result.verdict != "disagree"
+    contact = brentq(lambda radius: force_on(radius) - force, 1e-3, 0.999, xtol=1e-14)
+    result = run(pressed(profile, force=force))
+    assert result.verdict == "agree"
+    assert not any("the start cannot be fitted" in note for note in result.notes)
     for solver in ("mdr", "fem"):
         start = result.dataset.sel(solver=solver).isel(time=0)
-        within = 1e-9 if solver == "mdr" else 1e-8
+        within = (1e-9 if solver == "mdr" else 1e-8) if kink == FLAT else 1e-6
         assert float(start.indentation) == pytest.approx(g(contact), rel=within)
         assert float(start.contact_radius) == pytest.approx(contact, rel=1e-6)
 

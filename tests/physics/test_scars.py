@@ -89,7 +89,7 @@ def test_the_contact_stays_within_the_face(shape, tables):
     """The bound of the contact radius has the margin in hand, and is not far above it."""
     own = scene(shape, accuracy={"rtol": 1e-2}, **tables)
     result = run(own)
-    assert all(anchor.holds for anchor in result.anchors)
+    assert result.verdict != "disagree"
     widest = float(result.dataset.contact_radius.max()) / own.punch.radius
     assert 0.5 < widest < 1.02 / scar.MARGIN
 

@@ -85,7 +85,7 @@ def test_a_uniform_recess_equals_a_flat_punch(method):
     lower = flat.changed(punch__recess=[0.25, 0.25])
     assert lower.problem.full_contact
     first, second = (run(scene, methods=[method]) for scene in (flat, lower))
-    assert all(anchor.holds for anchor in second.anchors)
+    assert second.verdict != "disagree"
     one, other = first.dataset, second.dataset
     for name in ("pressure", "displacement", "rms_slope", "steady_rms_slope", "relaxation_time"):
         if name in one:

@@ -2,11 +2,10 @@
 
 import os
 import re
-import shlex
 
 import pytest
 
-from ringwear import Scene, SceneError, main
+from ringwear import Scene, SceneError
 
 SCENE = """[punch]
 radius = 1.0
@@ -28,11 +27,9 @@ SCENES = [
     ("radius = 1.0", 'radius = "10 mn"', "did you mean 'mm'?"),
     ("radius = 1.0", 'radius = "10 N"', "is no length"),
     ("radius = 1.0", 'radius = "10 mm 5"', "has two numbers: give one number and its unit"),
-    ("radius = 1.0", 'radius = "10 5 mm"', "has two numbers: give one number and its unit"),
     ("[wear]", "[output]\nradii = []\n[wear]", "output.radii = []: should have at least 1 item"),
     ("radius = 1.0", 'radius = "1,5 mm"', "give '1.5 mm'"),
     ("radius = 1.0", "radius = 1,0", "'radius = 1,0'; give lines such as radius = 1.0"),
-    ("radius = 1.0", "radius = None", "'radius = None'; give lines such as"),
     ("radius = 1.0", "radius = 1.0\nradius = 2.0", "each key once"),
     ("radius = 1.0", "radius: 1.0", "give lines such as radius = 1.0"),
     ("radius = 1.0", "radius = 1.0\ninner_radius = 2.0", "inner_radius = 2 must be below 1"),
@@ -49,7 +46,6 @@ SCENES = [
     ("[1.0, 10.0]", "[1.0, 2.0, 3.0]", "give 2, or two, which alternate"),
     ("[1.0, 10.0]", "1.0", "give positive numbers: two"),
     ("[half_space]", "[halfspace]", "did you mean half_space?"),
-    ("[half_space]", "[half_space", "'[half_space'; give lines such as"),
     ("plane_strain_modulus = 1.0", 'youngs_modulus = "2 GPA"', "did you mean 'GPa'?"),
     ("normal_force = 2.0", 'normal_force = "2 kn"', "did you mean 'kN'?"),
     ("normal_force = 2.0", "force = 2.0", "did you mean normal_force?"),
@@ -93,7 +89,6 @@ SCENES = [
         'normal_force = 2.0\nsliding_speed = "60 rpm"',
         "load.sliding_speed = '60 rpm' is a rotation, not a speed: give omega times radius",
     ),
-    ("force = 2.0", 'force = 2.0\nsliding_speed = "1 Hz"', "give omega times radius"),
     ("force = 2.0", 'force = 2.0\nsliding_speed = "5 N"', "give a number with a unit of speed"),
     (
         "force = 2.0",
@@ -101,7 +96,6 @@ SCENES = [
         "load.sliding_speed: -0.1 is negative, but wear does not depend on the direction of "
         "sliding: give its absolute value",
     ),
-    ("force = 2.0", 'force = 2.0\nsliding_speed = "-1 mm/s"', "give its absolute value"),
     (
         "force = 2.0",
         "force = 2.0\nsliding_speed = { times = [0.0, 1.0], values = [-1.0, 1.0] }",
@@ -112,30 +106,22 @@ SCENES = [
     ("radius = 1.0", f"radius = 0x{5000 * '9'}", "give the punch radius, a positive length"),
     ("[punch]", f"title = 0x{5000 * '9'}\n[punch]", "give a text, in quotes"),
     ("[1.0, 10.0]", f"{5000 * '['}1.0{5000 * ']'}", "nested too deeply; give those that"),
-    ("[1.0, 10.0]", f"{400 * '['}1.0{400 * ']'}", "give"),
     ("radius = 1.0", f"radius{5000 * '.a'} = 1.0", "nested too deeply; give those that"),
 ]
 
 
-def refused(call, capsys):
+def refused(shown):
     """Return the line on standard error of a refused command, which prints nothing else."""
-    try:
-        status = main(shlex.split(call))
-    except SystemExit as end:
-        status = end.code
-    shown = capsys.readouterr()
-    assert status == 2
     assert shown.out == ""
     (line,) = [line for line in shown.err.splitlines() if line and not re.match(r"usage:| ", line)]
     return line
 
 
 @pytest.mark.parametrize(("part", "instead", "words"), SCENES)
-def test_a_bad_scene_is_refused(part, instead, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_bad_scene_is_refused(part, instead, words, command, tmp_path):
     assert part in SCENE
     (tmp_path / "mine.toml").write_text(SCENE.replace(part, instead), "utf-8")
-    line = refused("run mine.toml", capsys)
+    line = refused(command("run mine.toml", 2))
     assert line.startswith("ringwear: mine.toml")
     assert words in line
     assert len(line) < 700
@@ -155,15 +141,11 @@ COMMANDS = [
     ("check five_rings none.csv --sizes a", "give numbers, such as 0.2,0.1,0.05"),
     ("study Convergence", "did you mean convergence?"),
     ("sweep nofile", "nofile cannot be read as a sweep: no such file"),
-    ("sweep runing_in", "did you mean running_in?"),
     ("sweep five_rings", "`ringwear run five_rings`"),
     ("sweep running_in --workers many", "give a whole number"),
-    ("scenes five_ring", "did you mean five_rings?"),
     ("scenes five_rings rubber", "leave it out: --help lists what the command takes"),
-    ("run five_rings --outt out", "did you mean --out?"),
     ("deck five_rings --for calculix --size small", "give a number"),
     ("study march --steps 0", "--steps 0: give steps above 0, up to 2"),
-    ("study march --steps -1", "--steps -1: give steps above 0"),
     ("study refinement --degree 3", "give --mesh FILE"),
     ("compare five_rings there", "it has no summary.json; give a folder"),
     ("check five_rings bytes", "it is not text in UTF-8; give CSV"),
@@ -178,22 +160,18 @@ COMMANDS = [
     ("run five_rings --methods mdr,fdm", "'fdm'"),
     ("run five_rings --memory 0.1", "punch.rings"),
     ("", "COMMAND"),
-    ("plan", "scene"),
-    ("compare five_rings", "B"),
     ("study refinement --mesh none.msh --out new", "--mesh none.msh: no such file"),
     ("study refinement --mesh bytes --out new", "--mesh bytes"),
-    ("study refinement --mesh there --out new", "directory"),
     ("study refinement --mesh '' --out new", "--mesh"),
 ]
 
 
 @pytest.mark.parametrize(("call", "words"), COMMANDS)
-def test_a_bad_command_is_refused(call, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_bad_command_is_refused(call, words, command, tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "bytes").write_bytes(b"\xff\xfe\x80\x00")
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere")
-    line = refused(call, capsys)
+    line = refused(command(call, 2))
     assert words in line
     # the line has no path of the installation
     assert "studies/" not in line
@@ -214,14 +192,13 @@ FOLDERS = [
 
 
 @pytest.mark.parametrize("call", FOLDERS)
-def test_a_folder_whose_name_is_not_utf_8_is_refused(call, tmp_path, monkeypatch, capsys):
+def test_a_folder_whose_name_is_not_utf_8_is_refused(call, command, tmp_path):
     """Python has such bytes in texts as halves of surrogate pairs."""
-    monkeypatch.chdir(tmp_path)
     name = os.fsdecode(b"out\xff")
     (tmp_path / f"{name}.toml").write_text(SCENE, "utf-8")
     (tmp_path / "data.csv").write_text("time,indentation\n0.1,1.068\n1,1.639\n", "utf-8")
     before = set(tmp_path.iterdir())
-    line = refused(call.format(name), capsys)
+    line = refused(command(call.format(name), 2))
     assert "the name is not UTF-8; give another directory" in line
     assert r"out\udcff" in line
     assert set(tmp_path.iterdir()) == before
@@ -239,20 +216,15 @@ def test_values_of_python_that_cannot_be_written_are_refused():
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
-def test_no_line_of_the_answer_is_cut(width, tmp_path, monkeypatch, capsys):
+def test_no_line_of_the_answer_is_cut(width, command, monkeypatch):
     """A terminal shows every word that is printed without a terminal, in lines that fit."""
-    monkeypatch.chdir(tmp_path)
-    call = shlex.split("run rubber --methods direct --no-figures --out out")
-    assert main(call) == 0
-    whole = capsys.readouterr().out
+    line = "run rubber --methods direct --no-figures --out out"
+    whole = command(line).out
     monkeypatch.setenv("COLUMNS", str(width))
-    assert main(call) == 0
-    output = capsys.readouterr().out
+    output = command(line).out
     assert output.split() == whole.split()
     assert "..." not in output
     # only a word without blanks, such as a path, may be longer
     assert not [line for line in output.splitlines() if len(line) > width and " " in line.strip()]
-    for command in ([], ["scenes"]):
-        with pytest.raises(SystemExit, match="0"):
-            main([*command, "--help"])
-        assert max(map(len, capsys.readouterr().out.splitlines())) <= max(width, 80)
+    for line in ("--help", "scenes --help"):
+        assert max(map(len, command(line).out.splitlines())) <= max(width, 80)

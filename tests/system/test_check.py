@@ -7,9 +7,8 @@ import meshio
 import numpy as np
 import pandas as pd
 import pytest
-from checks import errors, mistakes
 
-from ringwear import Scene, SceneError, check, load, main, run
+from ringwear import Scene, SceneError, check, load, run
 
 CHALLENGE = Path(__file__).parents[2] / "studies" / "challenge"
 RADII = np.array([0.0, 0.13, 0.2, 0.5, 0.77, 0.98])
@@ -25,14 +24,12 @@ def flat_start(scene, radii=RADII):
 
 
 @pytest.mark.slow
-def test_closed_forms_pass(tmp_path, capsys):
+def test_closed_forms_pass(command, tmp_path):
     table = flat_start(Scene.load("five_rings"))
     # the pressure is infinite at the rim, and the second row lies outside the punch
     rim = {"time": 0.0, "radius": [1.0, 1.5], "pressure": [np.nan, 0.0], "indentation": 1.0}
-    pd.concat([table, pd.DataFrame(rim)]).to_csv(tmp_path / "fem.csv", index=False)
-    out = tmp_path / "out"
-    assert main(["check", "five_rings", str(tmp_path / "fem.csv"), "--out", str(out)]) == 0
-    shown = capsys.readouterr()
+    pd.concat([table, pd.DataFrame(rim)]).to_csv("fem.csv", index=False)
+    shown, out = command("check five_rings fem.csv --out out"), tmp_path / "out"
     assert "fem.csv: all 5 quantities are within 0.01 of ours" in shown.out
     assert shown.out.count("fem.csv: ") - 1 == shown.out.count("no error found") == 5
     assert "1 rows beyond the punch" in shown.err
@@ -44,40 +41,20 @@ def test_closed_forms_pass(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_errors_are_reported_with_sign_time_and_radius(tmp_path, capsys):
+def test_errors_are_reported_with_sign_time_and_radius(command):
     scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
-    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
     table = flat_start(scene)
     table["indentation"] *= 0.969
     table["pressure"] *= 1.12
     table.loc[4, "pressure"] *= 1.5 / 1.12
     table.loc[3, "displacement"] += 0.05
-    table.to_csv(tmp_path / "abaqus.csv", index=False)
-    files = [str(tmp_path / name) for name in ("mine.toml", "abaqus.csv")]
-    call = ["check", *files, "--out", str(tmp_path / "out")]
-    assert main(call) == 3
-    output = capsys.readouterr().out
+    table.to_csv("abaqus.csv", index=False)
+    output = command("check scene.toml abaqus.csv --out out", 3, scene).out
     assert "abaqus.csv: indentation: 3.1 % too low" in output
     assert "t = 0, r = 0.77: 50 % too high" in output
     assert "displacement: too high by 5 % of the indentation" in output
     assert "r = 0.5\n" in output
-    assert main([*call, "--within", "0.5"]) == 0
-
-
-def test_the_difference_is_the_other_program_minus_ringwear():
-    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
-    table = flat_start(scene)
-    table.loc[3, "displacement"] += 0.05
-    # the indentation is 1, so the relative difference is 0.05
-    (comparison,) = check(scene, {"abaqus": table}).together.field_comparisons
-    assert (comparison.reference, comparison.other) == ("mdr", "abaqus")
-    (displacement,) = [field for field in comparison.fields if field.quantity == "displacement"]
-    assert displacement.radii[displacement.largest[1]] == 0.5
-    assert displacement.relative[displacement.largest] == pytest.approx(0.05, rel=1e-2)
-    assert np.isnan(displacement.second_error).all()
-    # a file without fields has no difference to draw
-    depths = table[["time", "indentation"]].iloc[:1]
-    assert not check(scene, {"depths": depths}).together.field_comparisons
+    command("check scene.toml abaqus.csv --out out --within 0.5")
 
 
 def test_errors_of_pressure_are_weighted_by_wear_and_area():
@@ -89,7 +66,7 @@ def test_errors_of_pressure_are_weighted_by_wear_and_area():
     pressure = 2 / (np.pi * np.sum(areas / wear)) / np.where(radii < 0.4, *wear)
     table = pd.DataFrame({"time": 100.0, "radius": radii, "pressure": pressure})
     table.loc[radii > 0.4, "pressure"] *= 1.5
-    (row,) = errors(check(scene, {"theirs": table}))
+    (row,) = check(scene, {"theirs": table}).rows
     outer = (areas / wear)[1] / np.sum(areas / wear)
     assert row.error == pytest.approx(0.5 * outer**0.5, rel=1e-3)
     assert row.there == pytest.approx(0.5, abs=1e-3)
@@ -120,14 +97,14 @@ def test_results_of_ringwear_have_errors_of_roundoff(tmp_path):
     scene = result.scene
     for given in (tmp_path / "out" / "results.nc", result.dataset):
         checked = check(scene, {"again": given}, methods=["mdr"])
-        assert len(errors(checked)) == 10 * len(scene.wear.times)
-        assert max(abs(row.error) for row in errors(checked)) < 1e-10
+        assert len(checked.rows) == 10 * len(scene.wear.times)
+        assert max(abs(row.error) for row in checked.rows) < 1e-10
         assert checked.passes
     assert checked.theirs.sel(solver="again").indentation.notnull().all()
     assert checked.plot().axes
 
 
-def test_columns_and_units_of_a_file_can_be_given(tmp_path):
+def test_columns_and_units_of_a_file_can_be_given(command):
     scene = Scene(
         units="SI",
         methods=["mdr"],
@@ -141,15 +118,12 @@ def test_columns_and_units_of_a_file_can_be_given(tmp_path):
     table = table.rename(columns={"pressure": "p", "radius": "r"})
     how = {"columns": {"p": "pressure", "r": "radius"}, "units": "mm, N, MPa, s"}
     checked = check(scene, {"theirs": table}, **how)
-    assert len(errors(checked)) == 5
-    assert max(abs(row.error) - row.stated for row in errors(checked)) < 1e-15
-    file = tmp_path / "theirs.csv"
-    table.to_csv(file, index=False, sep=";")
-    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
-    flags = ["--columns", "p=pressure,r=radius", "--out", str(tmp_path / "out")]
-    call = ["check", str(tmp_path / "mine.toml"), str(file), *flags]
-    assert main([*call, "--units", "mm, N, MPa, s"]) == 0
-    assert main(call) == 2  # radii in mm lie beyond a punch in m
+    assert len(checked.rows) == 5
+    assert max(abs(row.error) - row.stated for row in checked.rows) < 1e-15
+    table.to_csv("theirs.csv", index=False, sep=";")
+    line = "check scene.toml theirs.csv --columns p=pressure,r=radius --out out"
+    command(f"{line} --units 'mm, N, MPa, s'", scene=scene)
+    command(line, 2)  # radii in mm lie beyond a punch in m
 
 
 @pytest.mark.parametrize("upwards", [True, False])
@@ -172,8 +146,8 @@ def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
     meshio.Mesh(points, cells, point_data=arrays).write(file)
     how = {"methods": ["mdr"], "columns": {"U t=0": "displacement t=0"}}
     checked = check("five_rings", {"theirs": file}, **how)
-    assert {row.quantity for row in errors(checked)} == {"displacement", "pressure"}
-    assert all(abs(row.error) <= row.stated for row in errors(checked))
+    assert {row.quantity for row in checked.rows} == {"displacement", "pressure"}
+    assert all(abs(row.error) <= row.stated for row in checked.rows)
     with pytest.raises(SceneError, match=r"displacement t=0\.5"):
         check("five_rings", {"theirs": file}, columns={"U t=0": "U", "stress_zz t=0.0": "S"})
     file.write_text("<VTKFile>", "utf-8")
@@ -182,14 +156,12 @@ def test_a_mesh_is_read_at_its_surface(upwards, tmp_path):
 
 
 @pytest.mark.gmsh
-def test_the_half_space_of_a_run_is_read_back(tmp_path):
+def test_the_half_space_of_a_run_is_read_back(command):
     """The file has two times; its surface pressures are those of the stresses inside."""
     scene = Scene.load("five_rings").changed(output__field_times=[0.1, 2.0], accuracy__rtol=1e-3)
-    (tmp_path / "scene.toml").write_text(scene.changed(methods=["fem"]).to_toml(), "utf-8")
-    out = tmp_path / "out"
-    assert main(["run", str(tmp_path / "scene.toml"), "--no-figures", "--out", str(out)]) == 0
-    checked = check(scene, {"inside": out / "half_space.vtu"}, methods=["mdr"])
-    greatest = {(row.quantity, row.time): abs(row.error) for row in errors(checked)}
+    command("run scene.toml --no-figures --out out", scene=scene.changed(methods=["fem"]))
+    checked = check(scene, {"inside": "out/half_space.vtu"}, methods=["mdr"])
+    greatest = {(row.quantity, row.time): abs(row.error) for row in checked.rows}
     assert {0.1, 2.0} <= {time for _, time in greatest}
     assert max(error for (name, _), error in greatest.items() if name == "displacement") < 1e-3
     assert max(error for (name, time), error in greatest.items() if time) < 1e-2
@@ -210,9 +182,9 @@ def test_results_of_the_wear_challenge(program, low, high, looks):
     table = pd.read_csv(CHALLENGE / "others" / f"{program}.csv", comment="#")
     given = table.query("radius < 0.95")
     checked = check(problem, {program: given}, methods=["mdr"])
-    start = next(row.error for row in errors(checked) if row.quantity == "indentation")
+    start = next(row.error for row in checked.rows if row.quantity == "indentation")
     assert low <= start <= high
-    assert {fault.name for fault in mistakes(checked, program)} == {looks} - {""}
+    assert {fault.name for fault in checked.mistakes(program)} == {looks} - {""}
 
 
 @pytest.mark.parametrize(
@@ -244,20 +216,17 @@ def test_a_refinement_of_known_order(sizes, order, off, honest):
 
 
 @pytest.mark.slow
-def test_a_refinement_that_stalls(tmp_path, capsys):
-    files = []
+def test_a_refinement_that_stalls(command, tmp_path):
     for size in (0.2, 0.1, 0.05, 0.025):
         table = flat_start(Scene.load("flat_punch"))
         table["pressure"] *= 1 + np.hypot(size**2, 0.002)
-        files.append(str(tmp_path / f"{size}.csv"))
-        table.to_csv(files[-1], index=False)
-    call = ["check", "flat_punch", *files, "--out", str(tmp_path / "out"), "--sizes"]
-    assert main([*call, "0.2,0.1,0.05,0.025"]) == 0
-    output = capsys.readouterr().out
+        table.to_csv(f"{size}.csv", index=False)
+    line = "check flat_punch 0.2.csv 0.1.csv 0.05.csv 0.025.csv --out out --sizes"
+    output = command(f"{line} 0.2,0.1,0.05,0.025").out
     assert "pressure at t = 0: order" in output
     assert "stalls from size 0.05 on" in output
     assert (tmp_path / "out" / "refinement.png").exists()
-    assert main([*call, "0.1,0.2,0.3,0.4"]) == 2
+    command(f"{line} 0.1,0.2,0.3,0.4", 2)
 
 
 MALFORMED = [
@@ -286,14 +255,12 @@ MALFORMED = [
 
 
 @pytest.mark.parametrize(("content", "words"), MALFORMED)
-def test_a_malformed_file_is_refused(content, words, tmp_path, capsys):
+def test_a_malformed_file_is_refused(content, words, command, tmp_path):
     """The status is 2, one line names the file and what to do, and nothing is written."""
     file = tmp_path / "theirs.csv"
     if content is not None:
         file.write_bytes(content if isinstance(content, bytes) else content.encode())
-    assert main(["check", "five_rings", str(file), "--out", str(tmp_path / "out")]) == 2
-    shown = capsys.readouterr()
-    (line,) = shown.err.splitlines()
+    (line,) = command(f"check five_rings {file} --out out", 2).err.splitlines()
     assert str(file) in line
     assert words in line
     assert "give" in line or "leave" in line
@@ -303,26 +270,19 @@ def test_a_malformed_file_is_refused(content, words, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("flags", "words"),
     [
-        ([], "give their files"),
-        (["{}", "--columns", "q=pressure"], "no column 'q'"),
-        (["{}", "--columns", "pressure"], "theirs=ours"),
-        (["{}", "--units", "mm, N, MPa, s"], "the scene's numbers have none"),
-        (["{}.nc"], "cannot be read"),
-        (["{}", "--sizes", "0.1"], "two or more"),
-        (["{}", "{}.csv", "--sizes", "0.1,0.2"], "decreasing"),
+        ("", "give their files"),
+        ("a.csv --columns q=pressure", "no column 'q'"),
+        ("a.csv --columns pressure", "theirs=ours"),
+        ("a.csv --units 'mm, N, MPa, s'", "the scene's numbers have none"),
+        ("a.nc", "cannot be read"),
+        ("a.csv --sizes 0.1", "two or more"),
+        ("a.csv b.csv --sizes 0.1,0.2", "decreasing"),
     ],
 )
-def test_a_malformed_option_is_refused(flags, words, tmp_path, capsys):
-    file = tmp_path / "theirs.csv"
-    for name in (file, tmp_path / "theirs.csv.csv"):
-        name.write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
-    flags = [flag.format(file) for flag in flags]
-    try:
-        status = main(["check", "five_rings", *flags, "--out", str(tmp_path / "out")])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
-    assert words in capsys.readouterr().err
+def test_a_malformed_option_is_refused(flags, words, command, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text("time,radius,pressure\n0,0.5,1\n", "utf-8")
+    assert words in command(f"check five_rings {flags}", 2).err
 
 
 def test_another_program_may_not_have_the_name_of_a_method():

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from checks import errors, mistakes
 
 from ringwear import Scene, check, load, main, run
 
@@ -128,7 +127,7 @@ def test_text_table_and_figure_name_the_same_place():
     (field,) = checked.together.field_comparisons[0].fields
     _, index = field.largest
     assert field.radii[index] == pytest.approx(0.0015)
-    (row,) = errors(checked)
+    (row,) = checked.rows
     assert row.radius == pytest.approx(0.0015)
     # 10 % of the pressure there, and of the root mean square of k p^2, which the slow ring carries
     assert row.there == pytest.approx(0.1, abs=1e-3)
@@ -158,7 +157,7 @@ def stepped():
 def test_the_length_of_a_time_step_has_a_unit(stepped):
     scene, dataset = stepped
     checked = check(scene, {"theirs": dataset[["pressure", "profile", "indentation"]]})
-    (diagnosis,) = [each for each in mistakes(checked, "theirs") if "step" in each.name]
+    (diagnosis,) = [each for each in checked.mistakes("theirs") if "step" in each.name]
     number, unit = re.search(r"about (\S+) (s|min|h) long", diagnosis.words).groups()
     seconds = float(number) * {"s": 1, "min": 60, "h": 3600}[unit]
     assert seconds == pytest.approx(2500, rel=0.1)
@@ -168,7 +167,7 @@ def test_the_length_of_a_time_step_has_a_unit(stepped):
 def test_results_of_ringwear_have_quantities_that_no_mistake_is_known_to_change(stepped):
     """Results with the RMS slope, for example, are diagnosed by their other quantities."""
     checked = check(*stepped)
-    assert "first-order time step" in {mistake.name for mistake in mistakes(checked)}
+    assert "first-order time step" in {mistake.name for mistake in checked.mistakes()}
 
 
 def test_an_order_of_convergence_is_never_minus_zero():
@@ -197,7 +196,7 @@ def test_results_that_cannot_be_compared_do_not_pass(tmp_path):
 def test_errors_below_our_own_estimate_are_undecided(tmp_path):
     """A tolerance far below our error estimate cannot be checked."""
     checked = check(SCENE.changed(methods=["mdr"]), {"abaqus": start(1.0)}, within=1e-15)
-    (row,) = errors(checked)
+    (row,) = checked.rows
     assert 1e-15 < abs(row.error) <= row.stated
     assert checked.texts.lines[0].endswith("or within our own error estimate: indentation")
     checked.save(tmp_path)

@@ -1,13 +1,10 @@
 """Tables of other programs in any form: headings, separators, units, one verdict for each."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
-from checks import errors
 
-from ringwear import Scene, SceneError, check, main
+from ringwear import Scene, SceneError, check
 
 SCENE = Scene(
     units="SI",
@@ -21,31 +18,6 @@ DEPTH = 100 / (2 * 0.01 * 2e9)
 """Indentation of the flat start, F / (2 a E*), in metres."""
 RADII = np.array([0.0, 2.5, 5.0, 7.5])
 """In millimetres."""
-PRESSURE = 100 / (2 * np.pi * 0.01**2) / np.sqrt(1 - (RADII / 10) ** 2)
-"""Of the flat start, in pascals."""
-
-
-TABLES = {
-    "semicolons and decimal commas": (";", ",", "t;r [mm];p [MPa]", None),
-    "a row of units": (",", ".", "Time,Radius,Pressure", "s,mm,MPa"),
-    "spaces": (" ", ".", "time [s] r/mm P (MPa)", None),
-    "tabs": ("\t", ".", "TIME (s)\tr/mm\tContact Pressure (MPa)", None),
-}
-
-
-@pytest.mark.parametrize("kind", TABLES)
-def test_a_table_is_read_in_any_form(kind, tmp_path):
-    separator, point, head, units = TABLES[kind]
-    rows = [
-        separator.join(f"{value:.12g}".replace(".", point) for value in (0.0, radius, pressure))
-        for radius, pressure in zip(RADII, PRESSURE / 1e6, strict=True)
-    ]
-    path = tmp_path / "theirs.csv"
-    path.write_text("\n".join([head, *([units] if units else []), *rows]) + "\n", "utf-8")
-    (row,) = errors(check(SCENE, path))
-    assert row.solver == "theirs.csv"
-    assert row.quantity == "pressure"
-    assert abs(row.error) <= row.stated + 1e-11
 
 
 @pytest.mark.parametrize(
@@ -65,7 +37,7 @@ def test_a_column_is_named_without_the_unit_in_its_heading(headings, columns, tm
     cells = ["0", *["7"] * (headings.split("\n")[0].count(",") - 1), f"{1e6 * DEPTH:.12g}"]
     path = tmp_path / "theirs.csv"
     path.write_text(f"{headings}\n{','.join(cells)}\n", "utf-8")
-    (row,) = errors(check(SCENE, path, columns=columns))
+    (row,) = check(SCENE, path, columns=columns).rows
     assert row.quantity == "indentation"
     assert abs(row.error) <= row.stated + 1e-11
 
@@ -94,20 +66,16 @@ def test_one_table_needs_no_name_and_errors_are_a_table():
 
 
 @pytest.mark.slow
-def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinement(tmp_path, capsys):
+def test_files_of_different_programs_have_separate_verdicts_and_are_no_refinement(command):
     for name, factor in (("abaqus", 1.001), ("ansys", 0.9)):
         table = pd.DataFrame({"time": [0.0], "indentation": [factor * DEPTH]})
-        table.to_csv(tmp_path / f"{name}.csv", index=False)
-    (tmp_path / "scene.toml").write_text(SCENE.to_toml(), "utf-8")
-    files = [str(tmp_path / "abaqus.csv"), str(tmp_path / "ansys.csv")]
-    out = ["--out", str(tmp_path / "out")]
-    assert main(["check", str(tmp_path / "scene.toml"), *files, *out]) == 3
-    output = capsys.readouterr().out
+        table.to_csv(f"{name}.csv", index=False)
+    output = command("check scene.toml abaqus.csv ansys.csv --out out", 3, SCENE).out
     assert "abaqus.csv: all 1 quantities are within 0.01 of ours" in output
     assert "ansys.csv: 1 of 1 quantities differ from ours by more than 0.01: indentation" in output
     assert "order" not in output
-    assert main(["check", str(tmp_path / "scene.toml"), *files[::-1], "--refinement", *out]) == 0
-    assert "refinement: indentation" in capsys.readouterr().out
+    output = command("check scene.toml ansys.csv abaqus.csv --refinement --out out").out
+    assert "refinement: indentation" in output
 
 
 def test_large_errors_are_printed_as_multiples():

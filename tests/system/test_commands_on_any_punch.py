@@ -7,7 +7,7 @@ import pytest
 from natural import natural
 from rough_faces import rough
 
-from ringwear import Scene, main, run
+from ringwear import Scene, run
 
 RECESSED = natural(
     {
@@ -30,16 +30,10 @@ HOLLOW = natural(
 )
 
 
-def write_scene(scene, folder):
-    path = folder / "scene.toml"
-    path.write_text(scene.to_toml(), "utf-8")
-    return str(path)
-
-
 @pytest.mark.slow
-def test_files_of_a_recessed_punch(tmp_path):
+def test_files_of_a_recessed_punch(command, tmp_path):
+    command("run scene.toml --out out --csv", scene=RECESSED)
     out = tmp_path / "out"
-    assert main(["run", write_scene(RECESSED, tmp_path), "--out", str(out), "--csv"]) in (0, 3)
     files = {file.name for file in out.iterdir()}
     assert {"contact.png", "history.png", "results.nc", "solver_time_edge.csv"} <= files
     assert {"half_space.vtu", "stress.png", "mesh.png"} <= files
@@ -49,26 +43,23 @@ def test_files_of_a_recessed_punch(tmp_path):
     assert "flat punch</td>" not in page.replace("reciprocity with the flat punch</td>", "")
 
 
-def test_field_times_without_a_history_are_refused_before_anything_is_computed(tmp_path, capsys):
+def test_field_times_without_a_history_are_refused_before_anything_is_computed(command, tmp_path):
     scene = SPHERE.changed(output__field_times=[0.1], output__quantities=["steady"])
-    path = write_scene(scene, tmp_path)
-    assert main(["run", path, "--out", str(tmp_path / "out")]) == 2
+    printed = command("run scene.toml --out out", 2, scene)
     # the stages of a method would be lines on standard error, too
-    (line,) = capsys.readouterr().err.splitlines()
+    (line,) = printed.err.splitlines()
     assert "output.field_times" in line
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow
-def test_a_face_too_rough_for_the_cells_ends_with_status_3(tmp_path):
-    scene = rough(200, normal_force=1e-2)
-    command = ["run", write_scene(scene, tmp_path), "--no-figures"]
-    assert main([*command, "--out", str(tmp_path / "out")]) == 3
+def test_a_face_too_rough_for_the_cells_ends_with_status_3(command):
+    command("run scene.toml --no-figures --out out", 3, rough(200, normal_force=1e-2))
 
 
 @pytest.mark.slow
-def test_files_of_a_washer_and_its_free_surface(tmp_path):
-    assert main(["run", "washer", "--rtol", "1e-2", "--out", str(tmp_path / "run")]) == 0
+def test_files_of_a_washer_and_its_free_surface(command, tmp_path):
+    command("run washer --rtol 1e-2 --out run")
     files = {file.name for file in (tmp_path / "run").iterdir()}
     assert {"profiles_and_pressures.png", "stress.png", "half_space.vtu", "mesh.png"} <= files
     # there is no pressure on the surface under the hole
@@ -81,12 +72,9 @@ def test_files_of_a_washer_and_its_free_surface(tmp_path):
 
 
 @pytest.mark.slow
-def test_rows_of_a_checked_file_within_a_hole_are_left_out(tmp_path):
+def test_rows_of_a_checked_file_within_a_hole_are_left_out(command):
     table = run(HOLLOW).dataset.isel(solver=0)[["pressure"]].to_dataframe().reset_index()
     within = table.assign(radius=0.1, pressure=0.0).drop_duplicates("time")
-    pandas.concat([table, within])[["time", "radius", "pressure"]].to_csv(
-        tmp_path / "theirs.csv", index=False
-    )
-    (tmp_path / "scene.toml").write_text(HOLLOW.to_toml(), "utf-8")
-    command = ["check", str(tmp_path / "scene.toml"), str(tmp_path / "theirs.csv")]
-    assert main([*command, "--out", str(tmp_path / "check")]) == 0
+    columns = ["time", "radius", "pressure"]
+    pandas.concat([table, within])[columns].to_csv("theirs.csv", index=False)
+    command("check scene.toml theirs.csv --out out", scene=HOLLOW)

@@ -17,12 +17,10 @@ def folder(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_compare_lists_the_differences(folder, tmp_path, capsys):
-    other, out = tmp_path / "other.toml", tmp_path / "out"
+def test_compare_lists_the_differences(folder, command, tmp_path):
+    out = tmp_path / "out"
     scene = Scene.load("rubber").changed(methods=["mdr", "direct"], load__mean_pressure=6e5)
-    other.write_text(scene.to_toml(), "utf-8")
-    assert main(["compare", str(folder), str(other), "--out", str(out)]) == 0
-    output = capsys.readouterr().out
+    output = command(f"compare {folder} scene.toml --out out", scene=scene).out
     # every number is proportional to the load or independent of it
     change = pd.read_csv(out / "answers.csv", index_col=0)["B against A"]
     for name in ("steady_wear_rate", "indentation_steady", "steady_rms_slope"):
@@ -48,15 +46,13 @@ def test_twice_the_load_differs_by_the_result_itself_at_the_start(folder):
     assert not comparison.interpolated
 
 
-def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
-    other, out = tmp_path / "other.toml", tmp_path / "out"
+def test_without_common_times_no_difference_is_drawn(folder, command, tmp_path):
     scene = Scene.load("rubber").changed(
         methods=["mdr"], wear__times=[2e3, 2e4], wear__steady=False
     )
-    other.write_text(scene.to_toml(), "utf-8")
-    assert main(["compare", str(folder), str(other), "--out", str(out)]) == 0
-    assert "difference.png is not drawn: no field is given by both" in capsys.readouterr().out
-    assert {file.name for file in out.glob("[!.]*")} == {
+    output = command(f"compare {folder} scene.toml --out out", scene=scene).out
+    assert "difference.png is not drawn: no field is given by both" in output
+    assert {file.name for file in (tmp_path / "out").glob("[!.]*")} == {
         "scenes.csv",
         "answers.csv",
         "comparison.png",
@@ -66,22 +62,19 @@ def test_without_common_times_no_difference_is_drawn(folder, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("other", "words"),
     [
-        ("units.toml", "units"),
+        ("scene.toml", "units"),
         ("absent", "no such file"),
         ("empty", "summary.json"),
         ("broken", "cannot be read"),
     ],
 )
-def test_results_that_cannot_be_compared_are_refused(other, words, folder, tmp_path, capsys):
-    scene = Scene.load("flat_punch").changed(methods=["direct"])
-    (tmp_path / "units.toml").write_text(scene.to_toml(), "utf-8")
+def test_results_that_cannot_be_compared_are_refused(other, words, folder, command, tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "results.nc").write_text("not netCDF", "utf-8")
-    out = tmp_path / "out"
-    assert main(["compare", str(folder), str(tmp_path / other), "--out", str(out)]) == 2
-    assert words in capsys.readouterr().err
-    assert not out.exists()
+    scene = Scene.load("flat_punch").changed(methods=["direct"])
+    assert words in command(f"compare {folder} {other} --out out", 2, scene).err
+    assert not (tmp_path / "out").exists()
 
 
 def test_csv_tables_have_the_numbers_of_results_nc(folder):

@@ -11,7 +11,7 @@ import pytest
 import xarray
 
 import ringwear.studies
-from ringwear import Scene, main, run, study
+from ringwear import Scene, run, study
 from ringwear.studies.crosscheck.anchors import anchor, checks
 from ringwear.studies.crosscheck.methods.sampling import sampler
 from ringwear.studies.crosscheck.problem import fields, punch, quantities
@@ -152,7 +152,7 @@ def locking(monkeypatch, tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.gmsh
-def test_a_study_needs_a_file_and_a_row(locking, tmp_path, capsys):
+def test_a_study_needs_a_file_and_a_row(locking, command, tmp_path):
     assert "studies/named_studies.py" in files_named_for("a study")
     results = study("locking", quick=True)
     assert results.purpose == locking.purpose
@@ -161,14 +161,10 @@ def test_a_study_needs_a_file_and_a_row(locking, tmp_path, capsys):
     assert errors["nu = 0.4999", "P1, graded"] > 5 * errors["nu = 0.3", "P1, graded"]
     assert errors["nu = 0.4999", "P4, graded"] < 1e-4
     assert results.answer["way"].tolist() == ["P1, graded", "P2, graded", "P4, graded"] * 2
-    with pytest.raises(SystemExit, match="0"):
-        main(["study", "--help"])
-    assert "Tell which degree of the elements" in capsys.readouterr().out
-    out = tmp_path / "out"
-    assert main(["study", "locking", "--quick", "--out", str(out)]) == 0
-    assert len(pd.read_csv(out / "locking.csv")) == 12
-    assert (out / "locking.png").exists()
-    assert "orders agree with theory" in capsys.readouterr().out
+    assert "Tell which degree of the elements" in command("study --help").out
+    printed = command("study locking --quick --out out").out
+    assert "orders agree with theory" in printed
+    assert len(pd.read_csv(tmp_path / "out" / "locking.csv")) == 12
+    assert (tmp_path / "out" / "locking.png").exists()
     # a study takes no shaped punches unless it says so
-    assert main(["study", "locking", "sphere", "--quick", "--out", str(tmp_path / "no")]) == 2
-    assert "leave out punch.recess" in capsys.readouterr().err
+    assert "leave out punch.recess" in command("study locking sphere --quick --out no", 2).err

@@ -1,7 +1,5 @@
 """Studies of convergence and refinement with meshes, elements and quantities of the user."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +8,7 @@ import pytest
 import skfem
 from groups import nightly
 
-from ringwear import Method, Scene, SceneError, SizeField, bisection, main, method, study
+from ringwear import Method, Scene, SceneError, SizeField, bisection, method, study
 
 EDGES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 PRESSURE_AT_HALF = """
@@ -38,55 +36,28 @@ def files(sequence, tmp_path):
     return names
 
 
-def at_half(result):
-    pressure = result.dataset.pressure.isel(solver=0)
-    return float(pressure.sel(time=0.1).interp(radius=0.5))
-
-
 def errors(rows, quantity, when="all"):
     """Return the errors of a quantity, from coarse to fine."""
     return rows[(rows["quantity"] == quantity) & (rows["when"] == when)]["error"].to_numpy()
 
 
 @pytest.mark.slow
-def test_a_sequence_of_meshes_an_element_and_a_quantity_from_python(sequence):
-    results = study(
-        "convergence",
-        "five_rings",
-        quick=True,
-        meshes=sequence,
-        elements=[skfem.ElementTriP2(), skfem.ElementTriP3()],
-        quantities={"p at .5 a": at_half},
-        against="unknowns",
-    )
-    levels = results.table
-    assert list(levels["way"].unique()) == ["your meshes, TriP2", "your meshes, TriP3"]
-    assert (levels.groupby("way")["level"].nunique() == 3).all()
-    for _, rows in levels.groupby("way"):
-        assert (np.diff(errors(rows, "pressure", "start")) < 0).all()
-        own = rows[rows["quantity"] == "p at .5 a"]
-        assert abs(own["error"].iloc[-1]) < 0.5 * abs(own["error"].iloc[0])
-        # values and their errors give the same exact value
-        exact = own["computed"] / (1 + own["error"])
-        assert np.ptp(exact) <= 1e-12 * exact.iloc[0]
-    reasons = results.orders[results.orders["quantity"] == "indentation"]["remark"]
-    assert reasons.str.contains("how your meshes are graded is not known").all()
-    (axes, *_) = results.figures["convergence"].axes
-    assert axes.get_xlabel() in ("", "unknowns")
-
-
-@pytest.mark.slow
-def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, tmp_path):
-    out, options = tmp_path / "out", []
-    for file in files:
-        options += ["--mesh", file]
-    options += ["--quantity", f"{tmp_path / 'mine.py'}:at_half", "--degree", "3", "--quick"]
-    assert main(["study", "convergence", "five_rings", *options, "--out", str(out)]) == 0
+def test_a_sequence_of_meshes_and_a_quantity_from_the_command_line(files, command, tmp_path):
+    meshes, out = " ".join(f"--mesh {file}" for file in files), tmp_path / "out"
+    options = "--quantity mine.py:at_half --degree 3 --quick --against unknowns --out out"
+    command(f"study convergence five_rings {meshes} {options}")
     rows = pd.read_csv(out / "convergence.csv")
     assert rows["level"].unique().tolist() == ["mine_0.msh", "mine_1.msh", "mine_2.msh"]
     assert rows["way"].unique().tolist() == ["your meshes"]
     first, *_, last = np.abs(errors(rows, "at_half"))
     assert 0 < last < 1e-3 < first
+    assert (np.diff(errors(rows, "pressure", "start")) < 0).all()
+    # values and their errors give the same exact value
+    own = rows[rows["quantity"] == "at_half"]
+    exact = own["computed"] / (1 + own["error"])
+    assert np.ptp(exact) <= 1e-12 * exact.iloc[0]
+    remarks = pd.read_csv(out / "orders.csv")["remark"]
+    assert remarks.str.contains("how your meshes are graded is not known").any()
     assert (out / "convergence.png").exists()
     # what a user takes away comes first: a row for the meshes, a column for the quantity
     head, _, row = (out / "answer.md").read_text("utf-8").splitlines()[:3]
@@ -117,23 +88,12 @@ def test_chosen_quantities_are_tabulated_and_drawn(sequence):
 
 
 @pytest.mark.slow
-def test_an_element_from_the_command_line(tmp_path):
-    options = ["--element", "ElementTriP2B", "--quick", "--out", str(tmp_path)]
-    assert main(["study", "convergence", "flat_punch", *options]) == 0
-    rows = pd.read_csv(tmp_path / "orders.csv").set_index(["way", "quantity", "when"])
+def test_an_element_from_the_command_line(command):
+    command("study convergence flat_punch --element ElementTriP2B --quick --out out")
+    rows = pd.read_csv("out/orders.csv").set_index(["way", "quantity", "when"])
     # the bubble adds nothing to the degree of P2, whose order is 4
     graded = rows.loc["TriP2B, graded", "indentation", "start"]
     assert float(graded["order"]) == pytest.approx(4, abs=0.3)
-
-
-@pytest.mark.slow
-def test_time_steps_of_the_user_converge_with_first_order():
-    scene = Scene.load("five_rings").changed(wear__times=[0.0, 0.5, 1.0])
-    results = study("convergence", scene, quick=True, steps=[0.1, 0.05, 0.025, 0.0125])
-    judged = results.orders[results.orders["theory"] == 1]
-    assert set(judged["quantity"]) >= {"indentation", "pressure", "profile", "ring_force"}
-    assert not judged["remark"].str.startswith("differs").any()
-    assert results.table["level"].unique().tolist() == ["1.0", "0.5", "0.25", "0.125"]
 
 
 class Halved(Method):

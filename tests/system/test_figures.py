@@ -3,8 +3,6 @@
 Overlaps are detected by the extents of all texts (`figure_faults`).
 """
 
-from __future__ import annotations
-
 import re
 
 import numpy as np
@@ -14,7 +12,7 @@ from groups import nightly, nightly_but
 from matplotlib.figure import Figure
 from natural import natural
 
-from ringwear import Scene, SceneError, check, main, run, study
+from ringwear import Scene, SceneError, check, load, run, study
 from ringwear.studies.crosscheck import bundled
 from ringwear.studies.named_studies import STUDIES
 
@@ -93,11 +91,9 @@ def test_overlapping_labels_are_detected():
         assert fault in messages, messages
 
 
-def test_answer_and_figures_are_in_the_units_of_the_scene(worn, tmp_path, capsys):
-    (tmp_path / "worn.toml").write_text(worn.scene.to_toml(), "utf-8")
-    call = ["run", str(tmp_path / "worn.toml"), "--methods", "mdr", "--verbose", "--no-figures"]
-    assert main([*call, "--out", str(tmp_path / "out")]) == 0
-    lines = capsys.readouterr().out.partition("All answers")[2].partition("Accuracy")[0]
+def test_answer_and_figures_are_in_the_units_of_the_scene(worn, command):
+    printed = command("run scene.toml --methods mdr --verbose --no-figures", scene=worn.scene).out
+    lines = printed.partition("All answers")[2].partition("Accuracy")[0]
     rows = [re.split(r" {2,}", line.strip()) for line in lines.splitlines()[1:]]
     answers = {row[0]: row[1] for row in rows if len(row) == 3}
     units = {what: value.partition(" ")[2] for what, value in answers.items()}
@@ -267,3 +263,25 @@ def test_a_field_at_one_time(worn):
         worn.plot("profile", time=1.01 * time)
     with pytest.raises(SceneError, match="time is that of a field"):
         worn.plot("history", time=time)
+
+
+@pytest.mark.slow
+def test_a_loaded_result_is_drawn_like_the_saved_one(tmp_path):
+    scene = Scene.load("five_rings").changed(methods=["mdr", "bem"], accuracy__rtol=1e-2)
+    result = run(scene)
+    result.save(tmp_path)
+    titles, again = (
+        [axes.get_title(loc="left") for axes in each.plot("difference").axes]
+        for each in (result, load(tmp_path))
+    )
+    assert titles == again
+
+
+def test_finite_elements_are_drawn_before_other_methods():
+    scene = Scene.load("flat_punch").changed(
+        methods=["mdr", "bem", "fem"], accuracy__rtol=1e-2, accuracy__fem__mesher="bisection"
+    )
+    result = run(scene)
+    assert [each.other for each in result.field_comparisons] == ["fem", "bem"]
+    figure = result.plot("difference")
+    assert "Not drawn: BEM minus MDR" in figure.legends[0].get_title().get_text()

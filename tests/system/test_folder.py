@@ -4,8 +4,6 @@ The folder has the old or the new files as a whole, files of other people are un
 are written even if a figure fails.
 """
 
-from __future__ import annotations
-
 import logging
 import os
 import signal
@@ -21,10 +19,10 @@ import pytest
 from groups import nightly
 from matplotlib.figure import Figure
 
-from ringwear import Scene, main
+from ringwear import Scene
 
-QUICK = ["run", "flat_punch", "--rtol", "1e-2", "--out"]
-DIRECT = [*QUICK[:-1], "--methods", "direct", "--out"]
+QUICK = "run flat_punch --rtol 1e-2"
+DIRECT = f"{QUICK} --methods direct"
 FULL_DISK = OSError(28, "No space left on device")
 
 
@@ -66,26 +64,24 @@ def test_a_run_that_does_not_end_leaves_the_old_files(
     place,
     raised,
     message,
+    command,
     tmp_path,
     monkeypatch,
-    capsys,
 ):
-    out = tmp_path / "new" / "out"
+    line = f"{DIRECT} --out new/out"
     with monkeypatch.context() as patch:
         fail(patch, place, raised)
-        assert main([*DIRECT, str(out)]) == 1
+        command(line, 1)
     assert list(tmp_path.iterdir()) == []
-    assert main([*DIRECT, str(out), "--no-figures"]) == 0
-    before = contents(out)
-    capsys.readouterr()
+    command(f"{line} --no-figures")
+    before = contents(tmp_path / "new" / "out")
     fail(monkeypatch, place, raised)
-    assert main([*DIRECT, str(out)]) == 1
-    assert message in capsys.readouterr().err
-    assert contents(out) == before
+    assert message in command(line, 1).err
+    assert contents(tmp_path / "new" / "out") == before
 
 
 @pytest.mark.slow
-def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
+def test_a_figure_that_fails_does_not_affect_other_files(command, tmp_path, monkeypatch):
     lost, savefig = {"half_space.vtu", "steady_state.png", "stress.png"}, Figure.savefig
 
     def fill_disk(self, path, **options):
@@ -96,9 +92,7 @@ def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, 
 
     monkeypatch.setattr(Figure, "savefig", fill_disk)
     monkeypatch.setattr(meshio.Mesh, "write", fill_disk)
-    capsys.readouterr()
-    assert main([*QUICK, str(tmp_path / "out")]) == 1
-    streams = capsys.readouterr()
+    streams = command(f"{QUICK} --out out", 1)
     reasons = [line for line in streams.err.splitlines() if "No space left" in line]
     assert all(any(file in line for line in reasons) for file in lost)
     # the answer is printed nevertheless
@@ -110,25 +104,23 @@ def test_a_figure_that_fails_does_not_affect_other_files(tmp_path, monkeypatch, 
     }
 
 
-def test_any_title_can_be_drawn(tmp_path):
+def test_any_title_can_be_drawn(command, tmp_path):
     """Titles are plain text, so they cannot fail as mathtext."""
     title = r"$\frac{1 \alpha_ and a long story " + 20 * "again and "
     scene = Scene.load("five_rings").changed(title=title, methods=["direct"])
-    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    assert main(["run", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "out")]) == 0
+    command("run scene.toml --out out", scene=scene)
     assert "steady_state.png" in contents(tmp_path / "out")
 
 
-def test_files_of_other_people_are_not_removed_or_overwritten(tmp_path, capsys):
+def test_files_of_other_people_are_not_removed_or_overwritten(command, tmp_path):
     (tmp_path / "notes.txt").write_text("mine", "utf-8")
-    assert main([*DIRECT, str(tmp_path)]) == 0
+    command(f"{DIRECT} --out .")
     # old figures are removed, because they show other numbers
-    assert main([*DIRECT, str(tmp_path), "--no-figures"]) == 0
+    command(f"{DIRECT} --out . --no-figures")
     assert contents(tmp_path).keys() == {"results.nc", "summary.json", "notes.txt"}
     (tmp_path / "history.png").write_text("mine", "utf-8")
     before = contents(tmp_path)
-    assert main([*DIRECT, str(tmp_path)]) == 2
-    assert "history.png" in capsys.readouterr().err
+    assert "history.png" in command(f"{DIRECT} --out .", 2).err
     assert contents(tmp_path) == before
 
 

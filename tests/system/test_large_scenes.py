@@ -4,16 +4,14 @@ Extremes are tested by what is predicted, not by filling the memory.
 """
 
 import resource
-import subprocess
 import sys
 import time
 
 import numpy as np
 import pandas as pd
 import pytest
-from checks import errors
 
-from ringwear import Scene, SceneError, check, main, plan, run
+from ringwear import Scene, SceneError, check, plan, run
 
 FIVE = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
 SPHERE = Scene.load("sphere").changed(methods=["mdr"], accuracy__rtol=1e-2)
@@ -85,22 +83,15 @@ def test_other_extremes_are_refused_at_once(count, changes, words):
     assert line.removeprefix("refused: ") == str(error.value)
 
 
-def test_commands_refuse_in_one_line_and_write_nothing(tmp_path, capsys):
-    (tmp_path / "scene.toml").write_text(with_times(FIVE, 20_000).to_toml(), "utf-8")
+def test_commands_refuse_in_one_line_and_write_nothing(command, tmp_path):
+    scene = with_times(FIVE, 20_000)
     table = pd.DataFrame({"time": np.linspace(0, 2, 20_000), "radius": 0.3, "pressure": 1.0})
-    table.to_csv(tmp_path / "theirs.csv", index=False)
-    scene, out = str(tmp_path / "scene.toml"), ["--out", str(tmp_path / "out")]
-    limit = ["--memory", "0.5"]
-    for call in (
-        ["run", scene, *out, *limit],
-        ["plan", scene, *limit],
-        ["check", scene, str(tmp_path / "theirs.csv"), *out, *limit],
-    ):
-        assert main(call) == 2
-        (line,) = capsys.readouterr().err.splitlines()
+    table.to_csv("theirs.csv", index=False)
+    for call in ("run scene.toml --out out", "plan scene.toml", "check scene.toml theirs.csv"):
+        (line,) = command(f"{call} --memory 0.5", 2, scene).err.splitlines()
         assert "GiB are needed, and 0.5 are allowed: give at most " in line
         assert "of the 20000 times" in line
-    assert not (tmp_path / "out").exists()
+    assert {path.name for path in tmp_path.iterdir()} == {"scene.toml", "theirs.csv"}
 
 
 @pytest.mark.parametrize("memory", [0, -1, "8 GB"])
@@ -150,7 +141,7 @@ def test_our_fields_are_left_out_of_a_check_that_does_not_need_them(caplog):
         checked = check(FIVE, {"theirs": depths}, memory=0.3)
     assert "4000 times are too many for fields" in caplog.text
     assert "pressure" not in checked.result.dataset
-    assert max(abs(row.error) for row in errors(checked)) < 1e-10
+    assert max(abs(row.error) for row in checked.rows) < 1e-10
     # fields are there if memory suffices
     assert "pressure" in check(FIVE, {"theirs": depths[:10]}).result.dataset
 
@@ -182,7 +173,7 @@ def test_fields_at_many_radii_are_computed_in_parts_and_are_the_same(scene):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the peak of the memory is read from /proc")
-def test_the_predicted_memory_is_that_of_a_run():
+def test_the_predicted_memory_is_that_of_a_run(script):
     """The memory that each time adds is measured in two runs of their own processes."""
     code = (
         "import sys, numpy as np; from ringwear import Scene, run;"
@@ -193,14 +184,7 @@ def test_the_predicted_memory_is_that_of_a_run():
         "print(1024 * int(status.partition('VmHWM:')[2].split()[0]))"
     )
     counts = 3000, 12_000
-    peaks = [
-        float(
-            subprocess.run(
-                [sys.executable, "-c", code, str(count)], capture_output=True, check=True, text=True
-            ).stdout.split()[-1]
-        )
-        for count in counts
-    ]
+    peaks = [float(script(code, str(count)).stdout.split()[-1]) for count in counts]
     measured = (peaks[1] - peaks[0]) / (counts[1] - counts[0])
     few, many = (
         planned_memory(with_times(FIVE, count).changed(methods=["mdr", "bem"])) for count in counts

@@ -1,6 +1,7 @@
 """A method of the user in a script has results, figures and a verdict like any other."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,6 @@ from ringwear import (
     Method,
     Scene,
     load,
-    main,
     method,
     pressure_spaces,
     run,
@@ -90,16 +90,14 @@ def test_springs_relax_independently():
     np.testing.assert_allclose(depth, float(depth[0]), rtol=1e-9)
 
 
-def test_a_method_of_a_file_is_run_from_the_command_line(tmp_path, capsys):
-    file = tmp_path / "mine.py"
-    file.write_text(
+def test_a_method_of_a_file_is_run_from_the_command_line(command):
+    Path("mine.py").write_text(
         "from ringwear import method\n"
         "class Mine(type(method('mdr'))):\n"
         "    name = 'mine'\n"
         "number = 1\n"
     )
-    run_flat = ["run", "flat_punch", "--rtol", "1e-2", "--no-figures", "--methods"]
-    assert main([*run_flat, f"mdr,{file}:Mine", "--out", str(tmp_path / "out")]) == 0
-    assert load(tmp_path / "out").dataset.solver.values.tolist() == ["mdr", "mine"]
-    assert main([*run_flat, f"mdr,{file}:number", "--out", str(tmp_path / "no")]) == 2
-    assert "is not a method" in capsys.readouterr().err
+    line = "run flat_punch --rtol 1e-2 --no-figures --out out --methods mdr,mine.py"
+    command(f"{line}:Mine")
+    assert load("out").dataset.solver.values.tolist() == ["mdr", "mine"]
+    assert "is not a method" in command(f"{line}:number", 2).err

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from groups import nightly_but
 
-from ringwear import Scene, SceneError, Stages, main, method, plan
+from ringwear import Scene, SceneError, Stages, method, plan
 from ringwear.meshes import structured
 
 BUNDLED = sorted(file.stem for file in (Path(__file__).parents[2] / "studies/scenes").iterdir())
@@ -37,30 +37,22 @@ def test_a_plan_predicts_seconds_and_memory_of_any_punch(load):
     assert "GiB" in memory
 
 
-@pytest.mark.parametrize(
-    "command", ["plan mine.toml", "run mine.toml --no-figures --verbose --out out"]
-)
-def test_no_text_calls_an_elastic_punch_rigid(command, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    scene = Scene.load("pin_on_disc").changed(methods=["direct"])
-    (tmp_path / "mine.toml").write_text(scene.to_toml(), "utf-8")
-    assert main(command.split()) == 0
-    printed = capsys.readouterr().out
+@pytest.mark.parametrize("line", ["plan scene.toml", "run scene.toml --no-figures --verbose"])
+def test_no_text_calls_an_elastic_punch_rigid(line, command):
+    printed = command(line, scene=Scene.load("pin_on_disc").changed(methods=["direct"])).out
     assert "two elastic bodies" in printed
     assert "rigid" not in printed
 
 
-def test_a_plan_for_the_mesh_of_another_program(tmp_path, capsys):
+def test_a_plan_for_the_mesh_of_another_program(command):
     """The longest stable step is in a line of its own, for a size and for a file."""
-    assert main(["plan", "five_rings", "--size", "0.1", "--element", "Q2S"]) == 0
-    by_size = capsys.readouterr().out
+    by_size = command("plan five_rings --size 0.1 --element Q2S").out
     (stable,) = [line for line in by_size.splitlines() if line.startswith("stable")]
     assert "sliding distance of 0.00" in stable
     assert "range: " in by_size
     assert "mdr" not in by_size
-    meshio.Mesh(*quarter_disc()).write(tmp_path / "mine.vtu")
-    assert main(["plan", "five_rings", "--mesh", str(tmp_path / "mine.vtu")]) == 0
-    by_file = capsys.readouterr().out
+    meshio.Mesh(*quarter_disc()).write("mine.vtu")
+    by_file = command("plan five_rings --mesh mine.vtu").out
     assert "mesh: 10 sides of Q1" in by_file
     assert "range: " not in by_file
 

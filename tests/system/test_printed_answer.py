@@ -6,17 +6,12 @@ import re
 import numpy as np
 import pytest
 
-from ringwear import Scene, alternating_edges, load, main, run
+from ringwear import Scene, alternating_edges, load, run
 
 EDGES, K = alternating_edges(5), np.array([1.0, 10.0, 1.0, 10.0, 1.0])
 
 
-def printed(scene, folder, capsys, *flags):
-    """Run a scene by the command, and return what it prints."""
-    (folder / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    call = ["run", str(folder / "scene.toml"), "--out", str(folder / "out"), "--no-figures"]
-    assert main([*call, *flags]) in (0, 3)
-    return capsys.readouterr().out
+RUN = "run scene.toml --out out --no-figures --verbose"
 
 
 def answers_in(text):
@@ -62,9 +57,9 @@ def test_each_variable_has_its_own_unit(five, stated, units):
     assert {name: dataset[name].attrs["units"] for name in units} == units
 
 
-@pytest.mark.parametrize("flags", [(), ("--verbose",)], ids=["brief", "verbose"])
-def test_the_answer_is_printed_first(five, flags, tmp_path, capsys):
-    output = printed(five.scene, tmp_path, capsys, *flags)
+@pytest.mark.parametrize("flags", ["", "--verbose"], ids=["brief", "verbose"])
+def test_the_answer_is_printed_first(five, flags, command):
+    output = command(f"run scene.toml --out out --no-figures {flags}", scene=five.scene).out
     parts = ("0.4995", "1.273", "0.9947", "The methods agree")
     if flags:
         parts += ("0.3441", "to infinity", "Accuracy", "Modelled", "Left out")
@@ -73,16 +68,15 @@ def test_the_answer_is_printed_first(five, flags, tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, capsys):
+def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(command):
     """Fields that are left out of the promise, at times exactly as in the scene, are no failure."""
     scene = Scene.load("duty_cycle")
-    command = ["run", "duty_cycle", "--methods", "mdr,bem", "--out", str(tmp_path / "out")]
-    assert main([*command, "--no-figures", "--no-report"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    line = "run duty_cycle --methods mdr,bem --out out --no-figures --no-report"
+    lines = command(line).out.splitlines()
     assert len([line for line in lines if line.startswith(("  1 ", "  2 ", "  3 "))]) == 3
     (verdict,) = (line for line in lines if line.startswith("The methods agree in "))
     assert " quantities. Undecided while edges of the contact move: " in verdict
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    summary = load("out").summary
     excluded = [time for row in summary["left_out_of_promise"] for time in row["times"]]
     assert 14.0 in excluded
     assert set(excluded) <= set(scene.wear.times)
@@ -92,13 +86,11 @@ def test_a_load_that_varies_is_answered_by_what_each_ring_has_lost(tmp_path, cap
     ("times", "words"),
     [([0.0, 1e-5], "before the running-in"), ([50.0], "after the running-in"), ([0.1, 1.0], "")],
 )
-def test_times_that_miss_the_running_in_give_a_note(times, words, tmp_path, capsys):
+def test_times_that_miss_the_running_in_give_a_note(times, words, command):
     scene = Scene.load("five_rings").changed(
         wear__times=times, methods=["mdr"], accuracy__rtol=1e-2
     )
-    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    assert main(["plan", str(tmp_path / "scene.toml")]) == 0
-    planned = capsys.readouterr().out.splitlines()
+    planned = command("plan scene.toml", scene=scene).out.splitlines()
     assert "running-in: slowest relaxation time of the full face 0.344" in planned
     for lines in (planned, run(scene).remarks):
         missed = [line for line in lines if "the running-in, " in line]
@@ -106,11 +98,11 @@ def test_times_that_miss_the_running_in_give_a_note(times, words, tmp_path, caps
         assert all(words in line for line in missed)
 
 
-def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own(tmp_path, capsys):
+def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own(command):
     washer = Scene.load("washer").changed(methods=["mdr"], accuracy__rtol=1e-2)
-    text = printed(washer, tmp_path, capsys, "--verbose")
+    text = command(RUN, scene=washer).out
     answers = {name: value for name, (value, _) in answers_in(text).items()}
-    result = load(tmp_path / "out")
+    result = load("out")
     times = ("time to 90", "time to 99", "running in time")
     assert len({answers[name].split()[1] for name in times}) == 1
     assert len({answers[name].split()[1] for name in answers if "indentation" in name}) == 1
@@ -119,11 +111,11 @@ def test_the_answers_of_one_kind_have_one_unit_and_definitions_of_their_own(tmp_
     assert "99 % of the running-in" in result.dataset.time_to_99.attrs["long_name"]
 
 
-def test_the_running_in_time_of_a_ball_is_said_to_be_that_of_the_full_face(tmp_path, capsys):
+def test_the_running_in_time_of_a_ball_is_said_to_be_that_of_the_full_face(command):
     """Under a force a ball wears for ever; its contact does not reach the rim."""
     sphere = Scene.load("sphere").changed(methods=["mdr"], wear__times=[0.0, 0.1])
-    text = printed(sphere, tmp_path, capsys, "--verbose")
-    result = load(tmp_path / "out")
+    text = command(RUN, scene=sphere).out
+    result = load("out")
     assert np.isnan(result.first("time_to_full_contact"))
     _, meaning = answers_in(text)["running in time"]
     assert "slowest relaxation time of the full face" in meaning
@@ -144,15 +136,13 @@ WITHOUT_SPEED = {
     ("units", "metre", "length", "rate"),
     [("SI", 1.0, "m", "318.3 nm/km"), ("mm, N, MPa, s", 1e3, "mm", "0.0003183 mm/km")],
 )
-def test_without_a_sliding_speed_times_are_sliding_distances(
-    units, metre, length, rate, tmp_path, capsys
-):
+def test_without_a_sliding_speed_times_are_sliding_distances(units, metre, length, rate, command):
     """The height lost per distance is k F / (pi a^2), and distances are speed times time."""
     scene = Scene.from_table(WITHOUT_SPEED | {"units": units})
     assert scene.wear.times == pytest.approx([0.0, 500.0 * metre, 2000.0 * metre])
-    text = printed(scene, tmp_path, capsys, "--verbose")
+    text = command(RUN, scene=scene).out
     answers = {name: value for name, (value, _) in answers_in(text).items()}
-    result = load(tmp_path / "out")
+    result = load("out")
     assert answers["steady wear rate"] == rate
     assert all(answers[name].endswith((" m", " km")) for name in ("time to 90", "time to 99"))
     dataset = result.dataset

@@ -6,7 +6,7 @@ from textwrap import dedent
 
 import pytest
 
-from ringwear import Scene, main
+from ringwear import Scene
 
 ROOT = Path(__file__).parents[2]
 FLOORS = ("fem", "mdr", "meshes", "studies")
@@ -47,20 +47,18 @@ def snippet(start, page=ROOT / "README.md"):
     return dedent(block)
 
 
-def test_the_scene_and_the_script_of_the_readme(tmp_path, monkeypatch):
+def test_the_scene_and_the_script_of_the_readme(command):
     """The assertion in the last line of the script holds."""
-    monkeypatch.chdir(tmp_path)
     Path("punch.toml").write_text(snippet('units = "SI"'), "utf-8")
-    assert main(["run", "punch.toml", "--no-figures", "--rtol", "1e-3"]) == 0
+    command("run punch.toml --no-figures --rtol 1e-3")
     script = snippet("from ringwear import run")
     assert "assert" in script.splitlines()[4]
     exec("\n".join(script.splitlines()[:5]), {})
 
 
 @pytest.mark.gmsh
-def test_the_output_in_the_readme(tmp_path, capsys):
-    assert main(["run", "--no-figures", "--out", str(tmp_path / "out")]) == 0
-    output = capsys.readouterr().out
+def test_the_output_in_the_readme(command):
+    output = command("run --no-figures --out out").out
     shown = [line.strip() for line in snippet("Five rings, k2").splitlines() if line.strip()]
     assert len(shown) >= 8
     assert all(line in output for line in shown)
@@ -103,20 +101,13 @@ def test_the_readme_is_short():
     assert len(" ".join(line for line in lines if not line.startswith("|")).split()) <= 900
 
 
-def help_of(capsys, *command):
-    """Return what a command prints about itself."""
-    with pytest.raises(SystemExit, match="0"):
-        main([*command, "--help"])
-    return capsys.readouterr().out
-
-
-def test_the_reference_names_every_command_and_flag(capsys):
+def test_the_reference_names_every_command_and_flag(command):
     text = REFERENCE.read_text("utf-8")
-    listed = help_of(capsys).partition("COMMAND\n")[2].partition("\n\n")[0]
+    listed = command("--help").out.partition("COMMAND\n")[2].partition("\n\n")[0]
     commands = re.findall(r"^    ([a-z]+)", listed, re.MULTILINE)
     assert {"run", "check", "challenge"} < set(commands)
     assert "--version" in text
     for name in commands:
         assert f"ringwear {name}" in text
-        for flag in set(re.findall(r"--[a-z-]+", help_of(capsys, name))) - {"--help"}:
+        for flag in set(re.findall(r"--[a-z-]+", command(f"{name} --help").out)) - {"--help"}:
             assert flag in text, (name, flag)

@@ -9,7 +9,7 @@ import tomli_w
 from groups import nightly
 from natural import natural
 
-from ringwear import Scene, SceneError, main, method, run, sweep
+from ringwear import Scene, SceneError, method, run, sweep
 
 SCENE = natural({"rings": 3, "wear_coefficients": [1.0, 5.0]}, [0.0, 0.1, 0.5], methods="mdr")
 OVER_TIME = {"times": [0.0, 1.0], "values": [1.0, 2.0]}
@@ -48,10 +48,7 @@ COMMANDS = [
 
 
 @pytest.mark.parametrize(("name", "feature", "words"), [REFUSED[0], *nightly(*REFUSED[1:])])
-def test_all_commands_refuse_a_scene_in_the_same_words(
-    name, feature, words, tmp_path, monkeypatch, capsys
-):
-    monkeypatch.chdir(tmp_path)
+def test_all_commands_refuse_a_scene_in_the_same_words(name, feature, words, command, tmp_path):
     table = SCENE.changed(FEATURES[feature]).changed(methods=["mdr", name]).table()
     sweep = {"base": table, "axes": {"accuracy.rtol": [1e-3, 1e-2]}}
     (tmp_path / "scene.toml").write_text(tomli_w.dumps(table), "utf-8")
@@ -60,10 +57,9 @@ def test_all_commands_refuse_a_scene_in_the_same_words(
     # a study has methods of its own; it refuses those that are asked for
     study = f"study tradeoff scene.toml --quick --methods {name}"
     messages = set()
-    for command in [*COMMANDS, study]:
-        assert main(command.split()) == 2, command
-        printed = capsys.readouterr()
-        assert printed.out == "" or command == study, command
+    for line in [*COMMANDS, study]:
+        printed = command(line, 2)
+        assert printed.out == "" or line == study, line
         messages.add(printed.err.strip().splitlines()[-1])
     (message,) = messages
     assert words in message
@@ -71,16 +67,12 @@ def test_all_commands_refuse_a_scene_in_the_same_words(
     assert len(list(tmp_path.iterdir())) == 3
 
 
-def test_a_sweep_without_anything_to_compute_is_refused_like_its_scene(tmp_path, capsys):
+def test_a_sweep_without_anything_to_compute_is_refused_like_its_scene(command, tmp_path):
     scene = SCENE.changed({"load": {"indentation": 0.5}, "wear": {"times": []}})
     sweep = {"base": scene.table(), "axes": {"accuracy.rtol": [1e-3, 1e-2]}}
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(sweep), "utf-8")
-    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    messages = set()
-    for command in (["sweep", "sweep.toml", "--dry-run"], ["run", "scene.toml"]):
-        assert main([command[0], str(tmp_path / command[1]), *command[2:]]) == 2
-        messages.add(capsys.readouterr().err)
-    (message,) = messages
+    message = command("sweep sweep.toml --dry-run", 2).err
+    assert command("run scene.toml", 2, scene).err == message
     assert "with load.indentation the pressure vanishes in the steady state" in message
 
 
@@ -95,16 +87,13 @@ def test_other_methods_accept_every_feature(feature):
     assert not any(method(name).refusal(problem) for name in ("mdr", "bem", "fem"))
 
 
-def test_a_sweep_computes_the_scenes_that_methods_accept(tmp_path, monkeypatch, capsys):
+def test_a_sweep_computes_the_scenes_that_methods_accept(command, tmp_path):
     """Only a sweep without any such scene is refused; its plan names the reason of a failure."""
-    monkeypatch.chdir(tmp_path)
     table = SCENE.changed(methods=["mdr-grid"], accuracy__mdr={"grid": 50}).table()
     sweep = {"base": table, "axes": {"punch.inner_radius": [0.3, 0.0]}}
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(sweep), "utf-8")
-    assert main(["sweep", "sweep.toml", "--dry-run"]) == 0
-    assert "2 scenes" in capsys.readouterr().out
-    assert main(["sweep", "sweep.toml", "--workers", "1"]) == 1
-    printed = capsys.readouterr().out
+    assert "2 scenes" in command("sweep sweep.toml --dry-run").out
+    printed = command("sweep sweep.toml --workers 1", 1).out
     assert "1 scenes finished, 1 failed" in printed
     assert "mdr-grid solves full discs only: with punch.inner_radius leave it out" in printed
 
@@ -136,19 +125,16 @@ def without_methods(changes):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", WITHOUT_METHODS)
-def test_a_scene_without_methods_is_solved_by_those_that_can(case, tmp_path, monkeypatch, capsys):
+def test_a_scene_without_methods_is_solved_by_those_that_can(case, command, tmp_path):
     changes, omitted, words = WITHOUT_METHODS[case]
-    monkeypatch.chdir(tmp_path)
     scene = without_methods(changes)
-    (tmp_path / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    assert main(["run", "scene.toml", "--no-figures", "--out", "out"]) == 0
-    assert f"without {omitted}" in capsys.readouterr().out
+    printed = command("run scene.toml --no-figures --out out", scene=scene).out
+    assert f"without {omitted}" in printed
     summary = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
     assert {*summary["methods"]} == {"mdr", "direct", "fem"} - {omitted}
     assert words in summary["left_out"][omitted]
     assert "leave" not in summary["left_out"][omitted]
-    assert main(["plan", "scene.toml"]) == 0
-    printed = capsys.readouterr().out
+    printed = command("plan scene.toml").out
     assert f"{omitted}: " in printed.partition("Left out")[2].partition("By method")[0]
     # a method that the scene names is refused, unless it only lacks what is not asked for
     if case != "no steady state":

@@ -3,8 +3,6 @@
 It is one file, has the input of the run, and works in a browser, on paper and on a phone.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import re
@@ -155,14 +153,13 @@ def test_the_page_of_a_study(tmp_path):
         assert words in text, words
 
 
-def test_flags_leave_out_figures_or_the_page(tmp_path):
-    quick = ["run", "flat_punch", "--methods", "direct", "--out", str(tmp_path)]
+def test_flags_leave_out_figures_or_the_page(command, tmp_path):
     for flags, figures in (
-        (["--no-report"], {"steady_state.png"}),
-        ([], {"steady_state.png", "report.html"}),
-        (["--no-figures"], set()),
+        ("--no-report", {"steady_state.png"}),
+        ("", {"steady_state.png", "report.html"}),
+        ("--no-figures", set()),
     ):
-        assert main([*quick, *flags]) == 0
+        command(f"run flat_punch --methods direct --out . {flags}")
         files = {file.name for file in tmp_path.glob("[!.]*")}
         assert files == {"results.nc", "summary.json"} | figures
 

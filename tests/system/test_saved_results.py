@@ -98,16 +98,10 @@ def scaled(factor):
     return lambda array: (array[0], array[1] * factor, array[2])
 
 
-def reversed_rings(array):
-    dims, values, attributes = array
-    return dims, np.flip(values, dims.index("ring")), attributes
-
-
 # an array, and what happens to it on its way into the file
 ALTERATIONS = {
     "pressure + 10 %": ("pressure", scaled(1.1)),
     "one bit of the times": ("time", scaled(np.nextafter(1.0, 2.0))),
-    "rings reversed": ("ring_force", reversed_rings),
     "single precision": ("indentation", lambda of: (of[0], of[1].astype(np.float32), of[2])),
     "another unit": ("indentation", lambda of: (of[0], of[1], of[2] | {"units": "mm"})),
     "methods exchanged": ("solver", lambda array: (array[0], array[1][::-1], array[2])),
@@ -134,15 +128,16 @@ def test_an_array_that_is_altered_while_it_is_written_is_noticed(
         files.write_numbers(result.dataset, result.summary, tmp_path)
 
 
+def test_an_answer_that_is_altered_while_it_is_written_is_noticed(result, tmp_path):
+    summary = json.loads(json.dumps(result.summary))
+    summary["answer"]["mdr"]["indentation_start"] *= 1.01
+    with pytest.raises(RingwearError, match=r"summary\.json was not .*: indentation_start"):
+        files.write_numbers(result.dataset, summary, tmp_path)
+
+
 def test_an_entry_that_is_altered_is_refused(copied):
     edit_summary(copied, lambda entries: entries.update(verdict="disagree"))
     assert "summary.json is not as it was written" in refusal(copied)
-
-
-def test_an_array_that_is_altered_later_is_refused(copied):
-    with netCDF4.Dataset(copied / "results.nc", "a") as file:
-        file["rms_slope"][:] = 0.5
-    assert "results.nc is not as it was written" in refusal(copied)
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -183,10 +178,8 @@ DEEP = 100_000
     ("text", "words"),
     [
         ("[]", "no checksums"),
-        ("3", "no checksums"),
         ("", "Expecting value"),
         ("[" * DEEP, "recursion"),
-        ("{}", "no checksums"),
         ('{"checksums": {"variables": {}}}', "no checksums of both files"),
         ('{"a": ' + "9" * 5000 + "}", "digits"),
     ],
@@ -204,15 +197,14 @@ def test_a_missing_file_or_a_folder_in_its_place_is_refused(name, copied):
     assert name in refusal(copied) or "directory" in refusal(copied)
 
 
-@pytest.mark.parametrize("command", ["compare {} flat_punch", "check flat_punch {}/results.nc"])
-def test_commands_refuse_altered_results(command, copied, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.parametrize(
+    "line", ["compare copied flat_punch", "check flat_punch copied/results.nc"]
+)
+def test_commands_refuse_altered_results(line, copied, command, tmp_path):
     with netCDF4.Dataset(copied / "results.nc", "a") as file:
         file["indentation"][:] *= 1.01
-    assert main(command.format(copied).split()) == 2
-    printed = capsys.readouterr()
-    (line,) = printed.err.splitlines()
-    assert "results.nc is not as it was written; run its scene again" in line
+    (message,) = command(line, 2).err.splitlines()
+    assert "results.nc is not as it was written; run its scene again" in message
     assert not (tmp_path / "results").exists()
 
 

@@ -1,10 +1,7 @@
 """Tables that any study writes row by row, and that Ctrl-C keeps."""
 
-from __future__ import annotations
-
 import csv
 import logging
-import signal
 import subprocess
 import sys
 import time
@@ -58,26 +55,26 @@ def interrupted_at(line):
 
 @pytest.mark.parametrize("line", [1, *nightly(2)])
 @pytest.mark.parametrize("name", nightly_but(["march"], names_of_studies()))
-def test_a_study_stopped_early_keeps_its_tables(name, line, tmp_path, capsys):
+def test_a_study_stopped_early_keeps_its_tables(name, line, command, tmp_path):
     with interrupted_at(line):
-        assert main(["study", name, "five_rings", "--quick", "--out", str(tmp_path)]) == 1
-    assert INTERRUPTED in capsys.readouterr().out
+        printed = command(f"study {name} five_rings --quick --out .", 1).out
+    assert INTERRUPTED in printed
     assert len(levels(tmp_path / f"{name}.csv")) == line - 1
     assert INTERRUPTED in (tmp_path / "report.html").read_text("utf-8")
 
 
-def test_ctrl_c_before_the_first_row_leaves_nothing(tmp_path, monkeypatch):
+def test_ctrl_c_before_the_first_row_leaves_nothing(command, tmp_path, monkeypatch):
     def march(_, *, quick, record):
         assert quick
         record.file.write_text("a\n", "utf-8")
         raise KeyboardInterrupt
 
     monkeypatch.setattr("ringwear.studies.march.march", march)
-    assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
+    command("study march --quick --out .", 1)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkeypatch, capsys):
+def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(command, tmp_path, monkeypatch):
     write_text = Path.write_text
 
     def half_write(path, text, *arguments):
@@ -87,39 +84,10 @@ def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(tmp_path, monkey
         return write_text(path, text, *arguments)
 
     monkeypatch.setattr(Path, "write_text", half_write)
-    assert main(["study", "march", "--quick", "--out", str(tmp_path)]) == 1
-    assert INTERRUPTED in capsys.readouterr().out
+    assert INTERRUPTED in command("study march --quick --out .", 1).out
     names = {file.name for file in tmp_path.iterdir()}
     assert {"march.csv", "orders.csv", "march.png"} <= names
     assert "report.html" not in names
-
-
-@pytest.mark.slow
-@pytest.mark.gmsh
-@pytest.mark.parametrize("number", [signal.SIGINT, *nightly(signal.SIGTERM)])
-@pytest.mark.parametrize("seconds", [0.0, *nightly(1.3, 4.1)])
-def test_a_study_that_is_stopped_while_it_meshes_keeps_its_rows(number, seconds, tmp_path):
-    def finished_rows():
-        return sum(len(levels(table)) for table in out.glob(".writing/extremes.csv"))
-
-    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from ringwear import main; raise SystemExit(main())"
-    out = tmp_path / "out"
-    command = [sys.executable, "-c", code, "study", "extremes", "--quick", "--out", str(out)]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as study:
-        while study.poll() is None and not finished_rows():
-            time.sleep(0.02)
-        time.sleep(seconds)
-        finished = finished_rows()
-        study.send_signal(number)
-        printed, errors = study.communicate(timeout=60)
-    assert study.returncode == 1
-    assert INTERRUPTED in printed
-    assert "Traceback" not in errors
-    assert len(levels(out / "extremes.csv")) >= finished >= 1
-    assert not list(out.glob(".writing"))
 
 
 @pytest.mark.nightly

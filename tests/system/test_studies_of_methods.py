@@ -1,12 +1,12 @@
 """The quick studies: conclusions of their tables, and the files that they write."""
 
-from __future__ import annotations
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, SceneError, main, study
+from ringwear import Scene, SceneError, study
 
 
 def conduct(name, out):
@@ -98,27 +98,25 @@ def test_direct_integration_is_timed_for_the_steady_state():
     assert table[table["method"] == "direct"]["tolerance"].isna().all()
 
 
-def test_a_method_that_fails_is_a_row_with_the_reason(tmp_path, capsys):
+def test_a_method_that_fails_is_a_row_with_the_reason(command):
     """The others go on; the answer fits a terminal, and the sentences are few and short."""
-    file = tmp_path / "mine.py"
-    file.write_text(
+    Path("mine.py").write_text(
         "from ringwear import method\n"
         "class Failing(type(method('mdr'))):\n"
         "    name = 'failing'\n"
         "    def discretise(self, problem, stages):\n"
         "        raise ValueError('it fails for a reason with more words than fit a table')\n"
     )
-    options = ["--vary", "half_space.poisson_ratio=0.1:0.3:2", "--methods", f"mdr,{file}:Failing"]
-    out = tmp_path / "out"
-    assert main(["study", "extremes", "flat_punch", "--quick", *options, "--out", str(out)]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    options = "--vary half_space.poisson_ratio=0.1:0.3:2 --methods mdr,mine.py:Failing"
+    printed = command(f"study extremes flat_punch --quick {options} --out out").out
+    lines = printed.splitlines()
     table = [line for line in lines if line.startswith("|")]
     assert len(table) <= 40
     assert max(map(len, table)) <= 100
     sentences = lines[lines.index(table[-1]) + 1 : -2]
     assert 0 < len(sentences) <= 8
     assert max(len(line.split()) for line in sentences) <= 30
-    answer = pd.read_csv(out / "answer.csv").set_index("way")
+    answer = pd.read_csv("out/answer.csv").set_index("way")
     assert "it fails for a reason" in answer["not solved: because"]["failing"]
     assert answer["within tolerance"]["MDR"] == "2 of 2"
 

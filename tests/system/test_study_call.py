@@ -1,7 +1,5 @@
 """`ringwear.study`: its return value, its refusals, and its files."""
 
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 

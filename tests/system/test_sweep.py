@@ -1,7 +1,5 @@
 """Sweeps: the file, the grid, shared work, and equality of every scene with `run`."""
 
-from __future__ import annotations
-
 import json
 import os
 import tomllib
@@ -14,7 +12,7 @@ import tomli_w
 import xarray
 from matplotlib.figure import Figure
 
-from ringwear import Rings, Scene, SceneError, direct, main, run, sweep
+from ringwear import Rings, Scene, SceneError, direct, run, sweep
 
 FIVE = Scene.load("five_rings").changed(
     methods=["mdr", "direct"], accuracy__rtol=1e-3, wear__times=[0.0, 0.01, 0.3]
@@ -158,7 +156,6 @@ REFUSED = [
     (GOOD.replace("[2, 3]", f"{5000 * '['}1.0{5000 * ']'}"), "nested too deeply; give those"),
     (GOOD.replace("punch.rings", f"punch{5000 * '.a'}"), "nested too deeply; give those"),
     (GOOD.replace("[2, 3]", f"[{5000 * '9'}]"), "a number has thousands of digits; give numbers"),
-    (GOOD.replace("[2, 3]", f"[0x{5000 * '9'}]"), "give"),
     (HEAD + FORCES + DRAWN + "count = 2\nseed = 1", "given twice, in [axes] and in [random]"),
     (HEAD + FORCES + FORCES.replace("axes", "zip"), "is given twice, in [axes] and in [zip]"),
     (GOOD.replace("3", "2"), "punch.rings has 2 twice"),
@@ -173,13 +170,11 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("text", "message"), REFUSED)
-def test_a_bad_sweep_file_is_refused(tmp_path, monkeypatch, capsys, text, message):
+def test_a_bad_sweep_file_is_refused(command, text, message):
     """One line states the reason, and nothing is written."""
-    monkeypatch.chdir(tmp_path)
     Path("bad.toml").write_text(text)
     for option in ("--dry-run", "--workers=1"):
-        assert main(["sweep", "bad.toml", option]) == 2
-        (line,) = capsys.readouterr().err.splitlines()
+        (line,) = command(f"sweep bad.toml {option}", 2).err.splitlines()
         assert message in line
         # long values are shortened; names of all quantities are not
         assert len(line) < 900
@@ -266,32 +261,28 @@ def test_axes_crossed_zipped_and_drawn(tmp_path):
         np.testing.assert_allclose(last[name], alone[name], rtol=1e-3)
 
 
-def test_a_dry_run_predicts_scenes_bytes_and_seconds(tmp_path, monkeypatch, capsys):
+def test_a_dry_run_predicts_scenes_bytes_and_seconds(command):
     """The seconds come from a probe; nothing is written. The file is without the faults above."""
-    monkeypatch.chdir(tmp_path)
     Path("small.toml").write_text(GOOD)
-    assert main(["sweep", "small.toml", "--dry-run"]) == 0
-    text = capsys.readouterr().out
+    text = command("sweep small.toml --dry-run").out
     for part in ("2 scenes", "MiB", "probe", "processes"):
         assert part in text
     assert os.listdir() == ["small.toml"]
 
 
-def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, monkeypatch, capsys):
-    file, out = tmp_path / "map.toml", tmp_path / "out"
-    file.write_text(
+def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(command, tmp_path, monkeypatch):
+    Path("map.toml").write_text(
         'base = "five_rings"\nkeep = ["steady_wear_rate"]\n[axes]\n"punch.rings" = [2, 4]'
     )
-    call = ["sweep", str(file), "--out", str(out), "--workers", "1"]
-    assert main(call) == 0
+    out, line = tmp_path / "out", "sweep map.toml --out out --workers 1"
+    command(line)
     assert (out / "sweep.png").stat().st_size > 1000
 
     def fail(*_, **__):
         raise ValueError("no room")
 
     monkeypatch.setattr(Figure, "savefig", fail)
-    assert main([*call, "--resume"]) == 1
-    assert "sweep.png could not be written: no room" in capsys.readouterr().out
+    assert "sweep.png could not be written: no room" in command(f"{line} --resume", 1).out
     assert not (out / "sweep.png").exists()
     dataset = xarray.open_zarr(out / "sweep.zarr", decode_timedelta=False)
     assert dataset["status"].values.tolist() == [1, 1]
@@ -300,8 +291,7 @@ def test_a_map_is_drawn_and_its_failure_does_not_affect_other_files(tmp_path, mo
 @pytest.mark.parametrize(
     "values", [[1e-2, 1e-3], {"geomspace": [1e-3, 1e-1, 9]}], ids=["few", "many"]
 )
-def test_random_draws_are_drawn_over_another_axis(values, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_random_draws_are_drawn_over_another_axis(values, command, tmp_path):
     table = {
         "base": FIVE.changed(methods=["direct"]).table(),
         "keep": ["steady_wear_rate", "steady_rms_slope"],
@@ -309,5 +299,5 @@ def test_random_draws_are_drawn_over_another_axis(values, tmp_path, monkeypatch)
         "random": {"count": 10, "seed": 1, "load.normal_force": [1.0, 2.0]},
     }
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(table), "utf-8")
-    assert main(["sweep", "sweep.toml", "--out", "out"]) == 0
+    command("sweep sweep.toml --out out")
     assert (tmp_path / "out" / "sweep.png").stat().st_size > 1000

@@ -3,8 +3,6 @@
 A line reports workers that compute differently or not at all; finished scenes stay.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

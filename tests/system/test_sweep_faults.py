@@ -1,6 +1,7 @@
-"""Sweeps that are interrupted or damaged end with the bytes of undisturbed ones or a reason."""
+"""Sweeps that are interrupted or damaged end with the bytes of undisturbed ones or a reason.
 
-from __future__ import annotations
+Sweeps in memory need no extra libraries.
+"""
 
 import json
 import logging
@@ -21,8 +22,12 @@ import xarray
 import zarr
 from groups import nightly
 
-from ringwear import RingwearError, Scene, SceneError, __version__, main, sweep
+from ringwear import RingwearError, Scene, SceneError, __version__, sweep
+from ringwear.studies.crosscheck.versions import code
 from ringwear.studies.sweep import blocks, compute, results, template
+from ringwear.studies.sweep.axes import Sweep
+from ringwear.studies.sweep.compute import compute_block
+from ringwear.studies.sweep.results import HIDDEN, Store
 
 # three blocks of eight scenes
 BASE = Scene.load("five_rings").changed(methods=["mdr", "direct"], accuracy__rtol=1e-1)
@@ -162,27 +167,6 @@ def test_a_damaged_block_is_detected_and_computed_again(
     assert written == ([] if file in LABELS else [2])
 
 
-@pytest.mark.slow
-def test_no_flipped_bit_is_read_as_a_number(tmp_path, undisturbed):
-    """Each bit of a chunk of results is covered by its checksum, or has no effect."""
-    shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
-    file = tmp_path / "sweep.zarr" / "steady_rms_slope" / "c" / "1" / "0" / "0"
-    content, values = file.read_bytes(), store_values(tmp_path)
-    for place in range(8 * len(content)):
-        changed = bytearray(content)
-        changed[place // 8] ^= 1 << place % 8
-        file.write_bytes(changed)
-        try:
-            read = store_values(tmp_path)
-        except Exception:
-            continue
-        np.testing.assert_array_equal(read, values)
-
-
-def store_values(directory):
-    return zarr.open_group(directory / "sweep.zarr", mode="r")["steady_rms_slope"][1]
-
-
 @pytest.mark.parametrize("damage", [truncate, empty, Path.unlink])
 @pytest.mark.parametrize("keep", [KEEP, KEEP[:1]], ids=["same", "another"])
 def test_a_store_without_its_root_is_refused(tmp_path, undisturbed, damage, keep):
@@ -237,48 +221,51 @@ def fail_for_three_rings(patch, error):
 @pytest.mark.parametrize(
     ("error", "status"), [(ValueError("a bad day"), 2), (MemoryError("no room"), 0)], ids=str
 )
-def test_failed_scenes_end_the_command_with_status_1(tmp_path, monkeypatch, capsys, error, status):
+def test_failed_scenes_end_the_command_with_status_1(command, tmp_path, monkeypatch, error, status):
     """The reason is printed, and other scenes are computed.
 
     A failed scene is tried again only with --retry-failed; a scene that lacked memory stays
     pending.
     """
-    file, out = tmp_path / "sweep.toml", tmp_path / "out"
-    file.write_text(tomli_w.dumps({"base": BASE.table(), "keep": KEEP, "axes": AXES}))
-    command = ["sweep", str(file), "--workers", "1", "--out", str(out)]
+    table = {"base": BASE.table(), "keep": KEEP, "axes": AXES}
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(table))
+    line, out = "sweep sweep.toml --workers 1 --out out", tmp_path / "out"
     with monkeypatch.context() as patch:
         fail_for_three_rings(patch, error)
-        assert main(command) == 1
-    output = capsys.readouterr().out
+        output = command(line, 1).out
     assert f"direct: {type(error).__name__}: {error} (8 scenes)" in output
     assert statuses(out) == [1] * 8 + [status] * 8 + [1] * 8
     results = xarray.open_zarr(out / "sweep.zarr")["steady_rms_slope"].isel(solver=0)
     np.testing.assert_array_equal(results.notnull().all("wear_ratio"), [True, False, True])
-    assert main([*command, "--resume"]) == (1 if status == 2 else 0)
-    assert main([*command, "--retry-failed"]) == 0
+    command(f"{line} --resume", 1 if status == 2 else 0)
+    command(f"{line} --retry-failed")
     assert statuses(out) == [1] * 24
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("failing", [False, True])
-def test_methods_that_disagree_end_the_command_with_3(tmp_path, monkeypatch, failing):
+def test_methods_that_disagree_end_the_command_with_3(command, tmp_path, monkeypatch, failing):
     """If scenes failed, the status is 1 even if others disagree."""
     (tmp_path / "sweep.toml").write_text(tomli_w.dumps(LONG | {"axes": AXES}))
     monkeypatch.setattr(compute, "disagreement", lambda *_: 1.5)
     if failing:
         fail_for_three_rings(monkeypatch, ValueError())
-    command = ["sweep", str(tmp_path / "sweep.toml"), "--workers", "1", "--out", str(tmp_path)]
     for _ in range(2):
-        assert main([*command, "--resume"]) == (1 if failing else 3)
+        command("sweep sweep.toml --workers 1 --out . --resume", 1 if failing else 3)
 
 
-def test_a_store_of_other_versions_is_refused(tmp_path, undisturbed, monkeypatch):
-    """Other versions do not continue it."""
-    there = json.loads(xarray.open_zarr(undisturbed / "sweep.zarr").attrs["versions"])
+@pytest.mark.parametrize("changed", ["versions", "code"])
+def test_a_store_of_other_versions_or_code_is_refused(tmp_path, undisturbed, monkeypatch, changed):
+    """Other versions, or another hash of the code, do not continue it."""
+    attributes = xarray.open_zarr(undisturbed / "sweep.zarr").attrs
+    there = json.loads(attributes["versions"])
     assert (there["ringwear"], there["numpy"]) == (__version__, np.__version__)
+    assert attributes["code"] == code()
     other = there | {"ringwear": "0", "numpy": "1.0"}
     shutil.copytree(undisturbed, tmp_path, dirs_exist_ok=True)
-    monkeypatch.setattr(template, "package_versions", lambda: other)
+    names = {"versions": ("package_versions", other), "code": ("code", "of another edit")}
+    name, value = names[changed]
+    monkeypatch.setattr(template, name, lambda: value)
     with pytest.raises(
         SceneError, match="begun with another sweep file, other code of ringwear or other libraries"
     ):
@@ -433,3 +420,81 @@ def test_a_stop_while_workers_start_ends_them(tmp_path):
         while any(map(alive, workers)):
             assert time.monotonic() < deadline
             time.sleep(0.05)
+
+
+WITHOUT_EXTRA = """
+import sys
+for name in ("dask", "distributed", "zarr"):
+    sys.modules[name] = None
+from ringwear import SceneError, main, sweep
+axes = {"punch.rings": [2, 3]}
+dataset = sweep("five_rings", axes, keep=["steady_rms_slope"])
+assert dataset["steady_rms_slope"].notnull().all()
+assert main(["sweep", "running_in", "--out", "out", "--workers", "1"]) == 2
+assert main(["sweep", "running_in", "--out", "out", "--scheduler", "tcp://127.0.0.1:9"]) == 2
+try:
+    sweep("five_rings", axes, "out", keep=["steady_rms_slope"])
+except SceneError as refused:
+    print(refused, file=sys.stderr)
+"""
+
+
+def plan(**changes):
+    table = {"base": BASE.changed(**changes).table(), "axes": AXES, "keep": KEEP}
+    return Sweep.of(table)
+
+
+@pytest.fixture
+def store(tmp_path):
+    """A finished store of three blocks."""
+    folder = tmp_path / "done"
+    folder.mkdir()
+    finished = Store(plan(), folder, resume=False)
+    for number, block in finished.unfinished(False).items():
+        finished.write(number, compute_block(block, finished.blank))
+    return finished
+
+
+@pytest.mark.slow
+def test_a_sweep_in_memory_needs_no_extra(script):
+    done = script(WITHOUT_EXTRA)
+    assert done.returncode == 0, done.stderr
+    refusals = [line for line in done.stderr.splitlines() if "ringwear[sweep]" in line]
+    assert "zarr" in refusals[0]
+    assert "dask and distributed" in refusals[1]
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("linked", [True, False])
+def test_files_of_others_are_neither_removed_nor_mixed_with_a_store(command, tmp_path, linked):
+    foreign, out = tmp_path / "foreign", tmp_path / "out"
+    foreign.mkdir()
+    (foreign / "download.partial").write_text("of someone else", "utf-8")
+    out.mkdir()
+    path = out / "sweep.zarr"
+    if linked:
+        path.symlink_to(foreign)
+    else:
+        shutil.copytree(foreign, path)
+    printed = command("sweep running_in --out out --resume --workers 1", 2)
+    assert "zarr.json is damaged or lost" in printed.err
+    assert [file.name for file in path.iterdir()] == ["download.partial"]
+
+
+def test_leftovers_beside_arrays_of_a_store_are_kept(store):
+    """Only unfinished files of Zarr and of a killed sweep are removed."""
+    mine = store.path / "mine"
+    mine.mkdir()
+    theirs = [mine / "notes.partial", store.path / "status" / "c" / "0.partial"]
+    for file in theirs:
+        file.write_text("of someone else", "utf-8")
+    hidden = store.path.with_name(f"{HIDDEN}a")
+    hidden.mkdir()
+    unfinished = store.path / "status" / "c" / "0" / f"0.{32 * 'a'}.partial"
+    unfinished.write_bytes(b"")
+    Store(plan(), store.path.parent, resume=True)
+    assert all(file.exists() for file in theirs)
+    assert not unfinished.exists()
+    assert not hidden.exists()
+    with pytest.raises(SceneError, match="already exists"):
+        Store(plan(), store.path.parent, resume=False)

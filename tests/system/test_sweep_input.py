@@ -3,8 +3,6 @@
 No input is ignored, read twice or misunderstood; impossible input is refused.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from concurrent.futures import ThreadPoolExecutor

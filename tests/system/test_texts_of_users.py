@@ -14,7 +14,7 @@ import pytest
 import tomli_w
 from groups import nightly_but
 
-from ringwear import Scene, SceneError, check, deck, main, method, run, study
+from ringwear import Scene, SceneError, check, deck, method, run, study
 
 FLAT = Scene.load("flat_punch").changed(methods=["mdr"], accuracy__rtol=1e-2)
 CONTROLS = [
@@ -30,14 +30,12 @@ CONTROLS = [
 
 @pytest.mark.parametrize("key", ["title", "units"])
 @pytest.mark.parametrize("end", CONTROLS)
-def test_a_title_and_units_are_one_line(key, end, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_title_and_units_are_one_line(key, end, command, tmp_path):
     table = {key: f"SI{end}"} | FLAT.table()
     table[key] = f"SI{end}"
     (tmp_path / "mine.toml").write_text(tomli_w.dumps(table), "utf-8")
-    for command in ("run mine.toml", "deck mine.toml --for calculix", "plan mine.toml"):
-        assert main(command.split()) == 2
-        printed = capsys.readouterr()
+    for line in ("run mine.toml", "deck mine.toml --for calculix", "plan mine.toml"):
+        printed = command(line, 2)
         assert printed.out == ""
         (line,) = printed.err.split("\n")[:-1]
         assert f"{key}: " in line
@@ -84,19 +82,17 @@ def test_names_of_programs_methods_and_quantities_are_one_line():
 
 
 @pytest.mark.slow
-def test_names_of_files_and_columns_are_shown_with_escape_sequences(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_names_of_files_and_columns_are_shown_with_escape_sequences(command, tmp_path):
     escape = "\x1b[31m"
     name, heading = f"scene{escape}.toml", f"odd{escape}"
     (tmp_path / name).write_text(FLAT.changed(methods=["direct"]).to_toml(), "utf-8")
-    assert main(["run", name, "--no-figures"]) == 0
-    assert main(["run", f"absent{escape}"]) == 2
+    printed = [command(f"run '{name}' --no-figures"), command(f"run 'absent{escape}'", 2)]
     pd.DataFrame({"time": [0.0], "indentation": [1.0], heading: [1.0]}).to_csv("their.csv")
-    assert main(["check", "flat_punch", "their.csv"]) == 0
-    printed = capsys.readouterr()
-    assert r"absent\x1b[31m" in printed.err
-    assert r"odd\x1b[31m" in printed.err
-    assert escape not in printed.out + printed.err
+    printed.append(command("check flat_punch their.csv"))
+    errors = "".join(each.err for each in printed)
+    assert r"absent\x1b[31m" in errors
+    assert r"odd\x1b[31m" in errors
+    assert escape not in errors + "".join(each.out for each in printed)
 
 
 NAMES = ["...toml", "..toml", ".toml", "....toml", "..x.toml", "x..toml", "...", ".. .toml"]
@@ -107,22 +103,22 @@ OTHERS = ["mesh {}", "deck {} --for abaqus", "sweep {} --workers 1"]
 
 
 @pytest.mark.parametrize(
-    ("command", "name"),
+    ("line", "name"),
     nightly_but(
         [(RUN, "...toml")], [*product([RUN], NAMES), *product(OTHERS, ["...toml", "..x.toml"])]
     ),
 )
-def test_no_name_of_a_file_leads_outside_of_results(command, name, tmp_path, monkeypatch):
+def test_no_name_of_a_file_leads_outside_of_results(line, name, command, tmp_path, monkeypatch):
     home = tmp_path / "above" / "home"
     home.mkdir(parents=True)
     monkeypatch.chdir(home)
     scene = FLAT.changed(methods=["direct"])
     text = scene.to_toml()
-    if command.startswith("sweep"):
+    if line.startswith("sweep"):
         sweep = {"base": scene.table(), "axes": {"punch.radius": [1.0, 2.0]}}
         text = tomli_w.dumps(sweep)
     (home / name).write_text(text, "utf-8")
-    assert main([part.format(name) for part in command.split(" ")]) == 0
+    command(line.format(f"'{name}'"))
     written = [path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file()]
     inside = Path("above/home/results")
     others = [path for path in written if inside not in path.parents]
@@ -133,12 +129,10 @@ def test_no_name_of_a_file_leads_outside_of_results(command, name, tmp_path, mon
     assert re.fullmatch(r"[^.].*[^.]|[^.]", folder.name)
 
 
-def test_control_characters_of_a_file_are_no_lines_of_a_page(tmp_path, monkeypatch, capsys):
+def test_control_characters_of_a_file_are_no_lines_of_a_page(command, tmp_path):
     """The name of a checked file stands in figures, tables and the page."""
-    monkeypatch.chdir(tmp_path)
     times = np.array([0.0, 1.0])
     pd.DataFrame({"time": times, "indentation": 1.0 + 0 * times}).to_csv("a\nb.csv", index=False)
-    assert main(["check", "flat_punch", "a\nb.csv"]) == 2
-    (line,) = capsys.readouterr().err.split("\n")[:-1]
+    (line,) = command("check flat_punch 'a\nb.csv'", 2).err.split("\n")[:-1]
     assert r"'a\nb.csv' has the control character '\n'" in line
     assert not (tmp_path / "results").exists()

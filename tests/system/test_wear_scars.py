@@ -1,13 +1,11 @@
 """Fits to wear scars, and to data over sliding distances or cycles in place of times."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
 
 import ringwear
-from ringwear import Scene, SceneError, main
+from ringwear import Scene, SceneError
 
 WEAR = "punch.wear_coefficient"
 BALL = Scene(
@@ -53,7 +51,10 @@ def test_a_scar_has_the_wear_coefficient_of_its_volume(diameter):
 
 @pytest.mark.slow
 def test_distances_and_cycles_are_times_by_the_speed_of_the_scene():
-    """At 0.1 m/s, 100 s are 10 m, or 500 cycles of 20 mm; radii are halves of diameters."""
+    """At 0.1 m/s, 100 s are 10 m, or 500 cycles of 20 mm; radii are halves of diameters.
+
+    Without a speed, times are distances.
+    """
     times, diameters = np.array([100.0, 1000.0, 1e4]), np.array([0.7, 1.2, 2.1])
     tables = [
         ({"time": times, "scar_diameter": diameters}, {}),
@@ -66,6 +67,9 @@ def test_distances_and_cycles_are_times_by_the_speed_of_the_scene():
     ]
     tables[-1][1]["columns"] |= {"d": "scar_diameter"}
     values = [ringwear.fit(BALL, table, WEAR, "5 %", **how).estimates for table, how in tables]
+    without_speed = BALL.table()
+    del without_speed["load"]["sliding_speed"]
+    values.append(ringwear.fit(without_speed, tables[2][0], WEAR, "5 %").estimates)
     for each in values:
         assert each.value[WEAR] == pytest.approx(values[0].value[WEAR], rel=1e-6)
 
@@ -85,15 +89,6 @@ def test_distances_of_a_speed_that_varies():
     reached, missed = stopped.loading.times_at(np.array([0.375, 0.6]) / stopped.units.time)
     assert reached * stopped.units.time == pytest.approx(0.5)
     assert np.isnan(missed)
-
-
-@pytest.mark.slow
-def test_a_scene_without_a_speed_has_distances_as_times():
-    scene = BALL.table()
-    del scene["load"]["sliding_speed"]
-    data = {"distance [m]": [1000.0], "scar_diameter": [2.0]}
-    without, with_speed = (ringwear.fit(each, data, WEAR, "1 %") for each in (scene, BALL))
-    assert without.estimates.value[WEAR] == pytest.approx(with_speed.estimates.value[WEAR])
 
 
 @pytest.mark.slow
@@ -142,10 +137,8 @@ def test_what_has_no_meaning_is_refused(scene, data, how, words):
 
 
 @pytest.mark.slow
-def test_the_command_reads_cycles(tmp_path, capsys):
-    (tmp_path / "ball.toml").write_text(BALL.to_toml(), "utf-8")
+def test_the_command_reads_cycles(command, tmp_path):
     (tmp_path / "scar.csv").write_text("cycles, scar_diameter [um]\n50000, 2080\n", "utf-8")
-    command = ["fit", str(tmp_path / "ball.toml"), str(tmp_path / "scar.csv"), "--parameters", WEAR]
-    command += ["--cycle", "20 mm", "--noise", "1 %", "--out", str(tmp_path / "out")]
-    assert main(command) == 0
-    assert f"{WEAR} = 1.86" in capsys.readouterr().out
+    flags = f"--parameters {WEAR} --cycle '20 mm' --noise '1 %' --out out"
+    printed = command(f"fit scene.toml scar.csv {flags}", scene=BALL).out
+    assert f"{WEAR} = 1.86" in printed

@@ -1,8 +1,5 @@
 """Commands on systems that lack `fcntl`, `resource`, SIGHUP and copies of processes, as Windows."""
 
-import subprocess
-import sys
-
 import pytest
 
 COMMANDS = """
@@ -42,10 +39,8 @@ assert not list(Path().rglob(".ringwear.lock"))
 
 
 @pytest.mark.slow
-def test_commands_need_neither_locks_nor_limits_of_posix(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", COMMANDS], cwd=tmp_path, capture_output=True, text=True
-    )
+def test_commands_need_neither_locks_nor_limits_of_posix(script):
+    done = script(COMMANDS)
     assert done.returncode == 0, done.stderr[-2000:]
     assert "is being written to by another run" in done.stderr
     assert "Traceback" not in done.stderr

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ringwear import Scene, SizeField, bisection, main, run
+from ringwear import Scene, SizeField, bisection, run
 
 README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
 # base scene, shorter than that of the README, to which each row of the table is applied
@@ -59,47 +59,39 @@ def test_a_row_of_the_table_runs(keys):
     assert all(anchor["holds"] for anchor in result.summary["anchors"])
 
 
-def test_the_row_of_own_results(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_row_of_own_results(command):
     Path("punch.toml").write_text(BASE)
     data = run(Scene.from_toml(BASE)).dataset.isel(solver=0)
     data[["indentation"]].to_dataframe().reset_index()[["time", "indentation"]].to_csv(
         "theirs.csv", index=False
     )
-    (command,) = [keys for case, keys in rows() if case == "results of mine"]
-    assert main(command.split()[1:]) == 0
+    (line,) = [keys for case, keys in rows() if case == "results of mine"]
+    command(line.removeprefix("ringwear "))
 
 
 @pytest.mark.slow
-def test_the_row_of_an_own_mesh(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_row_of_an_own_mesh(command):
     Path("punch.toml").write_text(BASE)
     field = SizeField((0.0, 1.0), 0.05, 0.05, 0.6, 4.0)
     mesh = bisection.mesh(field)
     mesh.scaled(0.01).save("mine.msh")
-    (command,) = [keys for case, keys in rows() if case == "a mesh of mine"]
-    assert main([*command.split()[1:], "--quick"]) == 0
+    (line,) = [keys for case, keys in rows() if case == "a mesh of mine"]
+    command(f"{line.removeprefix('ringwear ')} --quick")
 
 
-def test_the_row_of_own_measurements(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_row_of_own_measurements(command):
     text = BASE.replace("wear_coefficient =", "rings = 3\nwear_ratio = 10.0\nwear_coefficient =")
     Path("punch.toml").write_text(text)
     data = run(Scene.from_toml(text).changed(wear__times="running-in")).dataset.isel(solver=0)
     table = data[["indentation"]].to_dataframe().reset_index()[["time", "indentation"]]
     table["indentation"] *= 1 + 0.01 * np.random.default_rng(1).normal(size=len(table))
     table.to_csv("measured.csv", index=False)
-    (command,) = [keys for _, keys in rows_of("ringwear fit")]
-    assert main([*command.split()[1:], "--noise", "1 %"]) == 0
+    (line,) = [keys for _, keys in rows() if keys.startswith("ringwear fit")]
+    command(f"{line.removeprefix('ringwear ')} --noise '1 %'")
 
 
-def test_the_row_of_an_input_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_row_of_an_input_file(command):
     Path("punch.toml").write_text(BASE)
-    (command,) = [keys for _, keys in rows_of("ringwear deck")]
-    assert main([*command.split()[1:], "--size", "5e-3", "--out", "deck"]) == 0
+    (line,) = [keys for _, keys in rows() if keys.startswith("ringwear deck")]
+    command(f"{line.removeprefix('ringwear ')} --size 5e-3 --out deck")
     assert Path("deck/README.md").exists()
-
-
-def rows_of(command):
-    return [row for row in rows() if row[1].startswith(command)]

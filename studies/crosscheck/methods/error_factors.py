@@ -157,7 +157,7 @@ TABLE = {
         5e-8,
         "1: least error of the radius of the first contact, a few times the tolerance of the "
         "search for its edges, and of the slope of the unworn face, a difference of heights",
-        "tests/physics/test_light_rounding.py::test_lightly_rounded_edges",
+        "tests/physics/test_profiles.py::test_starts_against_closed_forms",
     ),
     "kinks inside elements": ErrorFactor(
         2.0,
@@ -169,12 +169,12 @@ TABLE = {
         2.5,
         "difference to the grid with half as many springs and half as many steps: slopes and "
         "jumps converge with order 1/2, so that the error is 1 / (sqrt(2) - 1) times it",
-        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+        "tests/physics/test_low_degrees.py::test_errors_are_below_their_estimates",
     ),
     "uniform grid, slope": ErrorFactor(
         4.0,
         "the same for slopes, whose squares have a logarithm at each ring edge",
-        "tests/physics/test_uniform_grid.py::test_errors_are_below_their_estimates",
+        "tests/physics/test_low_degrees.py::test_errors_are_below_their_estimates",
     ),
     "incompressible layers": ErrorFactor(
         5e-8,

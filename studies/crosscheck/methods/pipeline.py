@@ -50,7 +50,7 @@ from .moving_evaluation import MovingContact
 from .spaces import choose_spaces
 
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
-# (physics/test_modes.py::test_reported_relaxation_times_are_as_accurate_as_stated).
+# (physics/test_late_times.py::test_reported_relaxation_times_are_as_accurate_as_stated).
 LARGEST_MODE_ERROR = 0.02
 
 

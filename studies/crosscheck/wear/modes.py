@@ -22,7 +22,7 @@ from ..problem.loading import Loading, State
 # relative error of the history and of the slowest relaxation times by the Krylov projection
 KRYLOV_TOLERANCE = 1e-13
 # First time over the roundoff of relaxation times from which modes below roundoff have decayed, and
-# from which the others are accurate (physics/test_promise.py)
+# from which the others are accurate (physics/test_random_scenes.py)
 DECAYED, ACCURATE = 40.0, 1e6
 # part of a vector that is left once it is orthogonal to others except for roundoff
 ENOUGH_IS_LEFT = 0.7

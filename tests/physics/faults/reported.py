@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from math import nan
 
 from .changes import (
     Change,
@@ -48,6 +49,7 @@ def common(kind: str) -> Iterator[tuple[str, Change]]:
         # its error is relative to the indentation, which has grown by wear
         yield "displacement at the last time", scale("displacement", 10 * size, -1)
     yield "indentation at the first later time", scale("indentation", size, 1)
+    yield "indentation that is no number", scale("indentation", nan)
     for name in ("indentation", "pressure", "profile", "ring_force", "rms_slope"):
         if (kind, name) != ("held", "indentation"):
             # with k(r), the last two times differ too little

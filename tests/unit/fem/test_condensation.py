@@ -10,7 +10,7 @@ from groups import nightly
 from scipy.sparse import bmat, coo_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-from ringwear import SizeField, SolverError, bisection, direct, energy, press_flat
+from ringwear import SizeField, SolverError, bisection, direct, press_flat
 from ringwear.fem import condensation
 from ringwear.fem.condensation import solve, symmetric, trailing_factor
 from ringwear.fem.elasticity import AxisymmetricElasticity
@@ -103,16 +103,6 @@ def test_coupling_carries_forces_and_moments(solid):
     np.testing.assert_allclose(moments, 2 * np.pi * np.diff(EDGES**3) / 3, rtol=1e-12)
 
 
-@pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.4999])
-@each_solid
-def test_multipliers_are_stable(solid, poisson_ratio):
-    """Without checkerboards, each pressure has at least 0.3 times its energy in theory."""
-    whole = half_space(solid, poisson_ratio)
-    ratios = squared_ratios(whole.compliance().factor, energy.compliance(whole.space).factor)
-    assert ratios.min() >= 0.3
-    assert ratios.max() <= 1 + 1e-3
-
-
 @pytest.mark.parametrize(("degree", "tolerance"), [(5, 3e-4), (6, 4e-5), (8, 1e-5)])
 @pytest.mark.parametrize("poisson_ratio", [0.3, 0.4999])
 def test_displacements_of_rings(degree, poisson_ratio, tolerance):
@@ -140,14 +130,14 @@ def test_trailing_factor_is_the_schur_complement(inside):
     np.testing.assert_allclose(factor, np.tril(factor))
     # the inverse of the Schur complement is the trailing block of the inverse
     complement = np.linalg.inv(np.linalg.inv(dense)[inside:, inside:])
-    np.testing.assert_allclose(factor @ factor.T, complement, atol=1e-11)
+    np.testing.assert_allclose(factor @ factor.T, complement, rtol=0, atol=1e-11)
 
 
 @pytest.mark.usefixtures("solver")
 def test_solutions_fulfil_the_system():
     dense, right = random_definite(3), np.random.default_rng(3).normal(size=(40, 2))
     solution = solve(coo_matrix(np.tril(dense)), right)
-    np.testing.assert_allclose(dense @ solution, right, atol=1e-10)
+    np.testing.assert_allclose(dense @ solution, right, rtol=0, atol=1e-10)
 
 
 @pytest.mark.usefixtures("solver")

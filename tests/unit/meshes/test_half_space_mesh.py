@@ -1,7 +1,5 @@
 """Every mesher covers the quarter disc with the wanted sizes, and broken meshes are refused."""
 
-import os
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -311,7 +309,7 @@ def test_ring_edges_that_cannot_be_meshed_are_refused():
 
 
 @pytest.mark.gmsh
-def test_gmsh_leaves_signals_to_python():
+def test_gmsh_leaves_signals_to_python(script):
     """gmsh replaces handlers of SIGTERM and SIGPIPE; once, a study that was ended lost its rows."""
     code = """
 import signal
@@ -323,14 +321,14 @@ with session():
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGPIPE):
         signal.raise_signal(number)
 """
-    process = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
-    assert process.stdout.split() == [b"2", b"15"]
+    assert script(code).stdout.split() == ["2", "15"]
 
 
 @pytest.mark.gmsh
-def test_a_signal_while_gmsh_starts_waits_for_the_handler_of_python():
+def test_a_signal_while_gmsh_starts_waits_for_the_handler_of_python(script):
     code = """
 import os, signal
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import gmsh
 from ringwear.meshes.by_gmsh.session import session
 
@@ -343,8 +341,13 @@ gmsh.initialize = interrupted
 with session():
     print("meshing")
 """
-    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
-    process = subprocess.run(
-        [sys.executable, "-c", code], stdout=subprocess.PIPE, check=True, env=environment
-    )
-    assert process.stdout.split() == [b"15", b"meshing"]
+    assert script(code).stdout.split() == ["15", "meshing"]
+
+
+def test_meshes_by_a_gmsh_without_its_libraries_are_refused_with_the_remedy(tmp_path, monkeypatch):
+    reason = "libGL.so.1: cannot open shared object file"
+    (tmp_path / "gmsh.py").write_text(f'raise OSError("{reason}")', "utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "gmsh", raising=False)
+    with pytest.raises(MeshError, match=r"libGL.*apt-get install.* libglu1-mesa"):
+        triangles.mesh(SizeField((0.0, 1.0), 1e-2, 1e-2, 0.6, 5.0))

@@ -21,13 +21,7 @@ from ringwear.studies.challenge.problems import (
 
 LAYERED = layered_problems()
 OTHERS = FOLDER / "others"
-PROGRAMS = {
-    "ContactMechanics": "contact_mechanics",
-    "Tamaas": "tamaas",
-    "scikit-fem": "scikit_fem",
-    "CalculiX": "calculix",
-}
-"""Programs, and their names in those of their files."""
+PROGRAMS = ("ContactMechanics", "Tamaas", "scikit-fem", "CalculiX")
 
 
 def rows_of(page):

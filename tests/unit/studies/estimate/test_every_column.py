@@ -1,7 +1,5 @@
 """Mistakes are tried in tables with any columns, and those without a solution are left out."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 

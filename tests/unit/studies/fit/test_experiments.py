@@ -1,7 +1,5 @@
 """Models of measurements against balances, and synthetic experiments with known true values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -142,9 +140,8 @@ def test_a_flat_punch_does_not_determine_a_layer_by_two_forces():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["k falls", "k goes as p"])
-def test_a_wrong_wear_law_is_rejected(name):
-    case = cases()[name]
+def test_a_wrong_wear_law_is_rejected():
+    case = cases()["k falls"]
     for seed in range(5):
         _, result = case.conduct(seed)
         assert not result.fits

@@ -1,7 +1,5 @@
 """The parts of a fit: parameters, measurements, likelihood, profiles, tests of residuals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """The worst quantity, verdicts on extreme scenes, and the seconds of the challenge."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

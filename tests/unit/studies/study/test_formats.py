@@ -1,7 +1,5 @@
 """Tables in Markdown, LaTeX and CSV keep all cells, and special characters are escaped."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

@@ -1,10 +1,13 @@
-"""Discretisations that several scenes share are fine enough for each of them."""
+"""Degrees of the elements, and discretisations that are fine enough for several scenes."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
 from ringwear import Scene
+from ringwear.studies.crosscheck.sizes.degrees import pressure_degree
+from ringwear.studies.crosscheck.sizes.radial import radial_sizes
 from ringwear.studies.crosscheck.sizes.shared import covering, groups
 
 
@@ -27,3 +30,18 @@ def test_scenes_with_different_wear_share_one_discretisation():
         distances = np.full(5, distance)
         sharpest = shared.edge_amplitude(distances, halves, edges)
         assert (sharpest >= problem.edge_amplitude(distances, halves, edges)).all()
+
+
+THREE = Scene.load("five_rings").changed(punch__rings=3, load__normal_force=1.0)
+
+
+def test_a_cap_on_the_degree_changes_only_higher_degrees():
+    """Elements whose wanted degree is below the cap keep it; all others have the cap."""
+    problem = replace(THREE.problem, rtol=1e-9)
+    sizes = radial_sizes(problem)
+    wanted = int(np.ceil(pressure_degree(problem, sizes.grading)))
+    whole, capped = (
+        replace(sizes, degree=highest).space(problem).degrees for highest in (wanted, 18)
+    )
+    assert whole.max() == wanted > 18
+    assert (capped == np.minimum(whole, 18)).all()

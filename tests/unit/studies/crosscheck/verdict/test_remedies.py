@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from ringwear import Scene, Solution
-from ringwear.studies.crosscheck.verdict.agreement import Agreement, overall, remedy
+from ringwear.studies.crosscheck.verdict.agreement import Agreement, by_quantity, overall, remedy
 
 FLAT = Scene.load("five_rings").changed(accuracy__rtol=1e-3)
 RECESSED = FLAT.changed(punch__recess=[0.0, 0.01, 0.0, 0.01, 0.0])
@@ -18,6 +18,12 @@ def test_quantities_at_moving_edges_can_only_cause_disagreement():
     assert overall((sure, local)) == "agree"
     assert overall((replace(sure, verdict="undecided"), local)) == "undecided"
     assert overall((sure, replace(local, verdict="disagree"))) == "disagree"
+
+
+def test_a_quantity_is_shown_with_its_worst_verdict_whatever_the_differences():
+    sure = Agreement("indentation", ("mdr", "fem"), 1e-5, 1e-4, "agree")
+    worse = replace(sure, difference=1e-6, verdict="undecided")
+    assert by_quantity([worse, sure]) == {"indentation": worse}
 
 
 @pytest.mark.parametrize("scene", [FLAT, RECESSED], ids=["flat", "recessed"])
