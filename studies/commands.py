@@ -343,9 +343,10 @@ def _orders(table: str, *, out: str = "", latex: bool = False, **given: Any) -> 
     latex : print the table in LaTeX instead of Markdown
     """
     from .study.formats import to_latex, to_markdown
-    from .study.sheet import orders_of_file, write
+    from .study.orders import orders, read_table, right_values, write
 
-    levels, fitted = orders_of_file(table, **given)
+    levels = read_table(table, given["by"])
+    fitted = orders(levels, right=right_values(given.pop("right", ())), **given)
     text = to_latex(fitted) if latex else to_markdown(fitted)
     print_lines(text.splitlines())
     if out:

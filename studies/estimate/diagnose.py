@@ -132,7 +132,7 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
 def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]:
     """Return the diagnoses of a difference that is above the `rtol` of the scene."""
     model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.mesh_results)
-    candidates = select(model, mistakes(comparison), of_mesh)
+    candidates = select(model, list(mistakes(comparison)), of_mesh)
     (none,) = (each for each in candidates if each.mistake is None)
     with left_out("a column"):
         if diagnoses := _in_column(comparison, none):

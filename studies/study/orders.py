@@ -11,15 +11,18 @@ order is the slope of their logarithm. Errors are columns whose right value is 0
 word "error" in their names.
 """
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
 from ...meshes import Array, SceneError
 from ..crosscheck import did_you_mean, shown
+from ..tables.frame import Frame
+from ..tables.writing import write_csv
 from .extrapolation import (
     INDEX_SAFETY_FACTOR,
     Fitted,
@@ -28,6 +31,11 @@ from .extrapolation import (
     order_of_three,
     weight_of_limit,
 )
+from .formats import to_latex, to_markdown
+from .way import KEYS_OF_STUDIES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 ORDER_TOLERANCE = 0.15
 """Greatest difference of two orders that counts as agreement.
@@ -41,8 +49,6 @@ COLUMNS = ("quantity", "order", "low", "high", "limit", "index", "asymptotic")
 """Columns of the table, to which a right value and a tolerance add others."""
 DIFFERS = "differs from theory"
 """Beginning of the remark on an order of a study that does."""
-KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
-"""Columns of a study that tell its sequences of levels apart."""
 
 
 def orders(
@@ -271,3 +277,70 @@ def fit(levels: pd.DataFrame, by: str = "size", floor: float = 0.0) -> dict[str,
         "last order": between[-1] if len(between) else np.nan,
         "finest error": errors[-1],
     }
+
+
+def read_table(file: str, by: str = "") -> pd.DataFrame:
+    """Return the table of levels in a file, with the names in its headings without units.
+
+    Columns whose cells are no numbers are texts, but for that of the sizes of levels, `by`.
+
+    Raises
+    ------
+    SceneError
+        if the file cannot be read, has no rows, or has cells that are no numbers
+    """
+    frame = Frame.of_file(Path(file))
+    frame.refuse_faults(dict.fromkeys(frame.find(by), by))
+    return frame.table()
+
+
+def right_values(texts: Sequence[str]) -> Mapping[str, float] | float | None:
+    """Return right values from texts of the form ``NAME=VALUE``, or one ``VALUE`` for all columns.
+
+    Raises
+    ------
+    SceneError
+        if a text has another form
+    """
+    values = dict[str, float]()
+    for text in texts:
+        name, _, number = text.rpartition("=")
+        try:
+            values[name] = float(number)
+        except ValueError:
+            raise SceneError(
+                f"--right {text}: give NAME=VALUE, or one VALUE for all columns, such as 0 for "
+                "errors"
+            ) from None
+    if "" in values and len(values) == 1:
+        return values[""]
+    if "" in values:
+        raise SceneError("--right: give NAME=VALUE for each column, or one VALUE for all")
+    return values or None
+
+
+def write(table: pd.DataFrame, fitted: pd.DataFrame, by: str, folder: Path) -> None:
+    """Write orders as CSV, Markdown and LaTeX, and draw the errors or changes of each column."""
+    write_csv(fitted, folder / "orders.csv")
+    (folder / "orders.md").write_text(to_markdown(fitted), "utf-8")
+    (folder / "orders.tex").write_text(to_latex(fitted), "utf-8")
+    if RADIUS not in table and "error" not in table:
+        from ..figures.style import in_style
+
+        with in_style():
+            draw_columns(table, fitted, by).savefig(folder / "orders.png")
+
+
+def draw_columns(table: pd.DataFrame, fitted: pd.DataFrame, by: str) -> "Figure":
+    """Draw the distance of each column from its right value, or from Richardson's limit."""
+    from .draw import draw
+
+    targets = fitted.assign(target=fitted.get("target", fitted["limit"]).fillna(fitted["limit"]))
+    levels = table.melt([by], [*fitted["quantity"]], "quantity").dropna().merge(targets)
+    levels = levels.sort_values(by, ascending=False)
+    sizes = levels["target"].abs().replace(0.0, 1.0)
+    constant = {"case": "", "way": "distance to the right value, or to Richardson's limit"}
+    constant |= {"when": "all", "method": "table", "refined": by, "outcome": ""}
+    errors = (levels["value"] - levels["target"]) / sizes
+    rows = levels.assign(**constant, size=levels[by], error=errors, reference=0.0)
+    return draw(rows.assign(tolerance=np.nan))

@@ -5,12 +5,12 @@ import pandas as pd
 import pytest
 
 from ringwear import SceneError, orders
+from ringwear.studies.study.declared import observed_orders
 from ringwear.studies.study.extrapolation import (
     order_of_changes,
     order_of_errors,
     order_of_three,
 )
-from ringwear.studies.study.theory import observed_orders
 from ringwear.studies.study.way import Part, Theory, Way
 
 SIZES = np.array([0.5, 0.3, 0.2, 0.1])

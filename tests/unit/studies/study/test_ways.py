@@ -21,12 +21,12 @@ from ringwear import (
 from ringwear.mdr.uniform_grid import UniformGrid
 from ringwear.meshes.half_space import contact_radii, quality
 from ringwear.studies.accuracy import GRADINGS_OF_ONE_RING
+from ringwear.studies.study.declared import observed_orders
 from ringwear.studies.study.errors import STRESS, error
 from ringwear.studies.study.measure import measure
 from ringwear.studies.study.orders import DIFFERS
 from ringwear.studies.study.record import Record
 from ringwear.studies.study.reference import exact_start, reference, shaped_start
-from ringwear.studies.study.theory import observed_orders
 from ringwear.studies.study.way import ALL, Case, Part
 from ringwear.studies.study.ways import naive
 from ringwear.studies.study.ways.axis_stresses import (
