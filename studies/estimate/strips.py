@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eig
 
 from ...meshes import Array
 from ..crosscheck import Problem
 
 # least number of strips on a ring, and about the least number on all rings together
 MIN_RING_STRIPS, MIN_STRIPS = 5, 40
+# rates of decay below this part of the largest one are zero: the even wear
+ZERO_RATE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,40 +63,37 @@ class Strips:
         both_sides = integral(middles - self.edges) - integral(middles + self.edges)
         return np.linalg.inv(np.diff(2 / np.pi * both_sides, axis=1))
 
-    @cached_property
-    def _modes(self) -> tuple[Array, Array, Array, Array]:
-        """Rates of decay (N,), shapes (N, N) of pressures, amplitudes (N,), steady pressures (N,).
-
-        They solve ``p' = -B (k p - d' 1)`` with the stiffness B, at a constant force.
-        """
-        rigid = self._stiffness.sum(axis=1)
-        rigid_force = self._weights @ rigid
-        steady = 1 / self.wear / (self._weights @ (1 / self.wear))
-        decay = self._stiffness * self.wear
-        decay = decay - np.outer(rigid, self._weights @ decay) / rigid_force
-        rates, shapes = eig(decay)
-        amplitudes = np.linalg.solve(shapes, (rigid / rigid_force - steady).astype(complex))
-        return np.maximum(rates.real, 0.0), shapes, amplitudes, steady
-
     def sample(
         self, times: Array, radii: Array, step: float = 0.0, names: Collection[str] = ()
     ) -> dict[str, Array]:
         """Return quantities by name, as `modes.FlatHistory.sample` does; steps have no effect."""
-        rates, shapes, amplitudes, steady = self._modes
-        exponent = np.outer(times, rates)
-        decayed = np.exp(-exponent) * amplitudes
-        # integrals of the decaying modes over time
-        integral = np.where(exponent > 1e-9, -np.expm1(-exponent) / np.maximum(rates, 1e-300), 0.0)
-        integral = np.where(exponent > 1e-9, integral, times[:, None]) * amplitudes
-        pressure = steady + (decayed @ shapes.T).real
-        worn = self.wear * (np.outer(times, steady) + (integral @ shapes.T).real)
-        rigid = self._stiffness.sum(axis=1)
-        depth = (1 + worn @ (self._weights @ self._stiffness)) / (self._weights @ rigid)
+        rigid, forces = self._stiffness.sum(axis=1), self._weights @ self._stiffness
+        relief = self._stiffness - np.outer(rigid, forces) / forces.sum()
+        start = rigid / forces.sum()
+        worn = worn_profiles(relief, start, self.wear, times)
+        depth = (1 + worn @ forces) / forces.sum()
         at = np.clip(np.searchsorted(self.edges, radii) - 1, 0, len(self.wear) - 1)
         return {
-            "pressure": pressure[:, at],
+            "pressure": (start - worn @ relief.T)[:, at],
             "profile": worn[:, at],
             "displacement": depth[:, None] - worn[:, at],
             "indentation": depth,
             "normal_force": np.ones(len(depth)),
         }
+
+
+def worn_profiles(relief: Array, start: Array, wear: Array, times: Array) -> Array:
+    """Return the exact profiles (T, n) of ``f' = k p`` with the pressures ``p = p0 - G f``.
+
+    Parameters
+    ----------
+    relief : (n, n) matrix G
+    start, wear : (n,) pressures p0, and wear coefficients k
+    times : (T,)
+    """
+    rates, shapes = np.linalg.eig(wear[:, None] * relief)
+    parts = shapes * np.linalg.solve(shapes, (wear * start).astype(complex))
+    decays, elapsed = np.abs(rates) > ZERO_RATE * np.abs(rates).max(), times[:, None]
+    rest = np.where(decays, rates, 1.0)
+    grown = np.where(decays, -np.expm1(-rest * elapsed) / rest, elapsed)
+    return np.asarray((grown @ parts.T).real)

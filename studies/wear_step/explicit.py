@@ -18,14 +18,13 @@ from scipy.sparse.linalg import eigs
 
 from ...meshes import Array, Indices
 from ..crosscheck import Problem, Rings
+from ..estimate.strips import worn_profiles
 from .contact_nodes import ContactNodes
 
 MOST_DENSE = 600
 """Greatest number of nodes of which all eigenvalues are computed, and not only the largest one."""
 ITERATION_TOLERANCE = 1e-4
 """Relative residual of the largest eigenvalue of more nodes; those next to it are close."""
-ZERO_RATE = 1e-7
-"""Eigenvalues below this part of the largest one are zero: the even wear."""
 LEAST_PART = 1e-3
 """Eigenvalues below this part of the largest one do not limit the step."""
 
@@ -110,12 +109,7 @@ def worn_on_mesh(
     start = (nodes.pressures(treatment) @ nodes.stiffness).sum(axis=1)
     if problem.indentation is None:
         start = start / forces.sum()
-    rates, vectors = np.linalg.eig(wear[:, None] * matrix)
-    parts = vectors * np.linalg.solve(vectors, (wear * start).astype(complex))
-    decays = np.abs(rates) > ZERO_RATE * np.abs(rates).max()
-    rest, elapsed = np.where(decays, rates, 1.0), times[:, None]
-    grown = np.where(decays, -np.expm1(-rest * elapsed) / rest, elapsed)
-    profiles = (grown @ parts.T).real
+    profiles = worn_profiles(matrix, start, wear, times)
     depths = (1 + profiles @ forces) / forces.sum()
     if problem.indentation is not None:
         depths = np.ones(len(times))
