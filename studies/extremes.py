@@ -40,8 +40,8 @@ METHODS = ("mdr", "bem", "fem", "naive")
 DEFAULT_METHODS = ("mdr", "fem", "naive")
 NAIVE = NaiveSizes(cells=20, steps=2000)
 """Sizes that a user of a naive solver might choose, whatever the scene is."""
-FINER, FINEST = 0.01, 1e-9
-"""Tolerance of the reference over that of the scene, and the finest one."""
+FINER, QUICK_FINER, FINEST = 0.01, 0.1, 1e-9
+"""Tolerance of the reference over that of the scene, also of quick studies, and the finest one."""
 VALUES, QUICK_VALUES = 7, 2
 """Numbers of values of each key that is varied by itself."""
 SMALL = 1e-4
@@ -76,7 +76,7 @@ def extremes(
         the tolerance and the thickness of the first layer
     methods : names of methods to judge, `naive` among them, and methods of your own
     quantities : names as in results.nc, and functions of a result
-    quick : whether to try fewer values
+    quick : whether to try fewer values, and to compare with coarser references
     record : rows so far, and the file that they are written to
 
     Raises
@@ -104,7 +104,7 @@ def extremes(
         return [*listed, *([naive_elements([NAIVE])] if "naive" in named else [])]
 
     def exact(case: Case) -> Reference:
-        finer = max(FINER * case.problem.rtol, FINEST)
+        finer = max((QUICK_FINER if quick else FINER) * case.problem.rtol, FINEST)
         try:
             return reference(case, wanted, functions, finer, quick, confirmed=False)
         except RingwearError as failure:
@@ -169,7 +169,7 @@ def values_of_keys(
         if `vary` is not of one of its forms; the message shows them
     """
     if not vary:
-        return keys_of_scene(scene, QUICK_VALUES if quick else VALUES)
+        return keys_of_scene(scene, quick)
     if isinstance(vary, Mapping):
         return {str(key): list(values) for key, values in vary.items()}
     texts = [vary] if isinstance(vary, str) else list(vary)
@@ -214,9 +214,11 @@ def _without_units(text: str, scene: Scene) -> str:
     return f"{key}{mark}{':'.join(parts)}"
 
 
-def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:
+def keys_of_scene(scene: Scene, quick: bool) -> dict[str, list[Any]]:
     """Return values of the keys that a scene has, towards its extremes."""
-    table, punch = scene.table(), scene.punch
+    table, punch, count = scene.table(), scene.punch, QUICK_VALUES if quick else VALUES
+    # the quick study does not solve the scene as it is for each key
+    others = slice(-1 if quick else None)
     varied: dict[str, list[Any]] = {}
 
     def geometric(low: float, high: float) -> list[Any]:
@@ -232,11 +234,11 @@ def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:
     if len(scene.problem.merged.widths) > 1 and not punch.table:
         varied["punch.wear_ratio"] = geometric(1e-6, 1e6)
         if "rings" in table["punch"]:
-            varied["punch.width_ratio"] = geometric(SMALL, 1.0)
+            varied["punch.width_ratio"] = geometric(SMALL, 1.0)[others]
     if later := [time for time in scene.wear.times if time > 0]:
         varied["wear.times"] = [
             [time, *(each for each in later if each > time)]
-            for time in geometric(SMALL * later[0], later[0])
+            for time in geometric(SMALL * later[0], later[0])[others]
         ]
     varied["accuracy.rtol"] = geometric(1e-1, 1e-6 if scene.problem.full_contact else 1e-3)
     return varied
