@@ -20,18 +20,12 @@ from ..fem import is_on_quadrilaterals
 from ..meshes import SceneError
 from ..meshes.by_gmsh import unavailable
 from .crosscheck import GROUPS, METHODS, Problem, Scene, Source, method
-from .study.accept import (
-    accept,
-    refuse_abscissa,
-    refuse_degree_without_mesh,
-    steps_of,
-    with_times,
-)
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT, EIGENVALUE, ENERGY, STRESS
 from .study.own import (
     Methods,
     Quantities,
+    accept,
     degree_of,
     length_of,
     name_of,
@@ -39,6 +33,10 @@ from .study.own import (
     read_meshes,
     read_methods,
     read_quantities,
+    refuse_abscissa,
+    refuse_degree_without_mesh,
+    steps_of,
+    with_times,
 )
 from .study.record import Record
 from .study.reference import reference

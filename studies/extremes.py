@@ -26,10 +26,9 @@ import numpy as np
 
 from ..meshes import RingwearError, SceneError
 from .crosscheck import Problem, Scene, Solution, Source, kind_of, method, number_of, shown
-from .study.accept import accept
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
-from .study.own import Methods, Quantities, read_methods, read_quantities
+from .study.own import Methods, Quantities, accept, read_methods, read_quantities
 from .study.record import REFUSED, Record
 from .study.reference import Reference, reference
 from .study.study import Study

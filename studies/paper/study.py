@@ -8,7 +8,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..crosscheck import AVERAGES, Scene, Source
-from ..study.accept import accept
+from ..study.own import accept
 from ..study.record import Record
 from ..study.study import Study, remarks
 from ..sweep.axes import Sweep

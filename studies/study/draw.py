@@ -37,8 +37,6 @@ XLABELS = {
 }
 KEYS = ("case", "quantity", "when")
 """Columns whose values the titles of panels have, if they differ."""
-ABSCISSAS = ("size", "unknowns", "seconds")
-"""Abscissas that a user can choose: the size that theory refers to, and costs."""
 WITH_SLOPES = {"size": 1.0, "step": 1.0, "reach": -1.0}
 """Abscissas that theory refers to, and the sign of orders over them."""
 MOST_COLUMNS, MOST_IN_ROW = 4, 3

@@ -20,8 +20,7 @@ from ...meshes import (
     structured,
 )
 from ..crosscheck import Problem, Scene, first_and_last_in_contact, run
-from .contact_nodes import CONSISTENT, PER_NODE, ContactNodes, contact_nodes
-from .explicit import longest_step
+from .contact_nodes import CONSISTENT, PER_NODE, ContactNodes, contact_nodes, longest_step
 
 REACH = 20.0
 """Radius of the half-spaces that are meshed here, with Boussinesq's far field, in punch radii."""

@@ -10,8 +10,15 @@ import numpy as np
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
 from ..study.own import ELEMENTS
-from .contact_nodes import TREATMENTS, ContactNodes, contact_nodes
-from .explicit import longest_step, relief, wear_at_nodes, worn_on_mesh
+from .contact_nodes import (
+    TREATMENTS,
+    ContactNodes,
+    contact_nodes,
+    longest_step,
+    relief,
+    wear_at_nodes,
+    worn_on_mesh,
+)
 from .limits import mesh_below
 
 FEWEST_RADII, MOST_RADII = 4, 300
