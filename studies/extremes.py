@@ -19,13 +19,14 @@ which the accuracy is promised (`crosscheck/verdict/promise.py`).
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..meshes import RingwearError, SceneError
-from .crosscheck import Problem, Scene, Solution, Source, kind_of, method, number_of, shown
+from .crosscheck import Problem, Scene, Solution, Source, method, shown
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
 from .study.own import Methods, Quantities, accept, read_methods, read_quantities
@@ -34,6 +35,7 @@ from .study.reference import Reference, reference
 from .study.study import Study
 from .study.way import Case, Level, Way
 from .study.ways.runs import NaiveSizes, naive_elements, tolerances
+from .sweep.columns import read_values
 
 METHODS = ("mdr", "bem", "fem", "naive")
 DEFAULT_METHODS = ("mdr", "fem", "naive")
@@ -172,11 +174,13 @@ def values_of_keys(
     if isinstance(vary, Mapping):
         return {str(key): list(values) for key, values in vary.items()}
     texts = [vary] if isinstance(vary, str) else list(vary)
-    return dict(parse(_without_units(text, scene)) for text in texts)
+    return {
+        key: read_values(key, spaced, scene.table(), 0, None) for key, spaced in map(parse, texts)
+    }
 
 
-def parse(text: str) -> tuple[str, list[float]]:
-    """Return key and values of ``KEY=LOW:HIGH:N`` or ``KEY=geom:LOW:HIGH:N``.
+def parse(text: str) -> tuple[str, dict[str, list[Any]]]:
+    """Return key and values of ``KEY=LOW:HIGH:N`` or ``KEY=geom:LOW:HIGH:N``, as in sweeps.
 
     Raises
     ------
@@ -184,33 +188,22 @@ def parse(text: str) -> tuple[str, list[float]]:
         if the text has another form
     """
     found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):([1-9]\d*)", text.strip())
-    try:
-        key, geometric, *ends, count = found.groups() if found else ()
-        low, high = map(float, ends)
-        if geometric and min(low, high) <= 0:
-            raise ValueError
-    except ValueError:
+    if not found:
         raise SceneError(
             f"--vary {shown(text)}: give KEY=LOW:HIGH:N, such as "
             "half_space.poisson_ratio=0.3:0.4999:7, or KEY=geom:LOW:HIGH:N with positive ends, "
             "such as punch.wear_ratio=geom:1e-8:1e8:9"
-        ) from None
-    spaced = np.geomspace if geometric else np.linspace
-    # whole numbers stay whole, because some keys take no others
-    return key, [
-        int(value) if value.is_integer() and abs(value) < 1e6 else float(f"{value:.9g}")
-        for value in map(float, spaced(low, high, int(count)))
-    ]
+        )
+    key, geometric, *ends, count = found.groups()
+    return key, {"geomspace" if geometric else "linspace": [*map(_number, ends), int(count)]}
 
 
-def _without_units(text: str, scene: Scene) -> str:
-    """Return values of a key with numbers in the units of a scene in place of those with a unit."""
-    key, mark, values = text.partition("=")
-    parts, kind = values.split(":"), kind_of(key, Scene)
-    for place, part in enumerate(parts):
-        if kind != "number" and re.match(r"[-+.\s]*\d.*[^\d.]$", part):
-            parts[place] = repr(number_of(part, f"--vary {key}", kind, scene.unit_names))
-    return f"{key}{mark}{':'.join(parts)}"
+def _number(text: str) -> float | str:
+    """Return a number, which stays whole if it is; or a text with a unit as it is."""
+    for read in (int, float):
+        with suppress(ValueError):
+            return read(text)
+    return text
 
 
 def keys_of_scene(scene: Scene, quick: bool) -> dict[str, list[Any]]:
