@@ -32,8 +32,6 @@ limits show how much these differ at one size; the usual one first."""
 RECOMMENDED = 0.5
 """Recommended step over the longest stable one: pressures then err by 1 to 4 % (`ringwear study
 march`)."""
-TIME_RTOL = 1e-3
-"""Relative error of the time of running-in."""
 LOCKING = 0.45
 """Poisson's ratio above which the note on locking is added."""
 
@@ -75,16 +73,6 @@ class StepLimits:
         if self.scene.load_.times_are_distances or problem.loading.varies:
             return text
         return f"{text} (a time of {names.write(step * problem.units.time, 'time', 3)})"
-
-    @property
-    def updates(self) -> float:
-        """Number of recommended updates until 99 % of the running-in; NaN if that is not known."""
-        problem = self.scene.problem
-        if not problem.full_contact or "time_to_99" not in problem.remaining_parts:
-            return np.nan
-        answer = run(self.scene, ["mdr"], TIME_RTOL, quantities=["indentation"]).dataset
-        time = answer["time_to_99"].item() / problem.units.time
-        return max(time / self.limit() / RECOMMENDED, 1.0)
 
 
 def limits_on_mesh(scene: Scene, mesh: Mesh, element: str) -> StepLimits:
@@ -237,9 +225,7 @@ def describe(found: list[StepLimits]) -> list[str]:
             f"{limits.written(limits.limit_in(contact))} {contact}" for contact in limits.contacts
         )
         lines.append(f"contact: edges move; {', '.join(states)}")
-    updates = limits.updates
-    running_in = f": {updates:.0f} updates until 99 % of the running-in" * bool(updates > 0)
-    lines.append(f"recommended: half of it, {limits.written(RECOMMENDED * longest)}{running_in}")
+    lines.append(f"recommended: half of it, {limits.written(RECOMMENDED * longest)}")
     if len(found) > 1:
         steps = sorted(each.limit() for each in found)
         lines.append(
