@@ -8,6 +8,7 @@ axisymmetric problem; the line force is F / 2a.
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -67,33 +68,49 @@ class Strips:
         self, times: Array, radii: Array, step: float = 0.0, names: Collection[str] = ()
     ) -> dict[str, Array]:
         """Return quantities by name, as `modes.FlatHistory.sample` does; steps have no effect."""
-        rigid, forces = self._stiffness.sum(axis=1), self._weights @ self._stiffness
-        relief = self._stiffness - np.outer(rigid, forces) / forces.sum()
-        start = rigid / forces.sum()
-        worn = worn_profiles(relief, start, self.wear, times)
-        depth = (1 + worn @ forces) / forces.sum()
+        forces = self._weights @ self._stiffness
+        worn = worn_at_nodes(self._stiffness, forces, self.wear, times)
         at = np.clip(np.searchsorted(self.edges, radii) - 1, 0, len(self.wear) - 1)
         return {
-            "pressure": (start - worn @ relief.T)[:, at],
-            "profile": worn[:, at],
-            "displacement": depth[:, None] - worn[:, at],
-            "indentation": depth,
-            "normal_force": np.ones(len(depth)),
+            "pressure": worn.pressures[:, at],
+            "profile": worn.profiles[:, at],
+            "displacement": worn.indentations[:, None] - worn.profiles[:, at],
+            "indentation": worn.indentations,
+            "normal_force": np.ones(len(times)),
         }
 
 
-def worn_profiles(relief: Array, start: Array, wear: Array, times: Array) -> Array:
-    """Return the exact profiles (T, n) of ``f' = k p`` with the pressures ``p = p0 - G f``.
+class Worn(NamedTuple):
+    """Contain the wear of a flat face at T times: arrays (T, n), and the indentations (T,)."""
+
+    profiles: Array
+    pressures: Array
+    indentations: Array
+
+
+def worn_at_nodes(
+    stiffness: Array, forces: Array, wear: Array, times: Array, by_force: bool = True
+) -> Worn:
+    """Return the exact wear ``f' = k p`` of a flat face in full contact, at n nodes or strips.
 
     Parameters
     ----------
-    relief : (n, n) matrix G
-    start, wear : (n,) pressures p0, and wear coefficients k
+    stiffness : (n, n) pressures for displacements of the nodes
+    forces : (n,) total force for a displacement of each node
+    wear : (n,) wear coefficients k
     times : (T,)
+    by_force : whether the force is 1 at all times, and not the indentation
     """
+    relief, start = stiffness, stiffness.sum(axis=1)
+    if by_force:
+        start = start / forces.sum()
+        relief = stiffness - np.outer(start, forces)
+    # p = start - relief f
     rates, shapes = np.linalg.eig(wear[:, None] * relief)
     parts = shapes * np.linalg.solve(shapes, (wear * start).astype(complex))
     decays, elapsed = np.abs(rates) > ZERO_RATE * np.abs(rates).max(), times[:, None]
     rest = np.where(decays, rates, 1.0)
     grown = np.where(decays, -np.expm1(-rest * elapsed) / rest, elapsed)
-    return np.asarray((grown @ parts.T).real)
+    profiles = np.asarray((grown @ parts.T).real)
+    depths = (1 + profiles @ forces) / forces.sum() if by_force else np.ones(len(times))
+    return Worn(profiles, start - profiles @ relief.T, depths)

@@ -22,7 +22,6 @@ coefficient k.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import skfem
@@ -30,9 +29,8 @@ from scipy.sparse.linalg import eigs
 from skfem import Mesh, MeshTri
 
 from ...fem import AxisymmetricElasticity, HalfSpace, enough_poles, pressure_space
-from ...meshes import Array, Ground, Indices, SceneError, contact_radii, gauss, truncation
+from ...meshes import Array, Ground, Indices, SceneError, contact_radii, truncation
 from ..crosscheck import Problem, Rings
-from ..estimate.strips import worn_profiles
 from ..study.own import ELEMENTS
 
 PER_NODE, CONSISTENT = "per node", "consistent"
@@ -148,19 +146,11 @@ def contact_mass(radii: Array, degree: int, factor: Callable[[Array], Array]) ->
     degree : of the shape functions, 1 or 2
     factor : function c from radii to a factor
     """
-    points, weights = gauss(4)
-    functions = np.stack([(1 - points) / 2, (1 + points) / 2])
-    if degree == 2:
-        inner, outer = points * (points - 1) / 2, points * (points + 1) / 2
-        functions = np.stack([inner, 1 - points**2, outer])
-    matrix = np.zeros((len(radii), len(radii)))
-    for first in range(0, len(radii) - degree, degree):
-        nodes = slice(first, first + degree + 1)
-        point_radii = radii[nodes] @ functions
-        half = (radii[first + degree] - radii[first]) / 2
-        areas = 2 * np.pi * point_radii * half * weights
-        matrix[nodes, nodes] += functions * (areas * factor(point_radii)) @ functions.T
-    return matrix
+    element = skfem.ElementLineP2() if degree == 2 else skfem.ElementLineP1()
+    basis = skfem.Basis(skfem.MeshLine(radii[::degree]), element, intorder=7)
+    product = skfem.BilinearForm(lambda u, v, w: 2 * np.pi * w.x[0] * factor(w.x[0]) * u * v)
+    order = np.argsort(basis.doflocs[0])
+    return np.asarray(product.assemble(basis).toarray()[np.ix_(order, order)])
 
 
 def wear_at_nodes(rings: Rings, radii: Array) -> Array:
@@ -212,39 +202,3 @@ def longest_step(
         values = eigs(operator, k=1, v0=start, tol=ITERATION_TOLERANCE)[0]
     values = values[np.abs(values) > LEAST_PART * np.abs(values).max()]
     return float((2 * values.real / np.abs(values) ** 2).min())
-
-
-class WornOnMesh(NamedTuple):
-    """Contain what explicit updates with infinitely short steps give at T times and n nodes.
-
-    Parameters
-    ----------
-    profiles, pressures : (T, n) arrays
-    indentations : (T,) array
-    """
-
-    profiles: Array
-    pressures: Array
-    indentations: Array
-
-
-def worn_on_mesh(
-    problem: Problem, nodes: ContactNodes, treatment: str, wear: Array, times: Array
-) -> WornOnMesh:
-    """Return what the updates of a flat punch in full contact give without any error of steps.
-
-    Parameters
-    ----------
-    problem, nodes, treatment : as for `relief`
-    wear : (n,) wear coefficients of the nodes, over the greatest
-    times : (T,)
-    """
-    forces, matrix = nodes.stiffness.sum(axis=0), relief(problem, nodes, treatment)
-    start = (nodes.pressures(treatment) @ nodes.stiffness).sum(axis=1)
-    if problem.indentation is None:
-        start = start / forces.sum()
-    profiles = worn_profiles(matrix, start, wear, times)
-    depths = (1 + profiles @ forces) / forces.sum()
-    if problem.indentation is not None:
-        depths = np.ones(len(times))
-    return WornOnMesh(profiles, start - profiles @ matrix.T, depths)
