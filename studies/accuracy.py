@@ -11,7 +11,7 @@ order 2q+3, a history, which involves mean squares, has order 2q+2, and the RMS 
 state has order 2q. `study/ways/theories.py` has the sources.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
@@ -20,18 +20,12 @@ from ..fem import is_on_quadrilaterals
 from ..meshes import SceneError
 from ..meshes.by_gmsh import unavailable
 from .crosscheck import GROUPS, METHODS, Problem, Scene, Source, method
-from .study.accept import (
-    accept,
-    refuse_abscissa,
-    refuse_degree_without_mesh,
-    steps_of,
-    with_times,
-)
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT, EIGENVALUE, ENERGY, STRESS
 from .study.own import (
     Methods,
     Quantities,
+    accept,
     degree_of,
     length_of,
     name_of,
@@ -39,6 +33,10 @@ from .study.own import (
     read_meshes,
     read_methods,
     read_quantities,
+    refuse_abscissa,
+    refuse_degree_without_mesh,
+    steps_of,
+    with_times,
 )
 from .study.record import Record
 from .study.reference import reference
@@ -222,7 +220,7 @@ def accuracy(
             functions=functions,
             rtol=REFERENCE_QUICK if timed and quick else REFERENCE,
             quick=quick,
-            confirmed=timed or not quick,
+            confirmed=not quick,
         ),
         axis=against or selection.axis,
         shown=names,
@@ -272,15 +270,14 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
             *(cells("fem", factors, degree, quads=True) for degree in (1, 2)),
         ]
         return [way for way in ways if way.method in named]
-    # the quick study leaves out a degree
     one, cut = case.name == ONE_RING, slice(-1 if quick else None)
+    # the quick study has low degrees only
+    highest = 2 if quick else max(GRADINGS)
     # uniform meshes of one ring have their order from the coarsest ones on
     uniform_cut = slice(-2) if quick and one else cut
     halvings, parts, gradings = OF_ONE_RING if one else OF_RINGS
-    kinds = [
-        (quads, k) for quads in parts for k in parts[quads] if quads or one or not quick or k != 3
-    ]
-    graded_radial = [("mdr", degree) for degree in gradings if not quick or degree < 3]
+    kinds = [(quads, k) for quads in parts for k in parts[quads] if one or k <= highest]
+    graded_radial = [("mdr", degree) for degree in gradings if degree <= highest]
     graded_radial += RADIAL[3 if one else 2 :]
     even, graded = (EVEN_UNDER_ONE_RING, GRADED_TO_RIM) if one else (EVEN, None)
     ways = [
@@ -308,8 +305,8 @@ def ways_of_unknowns(_: Case, named: Sequence[str], quick: bool) -> list[Way]:
     return ways if named else []
 
 
-def ways_of_seconds(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
-    """Return the ways of some methods that can compute a case."""
+def ways_of_seconds(case: Case, named: Sequence[str], quick: bool) -> Iterator[Way]:
+    """Yield the ways of some methods that can compute a case."""
     problem, last = case.problem, slice(-1 if quick else None)
     wanted, rtols = problem.quantities or frozenset(), TOLERANCES[problem.full_contact, quick]
     timed = problem.full_contact and len(problem.times) > 0
@@ -322,28 +319,21 @@ def ways_of_seconds(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
     def accepts(name: str) -> bool:
         return not method(name).refusal(problem)
 
-    sizes = [runs.NaiveSizes(count) for count in [5, 10, 20, 40][last]]
-    others: dict[str, tuple[bool, Callable[[], Way]]] = {
-        "direct": (wanted <= GROUPS["steady"] and accepts("direct"), runs.closed_form),
-        "mdr implicit": (
-            constant,
-            partial(runs.steps, "implicit", (0.1, 0.01, 0.001), problem, 1e-4),
-        ),
-        "mdr explicit": (constant, partial(runs.explicit_steps, (0.9, 0.3, 0.1))),
-        "mdr-grid": (
-            history and accepts("mdr-grid"),
-            partial(runs.paper_grid, [50, 100, 200, 400][last]),
-        ),
-        "naive": (naive, partial(runs.naive_elements, sizes)),
-    }
-    return [
-        *(
-            runs.tolerances(method(name), rtols)
-            for name in BY_TOLERANCE
-            if name in named and accepts(name)
-        ),
-        *(way() for name, (fits, way) in others.items() if wanted and name in named and fits),
-    ]
+    for name in BY_TOLERANCE:
+        if name in named and accepts(name):
+            yield runs.tolerances(method(name), rtols)
+    if not wanted:
+        return
+    if "direct" in named and wanted <= GROUPS["steady"] and accepts("direct"):
+        yield runs.closed_form()
+    if "mdr implicit" in named and constant:
+        yield runs.steps("implicit", (0.1, 0.01, 0.001), problem, 1e-4)
+    if "mdr explicit" in named and constant:
+        yield runs.explicit_steps((0.9, 0.3, 0.1))
+    if "mdr-grid" in named and history and accepts("mdr-grid"):
+        yield runs.paper_grid([50, 100, 200, 400][last])
+    if "naive" in named and naive:
+        yield runs.naive_elements([runs.NaiveSizes(count) for count in [5, 10, 20, 40][last]])
 
 
 class Selection(NamedTuple):
@@ -364,7 +354,7 @@ class Selection(NamedTuple):
     methods: tuple[str, ...]
     quantities: tuple[str, ...]
     known: tuple[str, ...]
-    ways: Callable[[Case, Sequence[str], bool], list[Way]]
+    ways: Callable[[Case, Sequence[str], bool], Iterable[Way]]
 
 
 OF_MESHES = ("indentation", "pressure", "rms_slope", "steady_rms_slope", "steady_profile", ENERGY)

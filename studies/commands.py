@@ -338,19 +338,20 @@ def _orders(table: str, *, out: str = "", latex: bool = False, **given: Any) -> 
 
     Parameters
     ----------
-    table : a CSV file with one row for each level and one column for each quantity; with a column
-        radius, the other columns are fields; or the table of a study
+    table : a CSV file with one row for each level and one column for each quantity, or the table of
+        a study
     latex : print the table in LaTeX instead of Markdown
     """
     from .study.formats import to_latex, to_markdown
-    from .study.sheet import orders_of_file, write
+    from .study.orders import orders, read_table, right_values, write
 
-    levels, fitted = orders_of_file(table, **given)
+    right = right_values(given.pop("right", ()))
+    fitted = orders(read_table(table, given["by"]), right=right, **given)
     text = to_latex(fitted) if latex else to_markdown(fitted)
     print_lines(text.splitlines())
     if out:
-        with output_folder(out, "orders", ["orders.csv", "orders.png"]) as folder:
-            write(levels, fitted, given["by"], folder.hidden)
+        with output_folder(out, "orders", ["orders.csv"]) as folder:
+            write(fitted, folder.hidden)
         _finish(folder)
     missed = "within" in fitted and (fitted["within"] == "no").any()
     return Status.DISAGREE if missed else Status.DONE

@@ -21,13 +21,11 @@ from .crosscheck import (
     Scene,
     Source,
     compare_fields,
-    did_you_mean,
     error_name,
     load,
     naming_arguments,
     output_folder,
     run,
-    shown,
 )
 from .tables.writing import write_csv
 
@@ -197,21 +195,6 @@ class Comparison(AnswersGuesses):
                     Scale(self.a.scene, COMPARED_LOOKS), title(self.a, self.b), (self.fields,)
                 )
         return figures
-
-    def plot(self, kind: str = "comparison") -> "Figure":
-        """Return one of the figures.
-
-        Raises
-        ------
-        SceneError
-            if there is no figure of that name
-        """
-        if kind not in self.figures:
-            otherwise = f"give one of {', '.join(self.figures)}"
-            raise SceneError(
-                f"no figure {shown(kind)}{did_you_mean(kind, self.figures, otherwise)}"
-            )
-        return self.figures[kind]
 
     def write(self, folder: Path) -> None:
         """Write tables and figures into an existing folder."""

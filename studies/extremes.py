@@ -19,29 +19,30 @@ which the accuracy is promised (`crosscheck/verdict/promise.py`).
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..meshes import RingwearError, SceneError
-from .crosscheck import Problem, Scene, Solution, Source, kind_of, method, number_of, shown
-from .study.accept import accept
+from .crosscheck import Problem, Scene, Solution, Source, method, shown
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT
-from .study.own import Methods, Quantities, read_methods, read_quantities
+from .study.own import Methods, Quantities, accept, read_methods, read_quantities
 from .study.record import REFUSED, Record
 from .study.reference import Reference, reference
 from .study.study import Study
 from .study.way import Case, Level, Way
 from .study.ways.runs import NaiveSizes, naive_elements, tolerances
+from .sweep.columns import read_values
 
 METHODS = ("mdr", "bem", "fem", "naive")
 DEFAULT_METHODS = ("mdr", "fem", "naive")
 NAIVE = NaiveSizes(cells=20, steps=2000)
 """Sizes that a user of a naive solver might choose, whatever the scene is."""
-FINER, FINEST = 0.01, 1e-9
-"""Tolerance of the reference over that of the scene, and the finest one."""
+FINER, QUICK_FINER, FINEST = 0.01, 0.1, 1e-9
+"""Tolerance of the reference over that of the scene, also of quick studies, and the finest one."""
 VALUES, QUICK_VALUES = 7, 2
 """Numbers of values of each key that is varied by itself."""
 SMALL = 1e-4
@@ -76,7 +77,7 @@ def extremes(
         the tolerance and the thickness of the first layer
     methods : names of methods to judge, `naive` among them, and methods of your own
     quantities : names as in results.nc, and functions of a result
-    quick : whether to try fewer values
+    quick : whether to try fewer values, and to compare with coarser references
     record : rows so far, and the file that they are written to
 
     Raises
@@ -104,7 +105,7 @@ def extremes(
         return [*listed, *([naive_elements([NAIVE])] if "naive" in named else [])]
 
     def exact(case: Case) -> Reference:
-        finer = max(FINER * case.problem.rtol, FINEST)
+        finer = max((QUICK_FINER if quick else FINER) * case.problem.rtol, FINEST)
         try:
             return reference(case, wanted, functions, finer, quick, confirmed=False)
         except RingwearError as failure:
@@ -169,15 +170,17 @@ def values_of_keys(
         if `vary` is not of one of its forms; the message shows them
     """
     if not vary:
-        return keys_of_scene(scene, QUICK_VALUES if quick else VALUES)
+        return keys_of_scene(scene, quick)
     if isinstance(vary, Mapping):
         return {str(key): list(values) for key, values in vary.items()}
     texts = [vary] if isinstance(vary, str) else list(vary)
-    return dict(parse(_without_units(text, scene)) for text in texts)
+    return {
+        key: read_values(key, spaced, scene.table(), 0, None) for key, spaced in map(parse, texts)
+    }
 
 
-def parse(text: str) -> tuple[str, list[float]]:
-    """Return key and values of ``KEY=LOW:HIGH:N`` or ``KEY=geom:LOW:HIGH:N``.
+def parse(text: str) -> tuple[str, dict[str, list[Any]]]:
+    """Return key and values of ``KEY=LOW:HIGH:N`` or ``KEY=geom:LOW:HIGH:N``, as in sweeps.
 
     Raises
     ------
@@ -185,38 +188,29 @@ def parse(text: str) -> tuple[str, list[float]]:
         if the text has another form
     """
     found = re.fullmatch(r"([\w.]+)=(geom:)?([^:]+):([^:]+):([1-9]\d*)", text.strip())
-    try:
-        key, geometric, *ends, count = found.groups() if found else ()
-        low, high = map(float, ends)
-        if geometric and min(low, high) <= 0:
-            raise ValueError
-    except ValueError:
+    if not found:
         raise SceneError(
             f"--vary {shown(text)}: give KEY=LOW:HIGH:N, such as "
             "half_space.poisson_ratio=0.3:0.4999:7, or KEY=geom:LOW:HIGH:N with positive ends, "
             "such as punch.wear_ratio=geom:1e-8:1e8:9"
-        ) from None
-    spaced = np.geomspace if geometric else np.linspace
-    # whole numbers stay whole, because some keys take no others
-    return key, [
-        int(value) if value.is_integer() and abs(value) < 1e6 else float(f"{value:.9g}")
-        for value in map(float, spaced(low, high, int(count)))
-    ]
+        )
+    key, geometric, *ends, count = found.groups()
+    return key, {"geomspace" if geometric else "linspace": [*map(_number, ends), int(count)]}
 
 
-def _without_units(text: str, scene: Scene) -> str:
-    """Return values of a key with numbers in the units of a scene in place of those with a unit."""
-    key, mark, values = text.partition("=")
-    parts, kind = values.split(":"), kind_of(key, Scene)
-    for place, part in enumerate(parts):
-        if kind != "number" and re.match(r"[-+.\s]*\d.*[^\d.]$", part):
-            parts[place] = repr(number_of(part, f"--vary {key}", kind, scene.unit_names))
-    return f"{key}{mark}{':'.join(parts)}"
+def _number(text: str) -> float | str:
+    """Return a number, which stays whole if it is; or a text with a unit as it is."""
+    for read in (int, float):
+        with suppress(ValueError):
+            return read(text)
+    return text
 
 
-def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:
+def keys_of_scene(scene: Scene, quick: bool) -> dict[str, list[Any]]:
     """Return values of the keys that a scene has, towards its extremes."""
-    table, punch = scene.table(), scene.punch
+    table, punch, count = scene.table(), scene.punch, QUICK_VALUES if quick else VALUES
+    # the quick study does not solve the scene as it is for each key
+    others = slice(-1 if quick else None)
     varied: dict[str, list[Any]] = {}
 
     def geometric(low: float, high: float) -> list[Any]:
@@ -232,11 +226,11 @@ def keys_of_scene(scene: Scene, count: int) -> dict[str, list[Any]]:
     if len(scene.problem.merged.widths) > 1 and not punch.table:
         varied["punch.wear_ratio"] = geometric(1e-6, 1e6)
         if "rings" in table["punch"]:
-            varied["punch.width_ratio"] = geometric(SMALL, 1.0)
+            varied["punch.width_ratio"] = geometric(SMALL, 1.0)[others]
     if later := [time for time in scene.wear.times if time > 0]:
         varied["wear.times"] = [
             [time, *(each for each in later if each > time)]
-            for time in geometric(SMALL * later[0], later[0])
+            for time in geometric(SMALL * later[0], later[0])[others]
         ]
     varied["accuracy.rtol"] = geometric(1e-1, 1e-6 if scene.problem.full_contact else 1e-3)
     return varied

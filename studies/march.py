@@ -13,9 +13,8 @@ import numpy as np
 
 from ..meshes import SceneError
 from .crosscheck import Problem, Source
-from .study.accept import accept, steps_of, with_times
 from .study.declared import Declared, conduct
-from .study.own import Quantities, read_quantities
+from .study.own import Quantities, accept, read_quantities, steps_of, with_times
 from .study.record import Record
 from .study.reference import Reference, solution_as_reference
 from .study.study import Study

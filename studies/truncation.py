@@ -12,8 +12,8 @@ from dataclasses import replace
 
 from ..meshes import Ground
 from .crosscheck import Source, numbers
-from .study.accept import accept
 from .study.declared import Declared, conduct
+from .study.own import accept
 from .study.record import Record
 from .study.study import Study
 from .study.way import Case

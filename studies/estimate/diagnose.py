@@ -132,7 +132,7 @@ def diagnose(comparison: Comparison, deck_reach: float | None = None) -> list[Di
 def _ranked(comparison: Comparison, deck_reach: float | None) -> list[Diagnosis]:
     """Return the diagnoses of a difference that is above the `rtol` of the scene."""
     model, of_mesh = model_of(comparison), (mesh_part(),) * bool(comparison.mesh_results)
-    candidates = select(model, mistakes(comparison), of_mesh)
+    candidates = select(model, list(mistakes(comparison)), of_mesh)
     (none,) = (each for each in candidates if each.mistake is None)
     with left_out("a column"):
         if diagnoses := _in_column(comparison, none):
@@ -328,7 +328,7 @@ def _diagnoses(
         return row[2] > MIN_EXPLAINED and bool((row[0].errors <= allowed).all())
 
     # an input that leaves about as much as the mesh is not shown to be wrong
-    most = min(row[0].score for row in found) + NEAR if found else 0.0
+    most = min(each.score for each, *_ in found) + NEAR if found else 0.0
     mesh_suffices = any(
         row[1].name == COARSE_MESH and row[0].score <= most and explains(row) for row in found
     )
@@ -338,14 +338,12 @@ def _diagnoses(
         found = [row for row in found if row[1].of_mesh]
     if not found:
         return []
-    scores = np.array([row[0].score for row in found])
+    scores = np.array([each.score for each, *_ in found])
     weights = np.exp(-np.maximum(scores - scores.min() - ALIKE, 0.0) / 2)
-    order = [int(number) for number in np.argsort(-weights, kind="stable")]
-    shares = weights / weights.sum() * [part for *_, part in found]
     # in the order of the score
-    shares[order] = np.minimum.accumulate(shares[order])
-    explaining = [number for number in order if explains(found[number])]
-    listed = explaining or order[:1]
+    shares = np.minimum.accumulate(weights / weights.sum() * [part for *_, part in found])
+    explaining = [number for number, row in enumerate(found) if explains(row)]
+    listed = explaining or [0]
     first = max(found[listed[0]][0].errors.max(), none.floor)
     listed = [
         number
@@ -358,19 +356,17 @@ def _diagnoses(
         candidate, mistake, _ = found[number]
         judgement, rival = EXPLAINS if explaining else REDUCES, ""
         near = [
-            other
+            named(found[other][1], found[other][0].values, comparison)
             for other in listed
             if other != number and abs(found[other][0].score - candidate.score) < NEAR
         ]
         if explaining and near:
-            judgement, rival = EQUALLY, named(*_with_values(found[near[0]]), comparison)
-        low, high = interval_of(mistake, candidate)
+            judgement, rival = EQUALLY, near[0]
         diagnoses.append(
             Diagnosis(
                 named(mistake, candidate.values, comparison),
                 mistake.size(*candidate.values),
-                low,
-                high,
+                *interval_of(mistake, candidate),
                 float(shares[number]),
                 judgement,
                 sentence(mistake, candidate.values),
@@ -381,10 +377,6 @@ def _diagnoses(
             )
         )
     return diagnoses
-
-
-def _with_values(row: tuple[Candidate, Mistake, float]) -> tuple[Mistake, tuple[float, ...]]:
-    return row[1], row[0].values
 
 
 def _without_alike(candidates: Sequence[Candidate]) -> list[Candidate]:

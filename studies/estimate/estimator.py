@@ -12,11 +12,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 from lmfit import Minimizer, Parameters
 
 from ...meshes import Array, SolverError
 from .measurement import Measurement
-from .model import Model
+from .model import STEP, Model
 from .parameter import Parameter
 
 # factor on the reach of a parameter within which it is searched, so that a best point at the reach
@@ -25,8 +26,6 @@ SEARCH_MARGIN = 1.02
 # `ftol`, `xtol` and `gtol` of the least-squares search
 TOLERANCE = 1e-8
 MAX_EVALUATIONS = 200
-# step of the coordinates in the forward differences of a search
-SEARCH_STEP = 1e-4
 # singular value of the derivatives, scaled to length one, below which a combination of parameters
 # has no effect
 NO_EFFECT = 1e-6
@@ -121,17 +120,6 @@ class Likelihood:
         predicted = np.concatenate(self.predictor.predict(x)) / self.noise
         return self.whitened(self._values - predicted)
 
-    def all_slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, m) of the predictions at coordinates (m,), over the noise.
-
-        Raises
-        ------
-        SolverError
-            if they are not finite
-        """
-        slopes = np.concatenate(self.predictor.slopes(x)) / self.noise[:, None]
-        return _finite(self.whitened(slopes))
-
     def _search_slopes(self, x: Array, numbers: list[int]) -> Array:
         """Return the derivatives (n, k) by k parameters, as accurate as a search needs them."""
         directions = np.eye(len(x))[numbers]
@@ -139,13 +127,23 @@ class Likelihood:
         if wear:
             # all wear coefficients at once only change the unit of time, without a new solution
             directions[numbers.index(wear[0]), wear] = 1.0
-        ahead = np.array([self.residuals(x + SEARCH_STEP * each) for each in directions])
-        changes = (self.residuals(x) - ahead) / SEARCH_STEP
+        ahead = np.array([self.residuals(x + STEP * each) for each in directions])
+        changes = (self.residuals(x) - ahead) / STEP
         return _finite(np.linalg.solve(directions[:, numbers], changes).T)
 
     def slopes(self, x: Array) -> Array:
-        """Return the derivatives (n, f) by the free parameters, over the noise."""
-        return self.all_slopes(x)[:, self.free]
+        """Return the derivatives (n, f) by the free parameters, over the noise.
+
+        They are central differences.
+
+        Raises
+        ------
+        SolverError
+            if they are not finite
+        """
+        shifts = STEP * np.eye(len(x))[list(self.free)]
+        columns = [self.residuals(x - shift) - self.residuals(x + shift) for shift in shifts]
+        return _finite(np.reshape(columns, (len(shifts), -1)).T / (2 * STEP))
 
     def minimizer(
         self, start: Array, varied: Sequence[int], tolerance: float = TOLERANCE
@@ -295,28 +293,24 @@ def with_estimated_noise(likelihood: Likelihood, best: Point) -> Likelihood:
     if all(each.noise_known for each in likelihood.measurements):
         return likelihood
     for _ in range(NOISE_ROUNDS):
-        columns = [each.column for each in likelihood.measurements]
-        residuals, row = likelihood.residuals(best.x), 0
-        sums, counts, least = dict[str, float](), dict[str, int](), dict[str, float]()
-        for each in likelihood.measurements:
-            series = residuals[row : row + len(each.values)]
-            sums[each.column] = sums.get(each.column, 0.0) + float(series @ series)
-            counts[each.column] = counts.get(each.column, 0) + len(series)
-            ratio = float(np.abs(each.values).max() / each.noise.max())
-            least[each.column] = max(least.get(each.column, 1e-12), LEAST_NOISE * ratio)
-            row += len(series)
+        measurements, residuals = likelihood.measurements, likelihood.residuals(best.x)
+        ends = np.cumsum([len(each.values) for each in measurements])[:-1]
         # the fitted numbers are divided among the columns in proportion to their values
         freedom_per_value = max(likelihood.degrees_of_freedom, 1) / len(residuals)
-        factors = {
-            column: 1.0
-            if known
-            else max(np.sqrt(sums[column] / (counts[column] * freedom_per_value)), least[column])
-            for column, known in zip(
-                columns, [each.noise_known for each in likelihood.measurements], strict=True
-            )
-        }
-        likelihood = likelihood.with_noise([factors[column] for column in columns])
+        series = pd.DataFrame(
+            {
+                "column": [each.column for each in measurements],
+                "sum": [float(part @ part) for part in np.split(residuals, ends)],
+                "count": [len(each.values) for each in measurements],
+                "least": [np.abs(each.values).max() / each.noise.max() for each in measurements],
+            }
+        )
+        columns = series.groupby("column").agg({"sum": "sum", "count": "sum", "least": "max"})
+        least = np.maximum(LEAST_NOISE * columns["least"], 1e-12)
+        scale = np.sqrt(columns["sum"] / columns["count"] / freedom_per_value).clip(lower=least)
+        factors = [1.0 if each.noise_known else scale[each.column] for each in measurements]
+        likelihood = likelihood.with_noise(factors)
         best = likelihood.best_from(best.x)
-        if all(abs(factor - 1) < 1e-2 for factor in factors.values()):
+        if all(abs(factor - 1) < 1e-2 for factor in factors):
             break
     return likelihood

@@ -5,7 +5,7 @@ user can do to confirm it. Of mistakes that explain the same, the first in the t
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import combinations
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..crosscheck import Scene
 from .compared import Comparison
-from .parameter import Change, Parameter, Reading, Situation
+from .parameter import Change, Parameter, Reading, SceneChange, Situation
 from .select import COARSE_MESH, Mistake
 
 LENGTHS = ("displacement", "profile", "indentation")
@@ -38,37 +38,35 @@ COARSE = 0.7
 # ---- kinds of parameters --------------------------------------------------------------------
 
 
-def factor(change: Change, starts: Sequence[float] = FACTORS, of_scene: bool = False) -> Parameter:
+def factor(change: Change, starts: tuple[float, ...] = FACTORS) -> Parameter:
     """Return a positive factor that is fitted."""
-    reach = math.log(1e9)
-    return Parameter("factor", change, reach=reach, starts=tuple(starts), of_scene=of_scene)
+    return Parameter("factor", change, reach=math.log(1e9), starts=starts)
 
 
-def choice(change: Change, *values: float, of_scene: bool = False) -> Parameter:
+def choice(change: Change, *values: float) -> Parameter:
     """Return a number that has one of several values."""
-    return Parameter(
-        "choice", change, 0.0, math.inf, logarithmic=False, values=values, of_scene=of_scene
-    )
+    return Parameter("choice", change, 0.0, math.inf, logarithmic=False, values=values)
 
 
-def of_scene(change: Callable[[Scene, float], Scene]) -> Change:
-    """Return a change of the scene, and not of the reading."""
-    return lambda scene, reading, value: (change(scene, value), reading)
-
-
-def of_reading(change: Callable[[Reading, float], Reading]) -> Change:
-    """Return a change of the reading, and not of the scene."""
-    return lambda scene, reading, value: (scene, change(reading, value))
+def scale(
+    name: str,
+    change: Callable[[Scene, float], Scene],
+    reach: float = math.log(11),
+    starts: tuple[float, ...] = (0.45, 2.2),
+    spacing: float = 0.4,
+) -> Parameter:
+    """Return a factor on numbers of the scene that is fitted."""
+    return Parameter(name, SceneChange(change), reach=reach, starts=starts, spacing=spacing)
 
 
 def set_reading(name: str) -> Change:
     """Return a change that sets one field of the reading."""
-    return of_reading(lambda reading, value: reading.changed(name, value))
+    return lambda scene, reading, value: (scene, reading.changed(name, value))
 
 
 def columns(*names: str) -> Change:
     """Return a change that multiplies columns of a table."""
-    return of_reading(lambda reading, value: reading.multiplied(value, *names))
+    return lambda scene, reading, value: (scene, reading.multiplied(value, *names))
 
 
 # parts of the whole force that programs report
@@ -145,9 +143,9 @@ def with_wear_times(coefficient: float, scene: Scene, size: float) -> Scene:
     return with_wear(scene, lambda each: each * size if each == coefficient else each)
 
 
-def with_step(sign: float, reading: Reading, length: float) -> Reading:
+def with_step(sign: float, scene: Scene, reading: Reading, length: float) -> Situation:
     """Return a reading with time steps of first order."""
-    return reading._replace(step=sign * length)
+    return scene, reading._replace(step=sign * length)
 
 
 def with_edges(scene: Scene, size: float) -> Scene:
@@ -218,11 +216,11 @@ def with_layer(key: str, scene: Scene, value: float) -> Scene:
 def mesh_part() -> Parameter:
     """Return the part of the errors of a linear mesh that a table has, from 0 to 1."""
     change = set_reading("mesh")
-    return Parameter("mesh", change, 0.5, 1.0, logarithmic=False, scale=0.5, of_scene=False)
+    return Parameter("mesh", change, 0.5, 1.0, logarithmic=False, scale=0.5)
 
 
-def coarse_mesh(errors: float, clamped: Change | None) -> list[Mistake]:
-    """Return the errors of a mesh whose nodes are at the radii, without and with those below it.
+def coarse_mesh(errors: float, clamped: Change | None) -> Iterator[Mistake]:
+    """Yield the errors of a mesh whose nodes are at the radii, without and with those below it.
 
     Parameters
     ----------
@@ -235,24 +233,22 @@ def coarse_mesh(errors: float, clamped: Change | None) -> list[Mistake]:
     if clamped is not None:
         below = Parameter("a/R", clamped, errors, 1.0, logarithmic=False, scale=errors)
         rows.append((nodes, below))
-    return [
-        Mistake(
+    for parameters in rows:
+        yield Mistake(
             COARSE_MESH,
             "a mesh that is too coarse: {0:.2g} times the errors of linear elements with nodes at "
             "these radii",
             "halve the element size: this error decreases; give both results with --refinement",
-            row,
+            parameters,
             of_mesh=True,
         )
-        for row in rows
-    ]
 
 
 # ---- the table ------------------------------------------------------------------------------
 
 
-def mistakes(comparison: Comparison) -> list[Mistake]:
-    """Return the mistakes that could be recognised in results of a scene."""
+def mistakes(comparison: Comparison) -> Iterator[Mistake]:
+    """Yield the mistakes that could be recognised in results of a scene."""
     scene, problem = comparison.scene, comparison.scene.problem
     names = {*comparison.quantities}
     later = bool((comparison.times[comparison.time_rows] > 0).any())
@@ -262,12 +258,11 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
     by_force = problem.indentation is None
     bare = not problem.ground.layered
     written = scene.unit_names.write
-    rows = list[Mistake]()
 
     errors = dict(zip(comparison.quantities, comparison.mesh_errors(), strict=False))
     error = float(np.sqrt(np.mean(errors["pressure"] ** 2))) if errors else 0.0
     if error and not (bare and (flat or by_force)):
-        rows += coarse_mesh(error, None)
+        yield from coarse_mesh(error, None)
     if bare and (flat or by_force):
         low = float(np.interp(problem.poisson_ratio, *TRUNCATION_ERRORS))
 
@@ -283,159 +278,126 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
             return scene, reading._replace(ground_compliance=compliance)
 
         if error:
-            rows += coarse_mesh(error, clamped)
-        rows.append(
-            Mistake(
-                "truncated half-space",
-                lambda part: (
-                    "a half-space that is clamped at a distance R of about "
-                    f"{1 / part:.4g} radii: "
-                    + (
-                        "all displacements are too low by the same length, about 1.1 a/R of the "
-                        "indentation"
-                        if by_force and not at_our_depth
-                        else "forces are too high for the indentation, the first one by about "
-                        "1.1 a/R"
-                    )
-                ),
-                "compute with a half-space twice as large: the error is halved",
-                (
-                    Parameter(
-                        "a/R",
-                        clamped,
-                        0.02,
-                        math.log(20),
-                        starts=(0.005, 0.05, 0.2),
-                        of_scene=False,
-                    ),
-                ),
-                of_mesh=True,
-                size=lambda part: 1 / part,
-            )
+            yield from coarse_mesh(error, clamped)
+        yield Mistake(
+            "truncated half-space",
+            lambda part: (
+                "a half-space that is clamped at a distance R of about "
+                f"{1 / part:.4g} radii: "
+                + (
+                    "all displacements are too low by the same length, about 1.1 a/R of the "
+                    "indentation"
+                    if by_force and not at_our_depth
+                    else "forces are too high for the indentation, the first one by about 1.1 a/R"
+                )
+            ),
+            "compute with a half-space twice as large: the error is halved",
+            (Parameter("a/R", clamped, 0.02, math.log(20), starts=(0.005, 0.05, 0.2)),),
+            of_mesh=True,
+            size=lambda part: 1 / part,
         )
 
     # the program has another clock
     if later:
-        rows.append(
-            Mistake(
-                "units of time",
-                lambda value: (
-                    f"another unit of time, {value:.4g} times that of the scene: the "
-                    f"column time is {1 / value:.4g} times ours"
-                ),
-                "give the unit of time of the table by --units, or in the heading of its times; a "
-                "wear coefficient or a sliding speed in another unit has the same effect",
-                (choice(set_reading("time_scale"), 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
-            )
+        yield Mistake(
+            "units of time",
+            lambda value: (
+                f"another unit of time, {value:.4g} times that of the scene: the "
+                f"column time is {1 / value:.4g} times ours"
+            ),
+            "give the unit of time of the table by --units, or in the heading of its times; a "
+            "wear coefficient or a sliding speed in another unit has the same effect",
+            (choice(set_reading("time_scale"), 1e3, 1e-3, 60.0, 1 / 60, 3600.0, 1 / 3600),),
         )
     if later and steady_load:
-        rows.append(
-            Mistake(
-                "wear coefficient",
-                "a wear coefficient or a sliding speed of {0:.4g} times ours: time runs {0:.4g} "
-                "times as fast",
-                "compare k and v of the input, and their units; with all times multiplied by this "
-                "factor the error disappears",
-                (factor(set_reading("time_scale")),),
-            )
+        yield Mistake(
+            "wear coefficient",
+            "a wear coefficient or a sliding speed of {0:.4g} times ours: time runs {0:.4g} "
+            "times as fast",
+            "compare k and v of the input, and their units; with all times multiplied by this "
+            "factor the error disappears",
+            (factor(set_reading("time_scale")),),
         )
     if several:
         last = float(comparison.times.max())
-        rows.append(
-            Mistake(
-                "late start",
-                lambda start: (
-                    f"a history that starts too late, at about t = {written(start, 'time', 3)}"
+        yield Mistake(
+            "late start",
+            lambda start: (
+                f"a history that starts too late, at about t = {written(start, 'time', 3)}"
+            ),
+            "subtract this from all times: the error disappears",
+            (
+                Parameter(
+                    "start",
+                    set_reading("start_time"),
+                    0.1 * last,
+                    math.log(10),
+                    starts=tuple(last * part for part in (0.02, 0.1, 0.3, 0.6)),
                 ),
-                "subtract this from all times: the error disappears",
-                (
-                    Parameter(
-                        "start",
-                        set_reading("start_time"),
-                        0.1 * last,
-                        math.log(10),
-                        starts=tuple(last * part for part in (0.02, 0.1, 0.3, 0.6)),
-                        of_scene=False,
-                    ),
-                ),
-            )
+            ),
         )
     if several and flat:
         longest = float(np.diff(comparison.times, prepend=0.0).max())
         for kind, sign in (("implicit", 1.0), ("explicit", -1.0)):
-            rows.append(
-                Mistake(
-                    "first-order time step",
-                    partial(_steps_in_words, kind, written),
-                    "compute with half the time step: the error is halved",
-                    (
-                        Parameter(
-                            "step",
-                            of_reading(partial(with_step, sign)),
-                            longest / 20,
-                            math.log(20 * last / longest),
-                            of_scene=False,
-                        ),
+            yield Mistake(
+                "first-order time step",
+                partial(_steps_in_words, kind, written),
+                "compute with half the time step: the error is halved",
+                (
+                    Parameter(
+                        "step",
+                        partial(with_step, sign),
+                        longest / 20,
+                        math.log(20 * last / longest),
                     ),
-                )
+                ),
             )
 
     # the program solves another scene
     if flat and by_force:
         known = force_factors(problem.units.length)
-        rows.append(
-            Mistake(
-                "force per length",
-                lambda value: (
-                    f"a load of {value:.4g} times ours, which multiplies all results: a "
-                    f"force {known[value]}"
-                ),
-                "compare the sum of 2 pi r p dr with the load; look up whether an axisymmetric "
-                "load counts for the whole circumference",
-                (choice(of_scene(with_force), *known, of_scene=True),),
-                "normal force",
-            )
+        yield Mistake(
+            "force per length",
+            lambda value: (
+                f"a load of {value:.4g} times ours, which multiplies all results: a "
+                f"force {known[value]}"
+            ),
+            "compare the sum of 2 pi r p dr with the load; look up whether an axisymmetric "
+            "load counts for the whole circumference",
+            (choice(SceneChange(with_force), *known),),
+            "normal force",
         )
-        rows.append(
-            Mistake(
-                "normal force",
-                "a load of {0:.4g} times ours, which multiplies all results",
-                "compare the sum of 2 pi r p dr with the load of the scene",
-                (factor(of_scene(with_force), of_scene=True),),
-            )
+        yield Mistake(
+            "normal force",
+            "a load of {0:.4g} times ours, which multiplies all results",
+            "compare the sum of 2 pi r p dr with the load of the scene",
+            (factor(SceneChange(with_force)),),
         )
     plane = 1 - problem.poisson_ratio**2
     if flat and bare and abs(problem.poisson_ratio) > 0.1:
-        rows.append(
-            Mistake(
-                "Poisson's ratio",
-                "a half-space {0:.4g} times as stiff as ours: E in place of E/(1 - nu^2), or the "
-                "reverse",
-                "compute with a Poisson's ratio of 0: the error disappears",
-                (choice(of_scene(with_modulus), plane, 1 / plane, of_scene=True),),
-                "modulus",
-            )
+        yield Mistake(
+            "Poisson's ratio",
+            "a half-space {0:.4g} times as stiff as ours: E in place of E/(1 - nu^2), or the "
+            "reverse",
+            "compute with a Poisson's ratio of 0: the error disappears",
+            (choice(SceneChange(with_modulus), plane, 1 / plane),),
+            "modulus",
         )
     if flat:
-        rows.append(
-            Mistake(
-                "modulus",
-                "a half-space {0:.4g} times as stiff as ours",
-                "compare the modulus of the input, and F / (2 a E*) with the first indentation",
-                (factor(of_scene(with_modulus), of_scene=True),),
-            )
+        yield Mistake(
+            "modulus",
+            "a half-space {0:.4g} times as stiff as ours",
+            "compare the modulus of the input, and F / (2 a E*) with the first indentation",
+            (factor(SceneChange(with_modulus)),),
         )
     if bare:
-        rows.append(
-            Mistake(
-                "radius for diameter",
-                "a punch of {0:g} times the radius: a diameter in place of a radius, or the "
-                "reverse",
-                "look up the radius in the model beyond which pressures are zero",
-                (choice(of_scene(with_radius), 2.0, 0.5, of_scene=True),),
-            )
+        yield Mistake(
+            "radius for diameter",
+            "a punch of {0:g} times the radius: a diameter in place of a radius, or the reverse",
+            "look up the radius in the model beyond which pressures are zero",
+            (choice(SceneChange(with_radius), 2.0, 0.5),),
         )
-    rows += wear_mistakes(scene, later)
+    yield from wear_mistakes(scene, later)
     if flat and by_force and bare:
         unit = min(max(2 * problem.units.length, 1e-6), 1e6)
         depth = problem.units.displacement
@@ -445,75 +407,68 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
             offset = value * scene.problem.units.displacement / depth
             return scene, reading._replace(offset=offset)
 
-        rows.append(
-            Mistake(
-                "plane strain",
-                lambda force, _: (
-                    "a strip in plane strain in place of an axisymmetric punch, under "
-                    f"a force per length of {force / (2 * problem.units.length):.3g} F (mean "
-                    f"pressure: {force * math.pi / 4:.3g} times ours)"
+        yield Mistake(
+            "plane strain",
+            lambda force, _: (
+                "a strip in plane strain in place of an axisymmetric punch, under "
+                f"a force per length of {force / (2 * problem.units.length):.3g} F (mean "
+                f"pressure: {force * math.pi / 4:.3g} times ours)"
+            ),
+            "look up whether the element type is axisymmetric, and the load that of the whole "
+            "circle; in plane strain the indentation grows with the logarithm of the depth of "
+            "the mesh",
+            (
+                factor(in_plane_strain, (1.0, 4 / math.pi, unit)),
+                Parameter(
+                    "depth",
+                    lower,
+                    0.0,
+                    1e3,
+                    logarithmic=False,
+                    scale=depth,
+                    starts=(0.5 * depth, 2.0 * depth),
                 ),
-                "look up whether the element type is axisymmetric, and the load that of the whole "
-                "circle; in plane strain the indentation grows with the logarithm of the depth of "
-                "the mesh",
-                (
-                    factor(in_plane_strain, (1.0, 4 / math.pi, unit), of_scene=True),
-                    Parameter(
-                        "depth",
-                        lower,
-                        0.0,
-                        1e3,
-                        logarithmic=False,
-                        scale=depth,
-                        starts=(0.5 * depth, 2.0 * depth),
-                        of_scene=False,
-                    ),
-                ),
-            )
+            ),
         )
         if problem.poisson_ratio < 0.5:
-            rows.append(
-                Mistake(
-                    "layer",
-                    lambda thick, stiff: (
-                        f"a {'soft' if stiff < 1 else 'stiff'} layer on the "
-                        f"half-space, about {thick:.2g} a thick and {stiff:.2g} times as stiff as "
-                        "the half-space, which the scene does not have"
-                    ),
-                    "compute with a homogeneous half-space, and compare indentation and pressures",
-                    tuple(
-                        Parameter(
-                            key,
-                            of_scene(partial(with_layer, key)),
-                            value,
-                            COARSE * number,
-                            starts=tuple(value * math.exp(COARSE * node) for node in nodes),
-                            spacing=COARSE,
-                        )
-                        for key, value, number, nodes in (
-                            ("thickness", 0.28, 3, (-1, 1)),
-                            ("youngs_modulus", 0.5, 5, (-3, -1, 2, 3)),
-                        )
-                    ),
-                    size=lambda _, stiff: stiff,
-                )
+            yield Mistake(
+                "layer",
+                lambda thick, stiff: (
+                    f"a {'soft' if stiff < 1 else 'stiff'} layer on the "
+                    f"half-space, about {thick:.2g} a thick and {stiff:.2g} times as stiff as "
+                    "the half-space, which the scene does not have"
+                ),
+                "compute with a homogeneous half-space, and compare indentation and pressures",
+                tuple(
+                    Parameter(
+                        key,
+                        SceneChange(partial(with_layer, key)),
+                        value,
+                        COARSE * number,
+                        starts=tuple(value * math.exp(COARSE * node) for node in nodes),
+                        spacing=COARSE,
+                    )
+                    for key, value, number, nodes in (
+                        ("thickness", 0.28, 3, (-1, 1)),
+                        ("youngs_modulus", 0.5, 5, (-3, -1, 2, 3)),
+                    )
+                ),
+                size=lambda _, stiff: stiff,
             )
     if flat and not bare:
-        rows += layer_mistakes(scene)
+        yield from layer_mistakes(scene)
     if not problem.full_contact and bare:
-        rows += shape_mistakes(scene)
+        yield from shape_mistakes(scene)
 
     # the table has other signs, units, or factors
     for name in names:
         words = name.replace("_", " ")
-        rows.append(
-            Mistake(
-                f"sign of the {words}",
-                f"an opposite sign of {words}",
-                "compare the sign conventions: p is positive in compression; u, d and f are "
-                "positive into the half-space",
-                (choice(columns(name), -1.0),),
-            )
+        yield Mistake(
+            f"sign of the {words}",
+            f"an opposite sign of {words}",
+            "compare the sign conventions: p is positive in compression; u, d and f are "
+            "positive into the half-space",
+            (choice(columns(name), -1.0),),
         )
     lengths = names & {*LENGTHS}
     kinds = {kind: {*members} & names for kind, members in KINDS.items()}
@@ -521,59 +476,50 @@ def mistakes(comparison: Comparison) -> list[Mistake]:
     for members in [*filter(None, kinds.values()), *single]:
         words = " and ".join(name.replace("_", " ") for name in sorted(members))
         verb = "are" if len(members) > 1 else "is"
-        rows.append(
-            Mistake(
-                "units",
-                lambda value, members=members: (
-                    "other units than ours: "
-                    + ", ".join(f"the column {name} is {value:.4g} times ours" for name in members)
+        yield Mistake(
+            "units",
+            lambda value, members=members: (
+                "other units than ours: "
+                + ", ".join(f"the column {name} is {value:.4g} times ours" for name in members)
+            ),
+            "give the units of the table by --units, or in the headings of its columns",
+            (choice(columns(*members), *POWERS),),
+            "constant factor",
+            words,
+        )
+        if members == {"normal_force"}:
+            yield Mistake(
+                "force on a part",
+                lambda value: (
+                    f"the force {PARTS_OF_CIRCLE[value]}: the column normal_force is "
+                    f"{value:.4g} times ours"
                 ),
-                "give the units of the table by --units, or in the headings of its columns",
-                (choice(columns(*members), *POWERS),),
+                "multiply the forces of the table to those on the whole circumference",
+                (choice(columns("normal_force"), *PARTS_OF_CIRCLE),),
                 "constant factor",
                 words,
             )
-        )
-        if members == {"normal_force"}:
-            rows.append(
-                Mistake(
-                    "force on a part",
-                    lambda value: (
-                        f"the force {PARTS_OF_CIRCLE[value]}: the column normal_force is "
-                        f"{value:.4g} times ours"
-                    ),
-                    "multiply the forces of the table to those on the whole circumference",
-                    (choice(columns("normal_force"), *PARTS_OF_CIRCLE),),
-                    "constant factor",
-                    words,
-                )
-            )
-        rows.append(
-            Mistake(
-                "constant factor",
-                f"a constant factor: {words} {verb} {{0:.4g}} times ours at all times and radii",
-                "compare the units and the definition of this column with those of the others",
-                (factor(columns(*members)),),
-                changes=words,
-            )
+        yield Mistake(
+            "constant factor",
+            f"a constant factor: {words} {verb} {{0:.4g}} times ours at all times and radii",
+            "compare the units and the definition of this column with those of the others",
+            (factor(columns(*members)),),
+            changes=words,
         )
     if len(comparison.radii) > 1:
         greatest = comparison.radii.max() / problem.units.length
         power = 1000.0 ** -round(math.log10(greatest or 1.0) / 3)
-        rows.append(
-            Mistake(
-                "units of radii",
-                lambda value: (
-                    "radii that are "
-                    + {2.0: "halves of the radii", 0.5: "diameters"}.get(value, "in another unit")
-                    + f": the right ones are {value:.4g} times those of the table: the column "
-                    f"radius is {1 / value:.4g} times ours"
-                ),
-                "compare the greatest radius of the table with punch.radius; give --units",
-                (choice(set_reading("radius_scale"), 2.0, 0.5, *[power] * (power > 1)),),
-            )
+        yield Mistake(
+            "units of radii",
+            lambda value: (
+                "radii that are "
+                + {2.0: "halves of the radii", 0.5: "diameters"}.get(value, "in another unit")
+                + f": the right ones are {value:.4g} times those of the table: the column "
+                f"radius is {1 / value:.4g} times ours"
+            ),
+            "compare the greatest radius of the table with punch.radius; give --units",
+            (choice(set_reading("radius_scale"), 2.0, 0.5, *[power] * (power > 1)),),
         )
-    return rows
 
 
 def _steps_in_words(kind: str, written: Callable[..., str], length: float) -> str:
@@ -603,96 +549,57 @@ def force_factors(radius: float) -> dict[float, str]:
     return {value: words for value, words in both.items() if abs(math.log(value)) > 0.06}
 
 
-def wear_mistakes(scene: Scene, later: bool) -> list[Mistake]:
-    """Return mistakes in the wear coefficients and edges of rings."""
-    values, edges = sorted(set(ring_wear(scene))), scene.problem.ring_edges
+def wear_mistakes(scene: Scene, later: bool) -> Iterator[Mistake]:
+    """Yield mistakes in the wear coefficients and edges of rings."""
+    wear, edges = ring_wear(scene), scene.problem.ring_edges
+    values = sorted(set(wear))
     count = len(values)
     if scene.punch.table or len(edges) > MAX_RINGS + 1 or not later or not count > 1:
-        return []
-    rows = [
-        Mistake(
+        return
+    for first, second in combinations(values[:MAX_MATERIALS], 2):
+        yield Mistake(
             "swapped materials",
             "swapped wear coefficients of two materials"
             + (f", {first:.4g} and {second:.4g}" if count > 2 else ""),
             "look at the latest pressures: they must be greatest on rings that wear least",
-            (
-                choice(
-                    of_scene(partial(with_wear_of, {first: second, second: first})),
-                    1.0,
-                    of_scene=True,
-                ),
-            ),
+            (choice(SceneChange(partial(with_wear_of, {first: second, second: first})), 1.0),),
         )
-        for first, second in combinations(values[:MAX_MATERIALS], 2)
-    ]
     if count > MAX_MATERIALS:
-        return rows
-    rows += [
-        Mistake(
+        return
+    for value in values:
+        # the number of a ring that alone has the material
+        ring = f" (ring {wear.index(value) + 1})" if wear.count(value) == 1 else ""
+        yield Mistake(
             "wear ratio",
-            f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g}"
-            f"{_ring_of(value, scene)} is {{0:.4g}} times ours",
+            f"a wrong ratio of wear coefficients: that of the material with k = {value:.4g}{ring} "
+            "is {0:.4g} times ours",
             "compare the wear coefficient of each material; late pressures are inverse to them",
-            (
-                Parameter(
-                    "wear ratio",
-                    of_scene(partial(with_wear_times, value)),
-                    reach=math.log(11),
-                    starts=(0.45, 2.2),
-                ),
-            ),
+            (scale("wear ratio", partial(with_wear_times, value)),),
         )
-        for value in values
-    ]
-    rows += ring_mistakes(scene)
+    yield from ring_mistakes(scene)
     if edges[0] == 0 and (edges[1:-1] * 1.24 < 1).all():
-        rows.append(
-            Mistake(
-                "ring edges",
-                "edges between rings at {0:.4g} times our radii",
-                "compare the radii at which late pressures jump with the ring edges of the scene",
-                (
-                    Parameter(
-                        "edges",
-                        of_scene(with_edges),
-                        reach=0.21,
-                        starts=(math.exp(-0.06), math.exp(0.06)),
-                        spacing=0.06,
-                    ),
-                ),
-            )
+        yield Mistake(
+            "ring edges",
+            "edges between rings at {0:.4g} times our radii",
+            "compare the radii at which late pressures jump with the ring edges of the scene",
+            (scale("edges", with_edges, 0.21, (math.exp(-0.06), math.exp(0.06)), 0.06),),
         )
-    return rows
 
 
-def _ring_of(value: float, scene: Scene) -> str:
-    """Return the number of the ring that alone has a wear coefficient, in brackets."""
+def ring_mistakes(scene: Scene) -> Iterator[Mistake]:
+    """Yield mistakes in the wear coefficient of one ring."""
     wear = ring_wear(scene)
-    return f" (ring {wear.index(value) + 1})" if wear.count(value) == 1 else ""
-
-
-def ring_mistakes(scene: Scene) -> list[Mistake]:
-    """Return mistakes in the wear coefficient of one ring."""
-    wear = ring_wear(scene)
-    rows = []
-    for number, value in enumerate(wear):
-        change = of_scene(partial(with_wear_of_ring, number))
-        remedy = "compare the wear coefficient of this ring with that of the scene"
-        if value and len(wear) <= MAX_SINGLE_RINGS:
+    remedy = "compare the wear coefficient of this ring with that of the scene"
+    for number, value in enumerate(wear if len(wear) <= MAX_SINGLE_RINGS else ()):
+        change = partial(with_wear_of_ring, number)
+        if value:
             words = f"a wear coefficient of ring {number + 1} that is forgotten: it does not wear"
-            forgotten = choice(change, FORGOTTEN, of_scene=True)
-            rows.append(Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0))
+            forgotten = choice(SceneChange(change), FORGOTTEN)
+            yield Mistake("forgotten ring", words, remedy, (forgotten,), size=lambda _: 0.0)
         # a ring that alone has its material has a wrong ratio of wear coefficients
-        if value and wear.count(value) > 1 and len(wear) <= MAX_SINGLE_RINGS:
-            rows.append(
-                Mistake(
-                    "wear coefficient of a ring",
-                    f"a wear coefficient of ring {number + 1} of {{0:.4g}} times ours",
-                    remedy,
-                    (Parameter("ring", change, reach=math.log(11), starts=(0.45, 2.2)),),
-                )
-            )
-    return rows
+        if value and wear.count(value) > 1:
+            words = f"a wear coefficient of ring {number + 1} of {{0:.4g}} times ours"
+            yield Mistake("wear coefficient of a ring", words, remedy, (scale("ring", change),))
 
 
 def with_wear_of_ring(number: int, scene: Scene, size: float) -> Scene:
@@ -702,8 +609,8 @@ def with_wear_of_ring(number: int, scene: Scene, size: float) -> Scene:
     return scene.changed({"punch.wear_coefficients": wear})
 
 
-def layer_mistakes(scene: Scene) -> list[Mistake]:
-    """Return mistakes in the layers of a scene."""
+def layer_mistakes(scene: Scene) -> Iterator[Mistake]:
+    """Yield mistakes in the layers of a scene."""
     layers, tables = scene.half_space.layers, layer_tables(scene)
     base = not scene.half_space.rigid
 
@@ -714,70 +621,53 @@ def layer_mistakes(scene: Scene) -> list[Mistake]:
         below = {key: tables[int(place)][key] for key in ("youngs_modulus", "poisson_ratio")}
         return scene.changed({"half_space": below})
 
-    rows = [
-        Mistake(
-            "layers left out",
-            lambda place: (
-                f"a homogeneous half-space of the material of {described(int(place))}, "
-                "without the layers of the scene"
-            ),
-            "compare the material of the model at each depth with the layers of the scene",
-            (choice(of_scene(without_layers), *range(len(layers) + base), of_scene=True),),
-            # a layer of the modulus of the base is none
-            "modulus of a layer",
-            size=lambda place: tables[int(place)]["youngs_modulus"] / tables[0]["youngs_modulus"],
-        )
-    ]
+    yield Mistake(
+        "layers left out",
+        lambda place: (
+            f"a homogeneous half-space of the material of {described(int(place))}, "
+            "without the layers of the scene"
+        ),
+        "compare the material of the model at each depth with the layers of the scene",
+        (choice(SceneChange(without_layers), *range(len(layers) + base)),),
+        # a layer of the modulus of the base is none
+        "modulus of a layer",
+        size=lambda place: tables[int(place)]["youngs_modulus"] / tables[0]["youngs_modulus"],
+    )
     if len(layers) > MAX_LAYERS:
-        return rows
+        return
     for place in range(len(layers) + base):
-        keys = ["youngs_modulus", "thickness"][: 1 + (place < len(layers))]
-        for key in keys:
+        ends = math.exp(-COARSE), math.exp(COARSE)
+        for key in ["youngs_modulus", "thickness"][: 1 + (place < len(layers))]:
             words = key.removeprefix("youngs_")
-            rows.append(
-                Mistake(
-                    f"{words} of a layer",
-                    f"a {words} of {described(place)} of {{0:.4g}} times ours",
-                    "compare Young's modulus and the thickness of each layer",
-                    (
-                        Parameter(
-                            key,
-                            of_scene(with_material(place, key)),
-                            reach=math.log(5),
-                            starts=(math.exp(-COARSE), math.exp(COARSE)),
-                            spacing=COARSE,
-                        ),
-                    ),
-                )
+            yield Mistake(
+                f"{words} of a layer",
+                f"a {words} of {described(place)} of {{0:.4g}} times ours",
+                "compare Young's modulus and the thickness of each layer",
+                (scale(key, with_material(place, key), math.log(5), ends, COARSE),),
             )
         ratio = tables[place]["poisson_ratio"]
         ratios = [each for each in (0.0, 0.2, 0.3, 0.4, 0.45, 0.49) if abs(each - ratio) > 0.005]
-        rows.append(
-            Mistake(
-                "Poisson's ratio of a layer",
-                f"a Poisson's ratio of {described(place)} of about {{0:.2g}}",
-                "compare Poisson's ratio of each layer",
-                (choice(of_scene(with_material(place, "poisson_ratio")), *ratios, of_scene=True),),
-            )
+        yield Mistake(
+            "Poisson's ratio of a layer",
+            f"a Poisson's ratio of {described(place)} of about {{0:.2g}}",
+            "compare Poisson's ratio of each layer",
+            (choice(SceneChange(with_material(place, "poisson_ratio")), *ratios),),
         )
     for places in combinations(range(len(layers) + base), 2):
         for moved, what in (
             (("youngs_modulus", "poisson_ratio"), "materials"),
             (("youngs_modulus",), "moduli"),
         ):
-            rows.append(
-                Mistake(
-                    "swapped layers",
-                    f"swapped {what} of {described(places[0])} and {described(places[1])}",
-                    "compare the material of the model at each depth with the layers of the scene",
-                    (choice(of_scene(with_exchanged(places, moved)), 1.0, of_scene=True),),
-                )
+            yield Mistake(
+                "swapped layers",
+                f"swapped {what} of {described(places[0])} and {described(places[1])}",
+                "compare the material of the model at each depth with the layers of the scene",
+                (choice(SceneChange(with_exchanged(places, moved)), 1.0),),
             )
-    return rows
 
 
-def shape_mistakes(scene: Scene) -> list[Mistake]:
-    """Return mistakes in the load, the modulus and the shape of a punch that is not flat."""
+def shape_mistakes(scene: Scene) -> Iterator[Mistake]:
+    """Yield mistakes in the load, the modulus and the shape of a punch that is not flat."""
     changes = dict[str, tuple[str, Callable[[Scene, float], Scene]]]()
     if isinstance(scene.load_.normal_force, float):
         changes["normal force"] = "a load", with_force
@@ -789,23 +679,13 @@ def shape_mistakes(scene: Scene) -> list[Mistake]:
                 "a radius of curvature of the punch",
                 partial(_with_curvature, key),
             )
-    return [
-        Mistake(
+    for name, (words, change) in changes.items():
+        yield Mistake(
             name,
             f"{words} of {{0:.4g}} times ours",
             "compare this number of the input; compute with another one, and compare the change",
-            (
-                Parameter(
-                    name,
-                    of_scene(change),
-                    reach=math.log(2),
-                    starts=(0.75, 1.33),
-                    spacing=0.29,
-                ),
-            ),
+            (scale(name, change, math.log(2), (0.75, 1.33), 0.29),),
         )
-        for name, (words, change) in changes.items()
-    ]
 
 
 def _with_curvature(key: str, scene: Scene, size: float) -> Scene:

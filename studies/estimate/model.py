@@ -11,12 +11,12 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from ...meshes import Array, Compliance, SceneError
-from ..crosscheck import LOG, QUANTITIES, Problem, Scene, Units
+from ..crosscheck import LOG, QUANTITIES, Problem, Scene
 from .marches import CELL, March
 from .measurement import Measurement
 from .modes import FlatHistory, discretise, with_uniform
@@ -39,68 +39,16 @@ MAX_CORRECTION = 0.1
 STORED, STORED_SITUATIONS = 300, 5000
 
 
-class History(Protocol):
-    """A non-dimensional history."""
-
-    def sample(
-        self, times: Array, radii: Array, step: float, names: Sequence[str]
-    ) -> dict[str, Array]:
-        """Return fields (T, R), numbers (T,) and volumes of rings (T, rings) by quantity.
-
-        Times are in the unit of the problem. There may be more quantities than the named ones.
-        """
-
-
-class Frame(NamedTuple):
-    """How a non-dimensional history is read.
-
-    Parameters
-    ----------
-    problem : whose history it is, or one with the same load and the same face
-    units : of the history
-    clock : time in which histories of similar scenes are alike
-    """
-
-    problem: Problem
-    units: Units
-    clock: float
-
-    @classmethod
-    def of(cls, problem: Problem) -> "Frame":
-        """Return the frame of the history of a problem."""
-        return cls(problem, problem.units, problem.units.time * clock_of(problem))
+History: TypeAlias = FlatHistory | March | Strips
+"""A non-dimensional history."""
 
 
 class Weighted(NamedTuple):
-    """A history among those whose weighted sum is another one."""
+    """A history among those whose weighted sum is another one, and its problem."""
 
     weight: float
     history: History
-    frame: Frame
-
-
-def mean_frame(histories: Sequence[Weighted]) -> Frame:
-    """Return the frame of a weighted sum of histories, by the means of logarithms of units.
-
-    Most units are products of powers of the parameters, so that these means are exact.
-    """
-    first = histories[0].frame
-    if len(histories) == 1:
-        return first
-
-    def mean(values: Sequence[float]) -> float:
-        weights = [each.weight for each in histories]
-        return float(np.exp(np.dot(weights, np.log(values))))
-
-    frames = [each.frame for each in histories]
-    units = replace(
-        first.units,
-        **{
-            name: mean([getattr(frame.units, name) for frame in frames])
-            for name in ("length", "modulus", "force", "time", "wear_coefficient")
-        },
-    )
-    return Frame(first.problem, units, mean([frame.clock for frame in frames]))
+    problem: Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +72,7 @@ class Solver:
     rough: bool = False
     direct: bool = False
     situations: dict[object, Situation] = field(default_factory=dict)
-    nodes: dict[object, tuple[History, Frame]] = field(default_factory=dict)
+    nodes: dict[object, tuple[History, Problem]] = field(default_factory=dict)
     _samples: dict[object, dict[str, Array]] = field(default_factory=dict)
     _compliances: dict[object, Compliance] = field(default_factory=dict)
     _histories: dict[object, History] = field(default_factory=dict)
@@ -325,8 +273,8 @@ class Model:
 
     def predict(self, x: Array) -> list[Array]:
         """Return the values (n,) of each measurement at coordinates (m,)."""
-        reading = self._situation(x)[1]
-        values = self._read(reading, self._histories(x))
+        scene, reading = self._situation(x)
+        values = self._read(scene.problem, reading, self._histories(x))
         if self.known:
             values = [each * ratio for each, ratio in zip(values, self._ratios, strict=True)]
         if reading.mesh:
@@ -371,7 +319,7 @@ class Model:
                 if len(nodes) > STORED:
                     nodes.clear()
                 scene, reading = self._situation(node)
-                nodes[key] = self.solver.history(scene, reading), Frame.of(scene.problem)
+                nodes[key] = self.solver.history(scene, reading), scene.problem
             histories.append(Weighted(weight, *nodes[key]))
         return histories
 
@@ -448,14 +396,18 @@ class Model:
             np.empty(0),
         )
 
-    def _read(self, reading: Reading, histories: Sequence[Weighted]) -> list[Array]:
-        """Return the values (n,) of each measurement that a reading of histories has."""
-        problem, units, clock = mean_frame(histories)
-        values = list[Array]()
-        # if the load varies, all histories have to have the load of the same time
-        alike = not problem.loading.varies
-        clocks = [
-            frame.units.time * (clock / frame.clock if alike else 1.0) for _, _, frame in histories
+    def _read(
+        self, problem: Problem, reading: Reading, histories: Sequence[Weighted]
+    ) -> list[Array]:
+        """Return the values (n,) of each measurement that a reading of a problem has."""
+        units, values = problem.units, list[Array]()
+        # histories are alike in the time in which their first wear coefficients are 1; if the load
+        # varies, all have to have the load of the same time
+        seconds = [
+            part.problem.units.time
+            if problem.loading.varies
+            else units.time * clock_of(problem) / clock_of(part.problem)
+            for part in histories
         ]
         names = tuple(sorted({"normal_force", *(each.quantity for each in self.measurements)}))
         for each in self.measurements:
@@ -471,9 +423,9 @@ class Model:
                 [
                     (
                         part.weight,
-                        self.solver.sample(part.history, since / clock, own_radii, step, names),
+                        self.solver.sample(part.history, since / second, own_radii, step, names),
                     )
-                    for part, clock in zip(histories, clocks, strict=True)
+                    for part, second in zip(histories, seconds, strict=True)
                 ]
             )
             predicted = samples[each.quantity]
@@ -490,23 +442,6 @@ class Model:
                 predicted = predicted @ each.means.T
             values.append(predicted.ravel() * reading.factors.get(each.quantity, 1.0))
         return values
-
-    def slopes(self, x: Array) -> list[Array]:
-        """Return the derivatives (n, m) of each measurement by the coordinates.
-
-        They are central differences, or forward ones if the model is rough.
-        """
-        columns = []
-        before = self.predict(x) if self.solver.rough else None
-        for parameter, shift in zip(self.parameters, STEP * np.eye(len(x)), strict=True):
-            if parameter.values:
-                columns.append([np.zeros(len(each.noise)) for each in self.measurements])
-                continue
-            after = self.predict(x + shift)
-            ends = zip(after, before or self.predict(x - shift), strict=True)
-            step = STEP if before else 2 * STEP
-            columns.append([(a - b) / step for a, b in ends])
-        return [np.column_stack(each) for each in zip(*columns, strict=True)]
 
 
 def _needs(scene: Scene, measurements: Sequence[Measurement]) -> tuple[Array, bool]:

@@ -51,8 +51,8 @@ class Reading(NamedTuple):
 
     def changed(self, name: str, value: float) -> "Reading":
         """Return the reading with another value of one of its numbers."""
-        fields: dict[str, Any] = self._asdict()
-        return Reading(**(fields | {name: value}))
+        changes: dict[str, Any] = {name: value}
+        return self._replace(**changes)
 
     def multiplied(self, factor: float, *quantities: str) -> "Reading":
         """Return the reading with the columns of some quantities multiplied."""
@@ -64,6 +64,17 @@ class Reading(NamedTuple):
 AS_GIVEN = Reading()
 Situation: TypeAlias = tuple[Scene, Reading]
 Change: TypeAlias = Callable[[Scene, Reading, float], Situation]
+
+
+@dataclass(frozen=True, eq=False)
+class SceneChange:
+    """A change of the scene, and not of the reading."""
+
+    change: Callable[[Scene, float], Scene]
+
+    def __call__(self, scene: Scene, reading: Reading, value: float) -> Situation:
+        """Return the changed scene, and the reading as it is."""
+        return self.change(scene, value), reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +94,6 @@ class Parameter:
     scale : unit of x if it is not logarithmic
     values : the only possible values of a discrete parameter; empty for a continuous one
     starts : further values at which a search may begin
-    of_scene : whether it changes the scene, and not only the reading
     spacing : change of x over which predictions bend a little, at which nodes of a lattice are put
     unit : kind of its unit
     """
@@ -96,9 +106,13 @@ class Parameter:
     scale: float = 1.0
     values: tuple[float, ...] = ()
     starts: tuple[float, ...] = ()
-    of_scene: bool = True
     spacing: float = 0.4
     unit: str = ""
+
+    @property
+    def of_scene(self) -> bool:
+        """Whether it changes the scene, and not the reading."""
+        return isinstance(self.change, str | SceneChange)
 
     @property
     def wear(self) -> bool:

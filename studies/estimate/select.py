@@ -102,9 +102,9 @@ class Candidate:
     floor: float
 
     @cached_property
-    def predicted(self) -> list[Array]:
-        """The predicted values of each measurement."""
-        return self.likelihood.predictor.predict(self.point.x)
+    def predicted(self) -> Array:
+        """(n,) predicted values of all measurements."""
+        return np.concatenate(self.likelihood.predictor.predict(self.point.x))
 
     @cached_property
     def values(self) -> tuple[float, ...]:
@@ -129,36 +129,22 @@ class Candidate:
     @cached_property
     def errors(self) -> Array:
         """(Q,) root mean squares of the relative errors that remain, by measurement."""
-        measured = [each.values for each in self.likelihood.measurements]
-        return self._relative_sizes(measured, self.predicted)
+        measured = np.concatenate([each.values for each in self.likelihood.measurements])
+        return self._relative_sizes((measured - self.predicted) / self.likelihood.noise)
 
     def changes(self, other: "Candidate") -> Array:
         """Return the relative changes (Q,) of the prediction from another candidate's."""
-        return self._relative_sizes(self.predicted, other.predicted)
+        return self._relative_sizes((self.predicted - other.predicted) / self.likelihood.noise)
 
-    @property
-    def _unbiased_errors(self) -> Array:
-        """(Q,) as `errors`, less what the values of a measurement may have in common."""
-        likelihood, measurements = self.likelihood, self.likelihood.measurements
-        measured = np.concatenate([each.values for each in measurements])
-        present = np.isfinite(likelihood.noise)
-        differences = np.where(present, measured - np.concatenate(self.predicted), 0.0)
-        ends = np.cumsum([len(each.values) for each in measurements])[:-1]
-        whitened = likelihood.whitened(differences / likelihood.noise)
-        parts = zip(np.split(whitened, ends), np.split(present, ends), strict=True)
+    def _relative_sizes(self, differences: Array) -> Array:
+        """Return root mean squares (Q,) of differences over the noise, over the sizes of data."""
+        present = np.isfinite(self.likelihood.noise)
+        ends = np.cumsum([len(each.values) for each in self.likelihood.measurements])[:-1]
+        squares = np.where(present, differences, 0.0) ** 2
+        parts = zip(np.split(squares, ends), np.split(present, ends), strict=True)
         return NOISE * np.array(
-            [np.sqrt(np.sum(part**2) / max(1, there.sum())) for part, there in parts]
+            [np.sqrt(part.sum() / max(1, there.sum())) for part, there in parts]
         )
-
-    def _relative_sizes(self, first: list[Array], second: list[Array]) -> Array:
-        """Return the root mean squares (Q,) of differences, over the sizes of the data."""
-        sizes = np.zeros(len(first))
-        for number, each in enumerate(self.likelihood.measurements):
-            present = np.isfinite(each.noise)
-            differences = (first[number] - second[number])[present] / each.noise[present]
-            if present.any():
-                sizes[number] = NOISE * np.sqrt(np.mean(differences**2))
-        return sizes
 
     @cached_property
     def score(self) -> float:
@@ -169,8 +155,10 @@ class Candidate:
         """
         own = self.mistake.fitted_numbers if self.mistake else 0.0
         of_mesh = len(self.likelihood.parameters) - len(self.values)
+        # without what the values of a measurement have in common
+        unbiased = self._relative_sizes(self.likelihood.residuals(self.point.x))
         # what is wrong by more than its size is only wrong
-        squares = np.minimum(self._unbiased_errors, 1.0) ** 2 + self.floor**2
+        squares = np.minimum(unbiased, 1.0) ** 2 + self.floor**2
         remaining = self.values_counted * float(np.mean(np.log(squares)))
         return remaining + (own + of_mesh) * float(np.log(self.values_counted))
 

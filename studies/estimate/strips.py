@@ -8,15 +8,17 @@ axisymmetric problem; the line force is F / 2a.
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
 
 from ...meshes import Array
 from ..crosscheck import Problem
 
 # least number of strips on a ring, and about the least number on all rings together
 MIN_RING_STRIPS, MIN_STRIPS = 5, 40
+# rates of decay below this part of the largest one are zero: the even wear
+ZERO_RATE = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,40 +64,53 @@ class Strips:
         both_sides = integral(middles - self.edges) - integral(middles + self.edges)
         return np.linalg.inv(np.diff(2 / np.pi * both_sides, axis=1))
 
-    @cached_property
-    def _modes(self) -> tuple[Array, Array, Array, Array]:
-        """Rates of decay (N,), shapes (N, N) of pressures, amplitudes (N,), steady pressures (N,).
-
-        They solve ``p' = -B (k p - d' 1)`` with the stiffness B, at a constant force.
-        """
-        rigid = self._stiffness.sum(axis=1)
-        rigid_force = self._weights @ rigid
-        steady = 1 / self.wear / (self._weights @ (1 / self.wear))
-        decay = self._stiffness * self.wear
-        decay = decay - np.outer(rigid, self._weights @ decay) / rigid_force
-        rates, shapes = eig(decay)
-        amplitudes = np.linalg.solve(shapes, (rigid / rigid_force - steady).astype(complex))
-        return np.maximum(rates.real, 0.0), shapes, amplitudes, steady
-
     def sample(
         self, times: Array, radii: Array, step: float = 0.0, names: Collection[str] = ()
     ) -> dict[str, Array]:
         """Return quantities by name, as `modes.FlatHistory.sample` does; steps have no effect."""
-        rates, shapes, amplitudes, steady = self._modes
-        exponent = np.outer(times, rates)
-        decayed = np.exp(-exponent) * amplitudes
-        # integrals of the decaying modes over time
-        integral = np.where(exponent > 1e-9, -np.expm1(-exponent) / np.maximum(rates, 1e-300), 0.0)
-        integral = np.where(exponent > 1e-9, integral, times[:, None]) * amplitudes
-        pressure = steady + (decayed @ shapes.T).real
-        worn = self.wear * (np.outer(times, steady) + (integral @ shapes.T).real)
-        rigid = self._stiffness.sum(axis=1)
-        depth = (1 + worn @ (self._weights @ self._stiffness)) / (self._weights @ rigid)
+        forces = self._weights @ self._stiffness
+        worn = worn_at_nodes(self._stiffness, forces, self.wear, times)
         at = np.clip(np.searchsorted(self.edges, radii) - 1, 0, len(self.wear) - 1)
         return {
-            "pressure": pressure[:, at],
-            "profile": worn[:, at],
-            "displacement": depth[:, None] - worn[:, at],
-            "indentation": depth,
-            "normal_force": np.ones(len(depth)),
+            "pressure": worn.pressures[:, at],
+            "profile": worn.profiles[:, at],
+            "displacement": worn.indentations[:, None] - worn.profiles[:, at],
+            "indentation": worn.indentations,
+            "normal_force": np.ones(len(times)),
         }
+
+
+class Worn(NamedTuple):
+    """Contain the wear of a flat face at T times: arrays (T, n), and the indentations (T,)."""
+
+    profiles: Array
+    pressures: Array
+    indentations: Array
+
+
+def worn_at_nodes(
+    stiffness: Array, forces: Array, wear: Array, times: Array, by_force: bool = True
+) -> Worn:
+    """Return the exact wear ``f' = k p`` of a flat face in full contact, at n nodes or strips.
+
+    Parameters
+    ----------
+    stiffness : (n, n) pressures for displacements of the nodes
+    forces : (n,) total force for a displacement of each node
+    wear : (n,) wear coefficients k
+    times : (T,)
+    by_force : whether the force is 1 at all times, and not the indentation
+    """
+    relief, start = stiffness, stiffness.sum(axis=1)
+    if by_force:
+        start = start / forces.sum()
+        relief = stiffness - np.outer(start, forces)
+    # p = start - relief f
+    rates, shapes = np.linalg.eig(wear[:, None] * relief)
+    parts = shapes * np.linalg.solve(shapes, (wear * start).astype(complex))
+    decays, elapsed = np.abs(rates) > ZERO_RATE * np.abs(rates).max(), times[:, None]
+    rest = np.where(decays, rates, 1.0)
+    grown = np.where(decays, -np.expm1(-rest * elapsed) / rest, elapsed)
+    profiles = np.asarray((grown @ parts.T).real)
+    depths = (1 + profiles @ forces) / forces.sum() if by_force else np.ones(len(times))
+    return Worn(profiles, start - profiles @ relief.T, depths)

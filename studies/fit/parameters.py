@@ -96,7 +96,6 @@ def find_parameters(scene: Scene, names: Sequence[str]) -> tuple[Scene, tuple[Pa
                     reach=REACH,
                     logarithmic=False,
                     unit=NUISANCES[name][0],
-                    of_scene=False,
                 )
             )
             continue

@@ -8,7 +8,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from ..crosscheck import AVERAGES, Scene, Source
-from ..study.accept import accept
+from ..study.own import accept
 from ..study.record import Record
 from ..study.study import Study, remarks
 from ..sweep.axes import Sweep
@@ -17,6 +17,9 @@ from ..tables.writing import keeping_rows
 from . import claims, figures
 from .running_in import FiveRings
 from .theory import FIG7_WEAR_RATIO, homogeneous, many_rings
+
+QUICK_RTOL = 1e-3
+"""Least tolerance of the finite elements of Figs. 6 and 7 in the quick study."""
 
 
 def paper(
@@ -27,7 +30,8 @@ def paper(
     Parameters
     ----------
     scene : a scene, of which Poisson's ratio and the accuracy count
-    quick : whether to leave out punches of many rings, and half of the points by finite elements
+    quick : whether to leave out punches of many rings and half of the points by finite elements,
+        and to compute these with a tolerance of at least `QUICK_RTOL`
     record : collects the conclusions, also those of a study that is interrupted
 
     Raises
@@ -54,7 +58,9 @@ def paper(
         curves = {}
         for number in (6, 7):
             counts = (2, 4, 8) if quick else (2, 4, 8, 16, 32, 64)
-            curves[number] = compute_gradients(number, scene, counts, 50 if quick else 25)
+            rtol = max(scene.accuracy.rtol, QUICK_RTOL) if quick else scene.accuracy.rtol
+            with_rtol = scene.changed(accuracy__rtol=rtol)
+            curves[number] = compute_gradients(number, with_rtol, counts, 50 if quick else 25)
             drawn_figures[f"fig{number}"] = figures.draw_gradients(number, curves[number])
             tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())

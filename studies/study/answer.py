@@ -16,9 +16,9 @@ import pandas as pd
 
 from ...meshes import Array
 from .errors import EIGENVALUE, STABLE
-from .orders import DIFFERS, KEYS_OF_STUDIES
+from .orders import DIFFERS
 from .record import SOLVED
-from .way import Part
+from .way import KEYS_OF_STUDIES, Part
 
 GOALS = (1e-2, 1e-4, 1e-6)
 """Relative errors whose cost is told."""

@@ -15,12 +15,12 @@ from ..crosscheck import Scene
 from .answer import MOST_SENTENCES, WORST, conclude, costs_of, worst
 from .draw import figures_of, titled
 from .measure import measure
+from .orders import DIFFERS, ORDER_TOLERANCE, fit, sequences
 from .own import Named
 from .record import SOLVED, Record
 from .reference import Reference
 from .study import Study, remarks
-from .theory import observed_orders
-from .way import START, Case, Part, Way
+from .way import KEYS_OF_STUDIES, START, Case, Part, Way
 
 SHOWN = (
     *(("indentation", "start"), ("indentation", "later"), ("normal_force", "later")),
@@ -34,6 +34,11 @@ FIGURE_AXES = {
     "key": ("parameter",),
 }
 """Columns of the abscissas of the figure, where they are not the axis alone."""
+COLUMNS_OF_ORDERS = (
+    *(*KEYS_OF_STUDIES, "order", "low", "high", "theory", "asymptotic", "limit", "index"),
+    *("finest error", "remark"),
+)
+"""Columns of the table of observed orders: keys, numbers, and one column of words."""
 STATED_FACTOR = 3.0
 """Greatest ratio of an error to its estimate that still counts as stated."""
 
@@ -167,3 +172,41 @@ def verdicts(table: pd.DataFrame) -> np.ndarray:
         [table["outcome"], "", "unjudged", "within", "degraded"],
         "wrong",
     )
+
+
+def observed_orders(table: pd.DataFrame, ways: Mapping[str, Sequence[Way]]) -> pd.DataFrame:
+    """Return one row for each quantity of each way: its observed and its theoretical order.
+
+    The order is the slope of log error over log size, by least squares over the levels whose error
+    is above the floor: that of the theory, or the error of the reference. Of a sequential way, such
+    as adaptive refinement, only the finer half counts: the coarser levels do not yet resolve the
+    singularities. An order differs from theory if it does by least squares, or between the last two
+    levels.
+
+    Parameters
+    ----------
+    table : table of `measure`
+    ways : the ways of each case by its name, with their theory
+    """
+    listed = {(case, way.name): way for case, each in ways.items() for way in each}
+    rows = []
+    for key, levels in sequences(table[table["size"] > 0]):
+        way = listed.get((key["case"], key["way"]))
+        if way is None or way.largest < levels["size"].min():
+            continue
+        levels = levels.iloc[len(levels) // 2 :] if way.sequential else levels
+        levels = levels[levels["size"] <= way.largest]
+        if len(levels) < 2:
+            continue
+        theory = way.theory(key["quantity"], key["when"])
+        fitted = fit(levels, floor=theory.floor)
+        off = np.abs(np.array([fitted["order"], fitted.pop("last order")]) - theory.order)
+        remarks = [theory.reason]
+        if np.isnan(fitted["order"]):
+            cause = theory.floor_cause or "the error of the reference"
+            remarks.insert(0, f"too few levels above {cause}.")
+        elif (off > ORDER_TOLERANCE).any():
+            remarks.insert(0, f"{DIFFERS}.")
+        remark = " ".join(filter(None, remarks))
+        rows.append(key | fitted | {"theory": theory.order, "remark": remark})
+    return pd.DataFrame(rows, columns=list(COLUMNS_OF_ORDERS))

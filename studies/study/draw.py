@@ -1,20 +1,19 @@
 """The one figure of all studies: errors over the axis of the study, a panel for each quantity.
 
 A curve is a way. A grey band at the bottom is the error of the reference: below it, errors mean
-nothing. Slope triangles are the theoretical orders. A region of errors above the tolerance is
-shaded. Marks at the lower end of a panel are errors of zero, because the solution is the reference
-itself; crosses at the upper end are runs without a result.
+nothing. Dotted lines have the slopes of the theoretical orders. A region of errors above the
+tolerance is shaded. Errors of zero, of solutions that are the reference itself, are drawn as
+roundoff; crosses at the upper end of a panel are runs without a result.
 """
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from ...meshes import Array
 from ..figures.style import (
     PAGE,
     RED,
@@ -26,11 +25,10 @@ from ..figures.style import (
     set_linear,
     set_logarithmic,
 )
-from .way import Part
+from .way import KEYS_OF_STUDIES, Part
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.text import Annotation
 
 XLABELS = {
     "unknowns": "unknowns",
@@ -39,21 +37,17 @@ XLABELS = {
 }
 KEYS = ("case", "quantity", "when")
 """Columns whose values the titles of panels have, if they differ."""
-ABSCISSAS = ("size", "unknowns", "seconds")
-"""Abscissas that a user can choose: the size that theory refers to, and costs."""
 WITH_SLOPES = {"size": 1.0, "step": 1.0, "reach": -1.0}
 """Abscissas that theory refers to, and the sign of orders over them."""
 MOST_COLUMNS, MOST_IN_ROW = 4, 3
 """Greatest number of quantities that have columns, and of panels in a row otherwise."""
 MOST_PANELS = 20
 """Greatest number of panels of a figure; with more, each case has a figure."""
-GREATEST_ERROR = 1e3
-"""Errors above this are drawn at it: the result is meaningless, and the march may be unstable."""
+LEAST_ERROR, GREATEST_ERROR = 1e-16, 1e3
+"""Errors beyond these are drawn at them: roundoff, and the results of an unstable march."""
+BELOW = 0.5
+"""Distance of the line of an order from the curve of a way, as a factor on the errors."""
 PANEL_HEIGHT = 1.75
-SHARE = 0.07
-"""Least width of a slope triangle, as a fraction of the width of the axes."""
-LABEL_HEIGHT = 0.06
-"""Height of the label of a slope triangle, as a fraction of the height of the axes."""
 
 
 def titled(*parts: str) -> str:
@@ -118,7 +112,7 @@ def draw(
     table : table of `measure`, or rows of it
     axes : columns of the abscissas; each has rows of panels of its own
     y : column of the ordinate
-    orders : table of observed orders, whose theoretical orders are drawn as triangles
+    orders : table of observed orders, whose theoretical orders are drawn as dotted lines
     title : text above the panels
     labels : labels of abscissas by their columns, and of keys that are varied
     looks : looks of ways, by their names
@@ -144,8 +138,10 @@ def draw(
             sub, x, rows, case = grid[place], panel.x, panel.rows, panel.key["case"]
             _draw_panel(sub, rows, x, y, looks)
             if orders is not None and len(orders) and x in WITH_SLOPES and y == "error":
-                _draw_slopes(sub, rows, x, looks, orders, WITH_SLOPES[x])
-            _complete_panel(sub, rows, table[table["case"] == case], x, y, looks)
+                _draw_orders(sub, rows, x, orders, WITH_SLOPES[x])
+            if y == "error":
+                _shade(sub, rows, x)
+            _mark_failures(sub, table[(table["case"] == case) & table["quantity"].isna()], x, looks)
             sub.set_title(_panel_title(panel, varied))
             kind = ", ".join(rows["refined"].dropna().unique()) if x == "size" else x
             name, default = (case, case) if x == "parameter" else (x, kind)
@@ -173,7 +169,9 @@ def _draw_panel(
     for way, levels in rows.groupby("way", sort=False):
         look, levels = looks[str(way)], levels.sort_values(x) if x == "parameter" else levels
         abscissa = levels[x].to_numpy(float)
-        values = _drawn(levels[y]) if y == "error" else levels[y].to_numpy(float)
+        values = levels[y].to_numpy(float)
+        if y == "error":
+            values = np.clip(np.abs(values), LEAST_ERROR, GREATEST_ERROR)
         axes.plot(abscissa, values, **look)
         if x == "seconds" and "least seconds" in levels and levels["least seconds"].notna().any():
             spread_of = [
@@ -196,52 +194,26 @@ def _draw_panel(
     axes.set_axisbelow(True)
 
 
-def _draw_slopes(
-    axes: "Axes",
-    rows: pd.DataFrame,
-    x: str,
-    looks: Mapping[str, Look],
-    orders: pd.DataFrame,
-    sign: float,
+def _draw_orders(
+    axes: "Axes", rows: pd.DataFrame, x: str, orders: pd.DataFrame, sign: float
 ) -> None:
-    """Draw triangles of the theoretical orders; those of one order share one, the lowest."""
-    triangles = dict[float, tuple[float, Array, Array, str]]()
-    for (case, way, quantity, when), levels in rows.groupby(["case", "way", "quantity", "when"]):
-        keys = {"case": case, "way": way, "quantity": quantity, "when": when}
-        fits = orders[(orders[[*keys]] == pd.Series(keys)).all(axis=1)]
-        errors = levels["error"].abs().to_numpy(float)
-        for order in fits["theory"].dropna():
-            if len(errors) > 1 and 0 < errors[-2] < triangles.get(order, (np.inf,))[0]:
-                places = levels[x].to_numpy(float)
-                triangles[order] = errors[-2], places, errors, looks[str(way)]["color"]
-    labels = [
-        draw_slope_triangle(axes, places, errors, sign * order, color)
-        for order, (_, places, errors, color) in triangles.items()
-    ]
-    if labels:
-        # make room for the labels of the triangles
-        axes.margins(x=0.14)
-        separate(labels, axes)
+    """Draw a dotted line for each theoretical order, below the most accurate way that has it."""
+    judged = rows.merge(orders[[*KEYS_OF_STUDIES, "theory"]], on=[*KEYS_OF_STUDIES])
+    for order, levels in judged[judged["error"] != 0].groupby("theory"):
+        finest = levels.loc[levels["error"].abs().idxmin()]
+        lowest = BELOW * abs(finest["error"])
+        sizes = levels.loc[levels["way"] == finest["way"], x].to_numpy(float)
+        line = lowest * (sizes / finest[x]) ** (sign * float(order))
+        axes.plot(sizes, line, color="0.3", linewidth=0.8, linestyle=":", scaley=False)
+        axes.annotate(f"{order:.2g}", (finest[x], lowest), fontsize=6, ha="right", va="top")
 
 
-def _complete_panel(
-    axes: "Axes",
-    rows: pd.DataFrame,
-    table: pd.DataFrame,
-    x: str,
-    y: str,
-    looks: Mapping[str, Look],
-) -> None:
-    """Shade a panel, and mark what has no place on its axes."""
-    if y == "error":
-        _shade(axes, rows, x)
-    for way, levels in rows[rows[y] == 0].groupby("way", sort=False):
-        _mark(axes, levels[x], 0.04, looks[str(way)] | {"linestyle": ""})
-    lost = table[table["quantity"].isna()]
-    for way, levels in lost.dropna(subset=[x]).groupby("way", sort=False):
-        _mark(axes, levels[x], 0.96, looks[str(way)] | {"linestyle": "", "marker": "x"})
-    # marks widen the horizontal axis
-    axes.set_xlim(axes.get_xlim())
+def _mark_failures(axes: "Axes", failed: pd.DataFrame, x: str, looks: Mapping[str, Look]) -> None:
+    """Draw a cross at the upper end of the axes for each run without a result."""
+    for way, levels in failed.dropna(subset=[x]).groupby("way", sort=False):
+        cross = looks[str(way)] | {"linestyle": "", "marker": "x", "label": None}
+        heights = np.full(len(levels), 0.96)
+        axes.plot(levels[x], heights, transform=axes.get_xaxis_transform(), **cross)
 
 
 def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
@@ -259,66 +231,3 @@ def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
     elif floor.max() > low:
         axes.axhspan(low / 10, floor.max(), **shade)
     axes.set_ylim(low, high)
-
-
-def _mark(axes: "Axes", x: pd.Series, height: float, mark: Look) -> None:
-    """Mark runs whose error has no place on the axis: it is zero, or there is none."""
-    axes.plot(
-        x, np.full(len(x), height), transform=axes.get_xaxis_transform(), **mark | {"label": None}
-    )
-
-
-def _drawn(values: "pd.Series[float]") -> Array:
-    """Return errors that a logarithmic axis can show: positive ones, up to `GREATEST_ERROR`."""
-    errors = values.abs().to_numpy(float)
-    return np.where(errors > 0, np.minimum(errors, GREATEST_ERROR), np.nan)
-
-
-def separate(labels: Iterable["Annotation"], axes: "Axes") -> None:
-    """Move labels upwards until none overlaps another. The limits of the axes do not change."""
-    low, high = np.log10(axes.get_ylim())
-    spacing = LABEL_HEIGHT * (high - low)
-    placed = list[tuple[float, float]]()
-    for label in sorted(labels, key=lambda each: each.xy[1]):
-        x, y = np.log10(label.xy)
-        neighbours = [other for other_x, other in placed if np.isclose(other_x, x, atol=0.05)]
-        new_y = max([y, *(other + spacing for other in neighbours)])
-        label.xy = (label.xy[0], 10**new_y)
-        placed.append((x, new_y))
-
-
-def draw_slope_triangle(
-    axes: "Axes", sizes: Array, errors: Array, order: float, color: str
-) -> "Annotation":
-    """Draw a slope triangle below the last two points of a curve; return its label.
-
-    Parameters
-    ----------
-    axes : logarithmic axes
-    sizes, errors : (n,) points of the curve, from coarse to fine
-    order : theoretical order of convergence, whose size the label shows
-    color : colour of the curve
-    """
-    *_, coarse_size, second_size = sizes
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    # half the way to the last point, but wide enough to be seen
-    width = max(np.log(second_size / coarse_size) / 2, SHARE * np.log(right / left), key=abs)
-    middle_size = coarse_size * np.exp(np.copysign(width, second_size - coarse_size))
-    high_error = errors[-2] / max(2, (high / low) ** (SHARE / 2))
-    low_error = high_error * (middle_size / coarse_size) ** order
-    axes.plot(
-        [middle_size, coarse_size, coarse_size, middle_size],
-        [low_error, low_error, high_error, low_error],
-        color=color,
-        linewidth=0.6,
-    )
-    return axes.annotate(
-        f"{abs(order):.2g}",
-        (coarse_size, np.sqrt(low_error * high_error)),
-        xytext=(2 * np.sign(order), 0),
-        textcoords="offset points",
-        va="center",
-        ha="left" if order > 0 else "right",
-        fontsize=6,
-        color=color,
-    )

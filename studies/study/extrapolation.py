@@ -34,30 +34,21 @@ class Fitted(NamedTuple):
     high: float = np.nan
 
 
-def half_width(scatter: float, spread: float, count: int) -> float:
-    """Return half of the confidence interval of a slope, by Student's distribution.
-
-    Parameters
-    ----------
-    scatter : sum of the squared residuals of a line
-    spread : sum of the squared distances of the abscissas from their mean
-    count : number of points; NaN for fewer than three
-    """
-    if count < 3:
-        return np.nan
-    deviation = np.sqrt(scatter / (count - 2) / spread)
-    return float(stdtrit(count - 2, (1 + CONFIDENCE) / 2) * deviation)
-
-
 def slope(x: Array, y: Array) -> Fitted:
-    """Return the slope of a line by least squares through points (n,), with its interval."""
+    """Return the slope of a line by least squares through points (n,), with its interval.
+
+    The interval is that of Student's distribution; two points have none.
+    """
     if len(x) < 2 or not np.ptp(x):
         return Fitted()
     centred = x - x.mean()
     spread = float(centred @ centred)
     fitted = float(centred @ y) / spread
+    if len(x) < 3:
+        return Fitted(fitted)
     residuals = y - y.mean() - fitted * centred
-    half = half_width(float(residuals @ residuals), spread, len(x))
+    deviation = np.sqrt(float(residuals @ residuals) / (len(x) - 2) / spread)
+    half = float(stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2) * deviation)
     return Fitted(fitted, fitted - half, fitted + half)
 
 
@@ -90,9 +81,9 @@ def order_of_changes(sizes: Array, changes: Array) -> Fitted:
         return Fitted()
     step = 1e-4 * order
     derivative = (of_powers(order + step) - of_powers(order - step)) / (2 * step)
-    spread = float(np.sum((derivative - derivative.mean()) ** 2))
-    half = half_width(scatter(order), spread, len(changes))
-    return Fitted(order, order - half, order + half)
+    # of a linear model of the logarithms about this order
+    further = slope(derivative, logarithms - of_powers(order))
+    return Fitted(order, order + further.low, order + further.high)
 
 
 def order_of_three(sizes: Array, changes: Array) -> float:

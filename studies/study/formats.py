@@ -1,32 +1,26 @@
 """Write tables of studies in Markdown and LaTeX, for papers and notes."""
 
-import re
 from itertools import groupby
 
 import pandas as pd
 
 from ..report.template import as_text
 
-SPECIAL = {
-    "\\": r"\textbackslash{}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    **{character: f"\\{character}" for character in "&%$#_{}"},
-}
-"""Characters that are commands in LaTeX, and the code that prints each of them."""
-SYMBOLS = {
-    "ν": r"$\nu$",
-    "Δ": r"$\Delta$",
-    "×": r"$\times$",
-    "²": r"$^2$",
-    "³": r"$^3$",
-    "·": r"$\cdot$",
-    "≤": r"$\le$",
-    "≥": r"$\ge$",
-    "−": "$-$",
-    "∞": r"$\infty$",
-    "λ": r"$\lambda$",
-}
+SYMBOLS = str.maketrans(
+    {
+        "ν": r"$\nu$",
+        "Δ": r"$\Delta$",
+        "×": r"$\times$",
+        "²": r"$^2$",
+        "³": r"$^3$",
+        "·": r"$\cdot$",
+        "≤": r"$\le$",
+        "≥": r"$\ge$",
+        "−": "$-$",
+        "∞": r"$\infty$",
+        "λ": r"$\lambda$",
+    }
+)
 """Symbols that plain LaTeX cannot read, and the code that prints each of them."""
 
 
@@ -91,32 +85,26 @@ def for_terminal(table: pd.DataFrame) -> list[str]:
 def to_markdown(table: pd.DataFrame) -> str:
     """Return a table in the pipe syntax of Markdown, with aligned columns."""
     rows = [[str(name) for name in table.columns], *cells(table)]
-    rows = [[_escape_pipes(cell) for cell in row] for row in rows]
+    rows = [[cell.replace("|", r"\|") for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     rows.insert(1, ["-" * width for width in widths])
     return "".join(f"| {' | '.join(map(str.ljust, row, widths))} |\n" for row in rows)
 
 
 def to_latex(table: pd.DataFrame) -> str:
-    """Return a table as a `tabular` with the rules of the package `booktabs`."""
-    escaped = table.map(lambda cell: escape_latex(cell) if isinstance(cell, str) else cell)
-    names = escaped.rename(columns=escape_latex)
-    return names.to_latex(index=False, float_format="{:.4g}".format, na_rep="")
+    """Return a table as a `tabular` with the rules of the package `booktabs`.
+
+    Texts are escaped, except parts between dollar signs, which are formulas already.
+    """
+
+    def written(cell: object) -> str:
+        return as_text(cell).translate(SYMBOLS)
+
+    styled = table.reset_index(drop=True).style.hide(axis="index")
+    styled = styled.format(written, escape="latex-math")
+    return styled.format_index(written, axis=1, escape="latex-math").to_latex(hrules=True)
 
 
 def cells(table: pd.DataFrame) -> list[list[str]]:
     """Return the cells of a table as text: numbers with four digits, and "" for NaN or None."""
     return table.map(as_text).to_numpy().tolist()
-
-
-def escape_latex(text: str) -> str:
-    """Escape a text for LaTeX, except parts between dollar signs, which are formulas already."""
-    parts = re.split(r"(\$[^$]+\$)", text.replace("\n", " "))
-    return "".join(
-        part if number % 2 else "".join(SPECIAL.get(each, SYMBOLS.get(each, each)) for each in part)
-        for number, part in enumerate(parts)
-    )
-
-
-def _escape_pipes(cell: str) -> str:
-    return cell.replace("|", r"\|")

@@ -74,17 +74,11 @@ def measure(
     names = (*quantities, *functions)
     with threadpool_limits(1), keeping_rows(record.remarks):
         listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
-        total, passed, start = (
-            sum(len(way.levels) for _, each in listed for way in each),
-            0,
-            time.time(),
-        )
+        total, passed = sum(len(way.levels) for _, each in listed for way in each), 0
 
         def announce(number: int, name: str) -> None:
-            """Log which level begins, from 0, and about how many seconds are left."""
-            left = (time.time() - start) / max(number, 1) * (total - number)
-            time_left = f", about {left:.0f} s left" if number else ""
-            LOG.info("   level %d of %d%s: %s ...", number + 1, total, time_left, name)
+            """Log which level begins, from 0."""
+            LOG.info("   level %d of %d: %s ...", number + 1, total, name)
 
         for case, ways_of_case in listed:
             case_reference = exact(case)

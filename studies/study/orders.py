@@ -1,25 +1,26 @@
 """Orders of convergence of any table of levels: of a study, or of another program's results.
 
-`orders` accepts three kinds of tables:
+`orders` accepts two kinds of tables:
 
 - tables of a study (`measure.measure`), which have the columns `quantity` and `error`;
-- tables with one row for each level and one column for each quantity;
-- tables with a column `radius` as well, whose other columns are fields on the levels.
+- tables with one row for each level and one column for each quantity.
 
 A column holds values, whose order follows from their changes from level to level, or errors, whose
 order is the slope of their logarithm. Errors are columns whose right value is 0, or that have the
 word "error" in their names.
 """
 
-from collections.abc import Hashable, Iterator, Mapping
-from itertools import pairwise
-from typing import Any
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
 from ...meshes import Array, SceneError
 from ..crosscheck import did_you_mean, shown
+from ..tables.frame import Frame
+from ..tables.writing import write_csv
 from .extrapolation import (
     INDEX_SAFETY_FACTOR,
     Fitted,
@@ -28,6 +29,11 @@ from .extrapolation import (
     order_of_three,
     weight_of_limit,
 )
+from .formats import to_latex, to_markdown
+from .way import KEYS_OF_STUDIES
+
+if TYPE_CHECKING:
+    pass
 
 ORDER_TOLERANCE = 0.15
 """Greatest difference of two orders that counts as agreement.
@@ -35,14 +41,10 @@ ORDER_TOLERANCE = 0.15
 It holds for an observed order and its theory, and for the orders of the last levels and of those
 before, which shows whether the levels are in the asymptotic range.
 """
-RADIUS = "radius"
-"""Column that makes the other columns fields."""
 COLUMNS = ("quantity", "order", "low", "high", "limit", "index", "asymptotic")
 """Columns of the table, to which a right value and a tolerance add others."""
 DIFFERS = "differs from theory"
 """Beginning of the remark on an order of a study that does."""
-KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
-"""Columns of a study that tell its sequences of levels apart."""
 
 
 def orders(
@@ -55,8 +57,7 @@ def orders(
 
     Parameters
     ----------
-    table : one row for each level, or for each level and radius, in any order; or the table of a
-        study
+    table : one row for each level, in any order; or the table of a study
     by : name of the column with the size of each level, such as the element size or the time step
     right : right value of each quantity, by name, or one for all of them; 0 for errors
     tolerance : greatest relative error of the finest level that is allowed
@@ -71,8 +72,7 @@ def orders(
             of the logarithms of errors, if these are known, or else it follows from the changes of
             the values from level to level
         limit
-            Richardson's limit of the last three levels; of a field, the mean square of its limit;
-            of a study, the true error of the limit
+            Richardson's limit of the last three levels; of a study, the true error of the limit
         index
             the grid convergence index: an estimate of the relative error of the finest level
         asymptotic
@@ -106,12 +106,11 @@ def orders(
         raise SceneError(f"by = {shown(by)}: the table has no such column{hint}")
     if {"quantity", "error"} <= set(table):
         rows = list(_of_study(table, by))
-    elif RADIUS in table:
-        rows = [_of_fields(table, by, name) for name in _numbers(table, (by, RADIUS))]
     else:
         rows = [
             _of_numbers(table, by, name, _right_value(right, str(name)), tolerance)
-            for name in _numbers(table, (by,))
+            for name in table.select_dtypes("number")
+            if name != by
         ]
     if not rows:
         raise SceneError(f"the table has no numbers besides {shown(by)}: add a column of values")
@@ -127,26 +126,22 @@ def _right_value(right: Mapping[str, float] | float | None, name: str) -> float:
     return float(right)
 
 
-def _numbers(table: pd.DataFrame, others: tuple[str, ...]) -> list[Hashable]:
-    """Return the names of the columns with numbers, without some others."""
-    return [name for name in table.select_dtypes("number") if name not in others]
-
-
 def _levels(table: pd.DataFrame, by: str, name: Hashable) -> tuple[Array, Array]:
-    """Return the sizes (n,) and the values (n,) of a column, from coarse to fine."""
+    """Return the sizes (n,) and the values (n,) of a column, from coarse to fine.
+
+    Raises
+    ------
+    SceneError
+        if the sizes are not at least three different positive numbers
+    """
     rows = table[[by, name]].dropna().sort_values(by, ascending=False, kind="stable")
     sizes, values = rows.to_numpy(float).T
-    _refuse_sizes(sizes, by)
-    return sizes, values
-
-
-def _refuse_sizes(sizes: Array, by: str) -> None:
-    """Raise an error if sizes are not at least three different positive numbers."""
     if len(sizes) < 3 or len(np.unique(sizes)) < len(sizes) or sizes.min() <= 0:
         raise SceneError(
             f"by = {shown(by)}: an order needs three levels or more, each with another positive "
             f"size; the table has {', '.join(f'{size:g}' for size in sizes) or 'none'}"
         )
+    return sizes, values
 
 
 def _of_numbers(
@@ -181,33 +176,6 @@ def _of_numbers(
     }
     within = "" if tolerance is None else "yes" if deviation <= tolerance else "no"
     return row | sheet | {"within": within}
-
-
-def _of_fields(table: pd.DataFrame, by: str, name: Hashable) -> dict[str, Any]:
-    """Return the row of a column that is a field along the radius on each level.
-
-    Norms are mean squares over the area, on the radii of the coarsest level.
-    """
-    rows = table[[by, RADIUS, name]].dropna()
-    sizes = np.sort(rows[by].unique().astype(float))[::-1]
-    _refuse_sizes(sizes, by)
-    levels = [rows[rows[by] == size].sort_values(RADIUS) for size in sizes]
-    radii = min((level[RADIUS].to_numpy(float) for level in levels), key=len)
-    values = [
-        np.interp(radii, level[RADIUS].to_numpy(float), level[name].to_numpy(float))
-        for level in levels
-    ]
-    weights = radii * np.gradient(radii) if len(radii) > 1 else np.ones(1)
-
-    def norm(field: Array) -> float:
-        return float(np.sqrt(np.sum(weights * field**2) / np.sum(weights)))
-
-    changes = np.array([norm(fine - coarse) for coarse, fine in pairwise(values)])
-    last, asymptotic = _last_orders(sizes, changes)
-    weight = weight_of_limit(sizes, last)
-    limit = norm(values[-1] + weight * (values[-1] - values[-2]))
-    relative = weight * changes[-1] / norm(values[-1])
-    return _row(name, order_of_changes(sizes, changes), limit, relative, asymptotic)
 
 
 def _row(
@@ -271,3 +239,50 @@ def fit(levels: pd.DataFrame, by: str = "size", floor: float = 0.0) -> dict[str,
         "last order": between[-1] if len(between) else np.nan,
         "finest error": errors[-1],
     }
+
+
+def read_table(file: str, by: str = "") -> pd.DataFrame:
+    """Return the table of levels in a file, with the names in its headings without units.
+
+    Columns whose cells are no numbers are texts, but for that of the sizes of levels, `by`.
+
+    Raises
+    ------
+    SceneError
+        if the file cannot be read, has no rows, or has cells that are no numbers
+    """
+    frame = Frame.of_file(Path(file))
+    frame.refuse_faults(dict.fromkeys(frame.find(by), by))
+    return frame.table()
+
+
+def right_values(texts: Sequence[str]) -> Mapping[str, float] | float | None:
+    """Return right values from texts of the form ``NAME=VALUE``, or one ``VALUE`` for all columns.
+
+    Raises
+    ------
+    SceneError
+        if a text has another form
+    """
+    values = dict[str, float]()
+    for text in texts:
+        name, _, number = text.rpartition("=")
+        try:
+            values[name] = float(number)
+        except ValueError:
+            raise SceneError(
+                f"--right {text}: give NAME=VALUE, or one VALUE for all columns, such as 0 for "
+                "errors"
+            ) from None
+    if "" in values and len(values) == 1:
+        return values[""]
+    if "" in values:
+        raise SceneError("--right: give NAME=VALUE for each column, or one VALUE for all")
+    return values or None
+
+
+def write(fitted: pd.DataFrame, folder: Path) -> None:
+    """Write orders as CSV, Markdown and LaTeX."""
+    write_csv(fitted, folder / "orders.csv")
+    (folder / "orders.md").write_text(to_markdown(fitted), "utf-8")
+    (folder / "orders.tex").write_text(to_latex(fitted), "utf-8")

@@ -1,4 +1,7 @@
-"""Read what a user brings to a study: meshes, elements, quantities and methods."""
+"""Read what a user brings to a study: the scene, options, meshes, elements, quantities, methods.
+
+What does not fit the study is refused with the remedy.
+"""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -7,7 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...meshes import MeshError, SceneError
-from ..crosscheck import METHODS, Method, Problem, Scene, check_one_line, did_you_mean, shown
+from ..crosscheck import (
+    METHODS,
+    Method,
+    Problem,
+    Scene,
+    Source,
+    check_one_line,
+    did_you_mean,
+    numbers,
+    shown,
+)
 
 if TYPE_CHECKING:
     from skfem import Element, Mesh
@@ -20,8 +33,93 @@ Quantities: TypeAlias = "Mapping[str, Quantity] | Iterable[str | Quantity] | str
 """Names of quantities, and functions of a result, which may have names of their own."""
 Methods: TypeAlias = "Iterable[str | Method] | str | Method | None"
 """Names of methods, and methods of the user."""
+OF_ANY_PUNCH = "convergence, extremes and tradeoff"
+OF_LAYERS = "extremes, tradeoff and truncation"
+"""Names of the studies that accept any punch, and layers."""
+DEFAULT_TIMES = (0.0, 0.01, 0.1, 1.0)
+"""Times of scenes without any, in a / (E* k_max v0)."""
+ABSCISSAS = ("size", "unknowns", "seconds")
+"""Abscissas that a user can choose: the size that theory refers to, and costs."""
 FORM = "FILE.py:NAME"
 """How the command line names an object: a Python file, and the name of the object in it."""
+
+
+def accept(name: str, source: Source, any_punch: bool = False, layered: bool = False) -> Scene:
+    """Return the scene of a study, if the study accepts it.
+
+    Parameters
+    ----------
+    name : name of the study
+    source : a scene, a file, the name of a bundled scene, or nested dictionaries
+    any_punch : whether the study accepts any punch, not only flat punches under a force
+    layered : whether it accepts a layered half-space
+
+    Raises
+    ------
+    SceneError
+        if it does not; the message names the studies that do
+    """
+    scene = Scene.of(source)
+    problem = scene.problem
+    if not (any_punch or (problem.full_contact and problem.indentation is None)):
+        raise SceneError(
+            f"study {name} accepts only flat punches under a force, whose contact edges are fixed: "
+            "leave out punch.recess and punch.profile, and give load.normal_force; the "
+            f"studies {OF_ANY_PUNCH} accept any punch"
+        )
+    if problem.ground.layered and not layered:
+        raise SceneError(
+            f"study {name} accepts only a homogeneous half-space: leave out half_space.layers; "
+            f"studies {OF_LAYERS} accept them"
+        )
+    return scene
+
+
+def refuse_degree_without_mesh(degree: int | None, has_meshes: bool) -> None:
+    """Raise an error if a degree is given, but no meshes for it."""
+    if degree is not None and not has_meshes:
+        raise SceneError(
+            "degree is that of the finite elements on meshes of your own: give --mesh FILE, in "
+            "Python meshes=[...], or leave it out"
+        )
+
+
+def refuse_abscissa(against: object) -> None:
+    """Raise an error if figures have no such abscissa."""
+    if against not in ABSCISSAS:
+        raise SceneError(
+            f"against = {shown(against)} is not an abscissa of the figures: give one of "
+            f"{', '.join(ABSCISSAS)}"
+        )
+
+
+def steps_of(scene: Scene, steps: object) -> list[float]:
+    """Return time steps of a user without units, exactly as given.
+
+    Raises
+    ------
+    SceneError
+        if the scene has no history or a load that varies, if something is not a number, or if a
+        step is not positive or longer than the last time
+    """
+    given = numbers("steps", steps)
+    if given and (not scene.problem.earliest or scene.problem.loading.varies):
+        raise SceneError(
+            "--steps: a march in equal steps needs a scene with wear.times under a constant load"
+        )
+    longest = max(scene.wear.times, default=0.0)
+    for step in given:
+        if not 0 < step <= longest:
+            raise SceneError(f"--steps {step:g}: give steps above 0, up to {longest:.3g}")
+    return [step / scene.problem.units.time for step in given]
+
+
+def with_times(scene: Scene) -> Scene:
+    """Return a scene with times of wear: its own, or `DEFAULT_TIMES` if it has none."""
+    if scene.problem.earliest:
+        return scene
+    times = [time * scene.problem.units.time for time in DEFAULT_TIMES]
+    return scene.changed({"wear.times": times})
 
 
 def read_quantities(

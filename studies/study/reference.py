@@ -23,7 +23,6 @@ from ..crosscheck import (
     FemAccuracy,
     MdrAccuracy,
     Parabola,
-    Problem,
     Results,
     Scene,
     Solution,
@@ -180,12 +179,6 @@ def shaped_start(scene: Scene) -> dict[str, float]:
     if contact >= 1:
         return {}
     return {"contact_radius": float(contact), "indentation": float(depth / pressed)}
-
-
-def exact_start(problem: Problem) -> Reference:
-    """Return the closed form of the start alone, of a flat punch under the force 1."""
-    depth = flat_punch_of(problem.inner_radius).indentation
-    return Reference({"time": np.zeros(1), "indentation": np.array([depth])}, lambda _: ROUNDOFF)
 
 
 def solution_as_reference(solution: Solution, roundoff: float = 1e-12) -> Reference:

@@ -149,7 +149,7 @@ class Study(AnswersGuesses):
             tables |= {self.name: self.table}
         for name, table in tables.items():
             write_csv(table, folder / f"{name}.csv")
-        for name in self._tables():
+        for name in [name for name in tables if name in (*ON_PAGE, "costs")]:
             (folder / f"{name}.md").write_text(self.to_markdown(name), "utf-8")
             (folder / f"{name}.tex").write_text(self.to_latex(name), "utf-8")
         for name, figure in self.figures.items():

@@ -18,6 +18,8 @@ ONE_RING = "one ring"
 """Name of the case of one ring."""
 START, LATER, ALL = "start", "later", "all"
 """Values of the column `when`."""
+KEYS_OF_STUDIES = ("case", "way", "quantity", "when")
+"""Columns of a study that tell its sequences of levels apart."""
 Level: TypeAlias = Any
 Solve: TypeAlias = Callable[[Problem, Level, Solution | None], Solution]
 """Function (problem, level, solution of the level before or None) -> solution."""

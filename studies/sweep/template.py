@@ -1,12 +1,10 @@
 """The empty results of a sweep, and the blocks of scenes that are computed together."""
 
-from collections.abc import Iterable
 from itertools import product
 from math import prod
 
 import numpy as np
 import xarray
-from numpy.typing import ArrayLike
 
 from ..crosscheck import (
     NO_UNIT,
@@ -50,42 +48,31 @@ def template(sweep: Sweep) -> xarray.Dataset:
     first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
     no_results = Solution({}, {}, {}, {})
     run = tabulate(first, dict.fromkeys(first.methods, no_results))
-    rings = map(len, varied.get("punch.ring_edges", []))
-    sizes = dict(run.sizes) | sweep.sizes
-    sizes["ring"] = max([run.sizes["ring"], *varied.get("punch.rings", []), *rings])
     names = first.unit_names
     if "units" in varied:
         # numbers of several units have none
         names = UnitNames()
         for variable in run.variables.values():
             variable.attrs["units"] = NO_UNIT
-    coordinates: dict[str, object] = {
-        name: (run[name].dims, run[name].values, run[name].attrs) for name in ("mode", "state")
-    }
-    coordinates["ring"] = "ring", np.arange(1, sizes["ring"] + 1), run["ring"].attrs
+    rings = map(len, varied.get("punch.ring_edges", []))
+    count = max([run.sizes["ring"], *varied.get("punch.rings", []), *rings])
+    kept = [each for name in sweep.keep for each in (name, error_name(name)) if each in run]
+    dataset = run.reset_coords(drop=True).reindex(ring=np.arange(1, count + 1))[kept]
+    if run.sizes["solver"] > 1:
+        definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
+        dataset["disagreement"] = (), np.nan, described(definition)
+    reason = np.array("", dtype=object)
+    dataset["reason"] = (), reason, described("reason why the scene failed")
+    status = described("0: pending, 1: done, 2: failed")
+    dataset["status"] = (), np.uint8(PENDING), status
+    dataset = dataset.expand_dims(sweep.sizes)
     for key, (name, dim, values) in [*sweep.shared.items(), *sweep.columns.items()]:
         numbers = all(isinstance(value, int | float) for value in values)
         array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
         label = {"long_name": key, "units": names.name(kind_of(key, Scene))}
-        coordinates[name] = dim, array, label
-    dataset = xarray.Dataset(coords=coordinates)
-
-    def add(name: str, dims: Iterable[str], label: dict[str, str], fill: ArrayLike) -> None:
-        dims = (*sweep.sizes, *dims)
-        view = np.broadcast_to(fill, [sizes[dim] for dim in dims])
-        # without `fastpath`, xarray would look at each text of a view
-        dataset[name] = xarray.Variable(dims, view, label, fastpath=True)
-
-    kept = [each for name in sweep.keep for each in (name, error_name(name)) if each in run]
-    for name in kept:
-        add(name, map(str, run[name].dims), run[name].attrs, np.nan)
-    if run.sizes["solver"] > 1:
-        definition = "greatest difference over its uncertainty; methods disagree if it is above 1"
-        add("disagreement", (), described(definition), np.nan)
-    add("reason", (), described("reason why the scene failed"), np.array("", dtype=object))
-    add("status", (), described("0: pending, 1: done, 2: failed"), np.uint8(PENDING))
+        dataset = dataset.assign_coords({name: (dim, array, label)})
     # drop coordinates that no variable has
-    return dataset[[*dataset.data_vars]]
+    return dataset[[*dataset.data_vars]].drop_attrs(deep=False)
 
 
 def described(definition: str) -> dict[str, str]:

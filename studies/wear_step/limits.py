@@ -1,6 +1,5 @@
 """The longest stable updates of a scene on a mesh, at the start and at the end of its contact."""
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,8 +19,7 @@ from ...meshes import (
     structured,
 )
 from ..crosscheck import Problem, Scene, first_and_last_in_contact, run
-from .contact_nodes import CONSISTENT, PER_NODE, ContactNodes, contact_nodes
-from .explicit import longest_step
+from .contact_nodes import CONSISTENT, PER_NODE, ContactNodes, contact_nodes, longest_step
 
 REACH = 20.0
 """Radius of the half-spaces that are meshed here, with Boussinesq's far field, in punch radii."""
@@ -33,8 +31,6 @@ limits show how much these differ at one size; the usual one first."""
 RECOMMENDED = 0.5
 """Recommended step over the longest stable one: pressures then err by 1 to 4 % (`ringwear study
 march`)."""
-TIME_RTOL = 1e-3
-"""Relative error of the time of running-in."""
 LOCKING = 0.45
 """Poisson's ratio above which the note on locking is added."""
 
@@ -77,16 +73,6 @@ class StepLimits:
             return text
         return f"{text} (a time of {names.write(step * problem.units.time, 'time', 3)})"
 
-    @property
-    def updates(self) -> float:
-        """Number of recommended updates until 99 % of the running-in; NaN if that is not known."""
-        problem = self.scene.problem
-        if not problem.full_contact or "time_to_99" not in problem.remaining_parts:
-            return np.nan
-        answer = run(self.scene, ["mdr"], TIME_RTOL, quantities=["indentation"]).dataset
-        time = answer["time_to_99"].item() / problem.units.time
-        return max(time / self.limit() / RECOMMENDED, 1.0)
-
 
 def limits_on_mesh(scene: Scene, mesh: Mesh, element: str) -> StepLimits:
     """Return the longest stable updates of a scene on a mesh.
@@ -100,37 +86,28 @@ def limits_on_mesh(scene: Scene, mesh: Mesh, element: str) -> StepLimits:
     return _limits(scene, contact_nodes(mesh, element, scene.problem.ground), contacts_of(scene))
 
 
-Parts = Callable[[Array], Indices]
-"""A function from radii of nodes to the numbers of the nodes in contact."""
+def contacts_of(scene: Scene) -> dict[str, Array]:
+    """Return the intervals (k, 2) in contact, in punch radii, by the state of the contact.
 
-
-def contacts_of(scene: Scene) -> dict[str, Parts]:
-    """Return which nodes touch, by the state of the contact; shaped punches are solved by MDR."""
+    Shaped punches are solved by MDR.
+    """
     if scene.problem.full_contact:
-        return {"": lambda radii: np.arange(len(radii))}
+        return {"": np.array([[0.0, 1.0]])}
     times = first_and_last_in_contact(scene)
     sampled = scene.changed(
         wear={"times": sorted(set(times)), "steady": False}, output__quantities=["contact_edge"]
     )
     edges = run(sampled, ["mdr"]).dataset["contact_edge"].isel(solver=0).values
-    edges = edges / scene.problem.units.length
-
-    def inside(state: Array) -> Parts:
-        ends = state[np.isfinite(state)].reshape(-1, 2)
-
-        def touching(radii: Array) -> Indices:
-            within = (radii >= ends[:, :1] - 1e-9) & (radii <= ends[:, 1:] + 1e-9)
-            return np.flatnonzero(within.any(axis=0))
-
-        return touching
-
-    names = ("at the start", "at the last time")[: len(edges)]
-    return {name: inside(state) for name, state in zip(names, edges, strict=True)}
+    states = edges / scene.problem.units.length
+    intervals = [state[np.isfinite(state)].reshape(-1, 2) for state in states]
+    return dict(zip(("at the start", "at the last time"), intervals, strict=False))
 
 
-def _limits(scene: Scene, nodes: ContactNodes, parts: dict[str, Parts]) -> StepLimits:
-    contacts = {name: touching(nodes.radii) for name, touching in parts.items()}
-    for name, numbers in contacts.items():
+def _limits(scene: Scene, nodes: ContactNodes, intervals: dict[str, Array]) -> StepLimits:
+    contacts = dict[str, Indices]()
+    for name, ends in intervals.items():
+        within = (nodes.radii >= ends[:, :1] - 1e-9) & (nodes.radii <= ends[:, 1:] + 1e-9)
+        contacts[name] = numbers = np.flatnonzero(within.any(axis=0))
         if len(numbers) < FEWEST_NODES:
             raise SceneError(
                 f"the mesh has {len(numbers)} nodes in the contact {name}: give a mesh with "
@@ -238,9 +215,7 @@ def describe(found: list[StepLimits]) -> list[str]:
             f"{limits.written(limits.limit_in(contact))} {contact}" for contact in limits.contacts
         )
         lines.append(f"contact: edges move; {', '.join(states)}")
-    updates = limits.updates
-    running_in = f": {updates:.0f} updates until 99 % of the running-in" * bool(updates > 0)
-    lines.append(f"recommended: half of it, {limits.written(RECOMMENDED * longest)}{running_in}")
+    lines.append(f"recommended: half of it, {limits.written(RECOMMENDED * longest)}")
     if len(found) > 1:
         steps = sorted(each.limit() for each in found)
         lines.append(

@@ -9,9 +9,16 @@ import numpy as np
 
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
+from ..estimate.strips import worn_at_nodes
 from ..study.own import ELEMENTS
-from .contact_nodes import TREATMENTS, ContactNodes, contact_nodes
-from .explicit import longest_step, relief, wear_at_nodes, worn_on_mesh
+from .contact_nodes import (
+    TREATMENTS,
+    ContactNodes,
+    contact_nodes,
+    longest_step,
+    relief,
+    wear_at_nodes,
+)
 from .limits import mesh_below
 
 FEWEST_RADII, MOST_RADII = 4, 300
@@ -91,7 +98,12 @@ def results_on_mesh(
         if side:
             places = np.clip(nodes.radii + side * BESIDE, nodes.radii[0], 1.0)
             wear = problem.merged.at(places) / greatest
-        worn = worn_on_mesh(problem, nodes, treatment, wear, times * float(greatest))
+        stiffness, forces = (
+            nodes.pressures(treatment) @ nodes.stiffness,
+            nodes.stiffness.sum(axis=0),
+        )
+        by_force, elapsed = problem.indentation is None, times * float(greatest)
+        worn = worn_at_nodes(stiffness, forces, wear, elapsed, by_force)
         fields = {
             "pressure": worn.pressures,
             "profile": worn.profiles,

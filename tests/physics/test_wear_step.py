@@ -9,7 +9,10 @@ from groups import nightly, nightly_but
 from ringwear import Scene, check, plan, run
 from ringwear.meshes import SizeField, as_half_space, bisection, structured
 from ringwear.studies.check import sawtooth
-from ringwear.studies.wear_step.contact_nodes import PER_NODE, TREATMENTS
+from ringwear.studies.wear_step.contact_nodes import (
+    PER_NODE,
+    TREATMENTS,
+)
 from ringwear.studies.wear_step.limits import limits_on_mesh
 from ringwear.studies.wear_step.models import limit_of_models
 

@@ -14,7 +14,7 @@ from ringwear import Scene, SceneError
 from ringwear.studies.check.tables import read
 from ringwear.studies.crosscheck import profile_of_file
 from ringwear.studies.fit.data import read_measurements
-from ringwear.studies.study.sheet import read_table
+from ringwear.studies.study.orders import read_table
 from ringwear.studies.tables.frame import Frame
 
 MUTATIONS = 2000

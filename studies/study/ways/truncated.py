@@ -10,7 +10,6 @@ error of the mesh cancels. On layers, the far field is that of loads which are e
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -21,7 +20,7 @@ from ....meshes import Compliance, Ground, SizeField, relative_stiffness
 from ....meshes.by_gmsh import graded, truncation_with_interfaces
 from ...crosscheck import Problem, Solution, press_flat
 from ..reference import Reference
-from ..way import Case, Solve, Theory, Way, inverse
+from ..way import Case, Theory, Way, inverse
 from .subdivision import FLAT, triangulated
 
 ORDERS = {"clamped": 1.0, "1 pole": 5.0, "2 poles": 9.0, "3 poles": 13.0}
@@ -42,17 +41,11 @@ RIGID = "No order is expected: on a rigid base, errors decay exponentially with 
 def far_fields(radii: Sequence[float], ground: Ground) -> list[Way]:
     """Return a way through ever greater radii for each far field, the clamped boundary first."""
     if not ground.layered:
-        return [_outwards(poles, radii) for poles in range(len(ORDERS))]
+        return [_outwards(number, radii, ground) for number in range(len(ORDERS))]
     interfaces = tuple(ground.depths.tolist())
     outers = sorted({truncation_with_interfaces(interfaces, radius) for radius in radii})
     count = 1 if ground.rigid else len(ORDERS_ON_LAYERS)
-    return [_outwards_on_layers(loads, outers, ground.rigid) for loads in range(count)]
-
-
-def start(depth: float, unknowns: int) -> Solution:
-    """Return a solution that has the indentation at the start only."""
-    compared = {"time": np.zeros(1), "indentation": np.array([depth])}
-    return Solution({}, compared, {}, {}, unknowns)
+    return [_outwards(number, outers, ground) for number in range(count)]
 
 
 def exact_disc(case: Case) -> Reference:
@@ -62,54 +55,44 @@ def exact_disc(case: Case) -> Reference:
     return Reference(values, lambda _: ROUNDOFF)
 
 
-def _outwards(poles: int, radii: Sequence[float]) -> Way:
+def _outwards(poles: int, radii: Sequence[float], ground: Ground) -> Way:
+    """Return the way through radii with a number of poles, or of loads on layers."""
+
     def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        compliance, unknowns = condensed(level, problem.ground)
-        rows = len(compliance.factor) - MOST_POLES + poles
-        with_fewer = replace(compliance, factor=compliance.factor[:rows])
-        ratio = press_flat(with_fewer).indentation / press_flat(compliance).indentation
-        return start(ratio * flat_punch_of(0.0).indentation, unknowns)
+        compliances, unknowns = condensed(level, problem.ground)
+        depth = press_flat(compliances[poles]).indentation
+        if not problem.ground.layered:
+            ratio = depth / press_flat(compliances[-1]).indentation
+            depth = ratio * flat_punch_of(0.0).indentation
+        compared = {"time": np.zeros(1), "indentation": np.array([depth])}
+        return Solution({}, compared, {}, {}, unknowns)
 
-    name, order = tuple(ORDERS.items())[poles]
-    return _way(name, radii, solve, Theory(order, ROUNDOFF, REASON, "roundoff"))
-
-
-def _outwards_on_layers(loads: int, radii: Sequence[float], rigid: bool) -> Way:
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
-        compliances, unknowns = condensed_on_layers(level, problem.ground)
-        return start(press_flat(compliances[loads]).indentation, unknowns)
-
-    name, order = tuple(ORDERS_ON_LAYERS.items())[loads]
-    theory = Theory(order, DISCRETISATION_ERROR, REASON, "the error of the elements")
-    theory = theory._replace(order=np.nan, reason=RIGID) if rigid else theory
-    return _way(name, radii, solve, theory)
-
-
-def _way(name: str, radii: Sequence[float], solve: Solve, theory: Theory) -> Way:
-    def theory_of(*_: str) -> Theory:
-        return theory
-
-    return Way(name, "fem", tuple(radii), solve, "$a/R$", inverse, theory_of)
+    floor, cause = ROUNDOFF, "roundoff"
+    if ground.layered:
+        floor, cause = DISCRETISATION_ERROR, "the error of the elements"
+    name, order = tuple((ORDERS_ON_LAYERS if ground.layered else ORDERS).items())[poles]
+    theory = Theory(order, floor, REASON, cause)
+    if ground.rigid:
+        theory = theory._replace(order=np.nan, reason=RIGID)
+    return Way(name, "fem", tuple(radii), solve, "$a/R$", inverse, lambda *_: theory)
 
 
 @lru_cache(maxsize=16)
-def condensed(outer: float, ground: Ground) -> tuple[Compliance, int]:
-    """Return the half-space with most poles; its elements resolve the far field on the boundary."""
-    disc = triangulated(SizeField((0.0, 1.0), 1e-7, 1e-7, 0.3, outer, far_size=0.06))
-    solid = AxisymmetricElasticity(disc, DEGREE, ground)
-    orders = tuple(range(0, 2 * MOST_POLES, 2))
-    half_space = HalfSpace(solid, pressure_space(solid, FLAT), orders)
-    return half_space.compliance(), half_space.unknowns
+def condensed(outer: float, ground: Ground) -> tuple[list[Compliance], int]:
+    """Return the compliances with 0, 1, 2, ... poles or loads in the far field, and the unknowns.
 
-
-@lru_cache(maxsize=16)
-def condensed_on_layers(outer: float, ground: Ground) -> tuple[list[Compliance], int]:
-    """Return the compliances with 0, 1, 2, ... loads in the far field, and the unknowns."""
-    interfaces = tuple(ground.depths.tolist())
-    mesh = graded(
-        FLAT, (), RIM_SIZE, GRADING, GROWTH, outer, interfaces=interfaces, rigid=ground.rigid
-    ).mesh
-    solid = AxisymmetricElasticity(mesh, DEGREE_ON_LAYERS, ground)
-    loads = tuple(range(0, 2 * (len(ORDERS_ON_LAYERS) - 1), 2))
-    half_space = HalfSpace(solid, pressure_space(solid, FLAT), loads).without_dependent_poles()
-    return list(half_space.compliances_by_poles()), half_space.unknowns
+    The elements of a homogeneous half-space resolve the far field on the boundary.
+    """
+    if ground.layered:
+        interfaces = tuple(ground.depths.tolist())
+        sizes = RIM_SIZE, GRADING, GROWTH, outer
+        mesh = graded(FLAT, (), *sizes, interfaces=interfaces, rigid=ground.rigid).mesh
+        solid = AxisymmetricElasticity(mesh, DEGREE_ON_LAYERS, ground)
+    else:
+        disc = triangulated(SizeField((0.0, 1.0), 1e-7, 1e-7, 0.3, outer, far_size=0.06))
+        solid = AxisymmetricElasticity(disc, DEGREE, ground)
+    count = len(ORDERS_ON_LAYERS) - 1 if ground.layered else MOST_POLES
+    half_space = HalfSpace(solid, pressure_space(solid, FLAT), tuple(range(0, 2 * count, 2)))
+    if ground.layered:
+        half_space = half_space.without_dependent_poles()
+    return half_space.compliances_by_poles(), half_space.unknowns

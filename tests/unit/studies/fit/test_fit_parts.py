@@ -31,17 +31,14 @@ class Formula:
 
     rtol = 0.0
 
-    def __init__(self, formula, slopes, values, noise=0.1):
-        self.formula, self.derivatives = formula, slopes
+    def __init__(self, formula, values, noise=0.1):
+        self.formula = formula
         count = len(values)
         given = np.arange(1.0, count + 1), np.asarray(values, dtype=float), np.full(count, noise)
         self.measurements = (Measurement("indentation", "indentation", *given, True),)
 
     def predict(self, x):
         return [np.asarray(self.formula(x), dtype=float)]
-
-    def slopes(self, x):
-        return [np.asarray(self.derivatives(x), dtype=float)]
 
 
 def likelihood_of(model, count):
@@ -182,7 +179,7 @@ def test_a_cubic_is_interpolated_exactly():
 def test_a_straight_model_has_the_intervals_of_linear_regression():
     design = np.column_stack([np.ones(6), np.arange(6.0)])
     values = np.array([0.1, 1.2, 1.9, 3.1, 3.9, 5.2])
-    likelihood = likelihood_of(Formula(lambda x: design @ x, lambda _: design, values), 2)
+    likelihood = likelihood_of(Formula(lambda x: design @ x, values), 2)
     best = likelihood.best_from(np.zeros(2))
     exact = np.linalg.lstsq(design, values, rcond=None)[0]
     assert best.x == pytest.approx(exact, abs=1e-7)
@@ -196,9 +193,7 @@ def test_a_straight_model_has_the_intervals_of_linear_regression():
 
 def test_an_interval_includes_every_minimum():
     """The data x^2 = 1 +- 0.1 / sqrt(4) are explained by both signs of x."""
-    model = Formula(
-        lambda x: x[0] ** 2 * np.ones(4), lambda x: 2 * x[0] * np.ones((4, 1)), [1.0] * 4
-    )
+    model = Formula(lambda x: x[0] ** 2 * np.ones(4), [1.0] * 4)
     likelihood = likelihood_of(model, 1)
     ends = [likelihood.best_from(np.array([start])) for start in (0.5, -0.5)]
     best, other = ends
@@ -209,7 +204,7 @@ def test_an_interval_includes_every_minimum():
 
 def test_an_unbounded_parameter_has_an_infinite_interval():
     """The datum exp(-x) = 0 +- 0.1 is explained by any large x."""
-    model = Formula(lambda x: np.exp(-x), lambda x: -np.exp(-x)[:, None], [0.0])
+    model = Formula(lambda x: np.exp(-x), [0.0])
     likelihood = likelihood_of(model, 1)
     best = likelihood.best_from(np.array([3.0]))
     profiles = Profiles(likelihood, best, likelihood.covariance(best.x), 1.96**2)
@@ -221,7 +216,7 @@ def test_an_unbounded_parameter_has_an_infinite_interval():
 
 def test_combinations_without_effect_are_named_and_one_of_each_is_fixed():
     design = np.column_stack([np.arange(5.0), np.ones(5), 2 * np.ones(5), np.zeros(5)])
-    model = Formula(lambda x: design @ x, lambda _: design, np.arange(5.0))
+    model = Formula(lambda x: design @ x, np.arange(5.0))
     likelihood, combinations = fix_ineffective_parameters(likelihood_of(model, 4))
     assert sorted(map(sorted, combinations)) == [[1, 2], [3]]
     assert likelihood.free == (0, 1)
@@ -258,8 +253,7 @@ def test_no_test_rejects_nothing():
 
 
 def test_noise_in_the_offset_of_a_profile_is_projected_out():
-    design = np.ones((5, 1))
-    model = Formula(lambda x: 0 * x[0] * np.ones(5), lambda _: 0 * design, np.full(5, 7.0))
+    model = Formula(lambda x: 0 * x[0] * np.ones(5), np.full(5, 7.0))
     (measured,) = model.measurements
     model.measurements = (replace(measured, quantity="profile", radii=np.arange(5.0)),)
     likelihood = likelihood_of(model, 1)

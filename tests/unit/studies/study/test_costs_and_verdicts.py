@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import SceneError
-from ringwear.studies.extremes import parse
+from ringwear import Scene, SceneError
+from ringwear.studies.extremes import parse, values_of_keys
 from ringwear.studies.study.answer import worst
 from ringwear.studies.study.declared import verdicts
 
@@ -51,10 +51,13 @@ def test_the_worst_quantity_of_a_level_decides():
 
 
 def test_values_of_a_key_are_parsed():
-    assert parse("a.b=0:1:3") == ("a.b", [0, 0.5, 1])
-    key, values = parse("punch.wear_ratio=geom:1e-8:1e8:5")
-    assert key == "punch.wear_ratio"
-    assert values == [1e-8, 1e-4, 1, 1e4, 1e8]
-    for text in ("a.b=0:1", "a.b=geom:0:1:3", "0:1:3", "a.b=0:1:0", "a.b=x:1:3"):
+    assert parse("a.b=0:1:3") == ("a.b", {"linspace": [0, 1, 3]})
+    key, spaced = parse("punch.wear_ratio=geom:1e-8:1e8:5")
+    assert (key, spaced) == ("punch.wear_ratio", {"geomspace": [1e-8, 1e8, 5]})
+    assert parse("load.normal_force=1 kN:2 kN:2")[1] == {"linspace": ["1 kN", "2 kN", 2]}
+    for text in ("a.b=0:1", "0:1:3", "a.b=0:1:0"):
         with pytest.raises(SceneError, match="give KEY=LOW:HIGH:N"):
             parse(text)
+    for text in ("punch.radius=x:1:3", "punch.wear_ratio=geom:0:1:3"):
+        with pytest.raises(SceneError, match=text.partition("=")[0]):
+            values_of_keys(Scene.load("five_rings"), text, quick=True)

@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from ringwear.studies.study.formats import escape_latex, to_latex, to_markdown
+from ringwear.studies.study.formats import to_latex, to_markdown
 from ringwear.studies.tables.writing import write_csv
 
 TABLE = pd.DataFrame(
@@ -36,8 +36,10 @@ def test_all_rows_of_a_latex_table_have_the_same_number_of_cells():
 
 
 def test_special_characters_of_latex_are_escaped_except_in_formulas():
-    assert escape_latex("50 % of $d_0$ & a_b") == r"50 \% of $d_0$ \& a\_b"
-    assert escape_latex("\\z") == r"\textbackslash{}z"
+    table = pd.DataFrame({"≤ & $x_1$": ["50 % of $d_0$ & a_b, ν", "\\z"]})
+    _, _, head, _, *rows, _, _ = to_latex(table).splitlines()
+    assert head == r"$\le$ \& $x_1$ \\"
+    assert rows == [r"50 \% of $d_0$ \& a\_b, $\nu$ \\", r"\textbackslash z \\"]
 
 
 def test_cells_of_csv_are_not_formulas(tmp_path):

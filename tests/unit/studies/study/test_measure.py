@@ -116,12 +116,12 @@ def test_a_sequential_way_starts_from_the_level_before():
     assert table["seconds"].is_monotonic_increasing
 
 
-def test_progress_prints_the_level_and_the_time_left(caplog):
+def test_progress_prints_the_level(caplog):
     with caplog.at_level(logging.INFO, logger="ringwear"):
         measured(Record(), way())
     lines = [record.getMessage() for record in caplog.records]
     assert lines[0].startswith("   level 1 of 4: scene, h, 0.5")
-    assert lines[2].startswith("   level 3 of 4, about ")
+    assert lines[2].startswith("   level 3 of 4: ")
 
 
 def test_seconds_are_medians_of_several_runs(monkeypatch):
