@@ -246,6 +246,8 @@ def deck_blocks(path: Path) -> Iterator[DeckBlock]:
             block.lines.append(text)
     if block:
         yield block
+
+
 def _lines(path: Path, including: Sequence[Path]) -> Iterator[tuple[str, str]]:
     """Yield the lines of keywords and of data, with those of other files in their places.
 

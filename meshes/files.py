@@ -163,7 +163,8 @@ def _plane(points: Array, blocks: list[tuple[str, Indices]]) -> CornerMesh:
         for shape, count in PLANE_CELLS.items()
     }
     if not any(corners.values()):
-        others = {name for name, _ in blocks if not name.lower().startswith(("vertex", "point", "line"))}
+        lower = ("vertex", "point", "line")
+        others = {name for name, _ in blocks if not name.lower().startswith(lower)}
         raise MeshError(
             f"it holds cells of type {', '.join(sorted(others)) or 'line'}, but they must be "
             "triangles or quadrilaterals in a plane: in gmsh make a physical group of the surface"

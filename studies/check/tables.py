@@ -31,7 +31,7 @@ from ..crosscheck import (
     refuse_large,
     shown,
 )
-from ..decks.reports import NO_RESULTS, READERS, differing_keys, is_table
+from ..decks.reports import results_of_deck
 from ..tables.frame import MASK, Frame, surface_table
 from ..tables.headings import KINDS, TIME, name_of
 from ..tables.numbers import is_number
@@ -256,23 +256,9 @@ def _frame_of(
 
 
 def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset | Frame":
-    """Return the dataset of a netCDF file, or the table of another file.
-
-    A scene that differs from that of a deck is reported.
-    """
-    ending = path.suffix.lower()
-    if ending in NO_RESULTS:
-        raise SceneError(f"{path} {NO_RESULTS[ending]}")
+    """Return the dataset of a netCDF file, or the table of another file."""
     try:
-        if ending in READERS and path.is_file() and not is_table(path):
-            results = READERS[ending](path)
-            if keys := differing_keys(path, scene):
-                LOG.warning(
-                    "%s has the results of another scene: %s differs in %s",
-                    path,
-                    path.parent / "scene.toml",
-                    ", ".join(keys),
-                )
+        if (results := results_of_deck(path, scene)) is not None:
             return results
         if path.suffix == ".nc":
             import xarray

@@ -66,6 +66,17 @@ def is_number(cell: str) -> bool:
     return any(pattern.fullmatch(cell) for pattern in patterns)
 
 
+def fortran_number(text: str) -> float:
+    """Return the number in a text, whose exponent may be written as in Fortran.
+
+    Raises
+    ------
+    ValueError
+        if the text is no number
+    """
+    return float(EXPONENT.sub("e", text, count=1))
+
+
 def is_missing(cell: str) -> bool:
     """Return whether a cell says that there is no value."""
     return MISSING.fullmatch(_clean(cell)) is not None
