@@ -13,7 +13,7 @@ import pandas as pd
 
 from ...meshes import Array, SceneError
 from .headings import BRACKETS, TIME, name_of, split_heading
-from .layout import content_of_file, layout_of, text_of
+from .layout import Layout, content_of_file, layout_of, text_of
 from .numbers import Numbers, marks_of, numbers, refuse
 
 MASK = "vtkvalidpointmask"
@@ -33,6 +33,7 @@ class Frame:
     stated : units by heading, of columns whose units are not in their headings
     place : what a row is called, line or row
     repeated : headings that several columns have, of which the first is in `cells`
+    above : the text above the table in a file
     """
 
     name: str
@@ -40,6 +41,7 @@ class Frame:
     stated: Mapping[str, str]
     place: str = "row"
     repeated: frozenset[str] = frozenset()
+    above: str = ""
 
     @classmethod
     def of_file(cls, path: Path, headed: bool = True) -> "Frame":
@@ -62,23 +64,23 @@ class Frame:
             if frame is not None:
                 return frame._without_masked()
             content = content_of_file(path)
-        headings, rows, _ = layout_of(path, text_of(content, path))
-        cells = pd.DataFrame([*rows.values()], [*rows], dtype=object)
-        return cls._named(path, headings, cells, headed)._without_masked()
+        layout = layout_of(path, text_of(content, path))
+        cells = pd.DataFrame([*layout.rows.values()], [*layout.rows], dtype=object)
+        return cls._named(path, layout, cells, headed)._without_masked()
 
     @classmethod
     def _of_plain(cls, path: Path, head: str, headed: bool) -> "Frame | None":
         """Return the table in a large file, if its rows are plain numbers; else None."""
         try:
-            headings, rows, delimiter = layout_of(path, head)
+            layout = layout_of(path, head)
         except SceneError:
             return None
-        sample = pd.DataFrame([*rows.values()], dtype=str)
-        first, marks = next(iter(rows)), marks_of(sample[key] for key in sample)
+        sample = pd.DataFrame([*layout.rows.values()], dtype=str)
+        first, marks = next(iter(layout.rows)), marks_of(sample[key] for key in sample)
         try:
             cells = pd.read_csv(
                 path,
-                sep=delimiter or r"\s+",
+                sep=layout.delimiter or r"\s+",
                 decimal="." if "." in marks else ",",
                 header=None,
                 skiprows=first - 1,
@@ -96,17 +98,17 @@ class Frame:
         if cells.shape[1] != sample.shape[1]:
             return None
         cells.index = pd.RangeIndex(first, first + len(cells))
-        return cls._named(path, headings, cells, headed)
+        return cls._named(path, layout, cells, headed)
 
     @classmethod
-    def _named(cls, path: Path, headings: list[str], cells: pd.DataFrame, headed: bool) -> "Frame":
-        if headed and not headings:
+    def _named(cls, path: Path, layout: Layout, cells: pd.DataFrame, headed: bool) -> "Frame":
+        if headed and not layout.headings:
             raise SceneError(
                 f"{path}, line {cells.index[0]}: the first line must name the columns; give names, "
                 "as in time,radius,pressure"
             )
-        cells, repeated = _distinct(cells, headings or [*map(str, cells)])
-        return cls(str(path), cells, {}, "line", repeated)
+        cells, repeated = _distinct(cells, layout.headings or [*map(str, cells)])
+        return cls(str(path), cells, {}, "line", repeated, layout.above)
 
     @classmethod
     def of_pandas(cls, table: pd.DataFrame, name: str) -> "Frame":

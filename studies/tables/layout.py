@@ -50,11 +50,13 @@ class Layout(NamedTuple):
     headings : as the file has them, with units of a row of their own in brackets; empty if none
     rows : cells by line number
     delimiter : between the cells of a row; empty if spaces are
+    above : the text above the rows
     """
 
     headings: list[str]
     rows: dict[int, list[str]]
     delimiter: str
+    above: str
 
 
 def content_of_file(path: Path, size: int = -1) -> bytes:
@@ -134,8 +136,8 @@ def layout_of(path: Path | str, text: str) -> Layout:
         if there are no rows, if a row has another length than the others, or if a line of text is
         between rows of numbers; it names the line
     """
-    lines, comments = dict[int, str](), list[str]()
-    for number, line in enumerate(re.split(r"\r\n?|\n", text), 1):
+    lines, comments, all_lines = dict[int, str](), list[str](), re.split(r"\r\n?|\n", text)
+    for number, line in enumerate(all_lines, 1):
         start = line.lstrip()[:1]
         if not start:
             continue
@@ -179,7 +181,7 @@ def layout_of(path: Path | str, text: str) -> Layout:
         raise _unequal(path, first, width, len(cells_of(above[0], delimiter)))
     if (len(headings) or filled) < width:
         rows = {key: cells[: len(headings) or filled] for key, cells in rows.items()}
-    return Layout(headings, rows, delimiter)
+    return Layout(headings, rows, delimiter, "\n".join(all_lines[: first - 1]))
 
 
 def _unequal(path: Path | str, line: int, cells: int, columns: int) -> SceneError:
