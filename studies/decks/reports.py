@@ -292,9 +292,9 @@ def _tables_of_nodes(path: Path) -> Iterator[tuple[str, pd.DataFrame]]:
     for count, group in groupby(words, lambda pair: len(pair[1]) * pair[1][0].isdigit()):
         rows = dict(group)
         if count > 1:
-            cells = pd.DataFrame([*rows.values()], [*rows]).rename(columns=str)
-            frame = Frame(str(path), cells, {}, "line")
-            frame.refuse_faults({heading: heading for heading in cells})
+            cells = pd.DataFrame([*rows.values()], [*rows])
+            frame = Frame.of(str(path), cells, [*map(str, cells)], place="line")
+            frame.refuse_faults({heading: heading for heading in frame.cells})
             yield above, frame.values.set_index("0")
         above = "\n".join(map(" ".join, rows.values()))
 

@@ -134,8 +134,9 @@ def _seconds(column: "pd.Series[str]") -> "pd.Series[float] | None":
         return None
     if column.str.fullmatch(CLOCK).all():
         times = pd.to_timedelta(column.str.replace(r",(?=\d)", ".", regex=True))
-        # after midnight, clocks begin again
-        times = times.mask(times.diff() < pd.Timedelta(hours=-12))
+        # after midnight, clocks begin again, but not durations of pandas
+        again = (times.diff() < pd.Timedelta(hours=-12)) & ~column.str.contains("day")
+        times = times.mask(again)
     elif column.str.fullmatch(DATE).all():
         dates = pd.to_datetime(column.str.replace(",", "."), format="ISO8601", utc=True)
         times = dates - dates.min()
