@@ -158,11 +158,11 @@ def _plane(points: Array, blocks: list[tuple[str, Indices]]) -> CornerMesh:
     MeshError
         if there are none; the message names the types of the others
     """
-    corners = {
-        count: [rows[:, :count] for name, rows in blocks if name.lower().startswith(shape)]
+    triangles, quads = (
+        [rows[:, :count] for name, rows in blocks if name.lower().startswith(shape)]
         for shape, count in PLANE_CELLS.items()
-    }
-    if not any(corners.values()):
+    )
+    if not (triangles or quads):
         lower = ("vertex", "point", "line")
         others = {name for name, _ in blocks if not name.lower().startswith(lower)}
         raise MeshError(
@@ -171,10 +171,8 @@ def _plane(points: Array, blocks: list[tuple[str, Indices]]) -> CornerMesh:
         )
     return CornerMesh(
         points,
-        *(
-            np.concatenate([np.empty((0, count), dtype=np.int64), *rows])
-            for count, rows in corners.items()
-        ),
+        np.concatenate([np.empty((0, 3), dtype=np.int64), *triangles]),
+        np.concatenate([np.empty((0, 4), dtype=np.int64), *quads]),
     )
 
 

@@ -25,7 +25,9 @@ NEAR_RIM = 0.05
 """Part of the face, at the rim and at a hole, in which pressures at the start are ignored: they are
 infinite at the edge, and those of polynomial elements oscillate there."""
 DAT_TITLE = re.compile(
-    r"(?P<name>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
+    r"(?P<name>displacements|forces) .*for set (?P<set>\w+) and time\s+"
+    r"(?P<time>[\d.]+([DE][-+]?\d+)?)\s*$",
+    re.IGNORECASE | re.MULTILINE,
 )
 RPT_STEP = re.compile(r"Step: STEP-(\d+)", re.IGNORECASE)
 RPT_HEADINGS = re.compile(r"^Node (.+)$", re.MULTILINE)

@@ -19,6 +19,10 @@ MASK = "vtkvalidpointmask"
 """Column of ParaView that is 0 at points outside of a mesh."""
 HEAD = 50_000
 """Number of bytes whose layout is that of a larger file, if all others are plain numbers."""
+MOST_CIRCLES = 500
+"""Greatest number of circles of equal radius; points of more are put together in rings."""
+ROUNDOFF = 1e-9
+"""Radii are equal up to this part of the greatest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,3 +314,30 @@ def surface_table(points: Array, arrays: Mapping[str, Array]) -> pd.DataFrame:
             columns[f"{quantity}_zz{mark}{time}"] = components[{6: axis, 9: 4 * axis}[count]]
     table = pd.DataFrame(columns)[on_surface]
     return table.groupby("radius").first().reset_index()
+
+
+def on_circles(table: pd.DataFrame) -> tuple[pd.DataFrame, "pd.Series[float]"]:
+    """Return the means of values on a grid over circles around its origin, and their spreads.
+
+    A spread is the greatest difference of two values on one circle. If the points lie on more than
+    `MOST_CIRCLES` circles, those of neighbouring circles are put together; they have their mean
+    radius.
+
+    Parameters
+    ----------
+    table : with columns x and y, perhaps time, and values
+
+    Returns
+    -------
+    means, spreads
+        means with the radius and, if it is given, the time; spreads by the names of the values
+    """
+    radii = np.hypot(table["x"], table["y"])
+    greatest = float(radii.max()) or 1.0
+    circles = np.round(radii / greatest / ROUNDOFF)
+    if circles.nunique() > MOST_CIRCLES:
+        circles = np.round(radii / greatest * MOST_CIRCLES)
+    values = table.drop(columns=["x", "y"]).assign(radius=radii, circle=circles)
+    groups = values.groupby([*values.columns.intersection(["time"]), "circle"])
+    spreads = (groups.max() - groups.min()).max().drop("radius")
+    return groups.mean().reset_index().drop(columns="circle"), spreads

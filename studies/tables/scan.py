@@ -13,8 +13,7 @@ import numpy as np
 import pandas as pd
 
 from ...meshes import Array, SceneError
-from .circles import ROUNDOFF, on_circles
-from .frame import Frame
+from .frame import ROUNDOFF, Frame, on_circles
 from .headings import name_of, split_heading
 
 UNIT_LINE = re.compile(
@@ -121,10 +120,13 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
     if is_line:
         radii, heights = _folded(places[:, 0], heights, notes)
     else:
-        radii, heights, spread = on_circles(*places.T, heights)
+        means, spreads = on_circles(
+            pd.DataFrame({"x": places[:, 0], "y": places[:, 1], "z": heights})
+        )
+        radii, heights = means[["radius", "z"]].to_numpy().T
         notes.append(
             f"a map: means over {len(radii)} circles around the axis, on which heights differ by "
-            f"up to {spread:.3g}"
+            f"up to {spreads['z']:.3g}"
         )
         radii, heights = _with_axis(radii, heights)
     if level or heights.min() < 0:
