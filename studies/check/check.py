@@ -124,7 +124,10 @@ def check(
     element = None if element is None else element_named(element)
     # one file is named without its folder
     given = {Path(theirs).name: theirs} if isinstance(theirs, str | Path) else theirs
-    remedy = "give a file, a DataFrame, a Dataset, or these by the names of their programs"
+    remedy = (
+        "give a file, a DataFrame, a Dataset, or these by the names of their programs, such as "
+        "{'abaqus': 'abaqus.csv'}"
+    )
     programs, sizes = by_name(given, "theirs", remedy), tuple(numbers("sizes", sizes))
     scene = Scene.of(scene)
     if taken_names := [name for name in programs if name in METHODS]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 import pandas as pd
 
-from ...meshes import Array, MeshError, SceneError
+from ...meshes import Array, MeshError, RingwearError, SceneError
 from ..crosscheck import (
     CHECKSUMS,
     FIELDS,
@@ -78,7 +78,7 @@ def by_name(
     no_table = SceneError(f"{shown(given)} is no table: {remedy}")
     is_table = hasattr(given, "to_dataframe") or hasattr(given, "columns")
     # a Dataset is a mapping, too
-    if isinstance(given, Mapping) and not is_table:
+    if isinstance(given, Mapping) and given and not is_table:
         kinds = (str, Path, Mapping)
         if any(isinstance(each, kinds) or hasattr(each, "columns") for each in given.values()):
             return {str(name): each for name, each in given.items()}
@@ -301,12 +301,17 @@ def _dataset(path: Path) -> "xarray.Dataset":
     try:
         if path.name == RESULTS and has_checksums(path.parent):
             return read_folder(path.parent)[0]
-        with xarray.open_dataset(path) as data:
+        with path.open("rb") as file:
+            classic = file.read(4) in (b"CDF\1", b"CDF\2")
+        # the library of netCDF-4 ends the program at some faults of older files
+        with xarray.open_dataset(path, engine="scipy" if classic else None) as data:
             refuse_large(path, data.nbytes)
             if CHECKSUMS in data.attrs:
                 LOG.warning("%s could not be checked: %s is not beside it", path, SUMMARY)
             return data.load()
-    except (OSError, ValueError) as error:
+    except RingwearError:
+        raise
+    except Exception as error:  # readers of older files raise many
         # xarray lists the packages that it has tried
         reason = "it is not netCDF" if "engine" in str(error) else one_line(error)
         raise SceneError(

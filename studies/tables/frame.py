@@ -165,7 +165,8 @@ class Frame:
         # seconds since a date
         units = {key: unit.partition(" since ")[0] for key, unit in units.items()}
         known = {key: unit for key, unit in units.items() if unit not in ("", "1")}
-        return cls.of_pandas(data.to_dataframe(), name, known)
+        rows = data if data.dims else data.expand_dims("row")
+        return cls.of_pandas(rows.to_dataframe(), name, known)
 
     def refuse_faults(self, columns: Mapping[str, str]) -> None:
         """Refuse headings that are open, and cells that are neither numbers nor missing.
