@@ -212,26 +212,22 @@ def _on_face(table: pd.DataFrame, scene: Scene, name: str, stated: bool) -> pd.D
         if there are none, or if radii without a unit are so large that they may be in another one
     """
     radius, rim, hole = table["radius"], scene.punch.radius, scene.punch.inner_radius
-    remedy = (
-        "give distances from the axis, with their unit in the heading, as in radius [mm]; or "
-        "--units if they are not in the units of the scene"
-    )
     # a radius that roundoff of units has moved beyond the rim is at the rim
-    beyond, in_hole = radius > rim * (1 + 1e-9), radius < hole * (1 - 1e-9)
+    outside = (radius > rim * (1 + 1e-9)) | (radius < hole * (1 - 1e-9))
     far = radius.max() > FAR * rim and not stated
-    if far or (beyond.any() and not ((radius > 0) & ~beyond).any()):
+    if far or (outside.any() and not ((radius > 0) & ~outside).any()):
         power = 1000.0 ** np.round(np.log10(radius.max() / rim) / 3)
         unit = f" (the column radius seems to be {power:g} times ours: a unit)" * bool(power > 1)
         what = f"radii reach {radius.max() / rim:.4g} times" if far else "all radii are beyond"
-        raise SceneError(f"{name}: {what} punch.radius = {rim:g}{unit}: {remedy}")
-    if in_hole.all():
         raise SceneError(
-            f"{name}: all radii are inside the hole, punch.inner_radius = {hole:g}: {remedy}"
+            f"{name}: {what} punch.radius = {rim:g}{', or in its hole' * bool(hole)}{unit}: give "
+            "distances from the axis, with their unit in the heading, as in radius [mm]; or "
+            "--units if they are not in the units of the scene"
         )
-    for rows, where in ((beyond, "beyond the punch"), (in_hole, "within the hole")):
-        if rows.any():
-            LOG.warning("%s: %d rows %s are ignored", name, rows.sum(), where)
-    return table.assign(radius=radius.clip(hole, rim))[~(beyond | in_hole)]
+    if outside.any():
+        where = "beyond the punch, or in its hole," if hole else "beyond the punch"
+        LOG.warning("%s: %d rows %s are ignored", name, outside.sum(), where)
+    return table.assign(radius=radius.clip(hole, rim))[~outside]
 
 
 def _times(
@@ -420,10 +416,12 @@ def _validate(frame: Frame, clock: str) -> pd.DataFrame:
         (key, np.isinf(table[key]), "leave it empty where the value is infinite") for key in table
     ]
     checks += [
-        (clock, time.isna(), f"give the {clock} of each row"),
-        (clock, time < 0, f"give the {clock} since sliding began, 0 or more"),
-        ("radius", radius < 0, "give the distance from the axis, 0 or more"),
-        ("radius", radius.isna() & has_field, "give the radius of each row of a field"),
+        (clock, ~(time >= 0), f"give the {clock} since sliding began, 0 or more, in each row"),
+        (
+            "radius",
+            (radius < 0) | (radius.isna() & has_field),
+            "give the distance from the axis, 0 or more, in each row of a field",
+        ),
         (
             "radius",
             has_field & places.duplicated(),

@@ -30,14 +30,13 @@ def known_columns(
         if two columns may be the same quantity, or if a cell is no number
     """
     names = {heading: ours for theirs, ours in columns.items() for heading in frame.find(theirs)}
-    grid = [] if "radius" in names.values() else _grid(frame)
+    grid = {} if "radius" in names.values() else _grid(frame)
+    names |= grid
     taken = {*names.values(), *(["radius"] if grid else [])}
     found = {
         heading: pair
         for heading in frame.cells
-        if heading not in (*names, *grid)
-        and (pair := name_of(heading, wanted))
-        and pair[1].name not in taken
+        if heading not in names and (pair := name_of(heading, wanted)) and pair[1].name not in taken
     }
     present = taken | {entry.name for _, entry in found.values()}
     # along a path of forces there is time, and the displacement without a radius is the punch's
@@ -62,20 +61,18 @@ def known_columns(
         if heading in frame.clocks:
             remarks.append(f"{heading}: dates are seconds since the first, clocks since 0:00:00")
     ours = {name for name in names.values() if (pair := name_of(name, wanted)) and pair[0] < 0}
-    used = {heading: name for heading, name in names.items() if name in ours}
+    used = {heading: name for heading, name in names.items() if name in ours} | grid
     if len({*used.values()}) < len(used):
         raise SceneError(f"{frame.name} has a column twice among {', '.join(used)}: name one only")
-    frame.refuse_faults(used | dict(zip(grid, grid, strict=True)))
-    others = [heading for heading in frame.cells if heading not in (*used, *grid)]
+    frame.refuse_faults(used)
+    others = [heading for heading in frame.cells if heading not in used]
     units = {used[heading]: unit for heading, unit in frame.units.items() if heading in used}
     values, cells = (table[[*used]].rename(columns=used) for table in (frame.values, frame.cells))
     values = values.assign(**{name: -values[name] for name in opposite})
     if grid:
-        of_grid = {frame.units.get(heading, "") for heading in grid}
-        if len(of_grid) > 1:
+        units["radius"] = units.pop("x", "")
+        if units.pop("y", "") != units["radius"]:
             raise SceneError(f"{frame.name}: x and y have different units: give both in one")
-        units["radius"] = "".join(of_grid)
-        values[["x", "y"]] = frame.values[grid]
     elif "radius" in values and values["radius"].min() < 0 < values["radius"].max():
         values = values.rename(columns={"radius": "x"}).assign(y=0.0)
     if "y" in values:
@@ -89,12 +86,13 @@ def known_columns(
     return replace(frame, cells=cells, values=values, units=units), remarks, others
 
 
-def _grid(frame: Frame) -> list[str]:
-    """Return the headings of x and y of values on a grid, else none."""
+def _grid(frame: Frame) -> dict[str, str]:
+    """Return x and y by the headings of places on a grid, else none."""
     places = {split_heading(heading).name: heading for heading in frame.cells}
-    if not {"x", "y"} <= places.keys() or {"r", "radius"} & places.keys():
-        return []
-    return [places["x"], places["y"]] if frame.values[places["y"]].nunique() > 1 else []
+    on_grid = {"x", "y"} <= places.keys() and not {"r", "radius"} & places.keys()
+    if on_grid and frame.values[places["y"]].nunique() > 1:
+        return {places["x"]: "x", places["y"]: "y"}
+    return {}
 
 
 def _best(frame: Frame, name: str, places: Mapping[str, int]) -> str:
