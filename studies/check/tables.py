@@ -287,6 +287,12 @@ def _frame_of(
         for key, values in source.items()
         if columns.get(key, key) in known and not {"ring", "mode"} & {*values.dims}
     ]
+    if not present:
+        raise SceneError(
+            f"{name} has no variables over time, or over time and radius, that are known; it has "
+            f"{', '.join(map(str, source)) or 'none'}: give {', '.join(COMPARED)}, if necessary by "
+            "--columns theirs=ours"
+        )
     return Frame.of_xarray(source[present], name)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from ...meshes import Array, MeshError, SceneError, deck_blocks, ring_of
+from ...meshes import Array, MeshError, SceneError, deck_blocks
 from ..crosscheck import LOG, Scene
 from ..tables.frame import Frame
 from ..tables.numbers import fortran_number
@@ -103,7 +103,8 @@ class Deck:
             contact_radii = radii.loc[members].to_numpy()
         except (MeshError, ValueError, KeyError):
             contact_radii = np.empty(0)
-        if NOTES - notes.keys() or not len(contact_radii):
+        in_order = len(contact_radii) > 1 and (np.diff(contact_radii) > 0).all()
+        if NOTES - notes.keys() or not in_order:
             raise SceneError(
                 f"{path} was not written by `ringwear deck`, or was changed: give results as a "
                 "table of time, radius and pressure"
@@ -126,28 +127,24 @@ class Deck:
 
         They are NaN at ring edges where wear coefficients jump, and at the start near the rim.
         """
-        edges = self.notes["ring edges"]
+        edges, radii = self.notes["ring edges"], self.contact_radii
         inner, outer = self.notes["wear at inner edges"], self.notes["wear at outer edges"]
+        jumps = edges[1:-1][inner[1:] != outer[:-1]]
 
         def wear(radii: Array) -> Array:
             if time == 0:
                 return np.ones_like(radii)
-            ring = ring_of(edges, radii)
-            fraction = (radii - edges[ring]) / np.diff(edges)[ring]
-            values = inner[ring] + fraction * (outer[ring] - inner[ring])
-            jumps = edges[1:-1][inner[1:] != outer[:-1]]
-            away_from_jumps = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
-            return np.where(away_from_jumps.all(axis=1), values, np.nan)
+            # both ends of each ring
+            ends, wear_at_ends = np.repeat(edges, 2)[1:-1], np.column_stack([inner, outer])
+            at_jumps = np.abs(radii[:, None] - jumps) <= 1e-9 * edges[-1]
+            values = np.interp(radii, ends, wear_at_ends.ravel())
+            return np.where(at_jumps.any(axis=1), np.nan, values)
 
-        pressures = pressures_of(self.contact_radii, forces, self.quadratic, wear)
-        return np.where(self._near_singularity if time == 0 else False, np.nan, pressures)
-
-    @property
-    def _near_singularity(self) -> Array:
-        """(k,) whether a node is near the rim or a hole, where first pressures are infinite."""
-        inner, rim = self.notes["ring edges"][[0, -1]]
-        margin, radii = NEAR_RIM * (rim - inner), self.contact_radii
-        return (radii > rim - margin) | ((radii < inner + margin) & (inner > 0))
+        pressures = pressures_of(radii, forces, self.quadratic, wear)
+        margin = NEAR_RIM * (edges[-1] - edges[0])
+        # first pressures are infinite at the rim and at a hole
+        near = (radii > edges[-1] - margin) | ((radii < edges[0] + margin) & (edges[0] > 0))
+        return np.where(near & (time == 0), np.nan, pressures)
 
     def rows(self, time: float, results: dict[str, Array]) -> pd.DataFrame:
         """Return a table of results (k,) at the contact nodes at a time."""
