@@ -5,6 +5,9 @@ from .compliance import (
 from .contact_cells import (
     ContactCells as ContactCells,
 )
+from .decks import (
+    deck_blocks as deck_blocks,
+)
 from .errors import (
     MeshError as MeshError,
     RingwearError as RingwearError,

@@ -6,18 +6,19 @@ by its name.
 """
 
 import codecs
-import math
+import io
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from .errors import MeshError
 from .radial import Array, Indices
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 PLANE_TYPE = re.compile(r"(?:CAX|CGAX|CPEG|CPE|CPS|DCAX|DC2D|AC2D|ACAX|STRI|S|M3D)(\d)\w*")
 """Types of elements in a plane, and the number of their nodes."""
@@ -29,6 +30,8 @@ REFUSED = re.compile(
 """Keywords that would make or move nodes and elements."""
 FORTRAN = str.maketrans("dD", "ee")
 """Exponents of Fortran."""
+NO_TURN = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
+"""Two points of an axis, and the angle, of an instance that is only translated."""
 
 
 class CornerMesh(NamedTuple):
@@ -52,59 +55,76 @@ class CornerMesh(NamedTuple):
         return len(self.triangles) + len(self.quads)
 
 
-class _Block(NamedTuple):
-    """A keyword of a deck with its options, and the lines below it."""
+class DeckBlock(NamedTuple):
+    """A keyword of a deck with its options, and the lines below it.
+
+    Parameters
+    ----------
+    keyword : in upper case, without the asterisk
+    options : values by names, which are in upper case
+    lines : below the keyword
+    place : line and file of the keyword, for messages
+    """
 
     keyword: str
     options: dict[str, str]
     lines: list[str]
     place: str
 
-
-@dataclass
-class _Body:
-    """The nodes and elements of a part, of an instance of a part, or of the rest of a deck.
-
-    An instance is translated, and then rotated about an axis that goes through a point.
-    """
-
-    nodes: list[Array] = field(default_factory=list)
-    cells: dict[int, list[Indices]] = field(default_factory=lambda: {3: [], 4: []})
-    others: set[str] = field(default_factory=set)
-    translation: Array = field(default_factory=lambda: np.zeros(3))
-    rotation: Rotation = field(default_factory=Rotation.identity)
-    axis_point: Array = field(default_factory=lambda: np.zeros(3))
-
-    @property
-    def in_a_plane(self) -> bool:
-        """Whether there are elements in a plane."""
-        return any(map(len, self.cells.values()))
-
-    def corners(self) -> CornerMesh:
-        """Return the mesh.
+    def numbers(self) -> "DataFrame":
+        """Return the numbers in each line; NaN in places that are empty or left out.
 
         Raises
         ------
         MeshError
-            if an element has a node that is not defined
+            if an entry is not a number
         """
-        if not self.nodes:
-            raise MeshError("it has elements, but *NODE defines no nodes: include their file")
-        table = np.concatenate(self.nodes)
-        numbers = table[:, 0].astype(np.int64)
-        order = np.argsort(numbers, kind="stable")
-        cells = {}
-        for corners, blocks in self.cells.items():
-            wanted = np.concatenate(blocks or [np.empty((0, corners), dtype=np.int64)])
-            # the last definition of a node is the valid one
-            rows = np.searchsorted(numbers, wanted, side="right", sorter=order) - 1
-            found = order[rows.clip(min=0)]
-            if (numbers[found] != wanted).any():
-                missing = wanted[numbers[found] != wanted][0]
-                raise MeshError(f"an element has the node {missing}, which *NODE does not define")
-            cells[corners] = found
-        points = table[:, 1:] + self.translation - self.axis_point
-        return CornerMesh(self.rotation.apply(points) + self.axis_point, cells[3], cells[4])
+        import pandas as pd
+
+        width = max((line.count(",") for line in self.lines), default=0) + 1
+        try:
+            return pd.read_csv(
+                io.StringIO("\n".join(self.lines).translate(FORTRAN)),
+                names=range(width),
+                dtype=float,
+                keep_default_na=False,
+                na_values=[""],
+                skipinitialspace=True,
+            )
+        except ValueError as error:
+            raise MeshError(
+                f"{self.place}: below *{self.keyword}: an entry is not a number: {error}"
+            ) from None
+
+    def nodes(self) -> "DataFrame":
+        """Return number and coordinates of nodes; coordinates that are left out are 0."""
+        table = self.numbers().reindex(columns=range(4))
+        if table[1].isna().all() or (table[0] % 1 != 0).any():
+            raise MeshError(
+                f"{self.place}: below *NODE a line has no number and coordinates: give them as 1, "
+                "0., 0."
+            )
+        return table.fillna(0.0)
+
+    @property
+    def node_count(self) -> int:
+        """The number of nodes of each element; 0 if the elements are not in a plane."""
+        name = self.options.get("TYPE", "").upper()
+        found = PLANE_TYPE.fullmatch(name)
+        # STRI65 has six nodes
+        count = 6 if name == "STRI65" else int(found[1]) if found else 0
+        return count if count in CORNERS else 0
+
+    def corners(self) -> Array:
+        """Return the numbers of the corners of each element in a plane."""
+        numbers, count = self.numbers().to_numpy(), self.node_count
+        numbers = numbers[~np.isnan(numbers)]
+        if len(numbers) % (count + 1):
+            raise MeshError(
+                f"{self.place}: elements of type {self.options['TYPE'].upper()} do not have "
+                f"{count} nodes each below *ELEMENT"
+            )
+        return numbers.reshape(-1, count + 1)[:, 1 : CORNERS[count] + 1]
 
 
 def read_deck(path: Path) -> CornerMesh:
@@ -120,132 +140,101 @@ def read_deck(path: Path) -> CornerMesh:
         included file cannot be read, or if a keyword makes nodes or elements in another way
     """
     bodies = _bodies(path)
-    if not (plane := [body for body in bodies if body.in_a_plane]):
-        found = sorted(set[str]().union(*(body.others for body in bodies)))
+    meshes = [mesh for mesh in map(_mesh_of, bodies) if mesh.size]
+    if not meshes:
+        elements = (block for body in bodies for block in body if block.keyword == "ELEMENT")
+        found = sorted({each.options.get("TYPE", "").upper() for each in elements if each.lines})
         raise MeshError(
             f"it has no elements in a plane{', only ' + ', '.join(found) if found else ''}: give "
             "axisymmetric or plane ones, CAX3, CAX4, CAX6, CAX8, CPE, CPS"
         )
-    return max((body.corners() for body in plane), key=lambda mesh: np.ptp(mesh.points))
+    return max(meshes, key=lambda mesh: np.ptp(mesh.points))
 
 
-def _bodies(path: Path) -> list[_Body]:
-    """Return the bodies of a deck."""
-    rest, parts, instances = _Body(), dict[str, _Body](), list[_Body]()
-    body = rest
-    for block in _blocks(path):
+def _bodies(path: Path) -> list[list[DeckBlock]]:
+    """Return the keywords of each body of a deck; that of an instance has its place."""
+    parts, instances = dict[str, list[DeckBlock]](), list[list[DeckBlock]]()
+    rest = body = list[DeckBlock]()
+    for block in deck_blocks(path):
         if block.keyword == "PART":
-            body = parts[block.options.get("NAME", "").upper()] = _Body()
+            body = parts[block.options.get("NAME", "").upper()] = []
         elif block.keyword == "INSTANCE":
-            body = _instance(block, parts)
+            name = block.options.get("PART", "").upper()
+            if name not in parts:
+                raise MeshError(
+                    f"{block.place}: *INSTANCE is of a part that the deck does not contain above: "
+                    "write the part into the same deck"
+                )
+            body = [*parts[name], block]
             instances.append(body)
         elif block.keyword in ("END PART", "END INSTANCE"):
             body = rest
-        elif block.keyword == "NODE":
-            if block.options.get("SYSTEM", "R").upper() != "R":
-                raise MeshError(
-                    f"{block.place}: *NODE gives coordinates that are not rectangular: write the "
-                    "nodes in rectangular ones, without SYSTEM"
-                )
-            body.nodes.append(_nodes(block))
-        elif block.keyword == "ELEMENT":
-            _add_elements(body, block)
+        elif block.keyword == "NODE" and block.options.get("SYSTEM", "R").upper() != "R":
+            raise MeshError(
+                f"{block.place}: *NODE gives coordinates that are not rectangular: write the nodes "
+                "in rectangular ones, without SYSTEM"
+            )
         # *SYSTEM without lines is the rectangular system of the deck
         elif REFUSED.fullmatch(block.keyword) and (block.lines or block.keyword != "SYSTEM"):
             raise MeshError(
                 f"{block.place}: *{block.keyword} makes or moves nodes or elements, which is not "
                 "done here: write all nodes and elements out, as a preprocessor exports them"
             )
+        else:
+            body.append(block)
     return [*(instances or parts.values()), rest]
 
 
-def _instance(block: _Block, parts: dict[str, _Body]) -> _Body:
-    """Return an instance of a part with the elements and the nodes of the part."""
-    if (part := parts.get(block.options.get("PART", "").upper())) is None:
-        raise MeshError(
-            f"{block.place}: *INSTANCE is of a part that the deck does not contain above: write "
-            "the part into the same deck"
-        )
-    cells = {corners: list(rows) for corners, rows in part.cells.items()}
-    instance = _Body(list(part.nodes), cells, set(part.others))
-    moves = [_numbers(line, block.place) for line in block.lines]
-    try:
-        if moves:
-            instance.translation = moves[0].reshape(3)
-        if len(moves) > 1:
-            start, end = moves[1][:3], moves[1][3:6]
-            turn = float(moves[1][6]) / math.dist(start, end) * (end - start)
-            instance.axis_point, instance.rotation = start, Rotation.from_rotvec(turn, degrees=True)
-    except (ValueError, IndexError, ZeroDivisionError):
-        raise MeshError(
-            f"{block.place}: give the place of the *INSTANCE as three components of a translation, "
-            "and in a second line two points of an axis and an angle in degrees"
-        ) from None
-    return instance
-
-
-def _nodes(block: _Block) -> Array:
-    """Return number and coordinates (n, 4) of nodes; coordinates that are left out are 0."""
-    lines = [line.rstrip(", ") for line in block.lines]
-    lengths = {line.count(",") + 1 for line in lines}
-    place = f"{block.place}: below *NODE"
-    table = np.zeros((len(lines), 4))
-    try:
-        (count,) = lengths
-        numbers = np.fromstring(",".join(lines).translate(FORTRAN), sep=",")
-        table[:, : min(count, 4)] = numbers.reshape(len(lines), count)[:, :4]
-    except ValueError:
-        # lines of several lengths, or with empty places
-        for row, line in zip(table, lines, strict=True):
-            entries = _numbers(line, place)[:4]
-            row[: len(entries)] = entries
-    if lengths == {1} or (table[:, 0] != np.rint(table[:, 0])).any():
-        raise MeshError(f"{place} a line has no number and coordinates: give them as 1, 0., 0.")
-    return table
-
-
-def _numbers(line: str, place: str) -> Array:
-    """Return the numbers of a line; empty places are 0.
+def _mesh_of(body: list[DeckBlock]) -> CornerMesh:
+    """Return the mesh of a body.
 
     Raises
     ------
     MeshError
-        if an entry is not a number
+        if an element has a node that is not defined
     """
-    entries = [entry.strip() for entry in line.rstrip(", ").translate(FORTRAN).split(",")]
-    try:
-        return np.array([float(entry) if entry else 0.0 for entry in entries])
-    except ValueError:
-        raise MeshError(f"{place}: {line!r} has an entry that is not a number") from None
+    import pandas as pd
+
+    none = pd.DataFrame(columns=range(4), dtype=float)
+    nodes = pd.concat([none, *(block.nodes() for block in body if block.keyword == "NODE")])
+    # the last definition of a node is the valid one
+    nodes = nodes.drop_duplicates(0, keep="last")
+    elements = [block for block in body if block.keyword == "ELEMENT" and block.node_count]
+    if elements and nodes.empty:
+        raise MeshError("it has elements, but *NODE defines no nodes: include their file")
+    cells = []
+    for corners in (3, 4):
+        blocks = [each.corners() for each in elements if CORNERS[each.node_count] == corners]
+        wanted = np.concatenate([np.empty((0, corners)), *blocks])
+        found = pd.Index(nodes[0]).get_indexer(wanted.ravel())
+        if (found < 0).any():
+            missing = wanted.ravel()[found < 0][0]
+            raise MeshError(f"an element has the node {missing:g}, which *NODE does not define")
+        cells.append(found.reshape(-1, corners))
+    points = nodes.to_numpy()[:, 1:]
+    for block in body:
+        if block.keyword == "INSTANCE" and block.lines:
+            points = _moved(points, block)
+    return CornerMesh(points, *cells)
 
 
-def _add_elements(body: _Body, block: _Block) -> None:
-    """Add the corners of elements in a plane to a body, or the name of another type."""
-    name = block.options.get("TYPE", "").upper()
-    found = PLANE_TYPE.fullmatch(name)
-    # STRI65 has six nodes
-    count = 6 if name == "STRI65" else int(found[1]) if found else 0
-    if count not in CORNERS:
-        if block.lines:
-            body.others.add(name)
-        return
-    lines = [line.rstrip(", ") for line in block.lines]
-    try:
-        numbers = np.fromstring(",".join(lines), dtype=np.int64, sep=",")
-    except ValueError:
-        numbers = np.concatenate(
-            [_numbers(line, f"{block.place}: below *ELEMENT") for line in lines]
-        )
-    if len(numbers) % (count + 1):
+def _moved(points: Array, instance: DeckBlock) -> Array:
+    """Return the points (n, 3) of an instance, translated and then rotated about an axis."""
+    from scipy.spatial.transform import Rotation
+
+    numbers = instance.numbers().reindex(columns=range(7)).to_numpy()
+    move, turn = [*numbers, NO_TURN][:2]
+    translation, start, axis = move[:3], turn[:3], turn[3:6] - turn[:3]
+    if np.isnan([*translation, *turn]).any() or not axis.any():
         raise MeshError(
-            f"{block.place}: elements of type {name} do not have {count} nodes each below *ELEMENT"
+            f"{instance.place}: give the place of the *INSTANCE as three components of a "
+            "translation, and in a second line two points of an axis and an angle in degrees"
         )
-    corners = CORNERS[count]
-    rows = numbers.astype(np.int64).reshape(-1, count + 1)
-    body.cells[corners].append(rows[:, 1 : corners + 1])
+    rotation = Rotation.from_rotvec(turn[6] * axis / np.linalg.norm(axis), degrees=True)
+    return start + rotation.apply(points + translation - start)
 
 
-def _blocks(path: Path) -> Iterator[_Block]:
+def deck_blocks(path: Path) -> Iterator[DeckBlock]:
     """Yield the keywords of a deck and of the files that it includes."""
     block = None
     for place, text in _lines(path, ()):
@@ -291,12 +280,12 @@ def _lines(path: Path, including: Sequence[Path]) -> Iterator[tuple[str, str]]:
             yield "", text
 
 
-def _block(head: str, place: str) -> _Block:
+def _block(head: str, place: str) -> DeckBlock:
     """Return a keyword without lines from its line, such as ``*NODE, NSET="ALL"``."""
     name, *given = head[1:].split(",")
     pairs = (each.partition("=") for each in given)
     options = {key.strip().upper(): value.strip().strip("\"'") for key, _, value in pairs}
-    return _Block(" ".join(name.upper().split()), options, [], place)
+    return DeckBlock(" ".join(name.upper().split()), options, [], place)
 
 
 def _text(path: Path) -> str:

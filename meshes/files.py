@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 # Largest relative error of a coordinate that is corrected: the surface and the arc relative to the
 # outer radius, the ring edges relative to the punch radius. It allows for files with nine digits.
 COORDINATE_TOLERANCE = 1e-8
-# numbers of corners of cells in a plane, by the names of meshio without the number of nodes
+# numbers of corners of cells in a plane, by the beginnings of their names in meshio and gmsh
 PLANE_CELLS = {"triangle": 3, "quad": 4}
 # files that gmsh reads in all their variants: parametric or partitioned ones, all versions
 OF_GMSH = (".msh", ".unv", ".uff", ".bdf", ".nas", ".med")
@@ -135,26 +135,23 @@ def _corners(path: Path) -> CornerMesh:
         if suffix in OF_GMSH and not (suffix == ".msh" and unavailable()):
             return _read_with_gmsh(path)
     content = read_with_meshio(path)
-    blocks = {3: list[Indices](), 4: list[Indices]()}
-    others = set[str]()
-    for block in content.cells:
-        name = block.type.rstrip("0123456789")
-        if name in PLANE_CELLS:
-            blocks[PLANE_CELLS[name]].append(block.data[:, : PLANE_CELLS[name]])
-        elif len(block.data) and name not in ("vertex", "line"):
-            others.add(block.type)
-    triangles, quads = _joined(blocks, others)
     points = np.zeros((len(content.points), 3))
     points[:, : content.points.shape[1]] = content.points
     subdomains = dict[str, Indices]()
     first_order = {block.type for block in content.cells} & {"triangle", "quad"}
     if first_order and (content.cell_sets or content.cell_data):
         subdomains = from_meshio(content, ignore_orientation=True).subdomains or {}
-    return CornerMesh(points, triangles, quads, subdomains)
+    blocks = [(block.type, block.data) for block in content.cells if len(block.data)]
+    return _plane(points, blocks)._replace(subdomains=subdomains)
 
 
-def _joined(blocks: dict[int, list[Indices]], others: set[str]) -> tuple[Indices, Indices]:
+def _plane(points: Array, blocks: list[tuple[str, Indices]]) -> CornerMesh:
     """Return the corners of all triangles and of all quadrilaterals.
+
+    Parameters
+    ----------
+    points : (n, 3) coordinates
+    blocks : names of types of cells, such as triangle6 or Quadrilateral 9, and rows of `points`
 
     Raises
     ------
@@ -162,14 +159,21 @@ def _joined(blocks: dict[int, list[Indices]], others: set[str]) -> tuple[Indices
         if there are none; the message names the types of the others
     """
     triangles, quads = (
-        np.concatenate(blocks[count] or [np.empty((0, count), dtype=np.int64)]) for count in (3, 4)
+        [rows[:, :count] for name, rows in blocks if name.lower().startswith(shape)]
+        for shape, count in PLANE_CELLS.items()
     )
-    if not (len(triangles) or len(quads)):
+    if not (triangles or quads):
+        lower = ("vertex", "point", "line")
+        others = {name for name, _ in blocks if not name.lower().startswith(lower)}
         raise MeshError(
             f"it holds cells of type {', '.join(sorted(others)) or 'line'}, but they must be "
             "triangles or quadrilaterals in a plane: in gmsh make a physical group of the surface"
         )
-    return triangles, quads
+    return CornerMesh(
+        points,
+        np.concatenate([np.empty((0, 3), dtype=np.int64), *triangles]),
+        np.concatenate([np.empty((0, 4), dtype=np.int64), *quads]),
+    )
 
 
 def _read_with_gmsh(path: Path) -> CornerMesh:
@@ -180,7 +184,7 @@ def _read_with_gmsh(path: Path) -> CornerMesh:
     MeshError
         if gmsh cannot read the file, or if it has no triangles or quadrilaterals
     """
-    blocks, others = {3: list[Indices](), 4: list[Indices]()}, set[str]()
+    blocks = list[tuple[str, Indices]]()
     if path.suffix.lower() == ".msh" and not path.read_bytes()[:32].lstrip().startswith(b"$"):
         raise MeshError(
             "this is not a mesh of gmsh, which begins with $; FreeFEM uses the same suffix: there, "
@@ -195,14 +199,11 @@ def _read_with_gmsh(path: Path) -> CornerMesh:
             ) from None
         points, number = nodes(gmsh)
         for kind, _, cells in zip(*gmsh.model.mesh.getElements(), strict=True):
-            name, dimension, _, count, _, corners = gmsh.model.mesh.getElementProperties(kind)
-            if dimension == 2 and corners in blocks:
-                rows = number[cells].reshape(-1, count)[:, :corners]
-                _, first = np.unique(np.sort(rows, axis=1), axis=0, return_index=True)
-                blocks[corners].append(rows[np.sort(first)])
-            elif dimension > 1:
-                others.add(name)
-    return CornerMesh(points, *_joined(blocks, others))
+            name, _, _, count, *_ = gmsh.model.mesh.getElementProperties(kind)
+            rows = number[cells].reshape(-1, count)
+            _, first = np.unique(np.sort(rows, axis=1), axis=0, return_index=True)
+            blocks.append((name, rows[np.sort(first)]))
+    return _plane(points, blocks)
 
 
 def read_with_meshio(path: Path) -> "meshio.Mesh":

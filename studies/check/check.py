@@ -51,7 +51,7 @@ from .errors import ErrorAtTime, best, errors_at_times
 from .other_program import OtherProgram
 from .refinement import Refinement, order_in_words, refinements
 from .sawtooth import diagnosis_of, sawtooth_of
-from .tables import NoTimesError, OthersResults, are_steps, read, without_number
+from .tables import NoTimesError, OthersResults, are_steps, by_name, read, without_number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -122,7 +122,13 @@ def check(
     if not (isinstance(within, float | int) and within > 0):
         raise SceneError(f"within = {shown(within)}: give a positive number, such as 0.01")
     element = None if element is None else element_named(element)
-    programs, sizes = _by_program(theirs), tuple(numbers("sizes", sizes))
+    # one file is named without its folder
+    given = {Path(theirs).name: theirs} if isinstance(theirs, str | Path) else theirs
+    remedy = (
+        "give a file, a DataFrame, a Dataset, or these by the names of their programs, such as "
+        "{'abaqus': 'abaqus.csv'}"
+    )
+    programs, sizes = by_name(given, "theirs", remedy), tuple(numbers("sizes", sizes))
     scene = Scene.of(scene)
     if taken_names := [name for name in programs if name in METHODS]:
         raise SceneError(
@@ -536,37 +542,6 @@ def _read_all(
         for (name, source), time in zip(programs.items(), times, strict=True)
     ]
     return {without_number(next(iter(programs))): pd.concat(tables, ignore_index=True)}
-
-
-def _by_program(given: "Mapping[str, OthersResults] | OthersResults") -> "dict[str, OthersResults]":
-    """Return results of other programs by the names of the programs."""
-    kinds = (str, Path)
-    # a Dataset is a mapping, too, but it has `to_dataframe`
-    if isinstance(given, Mapping) and not hasattr(given, "to_dataframe"):
-        if any(
-            isinstance(value, kinds) or hasattr(value, "columns") for value in given.values()
-        ) or any(hasattr(value, "data_vars") for value in given.values()):
-            return dict(given)
-        if given:  # the columns of one table
-            from pandas import DataFrame
-
-            try:
-                return {"theirs": DataFrame(given)}
-            except ValueError:
-                raise SceneError(
-                    f"{shown(given)} is no table: give a file, a DataFrame, a Dataset, or these by "
-                    "the names of their programs"
-                ) from None
-    if isinstance(given, kinds):
-        return {Path(given).name: given}
-    if isinstance(given, list | tuple) and given and all(isinstance(each, kinds) for each in given):
-        return {str(each): each for each in given}
-    if hasattr(given, "columns") or hasattr(given, "data_vars"):
-        return {"theirs": given}
-    raise SceneError(
-        f"no results of other programs in {shown(given)}: give files, DataFrames or Datasets by "
-        "the names of the programs, {'abaqus': 'abaqus.csv'}, or a single one"
-    )
 
 
 def _scene_of_tables(scene: Scene, tables: "Iterable[pd.DataFrame]") -> Scene:

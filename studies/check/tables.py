@@ -8,13 +8,14 @@ the line, the column and the remedy.
 
 import re
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import pandas as pd
 
-from ...meshes import Array, MeshError, SceneError
+from ...meshes import Array, MeshError, RingwearError, SceneError
 from ..crosscheck import (
     CHECKSUMS,
     FIELDS,
@@ -31,11 +32,11 @@ from ..crosscheck import (
     refuse_large,
     shown,
 )
-from ..decks.reports import NO_RESULTS, READERS, differing_keys, is_table
+from ..decks.reports import results_of_deck
+from ..tables.columns import known_columns
 from ..tables.frame import MASK, Frame, surface_table
 from ..tables.headings import KINDS, TIME, name_of
 from ..tables.numbers import is_number
-from .columns import known_columns
 
 if TYPE_CHECKING:
     import xarray
@@ -54,6 +55,50 @@ FAR = 500.0
 
 class NoTimesError(SceneError):
     """A table has no column of times."""
+
+
+def by_name(
+    given: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
+    alone: str,
+    remedy: str,
+) -> "dict[str, OthersResults]":
+    """Return results of other programs, or measurements, by their names.
+
+    Parameters
+    ----------
+    given : by names, or one or several, which are named after their files
+    alone : name of a table in memory that has none
+    remedy : what to give instead of what is no table
+
+    Raises
+    ------
+    SceneError
+        if they are no files or tables, or if a file is given twice
+    """
+    no_table = SceneError(f"{shown(given)} is no table: {remedy}")
+    is_table = hasattr(given, "to_dataframe") or hasattr(given, "columns")
+    # a Dataset is a mapping, too
+    if isinstance(given, Mapping) and given and not is_table:
+        kinds = (str, Path, Mapping)
+        if any(isinstance(each, kinds) or hasattr(each, "columns") for each in given.values()):
+            return {str(name): each for name, each in given.items()}
+        # else the columns of one table
+        try:
+            return {alone: pd.DataFrame(given)}
+        except ValueError:
+            raise no_table from None
+    if is_table:
+        return {alone: given}
+    sources = [given] if isinstance(given, str | Path) else given
+    if not isinstance(sources, list | tuple) or not sources:
+        raise no_table
+    named = dict[str, OthersResults]()
+    for number, source in enumerate(sources, 1):
+        name = str(source) if isinstance(source, str | Path) else f"{alone} {number}"
+        if name in named:
+            raise SceneError(f"{name} and {name} are one file: give each table once")
+        named[name] = source
+    return named
 
 
 def without_number(name: str) -> str:
@@ -104,63 +149,57 @@ def read(
         raise SceneError(
             f"columns = {shown(columns)}: give our names by theirs, such as {{'p': 'pressure'}}"
         )
-    kinds = {"time": "time", "radius": "length"}
-    kinds |= {
-        key: quantity.unit
-        for key, quantity in QUANTITIES.items()
-        if {"time"} <= {*quantity.dims} <= {"time", "radius"} and key != "contact"
-    }
-    kinds |= {key: KINDS[without_number(key)] for key in (*more, *CLOCKS)}
     if not (isinstance(source, str | Path | pd.DataFrame) or hasattr(source, "to_dataframe")):
         raise SceneError(
             f"{name} is of type {type(source).__name__}: give a file, a pandas DataFrame or an "
             "xarray Dataset"
         )
-    name = str(source) if isinstance(source, str | Path) else name
-    frame = _frame_of(source, name, scene, columns, [*kinds], time)
+    known = {
+        *("time", "radius", *CLOCKS, *more),
+        *(
+            key
+            for key, quantity in QUANTITIES.items()
+            if {"time"} <= {*quantity.dims} <= {"time", "radius"} and key != "contact"
+        ),
+    }
+    frame = _frame_of(source, name, scene, columns, known, time)
     # arrays of a mesh are named already
-    columns = {} if Path(name).suffix == ".vtu" else columns
+    columns = {} if Path(frame.name).suffix == ".vtu" else columns
     # a table with a column for each time, unless the user has chosen some of them
     if not any(TIME.fullmatch(theirs) for theirs in columns):
         frame = frame.long()
-    known = known_columns(frame, kinds, columns)
-    for remark in known.remarks:
-        LOG.info("%s: %s", name, remark)
-    values, heading_units = known.values, known.units
-    if time is not None and not any(key in values for key in ("time", *CLOCKS)):
-        values = values.assign(time=time)
-    clock = next((key for key in ("time", *CLOCKS) if key in values), "time")
-    if clock != "time":
-        kinds["time"], heading_units["time"] = kinds[clock], heading_units.pop(clock, "")
-    values = values.rename(columns={clock: "time"})
+    ours, remarks, others = known_columns(frame, known, columns)
+    for remark in remarks:
+        LOG.info("%s: %s", frame.name, remark)
+    clock = next((key for key in ("time", *CLOCKS) if key in ours.values), "time")
+    if clock not in ours.values and time is not None:
+        ours = replace(ours, values=ours.values.assign(time=time))
     absent = [theirs for theirs in columns if not frame.find(theirs)]
-    _refuse_missing(frame, values, absent, known.others, wanted)
-    written = known.written.rename(columns={clock: "time"})
-    table = _validate(values, f"{name}, {frame.place}", clock, written)
-    _report_missing(written, table, frame)
-    scene_units = scene.unit_names
-    if units and scene_units.base is None:
+    present = {"time" if key == clock else key for key in ours.values}
+    _refuse_missing(frame, present, absent, others, wanted)
+    table = _validate(ours, clock)
+    names = scene.unit_names
+    if units and names.base is None:
         raise SceneError(f"--units {units}: the scene's numbers have none: give the scene's units")
-    table_units = scene_units
-    if units:
-        table_units = UnitNames.of(units, scene.load_.times_are_distances)
+    given = UnitNames.of(units, scene.load_.times_are_distances) if units else names
     for key in table:
-        kind, unit = kinds[key], heading_units.get(key, "")
-        size = table_units.size(kind) / scene_units.size(kind)
-        if unit and scene_units.base is None:
+        kind = QUANTITIES[key].unit if key in QUANTITIES else KINDS[without_number(key)]
+        unit = ours.units.get(key, "")
+        size = given.size(kind) / names.size(kind)
+        if unit and names.base is None:
             LOG.warning(
                 "%s: the unit of %s is ignored, because the numbers of the scene have no units",
-                name,
+                frame.name,
                 key,
             )
         elif unit:
-            size = scene_units.size_of(unit, kind, f"{name}, the heading of {key}")
+            size = names.size_of(unit, kind, f"{frame.name}, the heading of {key}")
         table[key] *= size
-    table["time"] = _times(table["time"], clock, scene, cycle, name)
+    table[clock] = _times(table[clock], clock, scene, cycle, frame.name)
+    table = table.rename(columns={clock: "time"})
     table.attrs["clock"] = clock
     if "radius" in table:
-        stated = bool(units or heading_units.get("radius"))
-        table = _on_face(table, scene, name, stated)
+        table = _on_face(table, scene, frame.name, bool(units or ours.units.get("radius")))
     return table
 
 
@@ -173,26 +212,22 @@ def _on_face(table: pd.DataFrame, scene: Scene, name: str, stated: bool) -> pd.D
         if there are none, or if radii without a unit are so large that they may be in another one
     """
     radius, rim, hole = table["radius"], scene.punch.radius, scene.punch.inner_radius
-    remedy = (
-        "give distances from the axis, with their unit in the heading, as in radius [mm]; or "
-        "--units if they are not in the units of the scene"
-    )
     # a radius that roundoff of units has moved beyond the rim is at the rim
-    beyond, in_hole = radius > rim * (1 + 1e-9), radius < hole * (1 - 1e-9)
+    outside = (radius > rim * (1 + 1e-9)) | (radius < hole * (1 - 1e-9))
     far = radius.max() > FAR * rim and not stated
-    if far or (beyond.any() and not ((radius > 0) & ~beyond).any()):
+    if far or (outside.any() and not ((radius > 0) & ~outside).any()):
         power = 1000.0 ** np.round(np.log10(radius.max() / rim) / 3)
         unit = f" (the column radius seems to be {power:g} times ours: a unit)" * bool(power > 1)
         what = f"radii reach {radius.max() / rim:.4g} times" if far else "all radii are beyond"
-        raise SceneError(f"{name}: {what} punch.radius = {rim:g}{unit}: {remedy}")
-    if in_hole.all():
         raise SceneError(
-            f"{name}: all radii are inside the hole, punch.inner_radius = {hole:g}: {remedy}"
+            f"{name}: {what} punch.radius = {rim:g}{', or in its hole' * bool(hole)}{unit}: give "
+            "distances from the axis, with their unit in the heading, as in radius [mm]; or "
+            "--units if they are not in the units of the scene"
         )
-    for rows, where in ((beyond, "beyond the punch"), (in_hole, "within the hole")):
-        if rows.any():
-            LOG.warning("%s: %d rows %s are ignored", name, rows.sum(), where)
-    return table.assign(radius=radius.clip(hole, rim))[~(beyond | in_hole)]
+    if outside.any():
+        where = "beyond the punch, or in its hole," if hole else "beyond the punch"
+        LOG.warning("%s: %d rows %s are ignored", name, outside.sum(), where)
+    return table.assign(radius=radius.clip(hole, rim))[~outside]
 
 
 def _times(
@@ -230,70 +265,61 @@ def _frame_of(
     name: str,
     scene: Scene,
     columns: Mapping[str, str],
-    kinds: Collection[str],
+    known: Collection[str],
     time: float | None,
 ) -> Frame:
     """Return the table in a file or in memory."""
     if isinstance(source, str | Path):
-        path = Path(source)
+        path, name = Path(source), str(source)
         if path.suffix == ".vtu":
             return _read_surface(path, columns, time)
-        source = _open(path, scene)
-    if isinstance(source, Frame):
-        return source
-    if hasattr(source, "to_dataframe"):
-        if "solver" in source.dims:
-            source = source.isel(solver=0)
-            LOG.info("%s: the results of %s are read", name, source["solver"].item())
-        # numbers of each ring or mode are no columns
-        present = [
-            key
-            for key, values in source.items()
-            if columns.get(key, key) in kinds and not {"ring", "mode"} & {*values.dims}
-        ]
-        return Frame.of_xarray(source[present], name)
-    return Frame.of_pandas(source, name)
+        source = _dataset(path) if path.suffix == ".nc" else results_of_deck(path, scene)
+        if source is None:
+            return Frame.of_file(path)
+    if isinstance(source, pd.DataFrame):
+        return Frame.of_pandas(source, name)
+    if "solver" in source.dims:
+        source = source.isel(solver=0)
+        LOG.info("%s: the results of %s are read", name, source["solver"].item())
+    # numbers of each ring or mode are no columns
+    present = [
+        key
+        for key, values in source.items()
+        if columns.get(key, key) in known and not {"ring", "mode"} & {*values.dims}
+    ]
+    if not present:
+        raise SceneError(
+            f"{name} has no variables over time, or over time and radius, that are known; it has "
+            f"{', '.join(map(str, source)) or 'none'}: give {', '.join(COMPARED)}, if necessary by "
+            "--columns theirs=ours"
+        )
+    return Frame.of_xarray(source[present], name)
 
 
-def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset | Frame":
-    """Return the dataset of a netCDF file, or the table of another file.
+def _dataset(path: Path) -> "xarray.Dataset":
+    """Return the dataset of a netCDF file."""
+    import xarray
 
-    A scene that differs from that of a deck is reported.
-    """
-    ending = path.suffix.lower()
-    if ending in NO_RESULTS:
-        raise SceneError(f"{path} {NO_RESULTS[ending]}")
     try:
-        if ending in READERS and path.is_file() and not is_table(path):
-            results = READERS[ending](path)
-            if keys := differing_keys(path, scene):
-                LOG.warning(
-                    "%s has the results of another scene: %s differs in %s",
-                    path,
-                    path.parent / "scene.toml",
-                    ", ".join(keys),
-                )
-            return results
-        if path.suffix == ".nc":
-            import xarray
-
-            if path.name == RESULTS and has_checksums(path.parent):
-                return read_folder(path.parent)[0]
-            with xarray.open_dataset(path) as data:
-                refuse_large(path, data.nbytes)
-                if CHECKSUMS in data.attrs:
-                    LOG.warning("%s could not be checked: %s is not beside it", path, SUMMARY)
-                return data.load()
-    except (OSError, ValueError) as error:
-        reason = one_line(error)
-        if path.suffix == ".nc" and "engine" in str(error):
-            # xarray lists the packages that it has tried
-            reason = "it is not netCDF"
+        if path.name == RESULTS and has_checksums(path.parent):
+            return read_folder(path.parent)[0]
+        with path.open("rb") as file:
+            classic = file.read(4) in (b"CDF\1", b"CDF\2")
+        # the library of netCDF-4 ends the program at some faults of older files
+        with xarray.open_dataset(path, engine="scipy" if classic else None) as data:
+            refuse_large(path, data.nbytes)
+            if CHECKSUMS in data.attrs:
+                LOG.warning("%s could not be checked: %s is not beside it", path, SUMMARY)
+            return data.load()
+    except RingwearError:
+        raise
+    except Exception as error:  # readers of older files raise many
+        # xarray lists the packages that it has tried
+        reason = "it is not netCDF" if "engine" in str(error) else one_line(error)
         raise SceneError(
             f"{path} cannot be read: {reason}; give CSV in UTF-8, or netCDF in a file that ends "
             "in .nc"
         ) from None
-    return Frame.of_file(path)
 
 
 def _read_surface(path: Path, columns: Mapping[str, str], only_time: float | None) -> Frame:
@@ -326,7 +352,7 @@ def _read_surface(path: Path, columns: Mapping[str, str], only_time: float | Non
 
 def _refuse_missing(
     frame: Frame,
-    values: pd.DataFrame,
+    present: Collection[str],
     absent: list[str],
     others: list[str],
     wanted: Sequence[str],
@@ -336,7 +362,7 @@ def _refuse_missing(
     Parameters
     ----------
     frame : the table
-    values : its known columns, by our names
+    present : our names of its known columns, with time if it has a clock
     absent : names of columns that the user has given, but the table does not have
     others : headings of the columns that are not known
     wanted : see `read`
@@ -346,9 +372,9 @@ def _refuse_missing(
     SceneError
         with the name of the column, and the remedies
     """
-    needed = ["time", "radius"] if FIELDS.intersection(values) else ["time"]
-    missing = absent + [key for key in needed if key not in values]
-    if not values.columns.difference(["time", "radius"]).size:
+    needed = ["time", "radius"] if FIELDS.intersection(present) else ["time"]
+    missing = absent + [key for key in needed if key not in present]
+    if not {*present} - {"time", "radius", *CLOCKS}:
         missing.append(wanted[0])
     if not missing:
         if others:
@@ -374,79 +400,63 @@ def _refuse_missing(
     )
 
 
-def _validate(frame: pd.DataFrame, place: str, clock: str, written: pd.DataFrame) -> pd.DataFrame:
-    """Return the table as numbers, with each time and radius once.
+def _validate(frame: Frame, clock: str) -> pd.DataFrame:
+    """Return a table as numbers, with each time and radius once; gaps are reported.
 
     Parameters
     ----------
-    place : name of the table, and the word for its rows
+    frame : with our names of columns
     clock : name of the column that is read as times
-    written : the cells as the other program has written them, for messages
 
     Raises
     ------
     SceneError
-        if a cell is wrong; it names the first such line and the remedy
+        if a cell is wrong, with its line and the remedy; or if a column has no numbers, but NaN in
+        a file, as a failed program writes it, while an empty one was not filled in
     """
-    table = frame.astype(float)
-    time, fields = table["time"], table[[key for key in table if key in FIELDS]]
+    table = frame.values
+    time, fields = table[clock], table[[key for key in table if key in FIELDS]]
     has_field, radius = fields.notna().any(axis=1), table.get("radius", 0 * time)
     places = pd.DataFrame({"time": time, "radius": radius}).mask(~has_field)
-    repeated = has_field & places.duplicated()
     checks = [
-        ("time", table["time"].isna(), f"give the {clock} of each row"),
-        ("time", time < 0, f"give the {clock} since sliding began, 0 or more"),
-        ("radius", radius < 0, "give the distance from the axis, 0 or more"),
-        ("radius", radius.isna() & has_field, "give the radius of each row of a field"),
+        (key, np.isinf(table[key]), "leave it empty where the value is infinite") for key in table
+    ]
+    checks += [
+        (clock, ~(time >= 0), f"give the {clock} since sliding began, 0 or more, in each row"),
         (
             "radius",
-            repeated,
+            (radius < 0) | (radius.isna() & has_field),
+            "give the distance from the axis, 0 or more, in each row of a field",
+        ),
+        (
+            "radius",
+            has_field & places.duplicated(),
             "give each radius once for each time; where pressure jumps, give radii on both sides",
         ),
     ]
-    for key in table:
-        checks.insert(0, (key, np.isinf(table[key]), "leave it empty where the value is infinite"))
-        if key not in ("time", "radius", *fields):
-            differs = table.groupby(time)[key].transform("nunique") > 1
-            checks.append((key, differs, "give one number for each time"))
+    numbers = table.drop(columns=[clock, "radius"], errors="ignore")
+    checks += [
+        (key, numbers.groupby(time)[key].transform("nunique") > 1, "give one number for each time")
+        for key in numbers.columns.difference(fields.columns)
+    ]
     for key, wrong, remedy in checks:
         if wrong.any():
             line = wrong.idxmax()
-            column = clock if key == "time" else key
-            cell = shown((written if key in written else frame)[key][line])
-            raise SceneError(f"{place} {line}, column {column!r}: {cell}; {remedy}")
-    if table.drop(columns=["time", "radius"], errors="ignore").isna().all(axis=None):
-        raise SceneError(
-            f"{place.rpartition(',')[0]} has no numbers other than times and radii: give some"
-        )
-    return table.dropna(axis="columns", how="all")
-
-
-def _report_missing(written: pd.DataFrame, table: pd.DataFrame, frame: Frame) -> None:
-    """Refuse columns in which a file has only NaN, and report those that lack numbers.
-
-    A column that is empty was not filled in, as in a template; NaN is what a failed program writes.
-
-    Parameters
-    ----------
-    written : the cells as the other program has written them
-    table : the validated table, without columns that have no numbers
-    frame : from which they were read
-
-    Raises
-    ------
-    SceneError
-        if a column has no numbers, but NaN in a file
-    """
-    if empty := [key for key in written if key not in table]:
-        for key in empty:
-            if frame.place == "line" and written[key].ne("").any():
-                raise SceneError(
-                    f"{frame.name}: column {key!r} has no numbers but NaN: give some, or leave it "
-                    "out"
-                )
+            cell = shown((frame.cells if key in frame.cells else table)[key][line])
+            raise SceneError(
+                f"{frame.name}, {frame.place} {line}, column {key!r}: {cell}; {remedy}"
+            )
+    if numbers.isna().all(axis=None):
+        raise SceneError(f"{frame.name} has no numbers other than times and radii: give some")
+    empty = [key for key in numbers if numbers[key].isna().all()]
+    for key in empty:
+        if frame.place == "line" and frame.cells[key].ne("").any():
+            raise SceneError(
+                f"{frame.name}: column {key!r} has no numbers but NaN: give some, or leave it out"
+            )
+    if empty:
         LOG.warning("%s has no numbers in: %s", frame.name, ", ".join(empty))
-    fields = table[[key for key in table if key in FIELDS]]
-    for key, missing in fields[fields.notna().any(axis=1)].isna().sum().items():
+    for key, missing in fields.drop(columns=empty, errors="ignore")[has_field].isna().sum().items():
         if missing:
             LOG.warning("%s: %d rows of fields have no %s", frame.name, missing, key)
+    return table.drop(columns=empty)

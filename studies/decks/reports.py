@@ -5,17 +5,18 @@ nodes; its comments contain the times, the rings and the scale.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from ...meshes import Array, SceneError, ring_of
-from ..crosscheck import Scene
-from ..tables.numbers import EXPONENT
+from ...meshes import Array, MeshError, SceneError, deck_blocks
+from ..crosscheck import LOG, Scene
+from ..tables.frame import Frame
+from ..tables.numbers import fortran_number
 from ..wear_step.contact_nodes import contact_mass
 
 WEDGE = 180.0
@@ -24,9 +25,35 @@ NEAR_RIM = 0.05
 """Part of the face, at the rim and at a hole, in which pressures at the start are ignored: they are
 infinite at the edge, and those of polynomial elements oscillate there."""
 DAT_TITLE = re.compile(
-    r"(?P<quantity>displacements|forces) .*for set (?P<set>\w+) and time\s+(?P<time>\S+)"
+    r"(?P<name>displacements|forces) .*for set (?P<set>\w+) and time\s+"
+    r"(?P<time>[\d.]+([DE][-+]?\d+)?)\s*$",
+    re.IGNORECASE | re.MULTILINE,
 )
-RPT_STEP = re.compile(r"Step: *STEP-(?P<step>\d+)", re.IGNORECASE)
+RPT_STEP = re.compile(r"Step: STEP-(\d+)", re.IGNORECASE)
+RPT_HEADINGS = re.compile(r"^Node (.+)$", re.MULTILINE)
+NOTES = {
+    "times",
+    "ring edges",
+    "wear at inner edges",
+    "wear at outer edges",
+    "displacements times",
+    "lowest height",
+}
+"""Names of the comments that a deck must have."""
+NOTE = re.compile(rf"^\*\* ({'|'.join(NOTES)}): (.+)$", re.MULTILINE)
+NO_RESULTS = {
+    ".toml": "is a scene, not results: give the scene first, and then a file of results, such as "
+    "CSV, or the .dat of CalculiX",
+    ".inp": "is an input file, not results: run it, and give the .dat of CalculiX or the .rpt of "
+    "Abaqus, of the same name",
+    ".frd": "has fields for figures: give the .dat of the same name, to which CalculiX writes the "
+    "forces on nodes",
+    ".odb": "is a binary file of Abaqus: give a field report of it in a file of the same name that "
+    "ends in .rpt",
+}
+"""What files are that have no results that can be read, and which to give instead, by ending."""
+MODELLED_TABLES = ("units", "punch", "half_space", "load")
+"""Tables and keys of a scene that change what a deck models."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,16 +62,16 @@ class Deck:
 
     Parameters
     ----------
-    path : of the deck
-    radii : radius of each node, by node number
-    sets : node numbers of each node set, by its name
+    contact : numbers (k,) of the contact nodes
+    contact_radii : their radii (k,)
+    reach : greatest radius of a node
     quadratic : whether elements have nodes in the middles of their sides
     notes : numbers in the comments, by the name of the comment
     """
 
-    path: Path
-    radii: dict[int, float]
-    sets: dict[str, list[int]]
+    contact: Array
+    contact_radii: Array
+    reach: float
     quadratic: bool
     notes: dict[str, Array]
 
@@ -58,39 +85,32 @@ class Deck:
             if it does not exist, or was not written by `ringwear deck`
         """
         path = results.with_suffix(".inp")
-        try:
-            lines = path.read_text("utf-8", "replace").splitlines()
-        except OSError:
+        if not path.is_file():
             raise SceneError(
                 f"{results} refers to nodes by their numbers: put the deck {path.name}, which has "
                 "their positions, into the same folder"
-            ) from None
-        radii, sets, node_counts = dict[int, float](), dict[str, list[int]](), set[str]()
-        notes = dict[str, list[float]]()
-        keyword, name = "", ""
-        for line in lines:
-            if line.startswith("**"):
-                note, _, values = line[2:].strip().partition(":")
-                if note in NOTES:
-                    notes.setdefault(note, []).extend(map(float, values.split(",")))
-            elif line.startswith("*"):
-                keyword = line.partition(",")[0].upper()
-                set_name = re.search(r"NSET=(\w+)", line)
-                name = set_name[1].upper() if set_name else ""
-                node_counts.update(re.findall(r"TYPE=CAX(\d)", line))
-            elif keyword == "*NODE":
-                number, radius, *_ = line.split(",")
-                radii[int(number)] = float(radius)
-            elif keyword == "*NSET":
-                members = (int(number) for number in line.split(",") if number.strip())
-                sets.setdefault(name, []).extend(members)
-        if NOTES - notes.keys() or "CONTACT" not in sets:
-            raise SceneError(
-                f"{path} was not written by `ringwear deck`: give results as a table of time, "
-                "radius and pressure"
             )
-        arrays = {note: np.array(values) for note, values in notes.items()}
-        return cls(path, radii, sets, "8" in node_counts, arrays)
+        notes = dict[str, Array]()
+        try:
+            blocks = [*deck_blocks(path)]
+            nodes = [block.nodes() for block in blocks if block.keyword == "NODE"]
+            sets = [block for block in blocks if block.keyword == "NSET"]
+            contact = [each.numbers() for each in sets if each.options.get("NSET") == "CONTACT"]
+            for name, values in NOTE.findall(path.read_text("utf-8", "replace")):
+                notes[name] = np.append(notes.get(name, []), [*map(float, values.split(","))])
+            radii = pd.concat(nodes).set_index(0)[1]
+            members = pd.concat(contact).stack().to_numpy()
+            contact_radii = radii.loc[members].to_numpy()
+        except (MeshError, ValueError, KeyError):
+            contact_radii = np.empty(0)
+        in_order = len(contact_radii) > 1 and (np.diff(contact_radii) > 0).all()
+        if NOTES - notes.keys() or not in_order:
+            raise SceneError(
+                f"{path} was not written by `ringwear deck`, or was changed: give results as a "
+                "table of time, radius and pressure"
+            )
+        quadratic = any(block.node_count == 8 for block in blocks)
+        return cls(members, contact_radii, radii.max(), quadratic, notes)
 
     @property
     def times(self) -> Array:
@@ -102,58 +122,65 @@ class Deck:
         """Factor that turns displacements of the deck into those of the scene."""
         return float(self.notes["displacements times"][0])
 
-    @property
-    def lowest(self) -> float:
-        """Height that is added to the displacement of the punch to obtain the indentation."""
-        return float(self.notes["lowest height"][0])
-
-    @cached_property
-    def contact_radii(self) -> Array:
-        """(k,) radii of the contact nodes."""
-        return np.array([self.radii[node] for node in self.sets["CONTACT"]])
-
     def pressures(self, time: float, forces: Array) -> Array:
         """Return pressures (k,) at a time from the nodal forces (k,) on the whole circumference.
 
         They are NaN at ring edges where wear coefficients jump, and at the start near the rim.
         """
-        edges = self.notes["ring edges"]
+        edges, radii = self.notes["ring edges"], self.contact_radii
         inner, outer = self.notes["wear at inner edges"], self.notes["wear at outer edges"]
+        jumps = edges[1:-1][inner[1:] != outer[:-1]]
 
         def wear(radii: Array) -> Array:
             if time == 0:
                 return np.ones_like(radii)
-            ring = ring_of(edges, radii)
-            fraction = (radii - edges[ring]) / np.diff(edges)[ring]
-            values = inner[ring] + fraction * (outer[ring] - inner[ring])
-            jumps = edges[1:-1][inner[1:] != outer[:-1]]
-            away_from_jumps = np.abs(radii[:, None] - jumps) > 1e-9 * edges[-1]
-            return np.where(away_from_jumps.all(axis=1), values, np.nan)
+            # both ends of each ring
+            ends, wear_at_ends = np.repeat(edges, 2)[1:-1], np.column_stack([inner, outer])
+            at_jumps = np.abs(radii[:, None] - jumps) <= 1e-9 * edges[-1]
+            values = np.interp(radii, ends, wear_at_ends.ravel())
+            return np.where(at_jumps.any(axis=1), np.nan, values)
 
-        pressures = pressures_of(self.contact_radii, forces, self.quadratic, wear)
-        return np.where(self._near_singularity if time == 0 else False, np.nan, pressures)
-
-    @property
-    def _near_singularity(self) -> Array:
-        """(k,) whether a node is near the rim or a hole, where first pressures are infinite."""
-        inner, rim = self.notes["ring edges"][[0, -1]]
-        margin, radii = NEAR_RIM * (rim - inner), self.contact_radii
-        return (radii > rim - margin) | ((radii < inner + margin) & (inner > 0))
+        pressures = pressures_of(radii, forces, self.quadratic, wear)
+        margin = NEAR_RIM * (edges[-1] - edges[0])
+        # first pressures are infinite at the rim and at a hole
+        near = (radii > edges[-1] - margin) | ((radii < edges[0] + margin) & (edges[0] > 0))
+        return np.where(near & (time == 0), np.nan, pressures)
 
     def rows(self, time: float, results: dict[str, Array]) -> pd.DataFrame:
         """Return a table of results (k,) at the contact nodes at a time."""
         return pd.DataFrame({"time": time, "radius": self.contact_radii} | results)
 
 
-NOTES = {
-    "times",
-    "ring edges",
-    "wear at inner edges",
-    "wear at outer edges",
-    "displacements times",
-    "lowest height",
-}
-"""Names of the comments that a deck must have."""
+def results_of_deck(path: Path, scene: Scene) -> pd.DataFrame | None:
+    """Return the results of a deck, or None if a file has none, but perhaps a table.
+
+    A scene that differs from that of the deck is reported.
+
+    Raises
+    ------
+    SceneError
+        if another file of the same program has the results; it names that
+    """
+    ending = path.suffix.lower()
+    if ending in NO_RESULTS:
+        raise SceneError(f"{path} {NO_RESULTS[ending]}")
+    if ending not in READERS or not path.is_file():
+        return None
+    text = path.read_text("utf-8", "replace")
+    # columns of numbers, as of an XY plot
+    if ending == ".rpt" and "node" not in text.lower():
+        return None
+    if ending == ".dat" and not (path.with_suffix(".inp").is_file() or DAT_TITLE.search(text)):
+        return None
+    results = READERS[ending](path)
+    if keys := differing_keys(path, scene):
+        LOG.warning(
+            "%s has the results of another scene: %s differs in %s",
+            path,
+            path.parent / "scene.toml",
+            ", ".join(keys),
+        )
+    return results
 
 
 def read_dat(path: Path) -> pd.DataFrame:
@@ -164,95 +191,81 @@ def read_dat(path: Path) -> pd.DataFrame:
     SceneError
         if the deck is not in the same folder, or if a step or its forces are missing
     """
-    deck, tables = Deck.of_results(path), []
-    blocks = {(quantity, name, time): values for quantity, name, time, values in _blocks(path)}
-    for step, time in enumerate(deck.times):
-        end = max((time for *_, time in blocks if time <= step + 1 + 1e-6), default=0.0)
-        if abs(end - step - 1) > 1e-6:
+    deck, rows, steps = Deck.of_results(path), [], dict[int, dict[str, Array]]()
+    for above, table in _tables_of_nodes(path):
+        title = DAT_TITLE.search(above)
+        if title and table.shape[1] == 3:
+            time = fortran_number(title["time"])
+            # steps end at whole times
+            if abs(time - round(time)) < 1e-6:
+                values = steps.setdefault(round(time), {})
+                values[f"{title['name']} {title['set']}"] = table["2"].to_numpy()
+    for step, time in enumerate(deck.times, 1):
+        if step not in steps:
             raise SceneError(
-                f"{path}: step {step + 1} of {len(deck.times)} is missing or not finished: run the "
+                f"{path}: step {step} of {len(deck.times)} is missing or not finished: run the "
                 "program to its end"
             )
-        step_blocks = {
-            (quantity, name): values
-            for (quantity, name, block_time), values in blocks.items()
-            if block_time == end
-        }
-        forces = step_blocks.get(("forces", "FACE"), step_blocks.get(("forces", "CONTACT")))
-        if forces is None or len(forces) != len(deck.contact_radii):
+        values, count = steps[step], len(deck.contact)
+        forces = -WEDGE * values.get("forces FACE", values.get("forces CONTACT", np.empty(0)))
+        moved = -deck.scale * values.get("displacements CONTACT", np.empty(0))
+        if len(forces) != count or ("forces FACE" in values and len(moved) != count):
             raise SceneError(
                 f"{path} does not have the forces on all contact nodes: keep *NODE PRINT and RF of "
                 "the deck as they are"
             )
         if not np.isfinite(forces).all():
             raise SceneError(
-                f"{path}: a force of step {step + 1} is not a number: run the program again"
+                f"{path}: a force of step {step} is not a number: run the program again"
             )
-        pressing_forces = -WEDGE * forces
         results = {
-            "pressure": deck.pressures(float(time), pressing_forces),
-            "normal_force": np.full(len(forces), pressing_forces.sum()),
+            "pressure": deck.pressures(float(time), forces),
+            "normal_force": np.full(count, forces.sum()),
         }
-        if ("forces", "FACE") in step_blocks:
-            results["displacement"] = -deck.scale * step_blocks["displacements", "CONTACT"]
-            if ("displacements", "REF") in step_blocks:
-                depth = deck.lowest - deck.scale * step_blocks["displacements", "REF"][0]
-                results["indentation"] = np.full(len(forces), depth)
-        tables.append(deck.rows(float(time), results))
-    return pd.concat(tables, ignore_index=True)
-
-
-def _blocks(path: Path) -> Iterator[tuple[str, str, float, Array]]:
-    """Yield the vertical components in each block of nodes: quantity, node set, time, values."""
-    block: tuple[str, str, float] | None = None
-    values = list[float]()
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        for line in lines:
-            words = line.split()
-            if len(words) == 4 and words[0].isdigit():
-                values.append(fortran_number(words[2]))
-                continue
-            if words:
-                if block and values:
-                    yield *block, np.array(values)
-                block, values = None, []
-                if title := DAT_TITLE.search(line):
-                    block = title["quantity"], title["set"], fortran_number(title["time"])
-    if block and values:
-        yield *block, np.array(values)
-
-
-def fortran_number(text: str) -> float:
-    """Return the number in a text, whose exponent may be written as in Fortran.
-
-    Raises
-    ------
-    ValueError
-        if the text is no number
-    """
-    return float(EXPONENT.sub("e", text, count=1))
+        if "forces FACE" in values:
+            results["displacement"] = moved
+            if "displacements REF" in values:
+                depth = deck.scale * values["displacements REF"][0]
+                # displacements are those from the lowest point
+                results["indentation"] = np.full(count, deck.notes["lowest height"][0] - depth)
+        rows.append(deck.rows(float(time), results))
+    return pd.concat(rows, ignore_index=True)
 
 
 def read_rpt(path: Path) -> pd.DataFrame:
     """Return the results in a report of nodal fields by Abaqus: CPRESS, RF.RF2 and U.U2.
+
+    If the deck has one time, as contact decks have, only the last step is read.
 
     Raises
     ------
     SceneError
         if the deck is not in the same folder, or if the report lacks these columns or nodes
     """
-    deck, tables = Deck.of_results(path), []
-    nodes = deck.sets["CONTACT"]
-    for step, table in _step_tables(path, len(deck.times)):
+    deck, rows, steps = Deck.of_results(path), [], dict[int, pd.DataFrame]()
+    step, headings = 1, ""
+    for above, table in _tables_of_nodes(path):
+        step = int([step, *RPT_STEP.findall(above)][-1])
+        headings = [headings, *RPT_HEADINGS.findall(above)][-1]
+        if len(headings.split()) == table.shape[1]:
+            table = table.set_axis(headings.split(), axis=1).groupby(level=0).last()
+            steps[step] = table.combine_first(steps.get(step, table))
+    if not steps:
+        raise SceneError(
+            f"{path} has no table of nodes: in Abaqus/Viewer report a field at unique nodal "
+            "positions, sorted by node label"
+        )
+    if len(deck.times) == 1:
+        steps = {1: steps[max(steps)]}
+    for step, table in sorted(steps.items()):
         time = float(deck.times[min(step, len(deck.times)) - 1])
-        values = table.reindex(nodes)
-        results = dict[str, Array]()
+        values, results = table.reindex(deck.contact), dict[str, Array]()
         if "CPRESS" in values:
             results["pressure"] = values["CPRESS"].to_numpy()
         elif "RF.RF2" in values and values["RF.RF2"].notna().all():
-            pressing_forces = -values["RF.RF2"].to_numpy()
-            results["pressure"] = deck.pressures(time, pressing_forces)
-            results["normal_force"] = np.full(len(pressing_forces), pressing_forces.sum())
+            forces = -values["RF.RF2"].to_numpy()
+            results["pressure"] = deck.pressures(time, forces)
+            results["normal_force"] = np.full(len(forces), forces.sum())
         if "U.U2" in values and "RF.RF2" not in values:
             results["displacement"] = -deck.scale * values["U.U2"].to_numpy()
         if not any(np.isfinite(result).any() for result in results.values()):
@@ -260,40 +273,29 @@ def read_rpt(path: Path) -> pd.DataFrame:
                 f"{path}: step {step} has neither CPRESS nor RF.RF2 of every node of the set "
                 "CONTACT: report one of them at unique nodal positions"
             )
-        tables.append(deck.rows(time, results))
-    return pd.concat(tables, ignore_index=True)
+        rows.append(deck.rows(time, results))
+    return pd.concat(rows, ignore_index=True)
 
 
-def _step_tables(path: Path, steps: int) -> Iterator[tuple[int, pd.DataFrame]]:
-    """Yield the number of each step, and its table by node number.
-
-    If the deck has one time, as contact decks have, only the last step is read, as number 1.
+def _tables_of_nodes(path: Path) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yield the text above each table of nodes, and its rows by the numbers of nodes.
 
     Raises
     ------
     SceneError
-        if there is no table of nodes
+        if a cell is no number; it names the line
     """
-    rows_by_step, step, headings = dict[int, dict[int, dict[str, float]]](), 1, list[str]()
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        for line in lines:
-            words = line.split()
-            if step_line := RPT_STEP.search(line):
-                step = int(step_line["step"])
-            elif words[:1] == ["Node"] and len(words) > 1:
-                headings = words[1:]
-            elif headings and len(words) == len(headings) + 1 and words[0].isdigit():
-                row = dict(zip(headings, map(fortran_number, words[1:]), strict=True))
-                rows_by_step.setdefault(step, {}).setdefault(int(words[0]), {}).update(row)
-    if not rows_by_step:
-        raise SceneError(
-            f"{path} has no table of nodes: in Abaqus/Viewer report a field at unique nodal "
-            "positions, sorted by node label"
-        )
-    if steps == 1:
-        rows_by_step = {1: rows_by_step[max(rows_by_step)]}
-    for number, rows in sorted(rows_by_step.items()):
-        yield number, pd.DataFrame.from_dict(rows, orient="index")
+    lines = enumerate(path.read_text("utf-8", "replace").splitlines(), 1)
+    words = ((number, line.split()) for number, line in lines if line.strip())
+    above = ""
+    for count, group in groupby(words, lambda pair: len(pair[1]) * pair[1][0].isdigit()):
+        rows = dict(group)
+        if count > 1:
+            cells = pd.DataFrame([*rows.values()], [*rows])
+            frame = Frame.of(str(path), cells, [*map(str, cells)], place="line")
+            frame.refuse_faults({heading: heading for heading in frame.cells})
+            yield above, frame.values.set_index("0")
+        above = "\n".join(map(" ".join, rows.values()))
 
 
 def differing_keys(results: Path, scene: Scene) -> list[str]:
@@ -303,13 +305,14 @@ def differing_keys(results: Path, scene: Scene) -> list[str]:
     modelled are compared. The list is empty if there is no such file, or if it is no scene.
     """
     path = results.parent / "scene.toml"
-    if not path.is_file():
-        return []
     try:
-        modelled = Scene.load(path)
+        modelled = Scene.load(path).table() if path.is_file() else scene.table()
     except SceneError:
         return []
-    ours, theirs = _modelled_values(scene.table()), _modelled_values(modelled.table())
+    ours, theirs = (
+        pd.json_normalize({key: table.get(key) for key in MODELLED_TABLES}).iloc[0].to_dict()
+        for table in (scene.table(), modelled)
+    )
     return sorted(key for key in ours | theirs if ours.get(key) != theirs.get(key))
 
 
@@ -325,49 +328,11 @@ def reach_of_deck(results: object, scene: Scene) -> float | None:
     is_deck = path.suffix.lower() in READERS and (path.parent / "scene.toml").is_file()
     if not is_deck or differing_keys(path, scene):
         return None
-    return max(Deck.of_results(path).radii.values()) / scene.punch.radius
-
-
-def _modelled_values(table: Mapping[str, object], prefix: str = "") -> dict[str, object]:
-    """Return the values of the keys with dots of a scene that change what is modelled."""
-    values = dict[str, object]()
-    for key, value in table.items():
-        if not prefix and key not in MODELLED_TABLES:
-            continue
-        name = f"{prefix}{key}"
-        if isinstance(value, Mapping):
-            values |= _modelled_values(value, f"{name}.")
-        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
-            for number, item in enumerate(value):
-                values |= _modelled_values(item, f"{name}.{number}.")
-        else:
-            values[name] = value
-    return values
-
-
-def is_table(path: Path) -> bool:
-    """Return whether a file has columns of numbers, as of an XY plot, and no results on nodes."""
-    text = path.read_text("utf-8", "replace")
-    if path.suffix.lower() == ".rpt":
-        return "node" not in text.lower()
-    return not (path.with_suffix(".inp").is_file() or DAT_TITLE.search(text))
+    return Deck.of_results(path).reach / scene.punch.radius
 
 
 READERS = {".dat": read_dat, ".rpt": read_rpt}
 """Readers of result files, by the ending of the file."""
-NO_RESULTS = {
-    ".toml": "is a scene, not results: give the scene first, and then a file of results, such as "
-    "CSV, or the .dat of CalculiX",
-    ".inp": "is an input file, not results: run it, and give the .dat of CalculiX or the .rpt of "
-    "Abaqus, of the same name",
-    ".frd": "has fields for figures: give the .dat of the same name, to which CalculiX writes the "
-    "forces on nodes",
-    ".odb": "is a binary file of Abaqus: give a field report of it in a file of the same name that "
-    "ends in .rpt",
-}
-"""What files are that have no results that can be read, and which to give instead, by ending."""
-MODELLED_TABLES = ("units", "punch", "half_space", "load")
-"""Tables and keys of a scene that change what a deck models."""
 
 
 def pressures_of(

@@ -3,18 +3,19 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
-from ...meshes import Array, SceneError
-from ..check.tables import NoTimesError, OthersResults, read
+from ...meshes import SceneError
+from ..check.tables import NoTimesError, OthersResults, by_name, read
 from ..crosscheck import LOG, Scene, number_of, shown
 from ..estimate.measurement import Measurement
 from ..estimate.model import is_flat
 from ..tables.headings import KINDS
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 NoiseInput = float | str | Mapping[str, float | str] | None
 """Standard deviations of the data: one, or several by column. Each is a number in the units of the
@@ -35,8 +36,6 @@ VOLUMES = ("worn_volume", "lost_mass")
 SCARS = ("contact_radius", "scar_diameter")
 # correlation with time below which depths fall
 REVERSED = -0.9
-# number of rings whose columns are recognised
-MOST_RINGS = 1000
 # initial noise, over the range of a series or over each volume, if it is estimated from residuals
 INITIAL_NOISE = 0.01
 # least number of values in a series whose noise is estimated from the residuals
@@ -73,28 +72,28 @@ def read_measurements(
         if a table cannot be read, has no column to fit, needs a density or a noise, or does not
         depend on a parameter
     """
-    rings = len(scene.problem.wear_coefficients)
-    # columns of rings that the punch does not have are read, too, and then refused by their names
-    more = [*VOLUMES, *(f"{name}_{ring}" for name in VOLUMES for ring in range(MOST_RINGS)), *SCARS]
-    length = None
-    if cycle is not None:
-        length = _positive_number(scene, cycle, "length", "--cycle")
-    measurements, divisors = list[Measurement](), list[float]()
+    length, volume_density = (
+        None if given is None else _positive_number(scene, given, kind, key)
+        for given, kind, key in ((cycle, "length", "--cycle"), (density, "density", "--density"))
+    )
+    remedy = "give files, DataFrames or Datasets, one, several, or by name"
     by_source = dict[str, list[Measurement]]()
-    for name, source in _sources_by_name(data).items():
+    for name, source in by_name(data, "data", remedy).items():
         source = _without_known(source, scene)
+        more = (*VOLUMES, *SCARS)
         try:
             table = read(source, name, scene, columns or {}, units, more, FITTED, length)
         except NoTimesError as error:
             raise SceneError(
                 f"{error}; if the force varies, give it over time in the scene, load.normal_force"
             ) from None
-        _refuse_speed(table, name, parameters)
-        _refuse_scars(table, name, scene)
-        _refuse_reversed(table, name, scene)
-        _refuse_other_rings(table, name, rings)
-        divisor = _density(scene, density, table, name)
-        in_table = _measurements(table, divisor)
+        _refuse_unsuitable(table, name, scene, parameters)
+        if volume_density is None and "lost_mass" in map(_without_ring, table):
+            raise SceneError(
+                f"{name} has lost_mass, whose volume needs a density: give --density, such as "
+                "'7.8 g/cm^3'"
+            )
+        in_table = _measurements(table, volume_density or 1.0)
         unused = [
             key
             for key in table
@@ -106,12 +105,11 @@ def read_measurements(
             LOG.warning("%s: columns that are not fitted: %s", name, ", ".join(unused))
         _refuse_repeated(by_source, name, in_table)
         by_source[name] = in_table
-        measurements += in_table
-        divisors += [divisor if each.column == "lost_mass" else 1.0 for each in in_table]
+    measurements = [each for in_table in by_source.values() for each in in_table]
     by_column = _noises(scene, noise, {each.column for each in measurements})
     return tuple(
-        _with_noise(each, by_column.get(each.column), divisor)
-        for each, divisor in zip(measurements, divisors, strict=True)
+        _with_noise(each, by_column.get(each.column), volume_density or 1.0)
+        for each in measurements
     )
 
 
@@ -123,98 +121,42 @@ def _without_known(source: "OthersResults", scene: Scene) -> "OthersResults":
     return dataset.drop_vars(scene.problem.known, errors="ignore")
 
 
-def _sources_by_name(
-    data: "Mapping[str, OthersResults] | Sequence[OthersResults] | OthersResults",
-) -> "dict[str, OthersResults]":
-    is_table = hasattr(data, "to_dataframe") or hasattr(data, "columns")
-    # a Dataset is a mapping, too
-    if isinstance(data, Mapping) and not is_table:
-        tables = (str, Path, Mapping)
-        named = [isinstance(each, tables) or hasattr(each, "columns") for each in data.values()]
-        # else the columns of one table
-        if any(named) or not data:
-            return {str(name): source for name, source in data.items()}
-        try:
-            return {"data": pd.DataFrame(data)}
-        except ValueError:
-            raise SceneError(
-                f"{shown(data)} is no table: give files, DataFrames or Datasets, one, several, or "
-                "by name"
-            ) from None
-    if is_table or isinstance(data, str | Path) or not isinstance(data, Sequence):
-        data = [data]
-    by_name = dict[str, OthersResults]()
-    for number, source in enumerate(data, 1):
-        name = str(source) if isinstance(source, str | Path) else f"data {number}"
-        if name in by_name:
-            raise SceneError(f"{name} and {name} are one file: give each table once")
-        by_name[name] = source
-    return by_name
-
-
-def _refuse_speed(table: "pd.DataFrame", name: str, parameters: Sequence[str]) -> None:
-    """Refuse to fit the sliding speed to a table over distances.
+def _refuse_unsuitable(
+    table: "DataFrame", name: str, scene: Scene, parameters: Sequence[str]
+) -> None:
+    """Refuse a table that cannot belong to the scene, or that does not depend on a parameter.
 
     Raises
     ------
     SceneError
-        with the remedy
+        if the sliding speed is fitted to distances; if the contact of a flat punch has a radius,
+        which is that of its face, whatever wears; if depths fall steadily, although neither the
+        force nor wear does; or if the punch does not have a ring. It gives the remedy
     """
     if table.attrs["clock"] != "time" and "load.sliding_speed" in parameters:
         raise SceneError(
             f"load.sliding_speed: {name} has {table.attrs['clock']} in place of times, so that its "
             "values do not depend on the speed: leave this parameter out, or give times"
         )
-
-
-def _refuse_scars(table: "pd.DataFrame", name: str, scene: Scene) -> None:
-    """Refuse radii of contacts that are the whole face of the punch, whatever wears.
-
-    Raises
-    ------
-    SceneError
-        with the remedy
-    """
-    for column in SCARS:
-        if column in table and is_flat(scene.problem):
-            raise SceneError(
-                f"{name} has {column}, but the punch of the scene is flat, so that all of its face "
-                "is in contact, whatever wears: give punch.profile, such as { kind = 'ball', "
-                "ball_radius = ... }, or other columns"
-            )
-
-
-def _refuse_reversed(table: "pd.DataFrame", name: str, scene: Scene) -> None:
-    """Refuse depths that fall steadily, although neither the force nor wear does.
-
-    Raises
-    ------
-    SceneError
-        with the first and the last depth
-    """
-    if "indentation" not in table or not scene.problem.loading.rising:
-        return
-    times, depths = table[["time", "indentation"]].dropna().sort_values("time").to_numpy().T
-    vary = len(depths) > 1 and np.ptp(depths) and np.ptp(times)
-    if vary and np.corrcoef(times, depths)[0, 1] < REVERSED:
+    scars = [column for column in SCARS if column in table]
+    if scars and is_flat(scene.problem):
         raise SceneError(
-            f"{name}: indentation falls from {depths[0]:.4g} to {depths[-1]:.4g}, but rises while "
-            "a punch wears: reversed sign? Give depths, positive downwards"
+            f"{name} has {scars[0]}, but the punch of the scene is flat, so that all of its face "
+            "is in contact, whatever wears: give punch.profile, such as { kind = 'ball', "
+            "ball_radius = ... }, or other columns"
         )
-
-
-def _refuse_other_rings(table: "pd.DataFrame", name: str, rings: int) -> None:
-    """Refuse columns of rings that the punch does not have.
-
-    Raises
-    ------
-    SceneError
-        with the column, and with the columns of the rings that there are
-    """
+    if "indentation" in table and scene.problem.loading.rising:
+        times, depths = table[["time", "indentation"]].dropna().sort_values("time").to_numpy().T
+        vary = len(depths) > 1 and np.ptp(depths) and np.ptp(times)
+        if vary and np.corrcoef(times, depths)[0, 1] < REVERSED:
+            raise SceneError(
+                f"{name}: indentation falls from {depths[0]:.4g} to {depths[-1]:.4g}, but rises "
+                "while a punch wears: reversed sign? Give depths, positive downwards"
+            )
+    rings = len(scene.problem.wear_coefficients)
     for column in table:
-        number = re.search(r"_(\d+)$", column)
-        if number and not 1 <= int(number[1]) <= rings:
-            base = _without_ring(column)
+        base, number = _without_ring(column), _ring(column)
+        if number is not None and not 0 <= number < rings:
             existing = f"{base}_1" if rings == 1 else f"{base}_1 to {base}_{rings}"
             raise SceneError(
                 f"{name} has {column}, but the rings of the punch are numbered from 1 at the "
@@ -222,7 +164,7 @@ def _refuse_other_rings(table: "pd.DataFrame", name: str, rings: int) -> None:
             )
 
 
-def _what_to_give(table: "pd.DataFrame") -> str:
+def _what_to_give(table: "DataFrame") -> str:
     """Return what a table needs that has nothing to fit."""
     late_columns = [key for key in table if _without_ring(key) in (*VOLUMES, "profile")]
     if late_columns:
@@ -260,61 +202,37 @@ def _without_ring(column: str) -> str:
     return re.sub(r"_\d+$", "", column)
 
 
-def _measurements(table: "pd.DataFrame", density: float) -> list[Measurement]:
-    """Return the measurements of one table, with masses converted to volumes."""
+def _ring(column: str) -> int | None:
+    """Return the index of the ring of a column, from 0; None if it is of the whole punch."""
+    number = re.search(r"_(\d+)$", column)
+    return int(number[1]) - 1 if number else None
+
+
+def _measurements(table: "DataFrame", density: float) -> list[Measurement]:
+    """Return the measurements of one table without noise, with masses converted to volumes."""
     measurements = list[Measurement]()
     for column in table:
         base = _without_ring(column)
-        if base not in FITTED:
-            continue
         rows = table.dropna(subset=[column])
-        if base == "profile":
-            for time, profile in rows[rows["time"] > 0].groupby("time"):
-                times, radii = np.full(len(profile), float(time)), profile["radius"].to_numpy()
-                heights = profile[column].to_numpy()
-                measurements.append(_without_noise("profile", "profile", times, heights, radii))
-            continue
-        series = rows.groupby("time")[column].first()
-        times, values = series.index.to_numpy(dtype=float), series.to_numpy(dtype=float)
-        number = re.search(r"_(\d+)$", column)
-        ring = int(number[1]) - 1 if number else None
-        quantity = base
-        if base in ("worn_volume", "lost_mass"):
-            after_start, quantity = times > 0, "worn_volume"
-            times, values = times[after_start], values[after_start]
-            if len(values) and (values < 0).all():
+        quantity, by_time = base, [rows.groupby("time").first().reset_index()]
+        if base in VOLUMES:
+            quantity, by_time = "worn_volume", [each[each["time"] > 0] for each in by_time]
+            if len(by_time[0]) and (by_time[0][column] < 0).all():
                 raise SceneError(
                     f"all values of {column} are negative: give what has been lost since the "
                     "start, as positive numbers"
                 )
-            values = values / density if base == "lost_mass" else values
-        if len(times):
-            measurements.append(_without_noise(base, quantity, times, values, None, ring))
+        elif base == "profile":
+            by_time = [profile for _, profile in rows[rows["time"] > 0].groupby("time")]
+        for series in by_time:
+            if base in FITTED and len(series):
+                values = series[column].to_numpy() / (density if base == "lost_mass" else 1.0)
+                radii = series["radius"].to_numpy() if base == "profile" else None
+                times, noise = series["time"].to_numpy(), np.ones(len(series))
+                measurements.append(
+                    Measurement(base, quantity, times, values, noise, False, radii, _ring(column))
+                )
     return measurements
-
-
-def _without_noise(
-    column: str,
-    quantity: str,
-    times: Array,
-    values: Array,
-    radii: Array | None,
-    ring: int | None = None,
-) -> Measurement:
-    return Measurement(column, quantity, times, values, np.ones(len(times)), False, radii, ring)
-
-
-def _density(scene: Scene, density: float | str | None, table: "pd.DataFrame", name: str) -> float:
-    """Return the density in the units of the scene; 1 if the table has no lost mass."""
-    value = None if density is None else _positive_number(scene, density, "density", "--density")
-    if not any(_without_ring(column) == "lost_mass" for column in table):
-        return 1.0
-    if value is None:
-        raise SceneError(
-            f"{name} has lost_mass, whose volume needs a density: give --density, such as "
-            "'7.8 g/cm^3'"
-        )
-    return value
 
 
 def _positive_number(scene: Scene, text: float | str, kind: str, key: str) -> float:
@@ -366,14 +284,14 @@ def _noises(scene: Scene, noise: NoiseInput, columns: set[str]) -> dict[str, tup
 
 
 def _with_noise(
-    measurement: Measurement, noises: tuple[float, float] | None, divisor: float
+    measurement: Measurement, noises: tuple[float, float] | None, density: float
 ) -> Measurement:
     """Return a measurement with its noise.
 
     Parameters
     ----------
     noises : absolute and relative noise; None if the noise is estimated from the residuals
-    divisor : number by which an absolute noise is divided: the density for masses, else 1
+    density : by which an absolute noise of masses is divided, like the masses
 
     Raises
     ------
@@ -397,7 +315,8 @@ def _with_noise(
             )
         return replace(measurement, noise=INITIAL_NOISE * np.abs(spread) * np.ones(len(values)))
     absolute, relative = noises
-    noise = np.where(absolute > 0, absolute / divisor, relative * np.abs(values))
+    absolute /= density if measurement.column == "lost_mass" else 1.0
+    noise = np.where(absolute > 0, absolute, relative * np.abs(values))
     if not (noise > 0).all():
         raise SceneError(
             f"--noise {measurement.column} in per cent: a value is 0, so its noise would be 0: "

@@ -4,7 +4,6 @@ import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +12,17 @@ import pandas as pd
 
 from ...meshes import Array, SceneError
 from .headings import BRACKETS, TIME, name_of, split_heading
-from .layout import content_of_file, layout_of, text_of
-from .numbers import Numbers, marks_of, numbers, refuse
+from .layout import Layout, content_of_file, layout_of, text_of
+from .numbers import marks_of, numbers, refuse
 
 MASK = "vtkvalidpointmask"
 """Column of ParaView that is 0 at points outside of a mesh."""
 HEAD = 50_000
 """Number of bytes whose layout is that of a larger file, if all others are plain numbers."""
+MOST_CIRCLES = 500
+"""Greatest number of circles of equal radius; points of more are put together in rings."""
+ROUNDOFF = 1e-9
+"""Radii are equal up to this part of the greatest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,16 +33,62 @@ class Frame:
     ----------
     name : of the file, or of the table in memory
     cells : texts or numbers by heading, indexed by the numbers of lines or rows
-    stated : units by heading, of columns whose units are not in their headings
+    values : numbers by heading; NaN in cells that are missing or no numbers
+    wrong : cells that are neither missing nor a number, by heading and line
+    units : by heading, where they are known
+    clocks : headings of columns of times of the day or dates, which are in seconds
     place : what a row is called, line or row
     repeated : headings that several columns have, of which the first is in `cells`
+    above : the text above the table in a file
     """
 
     name: str
     cells: pd.DataFrame
-    stated: Mapping[str, str]
+    values: pd.DataFrame
+    wrong: Mapping[str, "pd.Series[str]"]
+    units: Mapping[str, str]
+    clocks: frozenset[str] = frozenset()
     place: str = "row"
     repeated: frozenset[str] = frozenset()
+    above: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        cells: pd.DataFrame,
+        headings: Sequence[str],
+        units: Mapping[str, str] | None = None,
+        **about: Any,
+    ) -> "Frame":
+        """Return a table of texts or numbers, without points outside of a mesh.
+
+        Columns without a heading are called by their numbers.
+
+        Parameters
+        ----------
+        name : of the table
+        cells : by column and line
+        headings : of the columns
+        units : by heading, if they are not in the headings
+        about : `place` and `above`
+        """
+        labels = pd.Index(
+            [each.strip() or f"column {number}" for number, each in enumerate(headings, 1)]
+        )
+        repeated = labels.duplicated()
+        cells = cells.set_axis(labels, axis=1).loc[:, ~repeated]
+        for heading in labels:
+            if split_heading(heading).name == MASK:
+                inside = pd.to_numeric(cells.pop(heading), errors="coerce") != 0
+                cells = cells[inside]
+        values, wrong, clocks = numbers(cells)
+        found = {heading: split_heading(heading).unit for heading in cells}
+        found |= {**(units or {}), **dict.fromkeys(clocks, "s")}
+        found = {heading: unit for heading, unit in found.items() if unit and heading in cells}
+        return cls(
+            name, cells, values, wrong, found, clocks, repeated=frozenset(labels[repeated]), **about
+        )
 
     @classmethod
     def of_file(cls, path: Path, headed: bool = True) -> "Frame":
@@ -56,61 +105,31 @@ class Frame:
             if the file cannot be read, or has no table
         """
         content = content_of_file(path, HEAD)
-        if len(content) == HEAD:
-            head = text_of(content[: content.rfind(b"\n") + 1], path)
-            frame = cls._of_plain(path, head, headed)
-            if frame is not None:
-                return frame._without_masked()
-            content = content_of_file(path)
-        headings, rows, _ = layout_of(path, text_of(content, path))
-        cells = pd.DataFrame([*rows.values()], [*rows], dtype=object)
-        return cls._named(path, headings, cells, headed)._without_masked()
-
-    @classmethod
-    def _of_plain(cls, path: Path, head: str, headed: bool) -> "Frame | None":
-        """Return the table in a large file, if its rows are plain numbers; else None."""
-        try:
-            headings, rows, delimiter = layout_of(path, head)
-        except SceneError:
-            return None
-        sample = pd.DataFrame([*rows.values()], dtype=str)
-        first, marks = next(iter(rows)), marks_of(sample[key] for key in sample)
-        try:
-            cells = pd.read_csv(
-                path,
-                sep=delimiter or r"\s+",
-                decimal="." if "." in marks else ",",
-                header=None,
-                skiprows=first - 1,
-                dtype=float,
-                # an empty line or cell is none of these, and no number
-                keep_default_na=False,
-                na_values=["nan", "NaN"],
-                skip_blank_lines=False,
-                # a quote in a comment would hide lines
-                quoting=csv.QUOTE_NONE,
-                encoding="latin-1",
-            )
-        except ValueError:
-            return None
-        if cells.shape[1] != sample.shape[1]:
-            return None
-        cells.index = pd.RangeIndex(first, first + len(cells))
-        return cls._named(path, headings, cells, headed)
-
-    @classmethod
-    def _named(cls, path: Path, headings: list[str], cells: pd.DataFrame, headed: bool) -> "Frame":
-        if headed and not headings:
+        plain = _plain_rows(path, content) if len(content) == HEAD else None
+        if plain:
+            layout, cells = plain
+        else:
+            layout = layout_of(path, text_of(content_of_file(path), path))
+            cells = pd.DataFrame([*layout.rows.values()], [*layout.rows], dtype=object)
+        if headed and not layout.headings:
             raise SceneError(
                 f"{path}, line {cells.index[0]}: the first line must name the columns; give names, "
                 "as in time,radius,pressure"
             )
-        cells, repeated = _distinct(cells, headings or [*map(str, cells)])
-        return cls(str(path), cells, {}, "line", repeated)
+        headings = layout.headings or [*map(str, cells)]
+        return cls.of(str(path), cells, headings, place="line", above=layout.above)
 
     @classmethod
-    def of_pandas(cls, table: pd.DataFrame, name: str) -> "Frame":
+    def of_pandas(
+        cls, table: pd.DataFrame, name: str, units: Mapping[str, str] | None = None
+    ) -> "Frame":
         """Return a table of pandas, whose cells may be durations, dates or quantities of pint.
+
+        Parameters
+        ----------
+        table : headings of several levels are those of the last one, if that has names
+        name : of the table
+        units : by heading, if they are not in the headings
 
         Raises
         ------
@@ -119,13 +138,24 @@ class Frame:
         """
         if table.index.names != [None] or not table.index.is_unique:
             table = table.reset_index(drop=table.index.names == [None])
-        table, repeated = _distinct(table, [*map(_heading, table)])
-        columns, stated = dict[str, Any](), dict[str, str]()
+        headings, columns, units = list[str](), list["pd.Series[Any]"](), dict(units or {})
         for label, column in table.items():
-            columns[str(label)], unit = _plain(column, f"{name}, column {label!r}")
-            stated |= {str(label): unit} if unit else {}
-        cells = pd.DataFrame(columns, table.index)
-        return cls(name, cells, stated, repeated=repeated)._without_masked()
+            several = isinstance(label, tuple) and not isinstance(label[-1], str)
+            last = label[-1] if isinstance(label, tuple) else label
+            headings.append(" ".join(map(str, label)) if several else str(last))
+            if column.dtype.kind not in "iuf":
+                given = {str(cell.units) for cell in column if hasattr(cell, "units")}
+                if len(given) > 1:
+                    raise SceneError(
+                        f"{name}, column {headings[-1]!r} has the units "
+                        f"{', '.join(sorted(given))}: give one"
+                    )
+                units |= dict.fromkeys(headings[-1:], "".join(given)) if given else {}
+                # dates and durations have the form of texts, which are read as seconds
+                column = column.astype(object).map(lambda cell: getattr(cell, "magnitude", cell))
+                column = column.map(str).where(column.notna(), "")
+            columns.append(column)
+        return cls.of(name, pd.concat(columns, axis=1), headings, units)
 
     @classmethod
     def of_xarray(cls, data: Any, name: str) -> "Frame":
@@ -134,39 +164,9 @@ class Frame:
         units = {str(key): str(data[key].attrs.get("units", "")) for key in data.variables}
         # seconds since a date
         units = {key: unit.partition(" since ")[0] for key, unit in units.items()}
-        frame = cls.of_pandas(data.to_dataframe(), name)
         known = {key: unit for key, unit in units.items() if unit not in ("", "1")}
-        return replace(frame, stated=known | dict(frame.stated))
-
-    def _without_masked(self) -> "Frame":
-        """Return the table without points that are outside of a mesh."""
-        for heading, cells in self.cells.items():
-            if split_heading(str(heading)).name == MASK:
-                inside = pd.to_numeric(cells, errors="coerce") != 0
-                return replace(self, cells=self.cells[inside].drop(columns=heading))
-        return self
-
-    @cached_property
-    def _read(self) -> Numbers:
-        return numbers(self.cells)
-
-    @property
-    def values(self) -> pd.DataFrame:
-        """Numbers by heading; NaN in cells that are missing or no numbers."""
-        return self._read.values
-
-    @property
-    def clocks(self) -> frozenset[str]:
-        """Headings of columns of times of the day or dates, which are in seconds."""
-        return self._read.clocks
-
-    @cached_property
-    def units(self) -> dict[str, str]:
-        """Units by heading, where they are known."""
-        units = {heading: split_heading(heading).unit for heading in self.cells}
-        units |= {key: unit for key, unit in self.stated.items() if key in units}
-        units |= dict.fromkeys(self.clocks, "s")
-        return {key: unit for key, unit in units.items() if unit}
+        rows = data if data.dims else data.expand_dims("row")
+        return cls.of_pandas(rows.to_dataframe(), name, known)
 
     def refuse_faults(self, columns: Mapping[str, str]) -> None:
         """Refuse headings that are open, and cells that are neither numbers nor missing.
@@ -194,8 +194,8 @@ class Frame:
                     f"{self.name}: the unit of {heading!r} may be another one: write it as in MPa, "
                     "um or 1e-3 Pa"
                 )
-            if heading in self._read.wrong:
-                wrong = self._read.wrong[heading]
+            if heading in self.wrong:
+                wrong = self.wrong[heading]
                 place = f"{self.name}, {self.place} {wrong.index[0]}, column {name!r}"
                 refuse(place, wrong.iloc[0])
 
@@ -239,44 +239,45 @@ class Frame:
             moment = float(found["time"])
             table = tables.setdefault(moment, others.assign(**{time: moment}))
             table[found["heading"]] = self.cells[heading]
-        cells = pd.concat(tables.values(), ignore_index=True)
         # lines of the file are no rows any more
-        return Frame(self.name, cells, {}, repeated=self.repeated)
+        cells = pd.concat(tables.values(), ignore_index=True)
+        return replace(Frame.of(self.name, cells, [*cells]), repeated=self.repeated)
 
 
-def _distinct(table: pd.DataFrame, headings: Sequence[str]) -> tuple[pd.DataFrame, frozenset[str]]:
-    """Return the first column of each heading, with numbers in place of those that are empty.
+def _plain_rows(path: Path, content: bytes) -> tuple[Layout, pd.DataFrame] | None:
+    """Return the layout and the rows of a large file, if all are plain numbers; else None.
 
-    The headings of further columns are returned as well.
+    Parameters
+    ----------
+    path : of the file
+    content : its beginning
     """
-    labels = [each.strip() or f"column {number}" for number, each in enumerate(headings, 1)]
-    first = [number for number, label in enumerate(labels) if label not in labels[:number]]
-    distinct = table.iloc[:, first].set_axis([labels[number] for number in first], axis=1)
-    return distinct, frozenset(label for label in labels if labels.count(label) > 1)
-
-
-def _heading(label: object) -> str:
-    """Return the heading of a column of pandas: of several levels the last, if it is a name."""
-    if isinstance(label, tuple):
-        return label[-1] if isinstance(label[-1], str) else " ".join(map(str, label))
-    return str(label)
-
-
-def _plain(column: "pd.Series[Any]", place: str) -> tuple["pd.Series[Any]", str]:
-    """Return a column of pandas as texts or numbers, and its unit, if its cells have one."""
-    types = pd.api.types
-    if types.is_datetime64_any_dtype(column):
-        column = column - column.min()
-    if types.is_timedelta64_dtype(column):
-        return column.dt.total_seconds(), "s"
-    plain = types.is_numeric_dtype(column) and not types.is_bool_dtype(column)
-    if plain and not types.is_complex_dtype(column):
-        return column, ""
-    units = {str(cell.units) for cell in column if hasattr(cell, "units")}
-    if len(units) > 1:
-        raise SceneError(f"{place} has the units {', '.join(sorted(units))}: give one")
-    plain = column.astype(object).map(lambda cell: getattr(cell, "magnitude", cell))
-    return plain.map(str).where(plain.notna(), ""), next(iter(units), "")
+    try:
+        layout = layout_of(path, text_of(content[: content.rfind(b"\n") + 1], path))
+    except SceneError:
+        return None
+    sample = pd.DataFrame([*layout.rows.values()], dtype=str)
+    first, marks = next(iter(layout.rows)), marks_of(sample[key] for key in sample)
+    try:
+        cells = pd.read_csv(
+            path,
+            sep=layout.delimiter or r"\s+",
+            decimal="." if "." in marks else ",",
+            header=None,
+            skiprows=first - 1,
+            dtype=float,
+            # an empty line or cell is none of these, and no number
+            keep_default_na=False,
+            na_values=["nan", "NaN"],
+            skip_blank_lines=False,
+            # a quote in a comment would hide lines
+            quoting=csv.QUOTE_NONE,
+            encoding="latin-1",
+        )
+    except ValueError:
+        return None
+    cells.index = pd.RangeIndex(first, first + len(cells))
+    return (layout, cells) if cells.shape[1] == sample.shape[1] else None
 
 
 def surface_table(points: Array, arrays: Mapping[str, Array]) -> pd.DataFrame:
@@ -314,3 +315,30 @@ def surface_table(points: Array, arrays: Mapping[str, Array]) -> pd.DataFrame:
             columns[f"{quantity}_zz{mark}{time}"] = components[{6: axis, 9: 4 * axis}[count]]
     table = pd.DataFrame(columns)[on_surface]
     return table.groupby("radius").first().reset_index()
+
+
+def on_circles(table: pd.DataFrame) -> tuple[pd.DataFrame, "pd.Series[float]"]:
+    """Return the means of values on a grid over circles around its origin, and their spreads.
+
+    A spread is the greatest difference of two values on one circle. If the points lie on more than
+    `MOST_CIRCLES` circles, those of neighbouring circles are put together; they have their mean
+    radius.
+
+    Parameters
+    ----------
+    table : with columns x and y, perhaps time, and values
+
+    Returns
+    -------
+    means, spreads
+        means with the radius and, if it is given, the time; spreads by the names of the values
+    """
+    radii = np.hypot(table["x"], table["y"])
+    greatest = float(radii.max()) or 1.0
+    circles = np.round(radii / greatest / ROUNDOFF)
+    if circles.nunique() > MOST_CIRCLES:
+        circles = np.round(radii / greatest * MOST_CIRCLES)
+    values = table.drop(columns=["x", "y"]).assign(radius=radii, circle=circles)
+    groups = values.groupby([*values.columns.intersection(["time"]), "circle"])
+    spreads = (groups.max() - groups.min()).max().drop("radius")
+    return groups.mean().reset_index().drop(columns="circle"), spreads

@@ -72,6 +72,8 @@ NAMES = (
     Name("height", "length", r"y"),
 )
 """Names of quantities; for each of them, the first that matches a heading is used."""
+PER_RING = ("worn_volume", "lost_mass")
+"""Quantities that may be those of one ring, whose number is then at the end of the name."""
 KINDS = {each.name: each.kind for each in NAMES}
 """Kinds of units of columns, by our names."""
 
@@ -148,8 +150,10 @@ def name_of(heading: str, wanted: Container[str] = KINDS) -> tuple[int, Name] | 
     wanted : our names of which it may be one
     """
     name, unit = split_heading(heading)
-    if name in wanted:
-        return -1, Name(name, KINDS.get(name, ""), name)
+    # that of a ring
+    base = re.sub(r"_\d+$", "", name)
+    if name in wanted or (base in wanted and base in PER_RING):
+        return -1, Name(name, KINDS.get(base, ""), name)
     for place, entry in enumerate(NAMES):
         # F [N] is a force
         of_unit = entry.kind in INDICES.get(unit, KINDS.values())

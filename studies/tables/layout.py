@@ -3,10 +3,10 @@
 import csv
 import os
 import re
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from statistics import mode
 from typing import NamedTuple
 
 from ...meshes import SceneError
@@ -15,8 +15,8 @@ from .numbers import is_missing, is_number
 
 COMMENT = re.compile(r"\s*(?:[#%!]+(?!N/A|DIV|VALUE|NUM|REF)|//)\s*(.*)")
 """A line that is a comment, and its text."""
-REMARK = re.compile(r"\s+(?:#(?!N/A|DIV|VALUE|NUM|REF)|//|!).*")
-"""A comment at the end of a line."""
+REMARK = re.compile(r"^(\s*[-+.\d].*?)\s+(?:#(?!N/A|DIV|VALUE|NUM|REF)|//|!).*")
+"""A row of numbers, and a comment at its end; in a heading, # is a number: Sample #."""
 RULE = re.compile(r"[-=+|:\s]*--[-=+|:\s]*")
 """A line under headings, as in Markdown."""
 DELIMITERS = (";", "\t", "|", ",", "")
@@ -39,7 +39,6 @@ FORMATS = {
 """What a file is that begins with a text, and what to give instead."""
 SAMPLE = 200
 """Number of lines at the end that show the delimiter and the width of a table."""
-NO_ROWS = "has no rows: give names of columns, and numbers below them"
 
 
 class Layout(NamedTuple):
@@ -50,11 +49,13 @@ class Layout(NamedTuple):
     headings : as the file has them, with units of a row of their own in brackets; empty if none
     rows : cells by line number
     delimiter : between the cells of a row; empty if spaces are
+    above : the text above the rows
     """
 
     headings: list[str]
     rows: dict[int, list[str]]
     delimiter: str
+    above: str
 
 
 def content_of_file(path: Path, size: int = -1) -> bytes:
@@ -134,30 +135,25 @@ def layout_of(path: Path | str, text: str) -> Layout:
         if there are no rows, if a row has another length than the others, or if a line of text is
         between rows of numbers; it names the line
     """
-    lines, comments = dict[int, str](), list[str]()
-    for number, line in enumerate(re.split(r"\r\n?|\n", text), 1):
-        start = line.lstrip()[:1]
-        if not start:
-            continue
-        if start in "#%!/" and (comment := COMMENT.fullmatch(line)):
+    lines, comments, all_lines = dict[int, str](), list[str](), re.split(r"\r\n?|\n", text)
+    for number, line in enumerate(all_lines, 1):
+        if comment := COMMENT.fullmatch(line):
             comments += [] if lines else [comment[1]]
-        elif start not in "-=+|:" or not RULE.fullmatch(line):
-            # in a heading, # is a number: Sample #
-            if start in "+-.0123456789" and ("#" in line or "/" in line or "!" in line):
-                line = REMARK.sub("", line)
-            line = line.strip()
+        elif line.strip() and not RULE.fullmatch(line):
+            line = REMARK.sub(r"\1", line).strip()
             # a row of Markdown has a mark at both ends
-            lines[number] = line[1:-1] if start == "|" and line.endswith("|") else line
-    if not lines:
-        raise SceneError(f"{path} {NO_ROWS}")
+            lines[number] = line[1:-1] if line[0] == "|" == line[-1] else line
     last = [*lines.values()][-SAMPLE:]
     delimiter = max(DELIMITERS, key=lambda each: _fit(last, each))
     rows = {number: cells_of(line, delimiter) for number, line in lines.items()}
-    width, words = _usual([*rows.values()][-SAMPLE:])
+    numeric = [cells for cells in [*rows.values()][-SAMPLE:] if any(map(is_number, cells))]
+    width = mode(map(len, numeric)) if numeric else 0
+    words = mode(_words(cells) for cells in numeric if len(cells) == width) if numeric else 0
     first = next((number for number in rows if _fits(rows[number], width, words)), None)
     if first is None:
-        raise SceneError(f"{path} {NO_ROWS}")
-    above = [lines[number] for number in lines if number < first]
+        raise SceneError(f"{path} has no rows: give names of columns, and numbers below them")
+    # a line between has the number of rows
+    above = [lines[number] for number in lines if number < first and not lines[number].isdigit()]
     rows = {number: cells for number, cells in rows.items() if number >= first}
     for number, cells in rows.items():
         uneven = len(cells) != width
@@ -175,11 +171,10 @@ def layout_of(path: Path | str, text: str) -> Layout:
         filled -= 1
     headings = _headings(above, comments, delimiter, filled)
     headings = headings or _headings(above, comments, delimiter, width)
-    if len(above) == 1 and not headings and not above[0].isdigit():
+    if len(above) == 1 and not headings:
         raise _unequal(path, first, width, len(cells_of(above[0], delimiter)))
-    if (len(headings) or filled) < width:
-        rows = {key: cells[: len(headings) or filled] for key, cells in rows.items()}
-    return Layout(headings, rows, delimiter)
+    rows = {number: cells[: len(headings) or filled] for number, cells in rows.items()}
+    return Layout(headings, rows, delimiter, "\n".join(all_lines[: first - 1]))
 
 
 def _unequal(path: Path | str, line: int, cells: int, columns: int) -> SceneError:
@@ -216,14 +211,6 @@ def _fit(lines: list[str], delimiter: str) -> tuple[int, int]:
     return sum(len(cells) - 2 * _words(cells) for cells in rows), len(rows)
 
 
-def _usual(rows: list[list[str]]) -> tuple[int, int]:
-    """Return the usual number of cells in rows, and of words among them."""
-    numeric = [cells for cells in rows if any(map(is_number, cells))] or rows
-    width = Counter(len(cells) for cells in numeric).most_common(1)[0][0]
-    words = Counter(_words(cells) for cells in numeric if len(cells) == width)
-    return width, max(words, key=lambda each: (words[each], -each))
-
-
 def _fits(cells: list[str], width: int, words: int) -> bool:
     """Return whether a row is one of numbers; one that begins with a number has a wrong cell."""
     few = _words(cells) <= words or is_number(cells[0])
@@ -235,9 +222,6 @@ def _headings(
 ) -> list[str]:
     """Return the headings in the lines above the numbers, or in the last comment; else none."""
     splits = [_split_above(line, delimiter, width) for line in above]
-    # a line between has the number of rows
-    while splits and not splits[-1] and above[len(splits) - 1].strip().isdigit():
-        splits.pop()
     last = splits.pop() if splits else []
     # one unit of a row may be misspelt, and is refused later
     count = sum(map(is_unit, filter(None, last)))

@@ -66,6 +66,17 @@ def is_number(cell: str) -> bool:
     return any(pattern.fullmatch(cell) for pattern in patterns)
 
 
+def fortran_number(text: str) -> float:
+    """Return the number in a text, whose exponent may be written as in Fortran.
+
+    Raises
+    ------
+    ValueError
+        if the text is no number
+    """
+    return float(EXPONENT.sub("e", text, count=1))
+
+
 def is_missing(cell: str) -> bool:
     """Return whether a cell says that there is no value."""
     return MISSING.fullmatch(_clean(cell)) is not None
@@ -89,30 +100,24 @@ def numbers(cells: pd.DataFrame) -> Numbers:
 
     Dates are seconds since the first.
     """
-    texts = cells.select_dtypes(exclude="number")
-    # most cells are plain, and pandas reads them at once
-    plain = texts.apply(pd.to_numeric, errors="coerce").astype(float)
-    odd = dict[str, Any]()
-    for key, column in texts.items():
-        odd[key] = column[plain[key].isna()].map(_clean)
-        odd[key] = odd[key][~odd[key].str.fullmatch(MISSING)]
+    values, wrong, clocks = cells.copy(), dict[str, Any](), set[str]()
+    texts = cells.select_dtypes(exclude="number").map(_clean)
+    given = {str(key): column[~column.str.fullmatch(MISSING)] for key, column in texts.items()}
     marks = {"."}
-    if any(column.str.contains(",").any() for column in odd.values()):
-        # a point may be between thousands, if another cell has a decimal comma
-        odd = {key: texts[key].map(_clean) for key in odd}
-        odd = {key: column[~column.str.fullmatch(MISSING)] for key, column in odd.items()}
-        marks = marks_of(odd.values()) or set(GRAMMARS)
-    wrong, clocks = dict[str, Any](), set[str]()
-    for key, column in odd.items():
-        found = _seconds(column) if plain[key].isna().all() else None
+    if any(column.str.contains(",").any() for column in given.values()):
+        marks = marks_of(given.values()) or set(GRAMMARS)
+    for key, column in given.items():
+        found = _seconds(column)
         if found is not None:
-            clocks.add(str(key))
+            clocks.add(key)
         else:
-            found = _column(column, marks & marks_of([column]) or marks_of([column]))
-        plain.loc[column.index, key] = found
+            found = pd.to_numeric(column, errors="coerce")
+            # a point may be between thousands, if another cell has a decimal comma
+            if found.isna().any() or marks != {"."}:
+                found = _column(column, marks & marks_of([column]) or marks_of([column]))
+        values[key] = found
         if found.isna().any():
-            wrong[str(key)] = texts[key][found.index[found.isna()]]
-    values = cells.assign(**{str(key): plain[key] for key in plain}) if len(odd) else cells
+            wrong[key] = cells[key][found.index[found.isna()]]
     return Numbers(values.astype(float), wrong, frozenset(clocks))
 
 
@@ -123,8 +128,9 @@ def _seconds(column: "pd.Series[str]") -> "pd.Series[float] | None":
         return None
     if column.str.fullmatch(CLOCK).all():
         times = pd.to_timedelta(column.str.replace(r",(?=\d)", ".", regex=True))
-        # after midnight, clocks begin again
-        times = times.mask(times.diff() < pd.Timedelta(hours=-12))
+        # after midnight, clocks begin again, but not durations of pandas
+        again = (times.diff() < pd.Timedelta(hours=-12)) & ~column.str.contains("day")
+        times = times.mask(again)
     elif column.str.fullmatch(DATE).all():
         dates = pd.to_datetime(column.str.replace(",", "."), format="ISO8601", utc=True)
         times = dates - dates.min()

@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from ...meshes import Array, SceneError
-from .circles import ROUNDOFF, on_circles
-from .frame import HEAD, Frame
+from .frame import ROUNDOFF, Frame, on_circles
 from .headings import name_of, split_heading
-from .layout import content_of_file, text_of
 
 UNIT_LINE = re.compile(
     r"^.*\bunits?\b.*[:=,;\t ]\W*([nuµμmc]?m|micro\w+|in|inch)\b.*$", re.I | re.M
@@ -23,8 +22,8 @@ UNIT_LINE = re.compile(
 """A line above the numbers that states a unit of length."""
 SLOPE_KEPT = 0.05
 """A slope at the axis is mentioned if it makes this part of all height differences."""
-POWERS = (0, 1, 2, 4, 6)
-"""Powers of the radius of which the slope at the axis is one, in a fit of a scan along a radius."""
+POWERS = (2, 4, 6)
+"""Powers of the radius, besides an offset and slopes, in a fit of a scan."""
 
 
 class Scan(NamedTuple):
@@ -66,40 +65,77 @@ def read_scan(path: Path, center: bool = False, level: bool = False) -> Scan:
             f"{path} has units at some columns only ({', '.join(columns)}): give one at each, as "
             "in x [mm], z [um]"
         )
-    elsewhere = UNIT_LINE.search(text_of(content_of_file(path, HEAD), path))
+    elsewhere = UNIT_LINE.search(frame.above)
     if elsewhere and not any(units):
         raise SceneError(
             f"{path} has a unit outside of its headings, {elsewhere[0].strip()!r}: give one in "
             "each heading, as in x [mm], z [um]"
         )
     frame.refuse_faults(dict(zip(columns, columns, strict=True)))
-    numbers = frame.values[columns].to_numpy(dtype=float)
-    known, notes = np.isfinite(numbers).all(axis=1), list[str]()
-    heading = columns[-1]
-    if "depth" in heading.lower():
-        notes.append(f"{heading} is read as the depth of missing material, not as a height below 0")
-    if not known.all():
-        notes.append(f"{np.count_nonzero(~known)} of {len(known)} values left out: no numbers")
-    numbers = numbers[known]
-    if len(numbers) < 2:
-        raise SceneError(
-            f"{path} has {len(numbers)} rows of numbers: give at least two, position and height"
+    rows, notes = frame.values[columns], list[str]()
+    if "depth" in columns[-1].lower():
+        notes.append(
+            f"{columns[-1]} is read as the depth of missing material, not as a height below 0"
         )
-    heights = numbers[:, -1]
-    constant = [number for number in range(numbers.shape[1] - 1) if not np.ptp(numbers[:, number])]
-    if numbers.shape[1] == 3 and len(constant) == 1:
-        across = constant[0]
-        notes.append(f"a line, because {columns[across]} is {numbers[0, across]:g} everywhere")
-        numbers = np.delete(numbers, across, axis=1)
-    if numbers.shape[1] == 3:
-        radii, heights = _of_map(numbers[:, :2], heights, center, level, notes)
-    elif len(np.unique(numbers[:, 0])) <= len(numbers) / 2:
+    known = rows.replace([np.inf, -np.inf], np.nan).dropna().astype(float)
+    if len(known) < len(rows):
+        notes.append(f"{len(rows) - len(known)} of {len(rows)} values left out: no numbers")
+    if len(known) < 2:
+        raise SceneError(
+            f"{path} has {len(known)} rows of numbers: give at least two, position and height"
+        )
+    constant = [column for column in columns[:-1] if known[column].nunique() == 1]
+    if len(columns) == 3 and len(constant) == 1:
+        value = known.pop(constant[0]).iloc[0]
+        notes.append(f"a line, because {constant[0]} is {value:g} everywhere")
+    places, heights = known.to_numpy()[:, :-1], known.to_numpy()[:, -1]
+    is_line = places.shape[1] == 1
+    if is_line and 2 * len(np.unique(places)) <= len(places):
         raise SceneError(f"{path} has each position twice or more: give each curve in a file")
+    if center:
+        middle = (places.max(axis=0) + places.min(axis=0)) / 2
+        _, slopes, square, _ = _fit(places, heights, POWERS[:1])
+        if square and not level:
+            middle = -slopes / (2 * square)
+        places = places - middle
+        notes.append(f"the axis is at the position {_listed(middle, 6)} of the scan")
+    # a position at the axis that is not 0 by roundoff
+    places = np.where(np.abs(places) < ROUNDOFF * np.ptp(places, axis=0), 0.0, places)
+    if is_line and places.max() <= 0:
+        places = -places
+    offset, slopes, _, misfit = _fit(places, heights, POWERS)
+    noticeable = SLOPE_KEPT * np.ptp(heights)
+    if level:
+        heights = heights - offset - places @ slopes
+        notes.append(f"an offset of {offset:.3g} and a slope of {_listed(slopes, 3)} were removed")
+    elif (
+        is_line
+        and places.min() >= 0 > heights.min()
+        and abs(slopes[0]) * places.max() > noticeable > misfit
+    ):
+        notes.append(
+            f"the slope of {slopes[0]:.3g} at the axis was kept, because it may be real; level = "
+            "true removes it"
+        )
+    if is_line:
+        radii, heights = _folded(places[:, 0], heights, notes)
     else:
-        radii, heights = _of_line(numbers[:, 0], heights, center, level, notes)
+        means, spreads = on_circles(
+            pd.DataFrame({"x": places[:, 0], "y": places[:, 1], "z": heights})
+        )
+        radii, heights = means[["radius", "z"]].to_numpy().T
+        notes.append(
+            f"a map: means over {len(radii)} circles around the axis, on which heights differ by "
+            f"up to {spreads['z']:.3g}"
+        )
+        radii, heights = _with_axis(radii, heights)
     if level or heights.min() < 0:
         heights = heights - heights.min()
     return Scan(radii, heights, (units[0], units[-1]), tuple(notes))
+
+
+def _listed(values: Array, digits: int) -> str:
+    return ", ".join(f"{value:.{digits}g}" for value in values)
 
 
 def _columns(frame: Frame) -> list[str]:
@@ -108,15 +144,15 @@ def _columns(frame: Frame) -> list[str]:
     names = [split_heading(heading).name for heading in headings]
     positions = _known(headings, ("radius", "position"))
     heights = _known(headings, ("height",))
-    if len(headings) == 2:
-        swapped = heights == headings[:1] and positions == headings[1:]
-        return headings[::-1] if swapped else headings
-    if len(headings) == 3 and (names[0].isdigit() or names[:2] == ["x", "y"]):
+    if {"x", "y"} <= {*names} and heights != [headings[names.index("y")]]:
+        positions = [headings[names.index("x")], headings[names.index("y")]]
+    chosen = [*positions, *heights]
+    # else columns are in their usual order
+    in_order = len(headings) == 3 and (names[0].isdigit() or names[:2] == ["x", "y"])
+    if (len(headings) == 2 or in_order) and {*chosen} != {*headings}:
         return headings
-    if {"x", "y"} <= set(names) and heights and split_heading(heights[0]).name != "y":
-        return [headings[names.index("x")], headings[names.index("y")], heights[0]]
-    if len(positions) == 1 and len(heights) == 1:
-        return [positions[0], heights[0]]
+    if len(heights) == 1 and len(positions) in (1, 2 * ("x" in names and "y" in names)):
+        return chosen
     listed = ", ".join(headings) if len(headings) > 1 else "one"
     raise SceneError(
         f"{frame.name} has the columns {listed}: give two, radius and height, or three, x, y and "
@@ -131,105 +167,49 @@ def _known(headings: list[str], wanted: tuple[str, ...]) -> list[str]:
     return [heading for place, heading in found if place == least]
 
 
-def _of_line(
-    positions: Array, heights: Array, center: bool, level: bool, notes: list[str]
-) -> tuple[Array, Array]:
-    """Return radii and heights of a scan along a line."""
-    order = np.argsort(positions, kind="stable")
-    positions, heights = positions[order], heights[order]
-    if center:
-        middle = _vertex(positions, heights, level)
-        positions = positions - middle
-        notes.append(f"the axis is at the position {middle:.6g} of the scan")
-    # a position at the axis that is not 0 by roundoff
-    positions = np.where(np.abs(positions) < ROUNDOFF * np.ptp(positions), 0.0, positions)
-    if positions[0] >= 0:
-        return positions, _leveled_radius(positions, heights, level, notes)
-    if positions[-1] <= 0:
-        return -positions[::-1], _leveled_radius(-positions[::-1], heights[::-1], level, notes)
-    # over a diameter, the tilt is the part that differs between the halves
-    grid: Array = np.unique(np.round(np.abs(positions), 12))
-    reach = min(positions[-1], -positions[0]) * (1 + 1e-9)
-    halves: list[Array] = [
-        np.interp(grid, side[0], side[1], right=np.nan)
-        for side in (
-            (positions[positions >= 0], heights[positions >= 0]),
-            (-positions[positions <= 0][::-1], heights[positions <= 0][::-1]),
-        )
-    ]
-    halves = [np.where(np.isnan(half), other, half) for half, other in (halves, halves[::-1])]
-    both, difference = grid <= reach, (halves[0] - halves[1]) / 2
-    if level:
-        tilt = float(grid[both] @ difference[both] / (grid[both] @ grid[both]))
-        notes.append(f"a tilt of {tilt:.3g} was removed")
-        halves = [halves[0] - tilt * grid, halves[1] + tilt * grid]
-    mean = (halves[0] + halves[1]) / 2
-    apart = float(np.abs(halves[0] - halves[1])[both].max())
-    notes.append(f"a scan over the diameter: its halves differ by up to {apart:.3g}")
-    return _with_axis(grid, mean)
+def _fit(
+    places: Array, heights: Array, powers: tuple[int, ...]
+) -> tuple[float, Array, float, float]:
+    """Fit a tilted face: an offset, slopes, and even powers of the distance from the axis.
 
+    Only places whose mirror images are in the scan are used, if they are most of it.
 
-def _of_map(
-    places: Array, heights: Array, center: bool, level: bool, notes: list[str]
-) -> tuple[Array, Array]:
-    """Return radii and mean heights on circles of a map."""
-    middle: Array = np.zeros(2)
-    if center:
-        middle = (places.max(axis=0) + places.min(axis=0)) / 2
-        tilt, square = _paraboloid(places, heights)
-        if square and not level:
-            middle = -tilt / (2 * square)
-        notes.append(f"the axis is at x = {middle[0]:.6g}, y = {middle[1]:.6g} of the map")
-    if level:
-        tilt, _ = _paraboloid(places - middle, heights)
-        heights = heights - (places - middle) @ tilt
-        notes.append(f"tilts of {tilt[0]:.3g} and {tilt[1]:.3g} were removed")
-    shifted_x, shifted_y = (places - middle).T
-    radii, means, spread = on_circles(shifted_x, shifted_y, heights)
-    notes.append(
-        f"a map: means over {len(radii)} circles around the axis, on which heights differ by up to "
-        f"{spread:.3g}"
-    )
-    return _with_axis(radii, means)
+    Parameters
+    ----------
+    places : (n, 1 or 2) positions from the axis
+    heights : (n,) heights
+    powers : of the distance; those that the number of places determines are used
 
-
-def _paraboloid(places: Array, heights: Array) -> tuple[Array, float]:
-    """Return the slopes (2,) at the origin of the nearest paraboloid, and the factor of r^2."""
-    design = np.column_stack([np.ones(len(places)), places, (places**2).sum(axis=1)])
-    _, *slopes, square = np.linalg.lstsq(design, heights, rcond=None)[0]
-    return np.array(slopes), float(square)
-
-
-def _vertex(positions: Array, heights: Array, level: bool) -> float:
-    """Return the position of the axis in a scan: its lowest or highest point, or its middle."""
-    if level:
-        return float(positions[0] + positions[-1]) / 2
-    square, slope, _ = np.polyfit(positions, heights, 2)
-    return float(-slope / (2 * square)) if square else 0.0
-
-
-def _leveled_radius(radii: Array, heights: Array, level: bool, notes: list[str]) -> Array:
-    """Return heights along a radius, without offset and slope at the axis if they are removed.
-
-    The slope at the axis of a smooth face is zero. It is that of a fit with a straight line and
-    even powers of the radius.
+    Returns
+    -------
+    offset, slopes (1 or 2,) at the axis, factor of the square, and the greatest misfit
     """
-    powers = [power for power in POWERS if power < len(radii)]
-    reach = float(radii[-1]) or 1.0
-    design = (radii[:, None] / reach) ** np.array(powers)
-    fitted = np.linalg.lstsq(design, heights, rcond=None)[0]
-    slope = float(fitted[1] / reach) if len(powers) > 2 else 0.0
-    if level:
-        notes.append(f"an offset of {fitted[0]:.3g} and a slope of {slope:.3g} were removed")
-        return heights - fitted[0] - slope * radii
-    misfit = np.abs(design @ fitted - heights).max()
-    noticeable = SLOPE_KEPT * np.ptp(heights)
-    if heights.min() < 0 and abs(slope) * reach > noticeable > misfit:
-        notes.append(
-            f"the slope of {slope:.3g} at the axis was kept, because it may be real; level = true "
-            "removes it"
-        )
-    return heights
+    radii = np.linalg.norm(places, axis=1)
+    mirrored = radii <= np.minimum(places.max(axis=0), -places.min(axis=0)).min() * (1 + ROUNDOFF)
+    used = mirrored if 2 * mirrored.sum() > len(radii) else radii >= 0
+    reach = float(radii.max()) or 1.0
+    columns = [(radii / reach) ** power for power in powers if power < len(radii)]
+    design = np.column_stack([np.ones(len(radii)), places / reach, *columns])
+    factors = np.linalg.lstsq(design[used], heights[used], rcond=None)[0]
+    count = 1 + places.shape[1]
+    square = factors[count] / reach**2 if columns else 0.0
+    misfit = np.abs(design @ factors - heights).max()
+    return float(factors[0]), factors[1:count] / reach, float(square), float(misfit)
+
+
+def _folded(positions: Array, heights: Array, notes: list[str]) -> tuple[Array, Array]:
+    """Return radii and heights of a line; over a diameter, the means of its halves."""
+    line = pd.Series(heights, positions).sort_index(kind="stable")
+    if positions.min() >= 0:
+        return line.index.to_numpy(), line.to_numpy()
+    grid = np.unique(np.round(np.abs(positions), 12))
+    sides = line[line.index >= 0], line[line.index <= 0].rename(index=np.negative)[::-1]
+    halves = pd.DataFrame(
+        [np.interp(grid, side.index, side, right=np.nan) for side in sides], columns=grid
+    )
+    apart = halves.diff().abs().max(axis=None)
+    notes.append(f"a scan over the diameter: its halves differ by up to {apart:.3g}")
+    return _with_axis(grid, halves.mean().to_numpy())
 
 
 def _with_axis(radii: Array, heights: Array) -> tuple[Array, Array]:

@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ringwear import Scene, SceneError
+from ringwear import RingwearError, Scene, SceneError
+from ringwear.meshes.decks import read_deck
 from ringwear.studies.check.tables import read
 from ringwear.studies.crosscheck import profile_of_file
 from ringwear.studies.fit.data import read_measurements
@@ -133,8 +134,9 @@ def values_in(kind, path):
         profile = profile_of_file({"kind": "table"}, path, SCENE.table())
         heights = np.array(profile["heights"])
         if not heights.min():
-            # a fault that makes a height negative shifts all
-            heights += PROFILE["z"].median() - np.median(heights)
+            # a fault that makes a height negative shifts all, but one that makes it 0 does not
+            right = np.interp(profile["radii"], PROFILE["x"], PROFILE["z"])
+            heights += np.median(right - heights)
         return pd.DataFrame({"x": profile["radii"], "z": heights})
     return read_table(str(path)).select_dtypes("number")
 
@@ -228,6 +230,92 @@ def test_a_fault_in_a_file_is_refused_or_seen(tmp_path, caplog):
             changes = ndiff(content.splitlines(), mutated.splitlines())
             shown = "\n".join(each for each in changes if not each.startswith(" "))
             faults.append(f"{name}, {encoding}:\n{shown}\n{fault}")
+    assert not faults, "\n\n".join([f"{len(faults)} faults", *faults[:20]])
+
+
+VTU = """<?xml version="1.0"?>
+<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">
+<UnstructuredGrid><Piece NumberOfPoints="3" NumberOfCells="1">
+<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">
+0 0 0 10 0 0 0 -10 0
+</DataArray></Points>
+<Cells><DataArray type="Int64" Name="connectivity" format="ascii">0 1 2</DataArray>
+<DataArray type="Int64" Name="offsets" format="ascii">3</DataArray>
+<DataArray type="Int64" Name="types" format="ascii">5</DataArray></Cells>
+<PointData><DataArray type="Float64" Name="disp_y" format="ascii">-1 -1 0</DataArray></PointData>
+</Piece></UnstructuredGrid></VTKFile>
+"""
+DECK = """*HEADING
+** times: 0, 1800
+** ring edges: 0, 10
+** wear at inner edges: 1e-9
+** wear at outer edges: 1e-9
+** displacements times: 1
+** lowest height: 0
+*NODE, NSET=ALL
+1, 0, 0, 0.
+2, 5, 0, 0.
+3, 10, 0, 0.
+4, 0, -10, 0.
+*ELEMENT, TYPE=CAX3, ELSET=SOLID
+1, 4, 3, 1
+*NSET, NSET=CONTACT
+1, 2, 3
+"""
+TABLE_OF_DAT = (
+    "forces (fx,fy,fz) for set CONTACT and time {}\n\n 1 0. -1. 0.\n 2 0. -2. 0.\n 3 0. -3. 0.\n"
+)
+TABLE_OF_RPT = (
+    "Step: STEP-{}\n\n  Node   RF.RF2\n Label   @Loc 1\n----\n 1  -1.\n 2  -2.\n 3  -3.\n"
+)
+
+
+def other_files(folder):
+    """Return the contents of files that are no tables of text, by their names."""
+    fields = FIELDS.set_index(["time", "radius"]).to_xarray()
+    contents = {"theirs.vtu": VTU.encode(), "mesh.inp": DECK.encode(), "job.inp": DECK.encode()}
+    for name, table in {"job.dat": TABLE_OF_DAT, "job.rpt": TABLE_OF_RPT}.items():
+        contents[name] = "".join(map(table.format, (1, 2))).encode()
+    for name, form in {"new.nc": "NETCDF4", "old.nc": "NETCDF3_CLASSIC"}.items():
+        fields.to_netcdf(folder / name, format=form)
+        contents[name] = (folder / name).read_bytes()
+    return contents
+
+
+@pytest.mark.nightly
+def test_a_fault_in_a_mesh_or_in_results_is_refused_or_read(tmp_path):
+    """Whatever is in these files, they end in numbers or in one line that names the file."""
+    draw = random.Random(date.today().toordinal())
+    contents, faults = other_files(tmp_path), []
+    for name, content in contents.items():
+        (tmp_path / name).write_bytes(content)
+
+    def read_of(name):
+        if name == "mesh.inp":
+            return read_deck(tmp_path / name).points
+        # a fault of a deck is one of its results
+        path = tmp_path / name.replace("job.inp", "job.dat")
+        return read(path, path.name, SCENE, {}, "", time=0.0)
+
+    for name in contents:
+        assert len(read_of(name)) > 1
+    for _ in range(MUTATIONS):
+        name = draw.choice([*contents])
+        mutated = bytearray(contents[name])
+        for _ in range(draw.choice([1, 1, 4])):
+            mutated[draw.randrange(len(mutated))] = draw.choice(
+                [draw.randrange(256), *b"0.,; -e\n"]
+            )
+        end = draw.choice([len(mutated), len(mutated), draw.randrange(len(mutated))])
+        (tmp_path / name).write_bytes(mutated[:end])
+        try:
+            read_of(name)
+        except RingwearError as error:
+            if name.partition(".")[0] not in str(error) and name != "mesh.inp":
+                faults.append(f"{name}: no file in {error}")
+        except Exception as error:
+            faults.append(f"{name}: {type(error).__name__}: {error}\n{bytes(mutated[:end])!r}")
+        (tmp_path / name).write_bytes(contents[name])
     assert not faults, "\n\n".join([f"{len(faults)} faults", *faults[:20]])
 
 

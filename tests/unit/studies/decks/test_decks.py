@@ -8,7 +8,8 @@ from ringwear.meshes.structured import growing_distances
 from ringwear.studies.check.tables import read
 from ringwear.studies.decks.deck import refusal
 from ringwear.studies.decks.mesh import deck_mesh
-from ringwear.studies.decks.reports import fortran_number, pressures_of, read_dat, read_rpt
+from ringwear.studies.decks.reports import pressures_of, read_dat, read_rpt
+from ringwear.studies.tables.numbers import fortran_number
 
 RINGS = np.array([0.0, 0.3, 0.35, 1.0])
 # the part of a deck that readers use: one ring of two linear elements, radii 0, 1 and 2, two steps
