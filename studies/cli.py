@@ -41,9 +41,11 @@ def _status_of(arguments: list[str] | None) -> Status:
             # modules are loaded here, where an interruption is handled, and not at the top of this
             # file; one that is interrupted while it is loaded fails in other ways
             with signals_wait():
-                from . import commands
-            status: Status = commands.conduct(arguments)
-            return status
+                from .arguments import read_arguments
+            read = read_arguments(sys.argv[1:] if arguments is None else arguments)
+            with signals_wait():
+                from .commands import conduct
+            return conduct(**read, only=arguments is None)
     except KeyboardInterrupt as stop:
         message = str(stop) or STOPPED_IN_WORDS
     except SceneError as error:

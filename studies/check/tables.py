@@ -278,7 +278,7 @@ def _open(path: Path, scene: Scene) -> "pd.DataFrame | xarray.Dataset | Frame":
             import xarray
 
             if path.name == RESULTS and has_checksums(path.parent):
-                return read_folder(path.parent)[0]
+                return read_folder(path.parent)[0].dataset
             with xarray.open_dataset(path) as data:
                 refuse_large(path, data.nbytes)
                 if CHECKSUMS in data.attrs:

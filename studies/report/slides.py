@@ -23,7 +23,7 @@ def slides(result: Result) -> dict[str, Any] | None:
 
     Return None if no profiles and pressures along the radius are available.
     """
-    if not {"profile", "pressure"} <= set(result.dataset):
+    if not result.gives("profile", "pressure"):
         return None
     scale, problem = Scale(result.scene), result.scene.problem
     _, states = result.between

@@ -49,7 +49,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
     """
     first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
     no_results = Solution({}, {}, {}, {})
-    run = tabulate(first, dict.fromkeys(first.methods, no_results))
+    run = tabulate(first, dict.fromkeys(first.methods, no_results)).dataset
     rings = map(len, varied.get("punch.ring_edges", []))
     sizes = dict(run.sizes) | sweep.sizes
     sizes["ring"] = max([run.sizes["ring"], *varied.get("punch.rings", []), *rings])
