@@ -95,9 +95,6 @@ def _run(
     from .crosscheck import RUN_FILES, refuse_beyond_memory, write_numbers
     from .study.own import load_methods
 
-    # collect garbage less often: nearly all objects of a run live to its end, and searching them
-    # takes a tenth of the run
-    gc.set_threshold(50_000, 50, 50)
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
     names = [entry for entry in methods if isinstance(entry, str)] or None
     read = Scene.of(scene, names, **given)
@@ -115,11 +112,11 @@ def _run(
         from .report.printed import print_account
 
         result = run(read, methods=methods or None, memory=memory)
-        write_numbers(result.table, result.summary, folder.hidden, csv)
         account = Account(result)
         page = not (no_figures or no_report)
-        # print the answer before drawing the figures
+        # print the answer before anything is written or drawn
         print_account(account, verbose, page)
+        write_numbers(result.table, result.summary, folder.hidden, csv)
         failures = show(result, account, pictures, folder.hidden, page)
     return _finish(folder, failures, result.verdict != "disagree" and not result.short_of)
 
