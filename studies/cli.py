@@ -37,7 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _status_of(arguments: list[str] | None) -> Status:
     """Conduct a command, and print the message of an error in one line."""
-    # collect garbage less often: nearly all objects live to the end of a command, and searching them
+    # collect garbage less often: most objects live to the end of a command, and to search them
     # takes a tenth of a run
     gc.set_threshold(50_000, 50, 50)
     try:
