@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
+from threadpoolctl import threadpool_limits
+
 from ....meshes.radial import Array
 from ..anchors.anchor import Anchor
 from ..anchors.checks import anchors, expected_anchors
@@ -41,7 +43,9 @@ class Judged:
             name: (report(self.table, name), self.answers[name], solution)
             for name, solution in self.solutions.items()
         }
-        return tuple(anchors(self.scene, reports))
+        # one thread, as for the solutions
+        with threadpool_limits(1):
+            return tuple(anchors(self.scene, reports))
 
     @property
     def missing_anchors(self) -> tuple[str, ...]:
