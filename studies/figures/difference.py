@@ -21,7 +21,7 @@ from .style import (
     set_linear,
     set_logarithmic,
 )
-from .ticks import Decades, one_digit, power_of_ten, short_number
+from .ticks import Decades, one_digit, power_of_ten
 
 # name and symbol of each field, and the symbol of the norm that its differences are divided by
 WORDS = {
@@ -82,7 +82,7 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     names = label_of(comparison.other), label_of(comparison.reference)
     # the names come first, because a long title is cut at its end
     titles = f"{names[0]} minus {names[1]}", title
-    complete(figure, titles, panels.flat, _note(comparison, others), across=0.55, down=0.25)
+    complete(figure, titles, panels.flat, _note(comparison, others), across=0.7, down=0.25)
     if over_time:
         bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
@@ -173,9 +173,10 @@ def _draw_map(
         axes.plot(radii[index], row, **halo)
         axes.plot(radii[index], row, **mark)
     labelled = shown_times(field.times, 5)
-    labels = [short_number(time) for time in scale.shown("time", field.times[labelled])]
+    # each time in its own unit: short numbers at all times
+    labels = [scale.when(time).removeprefix("t = ") for time in field.times[labelled]]
     axes.set_yticks(labelled, labels)
-    axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
+    axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time").partition(" (")[0])
     return mesh
 
 

@@ -112,7 +112,7 @@ def draw_states(result: Result) -> Figure:
             if axes is not row[0]:
                 axes.set_ylabel("")
                 # ticks take most of the time of a figure with many panels
-                axes.yaxis.set_visible(np.ptp(tops) > 0)
+                axes.yaxis.set_visible(bool(np.ptp(tops)))
     notes = _shaded(scale), *_hidden(states, depths, deepest, scale)
     titles = result.scene.title, "profiles and pressures"
     # panels with different axes need space for labels
