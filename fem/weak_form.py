@@ -78,8 +78,8 @@ def stiffness(
     the axis with a corner; because of the hoop strain u/r they need degree 2p + 4.
     """
     order = 2 * degree + (1 if isinstance(mesh, MeshQuad) else 4)
-    points, weights, *at_points = _at_rule(element, order)
-    value, gradient = (table[functions] for table in at_points)
+    points, weights = get_quadrature(element, order)
+    value, gradient = (table[functions] for table in tables(element, points))
     mapping = mesh.mapping()
     exact = derivative_mapping(mesh)
     r, inverse = mapping.F(points, elements)[0], exact.invDF(points, elements)
@@ -105,14 +105,14 @@ def stiffness(
     return out
 
 
-@lru_cache(maxsize=64)
-def _at_rule(element: Element, order: int) -> tuple[Array, Array, Array, Array]:
-    """Return points and weights of scikit-fem's quadrature of an order, and the `tables` there."""
-    points, weights = get_quadrature(element, order)
-    return points, weights, *tables(element, points)
-
-
 def tables(element: Element, points: Array) -> tuple[Array, Array]:
     """Return the values (n, q) and reference gradients (n, 2, q) of an element's functions."""
+    return _tables(element, points.tobytes(), points.shape)
+
+
+@lru_cache(maxsize=64)
+def _tables(element: Element, content: bytes, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return the tables at points whose coordinates are given as bytes, which can be compared."""
+    points = np.frombuffer(content).reshape(shape)
     pairs = [element.lbasis(points, i) for i in range(len(element.doflocs))]
     return np.array([value for value, _ in pairs]), np.array([gradient for _, gradient in pairs])

@@ -1,4 +1,7 @@
-"""The arguments of commands: parameters of functions as flags, and their docstrings as help."""
+"""The arguments of commands: parameters of functions as flags, and their docstrings as help.
+
+Help and refusals of the command line need only this file, which loads no numerical libraries.
+"""
 
 import re
 from argparse import SUPPRESS, ArgumentParser, ArgumentTypeError, RawDescriptionHelpFormatter
@@ -6,10 +9,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from shutil import get_terminal_size
 from textwrap import fill
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
-from .crosscheck import Scene, UnitNames, bundled, nearest, number_of
+from .crosscheck import nearest, package_versions
 from .documented import documented
+from .named_studies import STUDIES
+
+if TYPE_CHECKING:
+    from .crosscheck import Scene, UnitNames
 
 
 def _reads(read: Callable[[str], Any], remedy: str) -> Callable[[str], Any]:
@@ -152,6 +159,8 @@ class Parser(ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the usage of the command and the error, and exit with status 2."""
+        from .crosscheck import bundled
+
         suggestion = ""
         if choice := re.search(r"invalid choice: '(.*?)' \(choose from (.*)\)", message):
             suggestion = nearest(choice[1], re.findall(r"[\w-]+", choice[2]))
@@ -165,7 +174,9 @@ class Parser(ArgumentParser):
         super().error(f"{message}; did you mean {suggestion}?" if suggestion else message)
 
 
-def in_units(scene: Scene, given: dict[str, Any], names: UnitNames | None = None) -> dict[str, Any]:
+def in_units(
+    scene: "Scene", given: dict[str, Any], names: "UnitNames | None" = None
+) -> dict[str, Any]:
     """Return options of a command in which numbers with a unit are numbers in those of a scene.
 
     Parameters
@@ -174,6 +185,8 @@ def in_units(scene: Scene, given: dict[str, Any], names: UnitNames | None = None
     given : options by the names of their parameters
     names : units of the numbers, if they are not those of the scene
     """
+    from .crosscheck import number_of
+
     names = names or scene.unit_names
 
     def number(name: str, value: float | str) -> float:
@@ -225,3 +238,117 @@ def add_arguments(parser: Parser, place: str, conduct: str) -> None:
                 required=not parameter.default,
                 help=help,
             )
+
+
+class Command(NamedTuple):
+    """A command.
+
+    Parameters
+    ----------
+    conduct : the function that conducts the command, as in `documented`; its parameters are
+        arguments of the command
+    place : the function whose docstring is the help, as in `documented`, and whose other parameters
+        are arguments, too; by default that which conducts the command
+    examples : text at the end of the help
+    """
+
+    conduct: str
+    place: str = ""
+    examples: str = ""
+
+
+EXAMPLES = """examples:
+  ringwear run                          compute the scene five_rings
+  ringwear scenes sphere > mine.toml    start a scene of your own
+  ringwear run mine.toml --rtol 1e-3    compute it with another tolerance
+  ringwear deck mine.toml --for abaqus  write input files for another program
+  ringwear check mine.toml abaqus.csv   check another program's results
+  ringwear fit mine.toml data.csv --parameters punch.wear_coefficient
+                                        fit wear coefficients to measurements
+  ringwear study convergence --quick    compare orders with theory
+"""
+DECK_EXAMPLES = """examples:
+  ringwear deck mine.toml --for calculix --out deck       the start and the last time
+  ringwear deck five_rings --for calculix --time 0.1 --time 2 --size 0.05 --reach 500
+  cd deck; ccx prescribed; ringwear check scene.toml prescribed.dat
+"""
+ORDERS_EXAMPLES = """examples:
+  ringwear orders levels.csv --by h                     orders of all columns, in Markdown
+  ringwear orders levels.csv --by h --right depth=1.2 --tolerance 1e-3
+                                                        also computed over right values
+  ringwear orders errors.csv --by h --right 0 --latex   columns that hold errors, for a paper
+"""
+CHALLENGE_EXAMPLES = """examples:
+  ringwear challenge --list                             list the problems
+  ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
+  ringwear challenge 03_five_rings mine.csv             compare your results with it
+  ringwear challenge 03_mine.csv                        the same, by the number in the file's name
+  ringwear challenge 13 mine.csv                        compare a table of cases with the answers
+"""
+
+COMMANDS = {
+    "run": Command("commands:_run", "crosscheck.result.run:run"),
+    "check": Command("commands:_check", "check.check:check"),
+    "fit": Command("commands:_fit", "fit.fit:fit"),
+    "plan": Command("commands:_plan", "wear_step.plan:plan"),
+    "mesh": Command("commands:_mesh"),
+    "compare": Command("commands:_compare", "comparison:compare"),
+    "study": Command("commands:_study", "named_studies:study"),
+    "orders": Command("commands:_orders", "study.orders:orders", ORDERS_EXAMPLES),
+    "sweep": Command("commands:_sweep", "sweep.sweep:sweep"),
+    "scenes": Command("commands:_scenes"),
+    "deck": Command("commands:_deck", "decks.deck:deck", DECK_EXAMPLES),
+    "challenge": Command("commands:_challenge", examples=CHALLENGE_EXAMPLES),
+}
+
+
+PURPOSE = (
+    "Compute how a rigid punch of concentric rings wears on an elastic half-space, by finite "
+    "elements, dimensionality reduction, boundary elements and direct integration, and report how "
+    "far these methods agree."
+)
+
+
+def read_arguments(arguments: list[str]) -> dict[str, Any]:
+    """Return the name of a command, its `options`, and its `usage`.
+
+    It prints what the command line asks for, help or version, and refuses what is no argument; both
+    end the process.
+    """
+    parser = Parser(PURPOSE, prog="ringwear", epilog=EXAMPLES)
+    # reading the versions of packages takes longer than the help
+    version = package_versions()["ringwear"] if "--version" in arguments else ""
+    parser.add_argument("--version", action="version", version=f"ringwear {version}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
+    called = next(iter(arguments), "")
+    for name, command in COMMANDS.items():
+        # the sources of other commands are not read if one is called
+        if called in COMMANDS and called != name:
+            commands.add_parser(name)
+            continue
+        conduct = command.conduct
+        place = command.place or conduct
+        purpose = documented(place).purpose
+        subparser = commands.add_parser(
+            name, help=purpose, description=purpose, epilog=command.examples
+        )
+        if name != "study":
+            add_arguments(subparser, place, conduct)
+            subparser.set_defaults(usage=subparser.format_usage())
+            continue
+        names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
+        for study, row in STUDIES.items():
+            subparser = names.add_parser(study, help=row.purpose, description=row.purpose)
+            add_arguments(subparser, row.place, conduct)
+            if "quantities" in row.options:
+                subparser.add_argument(
+                    "--quantity",
+                    action="append",
+                    dest="quantities",
+                    metavar="FILE.py:NAME",
+                    help="a function of your own that takes the result of a run and returns a "
+                    "number; may be repeated",
+                )
+            subparser.set_defaults(usage=subparser.format_usage())
+    options = vars(parser.parse_args(arguments))
+    return {name: options.pop(name) for name in ("command", "usage")} | {"options": options}

@@ -11,6 +11,7 @@ Exit status:
   errors than allowed, or a model does not fit the measurements.
 """
 
+import gc
 import sys
 
 from ..meshes import RingwearError, SceneError
@@ -36,14 +37,19 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _status_of(arguments: list[str] | None) -> Status:
     """Conduct a command, and print the message of an error in one line."""
+    # collect garbage less often: most objects live to the end of a command, and to search them
+    # takes a tenth of a run
+    gc.set_threshold(50_000, 50, 50)
     try:
         with ending_on_signals():
             # modules are loaded here, where an interruption is handled, and not at the top of this
             # file; one that is interrupted while it is loaded fails in other ways
             with signals_wait():
-                from . import commands
-            status: Status = commands.conduct(arguments)
-            return status
+                from .arguments import read_arguments
+            read = read_arguments(sys.argv[1:] if arguments is None else arguments)
+            with signals_wait():
+                from .commands import conduct
+            return conduct(**read, only=arguments is None)
     except KeyboardInterrupt as stop:
         message = str(stop) or STOPPED_IN_WORDS
     except SceneError as error:

@@ -1,22 +1,21 @@
 """The commands: `ringwear run | check | plan | mesh | compare | study | sweep | ...`.
 
 A command is a public function, and a function here that conducts it: files are named, written and
-listed, and texts are printed. Its arguments are the parameters of both, and its help is their
-docstrings.
+listed, and texts are printed. Its arguments (`arguments.py`) are the parameters of both.
 """
 
 import atexit
 import gc
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from ..meshes import SceneError
-from .arguments import Parser, add_arguments, in_units
+from .arguments import COMMANDS, in_units
 from .crosscheck import (
     Folder,
     Scene,
@@ -25,10 +24,9 @@ from .crosscheck import (
     default_folder,
     named_folder,
     output_folder,
-    package_versions,
     text_of,
 )
-from .documented import documented
+from .documented import function_at
 from .named_studies import STUDIES
 from .report.streams import print_error
 from .report.terminal import print_lines, print_markdown, show_progress
@@ -39,19 +37,23 @@ if TYPE_CHECKING:
     from .figures.style import Picture
 
 
-def conduct(arguments: list[str] | None) -> Status:
-    """Conduct the command of the command line; return the exit status."""
+def conduct(command: str, options: dict[str, Any], usage: str, only: bool) -> Status:
+    """Conduct a command; return the exit status.
+
+    Parameters
+    ----------
+    options : the arguments of its function
+    usage : first lines of its help
+    only : whether the process ends after the command
+    """
     # skip the garbage collection at exit, which takes as long as drawing a figure
     atexit.register(gc.freeze)
-    options = _read(sys.argv[1:] if arguments is None else arguments)
-    command = options.pop("command")
-    if arguments is None and command != "sweep":
+    if only and command != "sweep":
         # xarray loads Dask wherever it is installed, and only sweeps need it
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     show_progress(of_stages=command not in ("plan", "study", "sweep"))
-    usage = options.pop("usage")
     try:
-        return COMMANDS[command].conduct(**options)
+        return function_at(COMMANDS[command].conduct)(**options)
     except SceneError as error:
         error.args = (_possible(str(error), usage),)
         raise
@@ -93,9 +95,6 @@ def _run(
     from .crosscheck import RUN_FILES, refuse_beyond_memory, write_numbers
     from .study.own import load_methods
 
-    # collect garbage less often: nearly all objects of a run live to its end, and searching them
-    # takes a tenth of the run
-    gc.set_threshold(50_000, 50, 50)
     memory, methods = given.pop("memory", None), load_methods(given.pop("methods", None))
     names = [entry for entry in methods if isinstance(entry, str)] or None
     read = Scene.of(scene, names, **given)
@@ -113,11 +112,11 @@ def _run(
         from .report.printed import print_account
 
         result = run(read, methods=methods or None, memory=memory)
-        write_numbers(result.dataset, result.summary, folder.hidden, csv)
         account = Account(result)
         page = not (no_figures or no_report)
-        # print the answer before drawing the figures
+        # print the answer before anything is written or drawn
         print_account(account, verbose, page)
+        write_numbers(result.table, result.summary, folder.hidden, csv)
         failures = show(result, account, pictures, folder.hidden, page)
     return _finish(folder, failures, result.verdict != "disagree" and not result.short_of)
 
@@ -454,110 +453,3 @@ def _challenge(words: Sequence[str] = (), *, list: bool = False) -> Status:
         case _:
             raise SceneError("challenge takes a problem and one file: challenge [NAME] FILE")
     return Status.DONE
-
-
-class Command(NamedTuple):
-    """A command.
-
-    Parameters
-    ----------
-    conduct : conducts the command; its parameters are arguments of the command
-    place : the function whose docstring is the help, as in `documented`, and whose other parameters
-        are arguments, too; by default that which conducts the command
-    examples : text at the end of the help
-    """
-
-    conduct: Callable[..., Status]
-    place: str = ""
-    examples: str = ""
-
-
-EXAMPLES = """examples:
-  ringwear run                          compute the scene five_rings
-  ringwear scenes sphere > mine.toml    start a scene of your own
-  ringwear run mine.toml --rtol 1e-3    compute it with another tolerance
-  ringwear deck mine.toml --for abaqus  write input files for another program
-  ringwear check mine.toml abaqus.csv   check another program's results
-  ringwear fit mine.toml data.csv --parameters punch.wear_coefficient
-                                        fit wear coefficients to measurements
-  ringwear study convergence --quick    compare orders with theory
-"""
-DECK_EXAMPLES = """examples:
-  ringwear deck mine.toml --for calculix --out deck       the start and the last time
-  ringwear deck five_rings --for calculix --time 0.1 --time 2 --size 0.05 --reach 500
-  cd deck; ccx prescribed; ringwear check scene.toml prescribed.dat
-"""
-ORDERS_EXAMPLES = """examples:
-  ringwear orders levels.csv --by h                     orders of all columns, in Markdown
-  ringwear orders levels.csv --by h --right depth=1.2 --tolerance 1e-3
-                                                        also computed over right values
-  ringwear orders errors.csv --by h --right 0 --latex   columns that hold errors, for a paper
-"""
-CHALLENGE_EXAMPLES = """examples:
-  ringwear challenge --list                             list the problems
-  ringwear challenge 03_five_rings > mine.toml          print a problem, as a scene
-  ringwear challenge 03_five_rings mine.csv             compare your results with it
-  ringwear challenge 03_mine.csv                        the same, by the number in the file's name
-  ringwear challenge 13 mine.csv                        compare a table of cases with the answers
-"""
-
-COMMANDS = {
-    "run": Command(_run, "crosscheck.result.run:run"),
-    "check": Command(_check, "check.check:check"),
-    "fit": Command(_fit, "fit.fit:fit"),
-    "plan": Command(_plan, "wear_step.plan:plan"),
-    "mesh": Command(_mesh),
-    "compare": Command(_compare, "comparison:compare"),
-    "study": Command(_study, "named_studies:study"),
-    "orders": Command(_orders, "study.orders:orders", ORDERS_EXAMPLES),
-    "sweep": Command(_sweep, "sweep.sweep:sweep"),
-    "scenes": Command(_scenes),
-    "deck": Command(_deck, "decks.deck:deck", DECK_EXAMPLES),
-    "challenge": Command(_challenge, examples=CHALLENGE_EXAMPLES),
-}
-
-
-PURPOSE = (
-    "Compute how a rigid punch of concentric rings wears on an elastic half-space, by finite "
-    "elements, dimensionality reduction, boundary elements and direct integration, and report how "
-    "far these methods agree."
-)
-
-
-def _read(arguments: list[str]) -> dict[str, Any]:
-    """Read the arguments of the command line."""
-    parser = Parser(PURPOSE, prog="ringwear", epilog=EXAMPLES)
-    version = f"ringwear {package_versions()['ringwear']}"
-    parser.add_argument("--version", action="version", version=version)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
-    called = next(iter(arguments), "")
-    for name, command in COMMANDS.items():
-        # the sources of other commands are not read if one is called
-        if called in COMMANDS and called != name:
-            commands.add_parser(name)
-            continue
-        conduct = f"commands:{command.conduct.__name__}"
-        place = command.place or conduct
-        purpose = documented(place).purpose
-        subparser = commands.add_parser(
-            name, help=purpose, description=purpose, epilog=command.examples
-        )
-        if name != "study":
-            add_arguments(subparser, place, conduct)
-            subparser.set_defaults(usage=subparser.format_usage())
-            continue
-        names = subparser.add_subparsers(required=True, metavar="NAME", dest="study")
-        for study, row in STUDIES.items():
-            subparser = names.add_parser(study, help=row.purpose, description=row.purpose)
-            add_arguments(subparser, row.place, conduct)
-            if "quantities" in row.options:
-                subparser.add_argument(
-                    "--quantity",
-                    action="append",
-                    dest="quantities",
-                    metavar="FILE.py:NAME",
-                    help="a function of your own that takes the result of a run and returns a "
-                    "number; may be repeated",
-                )
-            subparser.set_defaults(usage=subparser.format_usage())
-    return vars(parser.parse_args(arguments))

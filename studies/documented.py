@@ -6,10 +6,12 @@ refusals are fast in this way: most modules load numerical libraries.
 
 import ast
 import re
+from collections.abc import Callable
 from functools import cache
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 # beginning of a description that states a type, as numpydoc has it
 TYPE = re.compile(r"(str|int|float|bool|dict|list|sequence|Scene|Result|Path)\b[^.;]*")
@@ -48,13 +50,7 @@ def documented(place: str) -> Documented:
     place : module within `studies`, a colon, and the name of the function
     """
     module, _, name = place.partition(":")
-    spec = find_spec(f"{__package__}.{module}")
-    assert spec is not None
-    assert spec.origin is not None
-    tree = ast.parse(Path(spec.origin).read_text("utf-8"))
-    (function,) = (
-        node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == name
-    )
+    function = _functions(module)[name]
     docstring = ast.get_docstring(function) or ""
     texts, arguments = _texts(docstring), function.args
     required = [None] * (len(arguments.args) - len(arguments.defaults))
@@ -69,6 +65,23 @@ def documented(place: str) -> Documented:
         for each, default in zip([*arguments.args, *arguments.kwonlyargs], defaults, strict=True)
     }
     return Documented(docstring.partition("\n")[0].rstrip("."), parameters)
+
+
+@cache
+def _functions(module: str) -> dict[str, ast.FunctionDef]:
+    """Return the functions in the source of a module within `studies`, by name."""
+    spec = find_spec(f"{__package__}.{module}")
+    assert spec is not None
+    assert spec.origin is not None
+    tree = ast.parse(Path(spec.origin).read_text("utf-8"))
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def function_at(place: str) -> Callable[..., Any]:
+    """Import the module of a function, whose place is as in `documented`; return the function."""
+    module, _, name = place.partition(":")
+    function: Callable[..., Any] = getattr(import_module(f".{module}", __package__), name)
+    return function
 
 
 def _texts(docstring: str) -> dict[str, str]:

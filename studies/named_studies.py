@@ -3,16 +3,15 @@
 The module of a study is imported only when the study is conducted.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..meshes import SceneError
-from .crosscheck import Source, did_you_mean, shown
-from .documented import documented
+from .crosscheck import did_you_mean, shown
+from .documented import documented, function_at
 
 if TYPE_CHECKING:
+    from .crosscheck import Source
     from .study.own import Methods, Quantities
     from .study.study import Study
 
@@ -30,12 +29,6 @@ class NamedStudy(NamedTuple):
     place: str
     seconds: int
     question: str = ""
-
-    def load(self) -> "Callable[..., Study]":
-        """Import the module of the study; return its function."""
-        module, _, name = self.place.partition(":")
-        function: Callable[..., Study] = getattr(import_module(f".{module}", __package__), name)
-        return function
 
     @property
     def purpose(self) -> str:
@@ -70,7 +63,7 @@ STUDIES = {
 
 def study(
     name: str,
-    scene: Source | None = None,
+    scene: "Source | None" = None,
     quick: bool = False,
     quantities: "Quantities" = None,
     methods: "Methods" = None,
@@ -145,7 +138,7 @@ def study(
             accepted = ", ".join(listed.options) or "none but quick"
             raise SceneError(f"study {name} does not accept {option}: its options are {accepted}")
     options |= {"study": name} if listed.question else {}
-    conduct = listed.load()
+    conduct = function_at(listed.place)
     # matplotlib is loaded only by those who conduct a study
     from .figures.style import in_style
 

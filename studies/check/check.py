@@ -487,7 +487,7 @@ class Check(AnswersGuesses):
         return show(self.together, account, self.pictures, folder.hidden, page=True)
 
     def _write_numbers(self, folder: Folder, summary: dict[str, Any]) -> None:
-        write_numbers(self.together.dataset, summary, folder.hidden)
+        write_numbers(self.together.table, summary, folder.hidden)
         write_csv(self.errors, folder.hidden / "check.csv")
 
 

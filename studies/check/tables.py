@@ -302,7 +302,7 @@ def _dataset(path: Path) -> "xarray.Dataset":
 
     try:
         if path.name == RESULTS and has_checksums(path.parent):
-            return read_folder(path.parent)[0]
+            return read_folder(path.parent)[0].dataset
         with path.open("rb") as file:
             classic = file.read(4) in (b"CDF\1", b"CDF\2")
         # the library of netCDF-4 ends the program at some faults of older files

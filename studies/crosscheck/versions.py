@@ -7,7 +7,6 @@ contain the hash.
 import hashlib
 import sys
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -20,6 +19,9 @@ PACKAGES = ("meshes", "mdr", "fem", "studies")
 @cache
 def package_versions() -> dict[str, str]:
     """Return the versions of ringwear and of its dependencies."""
+    # it takes longer to load than the help of the command line
+    from importlib.metadata import PackageNotFoundError, version
+
     names = ("ringwear", "numpy", "scipy", "scikit-fem", "gmsh", "kvxopt", "meshio", "xarray")
     installed = {}
     for name in names:

@@ -15,14 +15,13 @@ from .scale import Scale, shown_times
 from .style import (
     PAGE,
     Look,
-    cell_edges,
     complete,
     label_of,
     new_panels,
     set_linear,
     set_logarithmic,
 )
-from .ticks import Decades, one_digit, power_of_ten, short_number
+from .ticks import Decades, one_digit, power_of_ten
 
 # name and symbol of each field, and the symbol of the norm that its differences are divided by
 WORDS = {
@@ -37,8 +36,7 @@ PANEL_DECADES, MAP_DECADES = 8, 6
 # cells of a map along the radius, each about a pixel on a screen; a cell shows its greatest
 # difference
 CELLS = 160
-# greatest number of rows of a map, for the same reason; a row shows the greatest difference of its
-# times
+# greatest number of rows of a map, for the same reason
 ROWS = 400
 # curves with fewer radii than this have marks
 FEW_RADII = 25
@@ -84,7 +82,7 @@ def draw_difference(scale: Scale, title: str, comparisons: Sequence[FieldCompari
     names = label_of(comparison.other), label_of(comparison.reference)
     # the names come first, because a long title is cut at its end
     titles = f"{names[0]} minus {names[1]}", title
-    complete(figure, titles, panels.flat, _note(comparison, others), across=0.55, down=0.25)
+    complete(figure, titles, panels.flat, _note(comparison, others), across=0.7, down=0.25)
     if over_time:
         bar = figure.colorbar(image, ax=list(panels[:, 1]), fraction=0.19, pad=0.03, aspect=35)
         bar.ax.yaxis.set_major_formatter(lambda value, _: power_of_ten(value))
@@ -149,65 +147,37 @@ def _draw_map(
     limits: tuple[float, float],
     scale: Scale,
 ) -> Any:
-    """Draw differences over the radius and all times, each time as one row of a map."""
-    heights, ticks = _time_axis(field.times, scale)
-    radii = scale.shown("radius", field.radii)
+    """Draw differences over the radius and all times, as a map in which each time is one row.
+
+    Of very many times, several are one row, which shows the greatest difference of them.
+    """
+    radii, count = scale.shown("radius", field.radii), len(field.times)
     inner, outer = _face(scale)
     cells = np.linspace(inner, outer, CELLS + 1)
+    first_times = np.unique(np.linspace(0, count, ROWS, endpoint=False).astype(int))
     image = _greatest_in_cells(field.relative, radii, cells)
-    rows = cell_edges(heights)
-    if len(heights) > ROWS:
-        rows = np.linspace(heights[0], heights[-1], ROWS + 1)
-        image = _greatest_in_cells(image.T, heights, rows).T
-    if not ticks:
-        rows = rows.clip(heights[0], heights[-1])
+    image = np.fmax.reduceat(image, first_times, axis=0)
+    rows = np.append(first_times, count) - 0.5
     values = np.ma.masked_invalid(np.maximum(image, limits[0]))
     mesh = axes.pcolormesh(cells, rows, values, norm=LogNorm(*limits), cmap="magma_r")
-    if contact_edges.shape[1] and len(contact_edges) == len(heights):
+    if contact_edges.shape[1] and len(contact_edges) == count:
         places = scale.shown("radius", contact_edges)
         places = np.where(places > inner, places, np.nan)
         look: Look = {"marker": "|", "linestyle": "", "color": "#1565c0", "markersize": 4}
-        lines = axes.plot(places, np.tile(heights[:, None], places.shape[1]), **look)
+        lines = axes.plot(places, np.arange(count), **look)
         lines[0].set_label("edge of the contact")
     row, index = field.largest
     if field.relative[row, index]:
         mark = _mark() | {"markersize": 6.5}
         halo = mark | {"markeredgecolor": "white", "markeredgewidth": 1.8, "label": ""}
-        axes.plot(radii[index], heights[row], **halo)
-        axes.plot(radii[index], heights[row], **mark)
-    axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time"))
-    if ticks:
-        axes.set_yticks(list(ticks), list(ticks.values()))
-    else:
-        set_linear(axes, "y", most=4)
+        axes.plot(radii[index], row, **halo)
+        axes.plot(radii[index], row, **mark)
+    labelled = shown_times(field.times, 5)
+    # each time in its own unit: short numbers at all times
+    labels = [scale.when(time).removeprefix("t = ") for time in field.times[labelled]]
+    axes.set_yticks(labelled, labels)
+    axes.set(ylim=rows[[0, -1]], ylabel=scale.label("time").partition(" (")[0])
     return mesh
-
-
-def _time_axis(times: Array, scale: Scale) -> tuple[Array, dict[float, str]]:
-    """Return the positions of the rows of a map, and labels of ticks by their positions.
-
-    The time axis is logarithmic, with the start as a row below the first time. It is linear, and
-    without ticks of its own, if loads vary, because late times are then as important as early ones.
-    """
-    shown = scale.shown("time", times)
-    if len(shown) == 1:
-        return shown, {float(shown[0]): short_number(shown[0])}
-    if scale.problem.loading.varies or (shown > 0).sum() < 2:
-        return shown, {}
-    heights = np.log10(np.where(shown > 0, shown, 1.0))
-    later = heights[shown > 0]
-    # height of a label: ticks must be that far apart
-    label = 0.15 * np.ptp(later)
-    first = later[0] - max(label, 0.3)
-    first_decade, last_decade = np.ceil(max(later[0], first + label)), np.floor(later[-1])
-    step = max(1.0, (last_decade - first_decade) // 3)
-    decades = np.arange(first_decade, last_decade + 1, step)
-    ticks = {float(decade): power_of_ten(10.0**decade) for decade in decades}
-    if len(ticks) < 2:
-        ticks = {float(later[at]): short_number(10 ** later[at]) for at in (0, -1)}
-    if not shown.all():
-        ticks[float(first)] = "0"
-    return np.where(shown > 0, heights, first), ticks
 
 
 def _greatest_in_cells(values: Array, places: Array, cells: Array) -> Array:

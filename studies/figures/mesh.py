@@ -90,10 +90,9 @@ def draw_stress(result: Result) -> Figure:
             state_in_words = scale.when(float(label.removeprefix("t=")))
         error = one_digit(100 * fields.errors["von_mises"][state])
         axes.set_title(f"{state_in_words}\nerrors up to {error} % of pₘ")
-        if own_lengths:
-            axes.set_ylabel(scale.label("depth") if axes is panels[0, 0] else "")
-        else:
-            axes.label_outer()
+        if axes is not panels[0, 0]:
+            axes.set_ylabel("")
+            axes.yaxis.set_visible(own_lengths)
     titles = result.scene.title, "von Mises stress under the rings"
     note = _note(fields, count, stretched=bool((bottoms != depths).any()))
     complete(figure, titles, note=note, across=distance_of_panels, right=0.7)

@@ -109,10 +109,10 @@ def draw_states(result: Result) -> Figure:
             # the axis of heights points down, as the punch does
             axes.set_ylim((1.08 * top, -0.06 * top) if name == "profile" else (0, 1.25 * top))
             set_linear(axes, "y")
-            if not np.ptp(tops):
-                axes.label_outer()
             if axes is not row[0]:
                 axes.set_ylabel("")
+                # ticks take most of the time of a figure with many panels
+                axes.yaxis.set_visible(bool(np.ptp(tops)))
     notes = _shaded(scale), *_hidden(states, depths, deepest, scale)
     titles = result.scene.title, "profiles and pressures"
     # panels with different axes need space for labels

@@ -33,16 +33,16 @@ def _draw(result: Result, pictures: Sequence["Picture"], directory: Path) -> lis
     """
     from ..crosscheck import write_half_space
 
-    LOG.info("  output  drawing ...")
     failures = []
     if result.has_inside and (pictures or result.scene.output.field_times):
         scene, series = result.scene, bool(result.scene.output.field_times)
         failures += make(
             directory / INSIDE, lambda path: write_half_space(result.inside(), scene, path, series)
         )
-    for picture in pictures:
-        if picture.drawn_for(result):
-            failures += make(directory / picture.file, partial(picture.write, result))
+    drawn = [picture for picture in pictures if picture.drawn_for(result)]
+    for number, picture in enumerate(drawn, 1):
+        LOG.info("  output  drawing figure %d of %d ...", number, len(drawn))
+        failures += make(directory / picture.file, partial(picture.write, result))
     return failures
 
 

@@ -49,7 +49,7 @@ from ..crosscheck import (
     with_key,
     without_alternatives,
 )
-from ..tables.layout import refuse_device
+from ..tables.devices import refuse_device
 from .columns import Column, has_units, read_columns
 
 # greatest number of scenes of one sweep

@@ -47,7 +47,7 @@ def template(sweep: Sweep) -> xarray.Dataset:
     """
     first, varied = sweep.first, {key: column.values for key, column in sweep.columns.items()}
     no_results = Solution({}, {}, {}, {})
-    run = tabulate(first, dict.fromkeys(first.methods, no_results))
+    run = tabulate(first, dict.fromkeys(first.methods, no_results)).dataset
     names = first.unit_names
     if "units" in varied:
         # numbers of several units have none

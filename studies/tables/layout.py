@@ -1,7 +1,6 @@
 """The layout of a table of text: its encoding, delimiter, headings and rows."""
 
 import csv
-import os
 import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -10,6 +9,7 @@ from statistics import mode
 from typing import NamedTuple
 
 from ...meshes import SceneError
+from .devices import refuse_device
 from .headings import LENGTH_UNIT, TIME, is_unit, split_heading
 from .numbers import is_missing, is_number
 
@@ -107,18 +107,6 @@ def text_of(content: bytes, path: Path) -> str:
         f"{path} cannot be read: it is not text in UTF-8; give CSV, or netCDF in a file that ends "
         "in .nc"
     )
-
-
-def refuse_device(path: Path) -> None:
-    """Refuse a device such as /dev/zero, which may have no end; pipes and /dev/null are allowed.
-
-    Raises
-    ------
-    ValueError
-        with the path
-    """
-    if path.is_char_device() and not path.samefile(os.devnull):
-        raise ValueError(f"'{path}' is a device, which may have no end: give a file")
 
 
 def layout_of(path: Path | str, text: str) -> Layout:

@@ -22,13 +22,15 @@ NUMBER = re.compile(r"[-+][\d.]+(e[-+]?\d+)?( [\w%/^³]+)?")
 
 def as_json(value: Any) -> Any:
     """Return a value that JSON can express: None in place of numbers that are not finite."""
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
     if isinstance(value, Mapping):
         return {key: as_json(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
         return [as_json(each) for each in value]
     if hasattr(value, "tolist"):  # an array or a number of numpy
         return as_json(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return value
 
 
 def json_text(value: object, **layout: Any) -> str:

@@ -119,8 +119,8 @@ def test_a_wrong_number_is_noticed(right, place):
 def test_other_numbers_in_the_files_are_refused(right, tmp_path):
     wrong = with_answers(right, scale("time_to_90", SIZE)).summary
     with pytest.raises(RingwearError, match="time_to_90 is not the result"):
-        write_numbers(right.dataset, wrong, tmp_path)
-    write_numbers(right.dataset, right.summary, tmp_path)
+        write_numbers(right.table, wrong, tmp_path)
+    write_numbers(right.table, right.summary, tmp_path)
     entries = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     entries["answer"]["mdr"]["time_to_full_contact"] *= 1 + SIZE
     (tmp_path / "summary.json").write_text(json.dumps(entries), "utf-8")

@@ -7,7 +7,7 @@ import pytest
 from groups import nightly_but
 
 from ringwear import main
-from ringwear.studies.commands import COMMANDS
+from ringwear.studies.arguments import COMMANDS
 from ringwear.studies.named_studies import STUDIES
 
 ROOT = Path(__file__).parents[2]

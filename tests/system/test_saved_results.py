@@ -6,6 +6,7 @@ Checksums in `summary.json` cover each array of `results.nc` and each other entr
 import json
 import random
 import shutil
+from dataclasses import replace
 
 import netCDF4
 import numpy as np
@@ -95,16 +96,19 @@ def test_saved_results_are_read_back_exactly(result, saved):
 
 
 def scaled(factor):
-    return lambda array: (array[0], array[1] * factor, array[2])
+    return lambda array: array._replace(values=array.values * factor)
 
 
 # an array, and what happens to it on its way into the file
 ALTERATIONS = {
     "pressure + 10 %": ("pressure", scaled(1.1)),
     "one bit of the times": ("time", scaled(np.nextafter(1.0, 2.0))),
-    "single precision": ("indentation", lambda of: (of[0], of[1].astype(np.float32), of[2])),
-    "another unit": ("indentation", lambda of: (of[0], of[1], of[2] | {"units": "mm"})),
-    "methods exchanged": ("solver", lambda array: (array[0], array[1][::-1], array[2])),
+    "single precision": (
+        "indentation",
+        lambda of: of._replace(values=of.values.astype(np.float32)),
+    ),
+    "another unit": ("indentation", lambda of: of._replace(attrs=of.attrs | {"units": "mm"})),
+    "methods exchanged": ("solver", lambda of: of._replace(values=of.values[::-1])),
 }
 
 
@@ -115,24 +119,23 @@ def test_an_array_that_is_altered_while_it_is_written_is_noticed(
     name, alter = ALTERATIONS[alteration]
     write = files.write_table
 
-    def write_altered(dataset, path):
-        arrays = {
-            key: (array.dims, array.values, array.attrs) for key, array in dataset.variables.items()
-        }
-        arrays[name] = alter(arrays[name])
-        coordinates = {key: arrays.pop(key) for key in dataset.coords}
-        write(xarray.Dataset(arrays, coordinates, dataset.attrs), path)
+    def write_altered(table, path):
+        data_vars, coords = (
+            {key: alter(array) if key == name else array for key, array in part.items()}
+            for part in (table.data_vars, table.coords)
+        )
+        write(replace(table, data_vars=data_vars, coords=coords), path)
 
     monkeypatch.setattr(files, "write_table", write_altered)
     with pytest.raises(RingwearError, match=r"results\.nc was not written correctly"):
-        files.write_numbers(result.dataset, result.summary, tmp_path)
+        files.write_numbers(result.table, result.summary, tmp_path)
 
 
 def test_an_answer_that_is_altered_while_it_is_written_is_noticed(result, tmp_path):
     summary = json.loads(json.dumps(result.summary))
     summary["answer"]["mdr"]["indentation_start"] *= 1.01
     with pytest.raises(RingwearError, match=r"summary\.json was not .*: indentation_start"):
-        files.write_numbers(result.dataset, summary, tmp_path)
+        files.write_numbers(result.table, summary, tmp_path)
 
 
 def test_an_entry_that_is_altered_is_refused(copied):

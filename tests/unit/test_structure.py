@@ -74,7 +74,7 @@ UPWARD = {
 # packages that the package itself loads at their first use, by name
 LOADED_LATE = {
     "studies.crosscheck.methods.base": "methods, of which a scene needs some",
-    "studies.named_studies": "studies, of which a user conducts one",
+    "studies.documented": "commands and studies, of which a user conducts one",
 }
 # packages without a module, whose files are installed as data
 ONLY_DATA = {

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from ....meshes.errors import SceneError
-from ...tables.scan import read_scan
 from ..progress import LOG
 from .fields import TomlTable
 from .unit_names import units_of_table
@@ -26,6 +25,9 @@ def profile_of_file(profile: TomlTable, path: Path, table: TomlTable) -> TomlTab
     SceneError
         if the file cannot be read, or if the profile has radii or heights as well
     """
+    # most scenes have no file, and need no pandas
+    from ...tables.scan import read_scan
+
     others = {key: value for key, value in profile.items() if key not in ("file", *FLAGS)}
     if {"radii", "heights"} & profile.keys():
         raise SceneError("punch.profile: give either file, or radii and heights, but not both")

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+
+from threadpoolctl import threadpool_limits
 
 from ....meshes.radial import Array
 from ..anchors.anchor import Anchor
@@ -12,27 +13,25 @@ from ..methods.base import Solution
 from ..scene.scene import Scene
 from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, overall
 from ..verdict.promise import LeftOut, left_out_of_promise
+from .output.table import Table
 from .table import report
-
-if TYPE_CHECKING:
-    import xarray
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """The judgement on a dataset, which is computed when it is asked for.
+    """The judgement on a table of results, which is computed when it is asked for.
 
     Parameters
     ----------
     scene : the scene that was solved
-    dataset, answers : the results and the numbers of the answer as they are reported
+    table, answers : the results and the numbers of the answer as they are reported
     solutions : the solution of each of our methods; results of other programs are not among them,
         because these are judged by their errors
     agreement : the verdicts on every pair of methods and every quantity
     """
 
     scene: Scene
-    dataset: "xarray.Dataset"
+    table: Table
     answers: Mapping[str, Mapping[str, Array]]
     solutions: Mapping[str, Solution]
     agreement: tuple[Agreement, ...]
@@ -41,10 +40,12 @@ class Judged:
     def anchors(self) -> tuple[Anchor, ...]:
         """Closed forms and conservation laws that the report of each method is checked against."""
         reports = {
-            name: (report(self.dataset, name), self.answers[name], solution)
+            name: (report(self.table, name), self.answers[name], solution)
             for name, solution in self.solutions.items()
         }
-        return tuple(anchors(self.scene, reports))
+        # one thread, as for the solutions
+        with threadpool_limits(1):
+            return tuple(anchors(self.scene, reports))
 
     @property
     def missing_anchors(self) -> tuple[str, ...]:

@@ -64,21 +64,21 @@ def load(folder: str | Path) -> Result:
     if not isinstance(folder, str | Path):
         raise SceneError(f"{shown(folder)} is no folder: give one that `ringwear run` has written")
     path = Path(folder)
-    dataset, entries = read_folder(path)
+    table, entries = read_folder(path)
     try:
         summary = TypeAdapter(Summary).validate_python(entries)
     except ValueError as error:
         raise refused(path, error) from None
     return Result(
-        Scene.from_toml(dataset.attrs["scene"], str(path)),
+        Scene.from_toml(table.attrs["scene"], str(path)),
         methods_of([name for name in summary.methods if name in METHODS]),
-        dataset,
-        answers_of(dataset),
+        table,
+        answers_of(table),
         summary.agreement,
         summary,
         summary.notes,
         of_others=summary.of_others,
         about_others=tuple(summary.check.get("lines", ())),
-        compared_in_fields=methods_with_fields(dataset),
+        compared_in_fields=methods_with_fields(table),
         saved=entries,
     )

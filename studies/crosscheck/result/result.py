@@ -34,9 +34,10 @@ from ..verdict.agreement import AGREE, DISAGREE, UNDECIDED, Agreement, by_quanti
 from ..verdict.promise import LeftOut, allowed_error, in_words, share
 from .output.files import RUN_FILES, write_numbers
 from .output.folder import output_folder
+from .output.table import Table
 from .scope import beyond_the_model, outside
 from .summary import summary
-from .table import arrays, by_method, in_units, report
+from .table import by_method, in_units, report
 from .words import Account
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ class Result(AnswersGuesses):
     ----------
     scene : the scene that was solved
     methods : the methods by their names
-    dataset : all results over solver, time, radius, ring and mode, in the scene's units
+    table : all results over solver, time, radius, ring and mode, in the scene's units
     answers : the numbers of the answer and their relative error estimates `<name>_error`, by method
     agreement : the verdicts on every pair of methods and every quantity
     judgement : verdict, anchors, and what is left out of the promise
@@ -79,7 +80,7 @@ class Result(AnswersGuesses):
 
     scene: Scene
     methods: Mapping[str, Method]
-    dataset: "xarray.Dataset"
+    table: Table
     answers: Mapping[str, Mapping[str, Array]]
     agreement: tuple[Agreement, ...]
     judgement: "Judged | Summary"
@@ -90,6 +91,11 @@ class Result(AnswersGuesses):
     about_others: tuple[str, ...] = ()
     compared_in_fields: tuple[str, ...] = ()
     saved: dict[str, Any] | None = None
+
+    @property
+    def dataset(self) -> "xarray.Dataset":
+        """All results over solver, time, radius, ring and mode, in the scene's units."""
+        return self.table.dataset
 
     @property
     def verdict(self) -> str:
@@ -204,15 +210,15 @@ class Result(AnswersGuesses):
     @cached_property
     def coordinates(self) -> dict[str, Array]:
         """Times, radii and rings, by their names in the dataset."""
-        return {str(name): values.values for name, values in self.dataset.coords.items()}
+        return {name: array.values for name, array in self.table.coords.items()}
 
     def reported(self, method: str) -> dict[str, Array]:
         """Return the quantities of a method and the coordinates, by their names in the dataset."""
-        return report(self.dataset, method)
+        return report(self.table, method)
 
     def by_method(self, quantity: str, times: Any = ...) -> dict[str, Array]:
         """Return a quantity by the name of each method that computes it, at all or some times."""
-        return by_method(self.dataset, quantity, times)
+        return by_method(self.table, quantity, times)
 
     @cached_property
     def field_comparisons(self) -> tuple[FieldComparison, ...]:
@@ -269,7 +275,7 @@ class Result(AnswersGuesses):
         SceneError
             if no method has an error estimate of it
         """
-        variables = arrays(self.dataset)
+        variables = self.table.data_vars
         estimates = variables.get(error_name(str(quantity)))
         if estimates is None:
             with_estimate = [name for name in variables if error_name(name) in variables]
@@ -392,21 +398,21 @@ class Result(AnswersGuesses):
 
         files = {*RUN_FILES, *(picture.file for picture in PICTURES)}
         with output_folder(folder, "run", files) as out:
-            write_numbers(self.dataset, self.summary, out.hidden)
+            write_numbers(self.table, self.summary, out.hidden)
             if failures := show(self, self._account, PICTURES, out.hidden, page=True):
                 raise RingwearError("; ".join(failures))
         return out.written
 
 
-def methods_with_fields(dataset: "xarray.Dataset") -> tuple[str, ...]:
+def methods_with_fields(table: Table) -> tuple[str, ...]:
     """Return methods that compute the same fields: the reference, the one drawn, and the others.
 
     The first method is the reference. The figure of the difference shows finite elements if they
     have the fields, else the second method.
     """
     for fields in (OVER_TIME, IN_STEADY_STATE):
-        methods = {method: None for name in fields for method in by_method(dataset, name)}
+        methods = {method: None for name in fields for method in by_method(table, name)}
         if len(methods) > 1:
-            first, *others = (name for name in dataset["solver"].values if name in methods)
+            first, *others = (name for name in table.coords["solver"].values if name in methods)
             return str(first), *sorted(map(str, others), key=lambda name: name != "fem")
     return ()

@@ -207,20 +207,20 @@ def judged(
         for a, b in combinations(solutions, 2)
         for row in agreements(problem, (a, b), (solutions[a], solutions[b]), units)
     ) + tuple(unchecked(problem, solutions))
-    dataset = tabulate(scene, solutions)
-    answers = answers_of(dataset)
+    table = tabulate(scene, solutions)
+    answers = answers_of(table)
     notes = [note for solution in solutions.values() for note in solution.notes]
     return Result(
         scene,
         methods,
-        dataset,
+        table,
         answers,
         agreement,
-        Judged(scene, dataset, answers, solutions, agreement),
+        Judged(scene, table, answers, solutions, agreement),
         tuple(dict.fromkeys(notes)),
         solutions,
         stages,
-        compared_in_fields=methods_with_fields(dataset),
+        compared_in_fields=methods_with_fields(table),
     )
 
 
@@ -236,12 +236,12 @@ def with_others(
     programs, others : the other programs, and their results, by name
     """
     solutions = {**result.solutions, **others}
-    dataset = tabulate(result.scene, solutions)
+    table = tabulate(result.scene, solutions)
     return replace(
         result,
         methods={**result.methods, **programs},
-        dataset=dataset,
-        answers=answers_of(dataset),
+        table=table,
+        answers=answers_of(table),
         solutions=solutions,
         stages={**result.stages, **{name: Stages(name) for name in others}},
         of_others=tuple(others),

@@ -1,7 +1,7 @@
-"""The results of all methods as an xarray Dataset, in the scene's units, and the answer in it."""
+"""The results of all methods as a table, in the scene's units, and the answer in it."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,12 +24,7 @@ from ..problem.unit_names import NO_UNIT
 from ..scene.scene import Scene
 from ..versions import package_versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
-
-if TYPE_CHECKING:
-    import xarray
-
-Arrays = dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]
-"""Dimensions, values and attributes of arrays, by name."""
+from .output.table import Table, Variable
 
 Answers = dict[str, dict[str, Array]]
 """The numbers of the answer, by method."""
@@ -54,7 +49,7 @@ class StepsOfMarch(NamedTuple):
     standoff: float
 
 
-def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset":
+def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> Table:
     """Return the results of all methods; NaN if a method does not compute a quantity."""
     problem = scene.problem
     units, names = problem.units, scene.unit_names
@@ -87,7 +82,7 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
     def describe(definition: str, kind: str) -> dict[str, str]:
         return {"long_name": definition, "units": names.name(kind)}
 
-    variables: Arrays = {}
+    variables = dict[str, Variable]()
     for name, dims, unit, definition in table:
         array = np.full([len(reported), *(sizes[dim] for dim in dims)], np.nan)
         shown = tuple(slice(sizes[dim] if dim in COUNTED else None) for dim in dims)
@@ -99,7 +94,7 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
                 array[(slice(row, row + 1), *place)] = part
         # in place: scaled copies of all fields would take as much memory as the table
         array *= getattr(units, unit)
-        variables[name] = (("solver", *dims), array, describe(definition, unit))
+        variables[name] = Variable(("solver", *dims), array, describe(definition, unit))
     # take the radii from the scene, because scaling non-dimensional ones may change the last digit
     radius = problem.radii * units.length if scene.output.radii is None else scene.output.radii
     inner, outer = problem.ring_edges[:-1] * units.length, problem.ring_edges[1:] * units.length
@@ -109,14 +104,20 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
     )
     times = np.array(scene.wear.times[: sizes["time"]], dtype=float)
     about_times = describe("sliding distance" if names.distances else "time of sliding", "time")
-    coordinates: Arrays = {
-        "solver": (("solver",), np.array(list(solutions)), {}),
-        "state": (("state",), np.array(STATES), {}),
-        "time": (("time",), times, about_times),
-        "radius": (("radius",), np.asarray(radius), describe("distance from the axis", "length")),
-        "ring_inner_radius": (("ring",), inner, describe("inner edge of the ring", "length")),
-        "ring_outer_radius": (("ring",), outer, describe("outer edge of the ring", "length")),
-        "wear_coefficient": (("ring",), coefficients, about_coefficients),
+    coordinates = {
+        "solver": Variable(("solver",), np.array(list(solutions)), {}),
+        "state": Variable(("state",), np.array(STATES), {}),
+        "time": Variable(("time",), times, about_times),
+        "radius": Variable(
+            ("radius",), np.asarray(radius), describe("distance from the axis", "length")
+        ),
+        "ring_inner_radius": Variable(
+            ("ring",), inner, describe("inner edge of the ring", "length")
+        ),
+        "ring_outer_radius": Variable(
+            ("ring",), outer, describe("outer edge of the ring", "length")
+        ),
+        "wear_coefficient": Variable(("ring",), coefficients, about_coefficients),
     }
     for dim, meaning in (
         ("ring", "ring, counted from the centre"),
@@ -124,7 +125,9 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
         ("edge", "edge of the contact: inner and outer of each part in turn, from the centre"),
     ):
         if sizes[dim]:
-            coordinates[dim] = ((dim,), np.array(range(1, sizes[dim] + 1)), {"long_name": meaning})
+            coordinates[dim] = Variable(
+                (dim,), np.array(range(1, sizes[dim] + 1)), {"long_name": meaning}
+            )
     attributes_of_table = {
         "title": scene.title,
         "units": scene.units or NO_UNIT,
@@ -136,35 +139,7 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> "xarray.Dataset
         "versions": json_text(package_versions()),
         "scene": scene.to_toml(),
     }
-    return _dataset(variables, coordinates, attributes_of_table)
-
-
-def _dataset(
-    variables: Arrays, coordinates: Arrays, attributes: dict[str, str]
-) -> "xarray.Dataset":
-    """Return a dataset of numpy arrays, which are known to be plain.
-
-    xarray would load every installed library that has arrays of its own to find that out, which
-    takes as long as a small run.
-    """
-    # help, plans and refusals need none
-    import pandas
-    import xarray
-    from xarray.indexes import PandasIndex
-
-    plain = {
-        name: xarray.Variable(dims, values, attrs, fastpath=True)
-        for name, (dims, values, attrs) in (variables | coordinates).items()
-    }
-    indexes = {
-        name: PandasIndex(pandas.Index(each.values), name, coord_dtype=each.dtype)
-        for name, each in plain.items()
-        if each.dims == (name,)
-    }
-    for name, index in indexes.items():
-        plain |= index.create_variables({name: plain[name]})
-    coords = xarray.Coordinates({name: plain[name] for name in coordinates}, indexes)
-    return xarray.Dataset({name: plain[name] for name in variables}, coords, attributes)
+    return Table(variables, coordinates, attributes_of_table)
 
 
 def _reported(scene: Scene, solution: Solution) -> dict[str, Array]:
@@ -191,35 +166,28 @@ def in_units(problem: Problem, results: Results) -> dict[str, Array]:
     }
 
 
-def report(dataset: "xarray.Dataset", method: str) -> dict[str, Array]:
-    """Return the quantities of a method and the coordinates, by their names in a dataset."""
-    row = dataset["solver"].values.tolist().index(method)
-    return {str(name): values.values for name, values in dataset.coords.items()} | {
-        name: values.values[row] for name, values in arrays(dataset).items()
+def report(table: Table, method: str) -> dict[str, Array]:
+    """Return the quantities of a method and the coordinates, by their names in a table."""
+    row = table.coords["solver"].values.tolist().index(method)
+    return {name: array.values for name, array in table.coords.items()} | {
+        name: array.values[row] for name, array in table.data_vars.items()
     }
 
 
-def arrays(dataset: "xarray.Dataset") -> "dict[str, xarray.Variable]":
-    """Return the variables of a dataset without its coordinates."""
-    return {str(name): dataset.variables[name] for name in dataset.data_vars}
-
-
-def by_method(dataset: "xarray.Dataset", quantity: str, times: Any = ...) -> dict[str, Array]:
+def by_method(table: Table, quantity: str, times: Any = ...) -> dict[str, Array]:
     """Return a quantity by the name of each method that computes it, at all or some times."""
-    if quantity not in dataset:
+    if quantity not in table.data_vars:
         return {}
-    rows = zip(dataset["solver"].values, dataset.variables[quantity].values, strict=True)
-    selected = {name: values[times] for name, values in rows}
+    rows = zip(table.coords["solver"].values, table.data_vars[quantity].values, strict=True)
+    selected = {str(name): values[times] for name, values in rows}
     return {name: values for name, values in selected.items() if not np.isnan(values).all()}
 
 
-def answers_of(dataset: "xarray.Dataset") -> Answers:
-    """Return the numbers in a dataset and their errors; NaN if a method or a scene has none."""
+def answers_of(table: Table) -> Answers:
+    """Return the numbers in a table and their errors; NaN if a method or a scene has none."""
     names = [*REPORTED, *map(error_name, REPORTED)]
-    arrays = {name: dataset[name].values for name in names if name in dataset}
+    reports = {str(method): report(table, method) for method in table.coords["solver"].values}
     return {
-        str(solver): {
-            name: arrays[name][row] if name in arrays else np.asarray(np.nan) for name in names
-        }
-        for row, solver in enumerate(dataset["solver"].values)
+        method: {name: np.asarray(values.get(name, np.nan)) for name in names}
+        for method, values in reports.items()
     }

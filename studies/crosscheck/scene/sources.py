@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from ....meshes.errors import SceneError
-from ...tables.layout import refuse_device
+from ...tables.devices import refuse_device
 from ..problem.fields import TomlTable
 from ..problem.suggestions import did_you_mean
 from ..problem.written import TOO_DEEP, shown

@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-import xarray
 from given import judge
 
 from ringwear import Result, Scene, run
@@ -111,24 +110,21 @@ def healthy(kind: str) -> Result:
 
 def with_table(result: Result, change: Change, alone: bool = False) -> Result:
     """Return a copy of a result whose table is changed, for both methods or for one of them."""
-    dataset, problem = result.dataset, result.scene.problem
-    # xarray does not let the labels of dimensions be changed in place
-    values = {str(name): np.array(of.values) for name, of in dataset.variables.items()}
-    of_methods = [name for name in values if dataset[name].dims[:1] == ("solver",)]
-    of_methods.remove("solver")
+    table, problem = result.table, result.scene.problem
+    values = {name: np.array(of.values) for name, of in table.variables.items()}
+    of_methods = [*table.data_vars]
     # views of the last method
     change(values | {name: values[name][-1, ...] for name in of_methods}, problem.radii, problem)
     for name in () if alone else of_methods:
         values[name][...] = values[name][-1:]
-    changed = {
-        name: (array.dims, values[str(name)], array.attrs)
-        for name, array in dataset.variables.items()
-    }
-    coordinates = {name: changed.pop(name) for name in dataset.coords}
-    wrong = xarray.Dataset(changed, coordinates, dataset.attrs)
+    data_vars, coords = (
+        {name: of._replace(values=values[name]) for name, of in part.items()}
+        for part in (table.data_vars, table.coords)
+    )
+    wrong = replace(table, data_vars=data_vars, coords=coords)
     answers = answers_of(wrong)
-    judgement = replace(result.judgement, dataset=wrong, answers=answers)
-    return replace(result, dataset=wrong, answers=answers, judgement=judgement)
+    judgement = replace(result.judgement, table=wrong, answers=answers)
+    return replace(result, table=wrong, answers=answers, judgement=judgement)
 
 
 def with_results(result: Result, change: Change) -> Result:

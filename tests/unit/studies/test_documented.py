@@ -5,8 +5,7 @@ import inspect
 import pytest
 
 import ringwear
-from ringwear.studies.arguments import FLAGS, REPEATED, Parser, add_arguments
-from ringwear.studies.commands import COMMANDS
+from ringwear.studies.arguments import COMMANDS, FLAGS, REPEATED, Parser, add_arguments
 from ringwear.studies.documented import documented
 from ringwear.studies.named_studies import STUDIES
 
@@ -33,16 +32,15 @@ def test_what_is_read_without_loading_is_what_is_loaded(name):
 
 @pytest.mark.parametrize(("place", "conduct"), PLACES)
 def test_every_argument_of_a_command_has_a_text(place, conduct):
-    own = f"commands:{conduct.__name__}"
-    assert documented(place or own).purpose
+    assert documented(place or conduct).purpose
     parser = Parser(prog="command")
-    add_arguments(parser, place or own, own)
+    add_arguments(parser, place or conduct, conduct)
     for action in parser._actions:
         assert action.help, action.dest
 
 
 def test_every_flag_is_that_of_a_command():
-    places = {place for place, _ in PLACES} | {f"commands:{each.__name__}" for _, each in PLACES}
+    places = {place for pair in PLACES for place in pair}
     names = {name for place in places - {""} for name in documented(place).parameters}
     assert names >= FLAGS.keys() >= REPEATED.keys()
 

@@ -6,6 +6,7 @@ library. It therefore reads only the file that was written.
 
 import json
 from contextlib import suppress
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,10 +19,10 @@ from ...problem.unit_names import NO_UNIT
 from ...problem.written import one_line
 from ...progress import LOG
 from .folder import COMPLETE, MARKER
+from .table import Table, read_table, write_table
 
 if TYPE_CHECKING:
     import xarray
-
 
 Json = dict[str, Any]
 
@@ -30,25 +31,24 @@ RESULTS, SUMMARY = "results.nc", "summary.json"
 
 CHECKSUMS = "checksums"
 """Entry of `summary.json` with the checksums, and attribute of `results.nc` that points to it."""
+POINTER = {CHECKSUMS: f"that of this file: {SUMMARY}"}
 
 INSIDE = "half_space.vtu"
 # files of a run besides its figures
 RUN_FILES = (RESULTS, SUMMARY, "report.html", INSIDE)
 
 
-def write_numbers(
-    dataset: "xarray.Dataset", entries: Json, directory: Path, tables: bool = False
-) -> None:
-    """Write `results.nc` and `summary.json` of a run, and CSV tables if `tables`.
+def write_numbers(table: Table, entries: Json, directory: Path, csv: bool = False) -> None:
+    """Write `results.nc` and `summary.json` of a run, and CSV tables if `csv`.
 
     Parameters
     ----------
-    dataset : `Result.dataset`
+    table : `Result.table`
     entries : `Result.summary`
     """
     LOG.info("  output  writing ...")
     try:
-        write_table(dataset, directory / RESULTS)
+        write_table(replace(table, attrs=table.attrs | POINTER), directory / RESULTS)
     except RuntimeError as error:
         # netCDF raises a RuntimeError if the disk is full
         raise RingwearError(
@@ -57,66 +57,26 @@ def write_numbers(
     recorded = {CHECKSUMS: checksums(directory, entries)}
     summary = json_text(entries | recorded, indent=1)
     (directory / SUMMARY).write_text(summary + "\n", "utf-8")
-    _refuse_other_numbers(dataset, directory)
-    if tables:
-        write_tables(dataset, directory)
+    _refuse_other_numbers(table, directory)
+    if csv:
+        write_tables(table.dataset, directory)
 
 
-def write_table(dataset: "xarray.Dataset", path: Path) -> None:
-    """Write a table as netCDF-4, with an attribute that says where its checksum is.
-
-    xarray's own writer would load every installed library that has arrays of its own.
-    """
-    from netCDF4 import Dataset
-
-    # coordinates that are not dimensions must be listed in an attribute
-    labels = [str(name) for name in dataset.coords if name not in dataset.dims]
-    structure = {"coordinates": " ".join(labels), CHECKSUMS: f"that of this file: {SUMMARY}"}
-    with Dataset(path, "w") as file:
-        file.setncatts(dataset.attrs | structure)
-        for dim, size in dataset.sizes.items():
-            file.createDimension(str(dim), size)
-        for name, array in dataset.variables.items():
-            values, text = array.values, array.dtype.kind == "U"
-            kind = str if text else values.dtype
-            variable = file.createVariable(str(name), kind, [str(dim) for dim in array.dims])
-            variable[:] = values.astype(object) if text else values
-            variable.setncatts(array.attrs)
+def _read(directory: Path) -> Table:
+    """Return the table in a folder, without the attribute that points to its checksum."""
+    table = read_table(directory / RESULTS)
+    return replace(table, attrs={key: table.attrs[key] for key in table.attrs.keys() - POINTER})
 
 
-def _is_written(dataset: "xarray.Dataset", path: Path) -> bool:
-    """Return whether a file has the arrays of a dataset, with their attributes."""
-    from netCDF4 import Dataset
-
-    with Dataset(path) as file:
-        file.set_auto_maskandscale(False)
-        pairs = [(file[str(name)], array) for name, array in dataset.variables.items()]
-        kept = {key: file.getncattr(key) for key in file.ncattrs()}
-        return dataset.attrs.items() <= kept.items() and all(
-            written.dimensions == array.dims
-            and {key: written.getncattr(key) for key in written.ncattrs()} == array.attrs
-            and np.array_equal(written[...], array.values, array.dtype.kind == "f")
-            for written, array in pairs
-        )
-
-
-def read_table(path: Path) -> "xarray.Dataset":
-    """Read a table that ringwear has written."""
-    import xarray
-
-    dataset = xarray.load_dataset(path, engine="netcdf4", decode_times=False)
-    dataset.attrs.pop(CHECKSUMS, None)
-    return dataset
-
-
-def _refuse_other_numbers(dataset: "xarray.Dataset", directory: Path) -> None:
+def _refuse_other_numbers(table: Table, directory: Path) -> None:
     """Raise if the files that were written have other numbers than the results in memory."""
-    if not _is_written(dataset, directory / RESULTS):
+    if not _read(directory).equals(table):
         raise RingwearError(f"{RESULTS} was not written correctly: its numbers are not the results")
     answers = json.loads((directory / SUMMARY).read_text("utf-8")).get("answer", {})
     for row, numbers in enumerate(answers.values()):
-        for name in numbers.keys() & dataset.keys():
-            result, number = dataset[name].values[row], np.array(numbers[name], dtype=float)
+        for name in numbers.keys() & table.data_vars.keys():
+            result = table.data_vars[name].values[row]
+            number = np.array(numbers[name], dtype=float)
             if not np.array_equal(number, np.where(np.isfinite(result), result, np.nan), True):
                 raise RingwearError(
                     f"{SUMMARY} was not written correctly: {name} is not the result"
@@ -174,7 +134,7 @@ def has_checksums(path: Path) -> bool:
     return False
 
 
-def read_folder(path: Path) -> tuple["xarray.Dataset", Json]:
+def read_folder(path: Path) -> tuple[Table, Json]:
     """Return the content of `results.nc`, and of `summary.json` without the checksums.
 
     Raises
@@ -195,7 +155,7 @@ def read_folder(path: Path) -> tuple["xarray.Dataset", Json]:
         for name, checksum in checksums(path, entries).items():
             if recorded[name] != checksum:
                 raise Unreadable(f"{name} is not as it was written")
-        return read_table(path / RESULTS), entries
+        return _read(path), entries
     # a RecursionError: JSON that is nested too deeply
     except (OSError, ValueError, RecursionError, Unreadable) as error:
         raise refused(path, error) from None
