@@ -78,7 +78,7 @@ class Frame:
         )
         repeated = labels.duplicated()
         cells = cells.set_axis(labels, axis=1).loc[:, ~repeated]
-        for heading in labels:
+        for heading in [*cells]:
             if split_heading(heading).name == MASK:
                 inside = pd.to_numeric(cells.pop(heading), errors="coerce") != 0
                 cells = cells[inside]
@@ -155,7 +155,8 @@ class Frame:
                 column = column.astype(object).map(lambda cell: getattr(cell, "magnitude", cell))
                 column = column.map(str).where(column.notna(), "")
             columns.append(column)
-        return cls.of(name, pd.concat(columns, axis=1), headings, units)
+        cells = pd.DataFrame(dict(enumerate(columns)), table.index)
+        return cls.of(name, cells, headings, units)
 
     @classmethod
     def of_xarray(cls, data: Any, name: str) -> "Frame":
