@@ -104,12 +104,14 @@ class Frame:
         SceneError
             if the file cannot be read, or has no table
         """
-        content = content_of_file(path, HEAD)
-        plain = _plain_rows(path, content) if len(content) == HEAD else None
+        content, plain = content_of_file(path, HEAD), None
+        if len(content) == HEAD:
+            plain = _plain_rows(path, content)
+            content = b"" if plain else content_of_file(path)
         if plain:
             layout, cells = plain
         else:
-            layout = layout_of(path, text_of(content_of_file(path), path))
+            layout = layout_of(path, text_of(content, path))
             cells = pd.DataFrame([*layout.rows.values()], [*layout.rows], dtype=object)
         if headed and not layout.headings:
             raise SceneError(

@@ -1,6 +1,8 @@
 """Tables of other programs: numbers, headings and layouts, from text and from memory."""
 
+import os
 from math import nan
+from threading import Thread
 
 import numpy as np
 import pandas as pd
@@ -60,6 +62,15 @@ def test_a_cell_that_differs_from_its_column_is_refused(cells, line, tmp_path):
     rows = "".join(f"{cell}|x\n" for cell in cells.split(";"))
     with pytest.raises(SceneError, match=f"line {line}, column 'a'"):
         frame_of(f"a|b\n{rows}", tmp_path).refuse_faults({"a": "a"})
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_a_pipe_is_read_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    writer = Thread(target=(tmp_path / "pipe").write_text, args=("time,p\n0,1.5\n",), daemon=True)
+    writer.start()
+    assert Frame.of_file(tmp_path / "pipe").values.to_numpy().tolist() == [[0, 1.5]]
+    writer.join()
 
 
 def test_large_files_are_read_fast_and_like_small_ones(tmp_path, monkeypatch):
