@@ -38,11 +38,12 @@ def known_columns(
         for heading in frame.cells
         if heading not in names and (pair := name_of(heading, wanted)) and pair[1].name not in taken
     }
-    present = taken | {entry.name for _, entry in found.values()}
+    quantities = dict.fromkeys(entry.name for _, entry in found.values())
+    present = taken | quantities.keys()
     # along a path of forces there is time, and the displacement without a radius is the punch's
     over_time = "normal_force" in present and not present & {"pressure", "profile", "time"}
     opposite, remarks = set[str](), list[str]()
-    for name in sorted(present - taken):
+    for name in quantities:
         heading = _best(
             frame, name, {key: at for key, (at, each) in found.items() if each.name == name}
         )

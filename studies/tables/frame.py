@@ -78,7 +78,7 @@ class Frame:
         )
         repeated = labels.duplicated()
         cells = cells.set_axis(labels, axis=1).loc[:, ~repeated]
-        for heading in labels:
+        for heading in [*cells]:
             if split_heading(heading).name == MASK:
                 inside = pd.to_numeric(cells.pop(heading), errors="coerce") != 0
                 cells = cells[inside]
@@ -104,12 +104,14 @@ class Frame:
         SceneError
             if the file cannot be read, or has no table
         """
-        content = content_of_file(path, HEAD)
-        plain = _plain_rows(path, content) if len(content) == HEAD else None
+        content, plain = content_of_file(path, HEAD), None
+        if len(content) == HEAD:
+            plain = _plain_rows(path, content)
+            content = b"" if plain else content_of_file(path)
         if plain:
             layout, cells = plain
         else:
-            layout = layout_of(path, text_of(content_of_file(path), path))
+            layout = layout_of(path, text_of(content, path))
             cells = pd.DataFrame([*layout.rows.values()], [*layout.rows], dtype=object)
         if headed and not layout.headings:
             raise SceneError(
@@ -155,7 +157,8 @@ class Frame:
                 column = column.astype(object).map(lambda cell: getattr(cell, "magnitude", cell))
                 column = column.map(str).where(column.notna(), "")
             columns.append(column)
-        return cls.of(name, pd.concat(columns, axis=1), headings, units)
+        cells = pd.DataFrame(dict(enumerate(columns)), table.index)
+        return cls.of(name, cells, headings, units)
 
     @classmethod
     def of_xarray(cls, data: Any, name: str) -> "Frame":

@@ -10,6 +10,7 @@ from ringwear import SceneError
 from ringwear.studies.crosscheck import QUANTITIES
 from ringwear.studies.tables.frame import Frame, surface_table
 from ringwear.studies.tables.headings import KINDS, name_of, split_heading
+from ringwear.studies.tables.layout import content_of_file
 
 
 def frame_of(text, tmp_path, encoding="utf-8", headed=True):
@@ -60,6 +61,19 @@ def test_a_cell_that_differs_from_its_column_is_refused(cells, line, tmp_path):
     rows = "".join(f"{cell}|x\n" for cell in cells.split(";"))
     with pytest.raises(SceneError, match=f"line {line}, column 'a'"):
         frame_of(f"a|b\n{rows}", tmp_path).refuse_faults({"a": "a"})
+
+
+def test_a_small_file_is_read_once(tmp_path, monkeypatch):
+    """A pipe cannot be read twice."""
+    calls = []
+
+    def counted(*given):
+        calls.append(given)
+        return content_of_file(*given)
+
+    monkeypatch.setattr("ringwear.studies.tables.frame.content_of_file", counted)
+    assert frame_of("time,p\n0,1.5\n", tmp_path).values.to_numpy().tolist() == [[0, 1.5]]
+    assert len(calls) == 1
 
 
 def test_large_files_are_read_fast_and_like_small_ones(tmp_path, monkeypatch):
