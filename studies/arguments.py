@@ -241,18 +241,15 @@ def add_arguments(parser: Parser, place: str, conduct: str) -> None:
 
 
 class Command(NamedTuple):
-    """A command.
+    """A command, which the function of its name in `commands.py` conducts: `_run` conducts `run`.
 
     Parameters
     ----------
-    conduct : the function that conducts the command, as in `documented`; its parameters are
-        arguments of the command
     place : the function whose docstring is the help, as in `documented`, and whose other parameters
         are arguments, too; by default that which conducts the command
     examples : text at the end of the help
     """
 
-    conduct: str
     place: str = ""
     examples: str = ""
 
@@ -287,18 +284,18 @@ CHALLENGE_EXAMPLES = """examples:
 """
 
 COMMANDS = {
-    "run": Command("commands:_run", "crosscheck.result.run:run"),
-    "check": Command("commands:_check", "check.check:check"),
-    "fit": Command("commands:_fit", "fit.fit:fit"),
-    "plan": Command("commands:_plan", "wear_step.plan:plan"),
-    "mesh": Command("commands:_mesh"),
-    "compare": Command("commands:_compare", "comparison:compare"),
-    "study": Command("commands:_study", "named_studies:study"),
-    "orders": Command("commands:_orders", "study.orders:orders", ORDERS_EXAMPLES),
-    "sweep": Command("commands:_sweep", "sweep.sweep:sweep"),
-    "scenes": Command("commands:_scenes"),
-    "deck": Command("commands:_deck", "decks.deck:deck", DECK_EXAMPLES),
-    "challenge": Command("commands:_challenge", examples=CHALLENGE_EXAMPLES),
+    "run": Command("crosscheck.result.run:run"),
+    "check": Command("check.check:check"),
+    "fit": Command("fit.fit:fit"),
+    "plan": Command("wear_step.plan:plan"),
+    "mesh": Command(),
+    "compare": Command("comparison:compare"),
+    "study": Command("named_studies:study"),
+    "orders": Command("study.orders:orders", ORDERS_EXAMPLES),
+    "sweep": Command("sweep.sweep:sweep"),
+    "scenes": Command(),
+    "deck": Command("decks.deck:deck", DECK_EXAMPLES),
+    "challenge": Command(examples=CHALLENGE_EXAMPLES),
 }
 
 
@@ -326,7 +323,7 @@ def read_arguments(arguments: list[str]) -> dict[str, Any]:
         if called in COMMANDS and called != name:
             commands.add_parser(name)
             continue
-        conduct = command.conduct
+        conduct = f"commands:_{name}"
         place = command.place or conduct
         purpose = documented(place).purpose
         subparser = commands.add_parser(

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..meshes import SceneError
-from .arguments import COMMANDS, in_units
+from .arguments import in_units
 from .crosscheck import (
     Folder,
     Scene,
@@ -53,7 +53,7 @@ def conduct(command: str, options: dict[str, Any], usage: str, only: bool) -> St
         sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     show_progress(of_stages=command not in ("plan", "study", "sweep"))
     try:
-        return function_at(COMMANDS[command].conduct)(**options)
+        return function_at(f"commands:_{command}")(**options)
     except SceneError as error:
         error.args = (_possible(str(error), usage),)
         raise

@@ -277,7 +277,8 @@ def draw_operators(scene: Scene, pairs: Sequence[OperatorDifference]) -> Figure:
     axes.axvline(
         shortest, color="0.4", linestyle=":", label="twice the width of the narrowest ring"
     )
-    set_logarithmic(axes, "x", "y", most=8)
+    for direction in "xy":
+        set_logarithmic(axes, direction, most=8)
     finest = min(pair.shortest_resolved for pair in pairs) / radius
     left, unresolved = axes.get_xlim()[0], "waves finer than the elements"
     axes.axvspan(left, finest, color="0.88", linewidth=0, zorder=0, label=unresolved)

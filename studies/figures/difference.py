@@ -38,6 +38,17 @@ PANEL_DECADES, MAP_DECADES = 8, 6
 CELLS = 160
 # greatest number of rows of a map, for the same reason
 ROWS = 400
+# look of the mark at the largest difference
+MARK: Look = {
+    "marker": "o",
+    "markersize": 5,
+    "markerfacecolor": "none",
+    "markeredgecolor": "black",
+    "markeredgewidth": 0.8,
+    "linestyle": "",
+    "clip_on": False,
+    "label": "largest difference",
+}
 # curves with fewer radii than this have marks
 FEW_RADII = 25
 
@@ -135,7 +146,7 @@ def _draw_curves(
             axes.plot(radii, heights, color=colour, linewidth=0.8, label=label, **look)
     if largest:
         _, index = field.largest
-        axes.plot(scale.shown("radius", field.radii[index]), largest, **_mark())
+        axes.plot(scale.shown("radius", field.radii[index]), largest, **MARK)
     set_logarithmic(axes, "y", most=4)
     axes.set_ylim(low, high)
 
@@ -168,7 +179,7 @@ def _draw_map(
         lines[0].set_label("edge of the contact")
     row, index = field.largest
     if field.relative[row, index]:
-        mark = _mark() | {"markersize": 6.5}
+        mark = MARK | {"markersize": 6.5}
         halo = mark | {"markeredgecolor": "white", "markeredgewidth": 1.8, "label": ""}
         axes.plot(radii[index], row, **halo)
         axes.plot(radii[index], row, **mark)
@@ -213,20 +224,6 @@ def _mark_rings(axes: Axes, scale: Scale) -> None:
         transform = axes.get_xaxis_transform()
         axes.vlines(scale.shown("radius", edges), 0, 1, transform=transform, **look)
     axes.set_xlim(*_face(scale))
-
-
-def _mark() -> Look:
-    """Return the look of the mark at the largest difference."""
-    return {
-        "marker": "o",
-        "markersize": 5,
-        "markerfacecolor": "none",
-        "markeredgecolor": "black",
-        "markeredgewidth": 0.8,
-        "linestyle": "",
-        "clip_on": False,
-        "label": "largest difference",
-    }
 
 
 def _norm_in_words(field: FieldDifference) -> str:

@@ -67,10 +67,9 @@ def draw_stress(result: Result) -> Figure:
     for axes, state, values, top, depth, bottom in zip(
         panels[0], states, stress, highest, depths, bottoms, strict=True
     ):
-        unit, name = scale.unit(float(top if own_colours else highest.max()), "pressure")
-        levels = _levels(top / unit, top / unit)
-        if not own_colours:
-            levels = _levels(highest.min() / unit, highest.max() / unit)
+        tops = top if own_colours else highest
+        unit, name = scale.unit(float(tops.max()), "pressure")
+        levels = _levels(tops.min() / unit, tops.max() / unit)
         shown = np.maximum(values / unit, 0.1 * levels[0])
         image = axes.tricontourf(
             *(r, z, fields.triangles.T, shown, levels), norm=LogNorm(), extend="both"

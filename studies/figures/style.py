@@ -241,17 +241,16 @@ def legend_of(figure: Figure, axes: Iterable[Axes], note: str = "") -> float:
     return 0.13 + 0.15 * -(-len(handles) // columns) + 0.125 * len(note_lines)
 
 
-def set_logarithmic(axes: Axes, *directions: str, most: int = 5) -> None:
-    """Make axes logarithmic, with up to `most` ticks at powers of ten.
+def set_logarithmic(axes: Axes, direction: str, most: int = 5) -> None:
+    """Make an axis logarithmic, with up to `most` ticks at powers of ten.
 
     Minor ticks, and formulas in labels, would take as long as the rest of the figure.
     """
-    for direction in directions:
-        axes.set(**{f"{direction}scale": "log"})
-        axis = getattr(axes, f"{direction}axis")
-        axis.set_major_locator(Decades(numticks=most))
-        axis.set_major_formatter(lambda value, _: power_of_ten(value))
-        axis.set_minor_locator(NullLocator())
+    axes.set(**{f"{direction}scale": "log"})
+    axis = getattr(axes, f"{direction}axis")
+    axis.set_major_locator(Decades(numticks=most))
+    axis.set_major_formatter(lambda value, _: power_of_ten(value))
+    axis.set_minor_locator(NullLocator())
 
 
 def set_linear(axes: Axes, direction: str, most: int = 6) -> None:

@@ -23,7 +23,7 @@ def slides(result: Result) -> dict[str, Any] | None:
 
     Return None if no profiles and pressures along the radius are available.
     """
-    if not result.gives("profile", "pressure"):
+    if not {"profile", "pressure"} <= result.table.data_vars.keys():
         return None
     scale, problem = Scale(result.scene), result.scene.problem
     _, states = result.between
@@ -81,6 +81,6 @@ def slides(result: Result) -> dict[str, Any] | None:
 
 def _round(values: Array) -> Any:
     """Return numbers rounded to four digits, which is enough for a screen."""
-    sizes = np.abs(np.where(values, values, 1.0))
+    sizes = np.abs(np.where(np.isfinite(values) & (values != 0), values, 1.0))
     ten_thousandths = 10.0 ** (3 - np.floor(np.log10(sizes)))
     return (np.round(values * ten_thousandths) / ten_thousandths).tolist()

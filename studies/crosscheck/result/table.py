@@ -24,6 +24,7 @@ from ..problem.unit_names import NO_UNIT
 from ..scene.scene import Scene
 from ..versions import package_versions
 from ..wear.modes import SHOWN_RELAXATION_TIMES
+from .output.files import CHECKSUMS, SUMMARY
 from .output.table import Table, Variable
 
 Answers = dict[str, dict[str, Array]]
@@ -138,6 +139,7 @@ def tabulate(scene: Scene, solutions: Mapping[str, Solution]) -> Table:
         "gradient_average": scene.output.gradient_average,
         "versions": json_text(package_versions()),
         "scene": scene.to_toml(),
+        CHECKSUMS: f"that of this file: {SUMMARY}",
     }
     return Table(variables, coordinates, attributes_of_table)
 

@@ -11,8 +11,8 @@ from ringwear.studies.named_studies import STUDIES
 
 PUBLIC = [name for name in COMMANDS if name in ringwear.__all__]
 PLACES = [
-    *((command.place, command.conduct) for name, command in COMMANDS.items() if name != "study"),
-    *((study.place, COMMANDS["study"].conduct) for study in STUDIES.values()),
+    *((each.place, f"commands:_{name}") for name, each in COMMANDS.items() if name != "study"),
+    *((study.place, "commands:_study") for study in STUDIES.values()),
 ]
 
 

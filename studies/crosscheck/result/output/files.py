@@ -6,7 +6,6 @@ library. It therefore reads only the file that was written.
 
 import json
 from contextlib import suppress
-from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +30,6 @@ RESULTS, SUMMARY = "results.nc", "summary.json"
 
 CHECKSUMS = "checksums"
 """Entry of `summary.json` with the checksums, and attribute of `results.nc` that points to it."""
-POINTER = {CHECKSUMS: f"that of this file: {SUMMARY}"}
 
 INSIDE = "half_space.vtu"
 # files of a run besides its figures
@@ -48,7 +46,7 @@ def write_numbers(table: Table, entries: Json, directory: Path, csv: bool = Fals
     """
     LOG.info("  output  writing ...")
     try:
-        write_table(replace(table, attrs=table.attrs | POINTER), directory / RESULTS)
+        write_table(table, directory / RESULTS)
     except RuntimeError as error:
         # netCDF raises a RuntimeError if the disk is full
         raise RingwearError(
@@ -62,15 +60,9 @@ def write_numbers(table: Table, entries: Json, directory: Path, csv: bool = Fals
         write_tables(table.dataset, directory)
 
 
-def _read(directory: Path) -> Table:
-    """Return the table in a folder, without the attribute that points to its checksum."""
-    table = read_table(directory / RESULTS)
-    return replace(table, attrs={key: table.attrs[key] for key in table.attrs.keys() - POINTER})
-
-
 def _refuse_other_numbers(table: Table, directory: Path) -> None:
     """Raise if the files that were written have other numbers than the results in memory."""
-    if not _read(directory).equals(table):
+    if not read_table(directory / RESULTS).equals(table):
         raise RingwearError(f"{RESULTS} was not written correctly: its numbers are not the results")
     answers = json.loads((directory / SUMMARY).read_text("utf-8")).get("answer", {})
     for row, numbers in enumerate(answers.values()):
@@ -155,7 +147,7 @@ def read_folder(path: Path) -> tuple[Table, Json]:
         for name, checksum in checksums(path, entries).items():
             if recorded[name] != checksum:
                 raise Unreadable(f"{name} is not as it was written")
-        return _read(path), entries
+        return read_table(path / RESULTS), entries
     # a RecursionError: JSON that is nested too deeply
     except (OSError, ValueError, RecursionError, Unreadable) as error:
         raise refused(path, error) from None
