@@ -149,7 +149,6 @@ REFUSED = [
     (GOOD + "\nmethods = [['mdr'], ['direct']]", "same methods"),
     (HEAD + DRAWN + "count = 3\nseed = -1", "random.seed = -1: give"),
     (HEAD + DRAWN + "count = -3\nseed = 1", "random.count = -3 and"),
-    (HEAD + DRAWN + "count = 3\nseed = 1.5", "random.seed = 1.5: give"),
     (HEAD + DRAWN + "count = 3", "random.seed = None: give"),
     (HEAD + DRAWN + f"seed = 1\ncount = 0x{5000 * '9'}", "a number of thousands of digits values"),
     (HEAD + DRAWN + f"seed = 1\ncount = {BILLIONS}", f"{BILLIONS} values"),
