@@ -31,7 +31,6 @@ def result():
         lambda _: run("five_rings", "mdr,direct", 1e-2),
         lambda _: run("flat_punch", methods=("mdr",), quantities="indentation"),
         lambda _: run(SCENE),
-        lambda _: run(Scene(**SCENE)),
         lambda _: run(Scene.load("flat_punch").table(), methods=["direct"]),
         lambda result: result.plot(),
         lambda result: result.plot(kind="steady_state"),

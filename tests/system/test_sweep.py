@@ -130,7 +130,6 @@ REFUSED = [
     ("axes = {'punch.rings' = [2]}", "missing key base"),
     (GOOD.replace("five", "six"), "six_rings"),
     (GOOD.replace("keep", "keeps"), "keeps"),
-    ("base = 'five_rings'\naxes = 3", "axes = 3"),
     (GOOD.replace("punch.rings", "punch.ring"), "did you mean rings"),
     (GOOD.replace("3", "2.5"), "punch.rings = 2.5"),
     (GOOD.replace("[2, 3]", "{ logspace = [1, 2, 3] }"), "geomspace"),
