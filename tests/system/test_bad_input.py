@@ -161,7 +161,6 @@ COMMANDS = [
     ("run five_rings --memory 0.1", "punch.rings"),
     ("", "COMMAND"),
     ("study refinement --mesh none.msh --out new", "--mesh none.msh: no such file"),
-    ("study refinement --mesh bytes --out new", "--mesh bytes"),
     ("study refinement --mesh '' --out new", "--mesh"),
 ]
 

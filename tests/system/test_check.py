@@ -310,19 +310,3 @@ def test_errors_are_saved_before_mistakes_are_tried(tmp_path, monkeypatch):
     errors_of = {row["quantity"]: row["error"] for row in summary["errors"]}
     assert errors_of["indentation"] == pytest.approx(0.05, rel=1e-2)
     assert load(tmp_path / "out").of_others == ("abaqus",)
-
-
-@pytest.mark.slow
-def test_a_check_has_our_result_theirs_and_mistakes():
-    """Its attributes are few, and each says what it is."""
-    scene = Scene.load("five_rings").changed(methods=["mdr"], accuracy__rtol=1e-3)
-    table = flat_start(scene)
-    found = check(scene, {"abaqus": table.assign(indentation=2 * table["indentation"])})
-    assert found.result.dataset.solver.values.tolist() == ["mdr"]
-    assert found.theirs.solver.values.tolist() == ["abaqus"]
-    assert set(found.theirs.data_vars) == {*table.columns} - {"time", "radius"}
-    assert not found.passes
-    assert found.within == 0.01
-    assert {"quantity", "error", "within"} <= set(found.errors)
-    assert found.errors.set_index("quantity").error["indentation"] == pytest.approx(1, rel=1e-3)
-    assert [mistake.program for mistake in found.mistakes()][:1] == ["abaqus"]

@@ -85,12 +85,6 @@ def test_large_errors_are_printed_as_multiples():
     assert "%" not in line.partition("(")[0]
 
 
-def test_a_misspelt_quantity_gets_the_right_name_as_a_suggestion():
-    checked = check(SCENE, pd.DataFrame({"time": [0.0], "indentation": [DEPTH]}))
-    with pytest.raises(SceneError, match="did you mean 'pressure'"):
-        checked.result.error("presure")
-
-
 @pytest.mark.slow
 def test_a_column_of_nan_is_refused_and_an_empty_one_reported(tmp_path, caplog):
     """A program that has failed may write a table of NaN; an empty column was not filled in."""

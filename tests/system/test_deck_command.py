@@ -117,6 +117,20 @@ def test_a_deck_states_the_stable_step_of_its_own_mesh(tmp_path):
     assert f"- {stable}\n" in (tmp_path / "README.md").read_text()
 
 
+def test_the_comments_of_a_worn_deck_give_the_indentation(tmp_path):
+    """By them reports are read back: displacements are scaled, and the foremost point has worn."""
+    ringwear.deck("five_rings", "calculix", tmp_path, "Q1", times=[0.5], size=0.2, reach=20)
+    text = (tmp_path / "contact_2.inp").read_text()
+    scale, lowest, pressed = (
+        float(re.search(rf"{name} (\S+)", text)[1])
+        for name in ("displacements times:", "lowest height:", "PAD, 2, 2,")
+    )
+    scene = Scene.load("five_rings").changed(methods=["mdr"], wear__times=[0.0, 0.5])
+    depth = float(ringwear.run(scene).dataset.indentation[0, 1])
+    assert lowest - scale * pressed == pytest.approx(depth, rel=1e-6)
+    assert min(scale, 10 * lowest) > 1
+
+
 def test_decks_for_abaqus_have_documented_keywords(tmp_path):
     files = ringwear.deck("washer", "abaqus", tmp_path, size=0.008, reach=50)
     names = {file.name for file in files}

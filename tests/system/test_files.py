@@ -10,7 +10,7 @@ import xarray
 from conftest import WITHOUT_GMSH
 from skfem import MeshQuad
 
-from ringwear import Scene, main, run
+from ringwear import Scene, load, run
 from ringwear.meshes.files import read
 
 VARIABLES = {
@@ -64,13 +64,6 @@ NUMBERS = {"results.nc", "summary.json"}
 PAGE = {"report.html", ".ringwear.json"}
 
 
-def run_scene(directory, scene, *flags):
-    """Run a scene by the command, and return its status and its folder."""
-    file, out = directory / "scene.toml", directory / "out"
-    file.write_text(scene.to_toml(), "utf-8")
-    return main(["run", str(file), "--out", str(out), *flags]), out
-
-
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     """Run the main job with a radius, a force and a modulus that are not one."""
@@ -80,8 +73,8 @@ def done(tmp_path_factory):
         half_space__plane_strain_modulus=3.0,
         load__normal_force=5.0,
     )
-    status, out = run_scene(tmp_path_factory.mktemp("run"), scene, "--rtol", "1e-3")
-    assert status == 0
+    out = tmp_path_factory.mktemp("run")
+    run(scene.changed(accuracy__rtol=1e-3)).save(out)
     return out
 
 
@@ -137,7 +130,7 @@ def test_values_that_a_method_does_not_compute_are_nan(results):
 
 @pytest.mark.gmsh
 def test_the_summary_of_a_run(done):
-    summary = json.loads((done / "summary.json").read_text("utf-8"))
+    summary = load(done).summary
     assert set(summary["methods"]) == {"mdr", "direct", "fem"}
     for method in summary["methods"].values():
         assert {"seconds", "unknowns", "rtol_asked", "error_estimate"} <= set(method)
@@ -203,13 +196,12 @@ def test_a_run_writes_all_its_files(done):
     ],
     ids=lambda value: str(value) if isinstance(value, dict) else "",
 )
-def test_parts_of_a_scene(changes, figures, tmp_path):
+def test_parts_of_a_scene(changes, figures, command, tmp_path):
     """Every sensible part of a scene runs by itself, and writes only the files for that part."""
     scene = Scene.load("five_rings").changed(accuracy__rtol=1e-2, **changes)
-    status, out = run_scene(tmp_path, scene)
-    assert status == 0
-    assert {file.name for file in out.iterdir()} == NUMBERS | PAGE | figures
-    assert set(VARIABLES) <= set(xarray.load_dataset(out / "results.nc"))
+    command("run scene.toml --out out", scene=scene)
+    assert {file.name for file in (tmp_path / "out").iterdir()} == NUMBERS | PAGE | figures
+    assert set(VARIABLES) <= set(xarray.load_dataset("out/results.nc"))
 
 
 def test_two_runs_are_the_same():
@@ -218,16 +210,15 @@ def test_two_runs_are_the_same():
 
 
 @pytest.mark.slow
-def test_an_accuracy_that_is_not_reached_ends_with_status_3(tmp_path, capsys):
+def test_an_accuracy_that_is_not_reached_ends_with_status_3(command):
     scene = Scene.load("flat_punch").changed(
         methods=["mdr", "fem"],
         accuracy__rtol=1e-3,
         accuracy__fem__far_field="fixed",
         accuracy__fem__truncation=20.0,
     )
-    status, out = run_scene(tmp_path, scene, "--no-figures")
-    assert status == 3
-    summary = json.loads((out / "summary.json").read_text("utf-8"))
+    lines = command("run scene.toml --no-figures --out out", 3, scene).out.splitlines()
+    summary = load("out").summary
     assert summary["verdict"] == "undecided"
     assert not summary["agrees"]
     assert summary["methods"]["fem"]["beyond_rtol"]["indentation"] > 0.05
@@ -235,17 +226,17 @@ def test_an_accuracy_that_is_not_reached_ends_with_status_3(tmp_path, capsys):
     assert "far_field = 'boussinesq'" in indentation["remark"]
     # a clamped boundary takes 1.1 a/R of the indentation; the difference is relative to the whole
     assert 1 - indentation["difference"] == pytest.approx(1 - 1.1 / 20, rel=2e-3)
-    lines = capsys.readouterr().out.splitlines()
     assert any("undecided: " in line and "indentation" in line for line in lines)
 
 
 @pytest.mark.slow
-def test_the_inside_is_written_as_a_series(tmp_path):
+def test_the_inside_is_written_as_a_series(command, tmp_path):
     """ParaView opens one file for each time, with the same numbers as the file of all times."""
     scene = Scene.load("flat_punch").changed(
         methods=["fem"], accuracy__rtol=1e-2, output__field_times=[0.0, 0.3]
     )
-    _, out = run_scene(tmp_path, scene, "--no-figures")
+    command("run scene.toml --no-figures --out out", scene=scene)
+    out = tmp_path / "out"
     sets = ElementTree.parse(out / "half_space.pvd").findall(".//DataSet")
     assert [float(each.get("timestep")) for each in sets] == [0.0, 0.3]
     whole = meshio.read(out / "half_space.vtu").point_data

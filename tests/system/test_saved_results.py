@@ -95,18 +95,9 @@ def test_saved_results_are_read_back_exactly(result, saved):
     assert repr(read) == repr(result)
 
 
-def scaled(factor):
-    return lambda array: array._replace(values=array.values * factor)
-
-
 # an array, and what happens to it on its way into the file
 ALTERATIONS = {
-    "pressure + 10 %": ("pressure", scaled(1.1)),
-    "one bit of the times": ("time", scaled(np.nextafter(1.0, 2.0))),
-    "single precision": (
-        "indentation",
-        lambda of: of._replace(values=of.values.astype(np.float32)),
-    ),
+    "one bit": ("time", lambda of: of._replace(values=of.values * np.nextafter(1.0, 2.0))),
     "another unit": ("indentation", lambda of: of._replace(attrs=of.attrs | {"units": "mm"})),
     "methods exchanged": ("solver", lambda of: of._replace(values=of.values[::-1])),
 }

@@ -63,15 +63,19 @@ def test_a_study_stopped_early_keeps_its_tables(name, line, command, tmp_path):
     assert INTERRUPTED in (tmp_path / "report.html").read_text("utf-8")
 
 
-def test_ctrl_c_before_the_first_row_leaves_nothing(command, tmp_path, monkeypatch):
+@pytest.mark.parametrize(("rows", "left"), [("a\n", []), ("a\n1\n", ["march.csv"])])
+def test_ctrl_c_leaves_tables_with_rows_and_nothing_else(
+    rows, left, command, tmp_path, monkeypatch
+):
     def march(_, *, quick, record):
         assert quick
-        record.file.write_text("a\n", "utf-8")
+        record.file.write_text(rows, "utf-8")
+        record.file.with_name("march.png").write_bytes(b"half")
         raise KeyboardInterrupt
 
     monkeypatch.setattr("ringwear.studies.march.march", march)
     command("study march --quick --out .", 1)
-    assert list(tmp_path.iterdir()) == []
+    assert [file.name for file in tmp_path.glob("[!.]*")] == left
 
 
 def test_ctrl_c_while_the_page_is_written_keeps_all_other_files(command, tmp_path, monkeypatch):

@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 from itertools import combinations
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import linregress
 
 from ringwear import Scene, SceneError
 from ringwear.studies.estimate.estimator import Likelihood, fix_ineffective_parameters
@@ -13,6 +15,7 @@ from ringwear.studies.estimate.measurement import Measurement
 from ringwear.studies.estimate.model import STENCIL, lagrange
 from ringwear.studies.estimate.parameter import Parameter, situation
 from ringwear.studies.estimate.profiles import Profiles
+from ringwear.studies.fit import residual_tests
 from ringwear.studies.fit.data import read_measurements
 from ringwear.studies.fit.parameters import find_parameters
 from ringwear.studies.fit.residual_tests import combined, few_runs, small_differences
@@ -259,3 +262,15 @@ def test_noise_in_the_offset_of_a_profile_is_projected_out():
     likelihood = likelihood_of(model, 1)
     assert likelihood.residuals(np.zeros(1)) == pytest.approx(np.zeros(5), abs=1e-12)
     assert likelihood.degrees_of_freedom == 3
+
+
+def test_a_drift_is_tested_as_the_slope_of_a_regression():
+    times, values = np.arange(6.0), np.array([2.0, 3.0, 1.0, 5.0, 4.0, 6.0])
+    centred = times - times.mean()
+    score = values @ centred / np.linalg.norm(centred)
+    # the mean of the values is the only parameter
+    likelihood = SimpleNamespace(
+        measurements=[SimpleNamespace(noise_known=False)], degrees_of_freedom=5
+    )
+    found = residual_tests._probability_of_score(likelihood, values - values.mean(), score)
+    assert found == pytest.approx(linregress(times, values).pvalue)

@@ -7,7 +7,8 @@ from ringwear import Scene, SceneError
 from ringwear.meshes import as_half_space, ring_areas, structured
 from ringwear.studies.check.sawtooth import find
 from ringwear.studies.study.own import ELEMENTS
-from ringwear.studies.wear_step.contact_nodes import TREATMENTS, contact_nodes
+from ringwear.studies.wear_step.contact_nodes import PER_NODE, TREATMENTS, contact_nodes
+from ringwear.studies.wear_step.explicit import relief
 from ringwear.studies.wear_step.limits import (
     contacts_of,
     describe,
@@ -45,6 +46,16 @@ def test_nodes_carry_the_force_of_a_flat_punch(element, inner):
         if treatment == "consistent":
             np.testing.assert_allclose(pressures, 1.0, rtol=1e-9)
         assert nodes.weights.sum() == pytest.approx(area, rel=1e-12)
+
+
+def test_uniform_wear_takes_force_away_at_a_fixed_indentation_only():
+    fixed = Scene.load("flat_punch").changed(load={"indentation": 0.5}).problem
+    nodes = nodes_of("Q1")
+    given, lost = (
+        nodes.weights @ relief(problem, nodes, PER_NODE).sum(axis=1) for problem in (FLAT, fixed)
+    )
+    assert given == pytest.approx(0.0, abs=1e-12)
+    assert lost == pytest.approx(nodes.stiffness.sum())
 
 
 def test_limits_are_in_the_units_of_the_scene():
