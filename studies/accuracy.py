@@ -271,18 +271,22 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
         ]
         return [way for way in ways if way.method in named]
     one, cut = case.name == ONE_RING, slice(-1 if quick else None)
-    # the quick study has low degrees only
-    highest = 2 if quick else max(GRADINGS)
-    # uniform meshes of one ring have their order from the coarsest ones on
-    uniform_cut = slice(-2) if quick and one else cut
+    # elements below one ring have their order from the coarsest meshes on
+    element_cut = slice(-2) if quick and one else cut
     halvings, parts, gradings = OF_ONE_RING if one else OF_RINGS
-    kinds = [(quads, k) for quads in parts for k in parts[quads] if one or k <= highest]
-    graded_radial = [("mdr", degree) for degree in gradings if degree <= highest]
+    # the quick study leaves out some degrees
+    kinds = [
+        (quads, k) for quads in parts for k in parts[quads] if quads or one or not quick or k != 3
+    ]
+    graded_radial = [("mdr", degree) for degree in gradings if not quick or degree < 3]
     graded_radial += RADIAL[3 if one else 2 :]
     even, graded = (EVEN_UNDER_ONE_RING, GRADED_TO_RIM) if one else (EVEN, None)
     ways = [
-        *(uniform(k, halvings[quads][k][uniform_cut], quads, base=even) for quads, k in kinds),
-        *(graded_to_edges(k, parts[quads][k][cut], quads, base=graded) for quads, k in kinds),
+        *(uniform(k, halvings[quads][k][element_cut], quads, base=even) for quads, k in kinds),
+        *(
+            graded_to_edges(k, parts[quads][k][element_cut], quads, base=graded)
+            for quads, k in kinds
+        ),
         layered(range(4, 8 if quick and not one else 12), len(case.problem.merged.widths)),
         *(uniform_radii(*radial, COUNTS[cut]) for radial in RADIAL[: 0 if one else 3]),
         *(graded_radii(*radial, gradings[radial[1]][cut]) for radial in graded_radial),

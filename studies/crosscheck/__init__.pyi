@@ -71,7 +71,6 @@ from .problem.quantities import (
     FINEST_RTOL as FINEST_RTOL,
     GROUPS as GROUPS,
     QUANTITIES as QUANTITIES,
-    Units as Units,
     differences as differences,
     error_name as error_name,
 )

@@ -17,11 +17,9 @@ import numpy as np
 
 from ...meshes import Array, Compliance, SceneError
 from ..crosscheck import LOG, QUANTITIES, Problem, Scene
-from .marches import CELL, March
+from .histories import CELL, FlatHistory, March, Strips, discretise, with_uniform
 from .measurement import Measurement
-from .modes import FlatHistory, discretise, with_uniform
 from .parameter import Parameter, Reading, Situation, situation
-from .strips import Strips
 
 # rtol of a march over the rtol of the model, because marches are less smooth than modes
 MARCH_RTOL_FACTOR = 0.1

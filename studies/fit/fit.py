@@ -18,7 +18,7 @@ from ..estimate.estimator import (
     inverse_of_information,
     with_estimated_noise,
 )
-from ..estimate.marches import CELL
+from ..estimate.histories import CELL
 from ..estimate.measurement import Measurement
 from ..estimate.model import Model
 from ..estimate.parameter import Parameter

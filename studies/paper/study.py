@@ -19,7 +19,7 @@ from .running_in import FiveRings
 from .theory import FIG7_WEAR_RATIO, homogeneous, many_rings
 
 QUICK_RTOL = 1e-3
-"""Least tolerance of the finite elements of Figs. 6 and 7 in the quick study."""
+"""Least tolerance of Figs. 5 to 7 in the quick study."""
 
 
 def paper(
@@ -30,8 +30,8 @@ def paper(
     Parameters
     ----------
     scene : a scene, of which Poisson's ratio and the accuracy count
-    quick : whether to leave out punches of many rings and half of the points by finite elements,
-        and to compute these with a tolerance of at least `QUICK_RTOL`
+    quick : whether to leave out punches of many rings and half of the points, and to solve with a
+        tolerance of at least `QUICK_RTOL`
     record : collects the conclusions, also those of a study that is interrupted
 
     Raises
@@ -44,7 +44,9 @@ def paper(
     tables = dict[str, pd.DataFrame]()
     table, conclusions = pd.DataFrame(), list[str]()
     with keeping_rows(record.remarks):
-        five_rings = FiveRings(scene)
+        rtol = max(scene.accuracy.rtol, QUICK_RTOL) if quick else scene.accuracy.rtol
+        solved = scene.changed(accuracy__rtol=rtol)
+        five_rings = FiveRings(solved)
         states, history = five_rings.states, five_rings.history
         conclusions.append(
             f"Figs. 4, 5 by {', '.join(states.solver.values)}: 70 % of the displacement difference "
@@ -58,9 +60,7 @@ def paper(
         curves = {}
         for number in (6, 7):
             counts = (2, 4, 8) if quick else (2, 4, 8, 16, 32, 64)
-            rtol = max(scene.accuracy.rtol, QUICK_RTOL) if quick else scene.accuracy.rtol
-            with_rtol = scene.changed(accuracy__rtol=rtol)
-            curves[number] = compute_gradients(number, with_rtol, counts, 50 if quick else 25)
+            curves[number] = compute_gradients(number, solved, counts, 50 if quick else 25)
             drawn_figures[f"fig{number}"] = figures.draw_gradients(number, curves[number])
             tables[f"fig{number}"] = curves[number].to_dataframe().reset_index()
             difference = float(abs(curves[number].fem / curves[number].direct - 1).max())
@@ -91,7 +91,8 @@ def compute_gradients(
     figure : 6 or 7
     scene : scene with the Poisson's ratio and the accuracy of finite elements
     counts : numbers of rings
-    spacing : number of points from one that finite elements compute to the next
+    spacing : number of points from one that finite elements compute to the next, a multiple of 25;
+        direct integration computes 25 from one to the next
 
     Returns
     -------
@@ -102,11 +103,11 @@ def compute_gradients(
     """
     bundled = Sweep.load(f"fig{figure}")
     base, axes = bundled.table["base"], bundled.table["axes"] | {"punch.rings": list(counts)}
-    by_direct = sweep(base, axes, keep=bundled.keep)
     varied_key = ("punch.wear_ratio", "punch.width_ratio")[figure - 6]
-    ratio_name = varied_key.removeprefix("punch.")
+    ratio_name, values = varied_key.removeprefix("punch."), bundled.columns[varied_key].values
+    by_direct = sweep(base, axes | {varied_key: values[:: spacing // 25]}, keep=bundled.keep)
     fem_points = {
-        varied_key: by_direct[ratio_name].values[::spacing].tolist(),
+        varied_key: values[::spacing],
         "punch.rings": [count for count in counts if count <= 16],
     }
     by_fem = sweep(

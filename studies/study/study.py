@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,7 +66,7 @@ class Study(AnswersGuesses):
     purpose: str = ""
     measured: pd.DataFrame = field(default_factory=pd.DataFrame)
 
-    @property
+    @cached_property
     def answer(self) -> pd.DataFrame:
         """How accurate each way is and what an accuracy costs by it, as texts; a row for each."""
         if not len(self.measured):

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...meshes import Array, MeshError
 from ..crosscheck import Problem
-from ..estimate.strips import worn_at_nodes
+from ..estimate.histories import worn_at_nodes
 from ..study.own import ELEMENTS
 from .contact_nodes import (
     TREATMENTS,

@@ -9,9 +9,9 @@ import pytest
 from ringwear import Scene, SolverError
 from ringwear.studies.estimate.compared import PRINTED, Comparison
 from ringwear.studies.estimate.diagnose import model_of
+from ringwear.studies.estimate.histories import Strips
 from ringwear.studies.estimate.mistakes import mistakes
 from ringwear.studies.estimate.select import select
-from ringwear.studies.estimate.strips import Strips
 
 TIMES = np.array([0.0, 0.1, 0.5])
 FLAT = Scene(
