@@ -306,6 +306,7 @@ def _study(
     from .named_studies import study as conduct_study
     from .study.formats import for_terminal
     from .study.record import as_before, rows_before
+    from .study.study import CELLS
     from .tables.writing import keep_tables, keeping_rows
 
     read, folder_name = Scene.load(scene), _out(out, study)
@@ -326,6 +327,7 @@ def _study(
             with keeping_rows(conclusions):
                 failures += results.write(folder.hidden)
     if results is not None and len(results.answer):
+        print_lines(["", f"In each cell: {CELLS}", ""])
         print_markdown(for_terminal(results.answer))
     print_lines(conclusions)
     status = _finish(folder, failures)

@@ -14,7 +14,6 @@ from threadpoolctl import threadpool_limits
 
 from ringwear import Scene
 from ringwear.meshes import Array
-from ringwear.studies.estimate.histories import discretise
 from ringwear.studies.estimate.measurement import Measurement
 from ringwear.studies.estimate.model import Model
 from ringwear.studies.estimate.parameter import Parameter

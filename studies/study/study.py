@@ -26,6 +26,8 @@ QUICK = (
     "With --quick, levels are coarse and few: orders and costs are those of coarse levels, and "
     "may differ from those of the whole study."
 )
+CELLS = "observed order (that of theory), and error on the finest level; then costs of each error"
+"""Meaning of the cells of the answer."""
 ON_PAGE = ("answer", "orders", "claims")
 """Names of the tables that the page shows."""
 
@@ -159,7 +161,7 @@ class Study(AnswersGuesses):
 
         title = f"Study: {self.name}"
         parts = [
-            (name * (not number), part)
+            (f"answer: {CELLS}" * (not number) if name == "answer" else name * (not number), part)
             for name in [name for name in ON_PAGE if name in tables] or [self.name]
             for number, part in enumerate(blocks(self._for_papers(name)))
         ]

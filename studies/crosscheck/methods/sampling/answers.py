@@ -133,7 +133,7 @@ class MarchedRun(SteadyRun):
             edges = OnCells(functions, ends, functions.centre).contact_edges
             self.contact_radius_at_end = float(np.nanmax(edges[-1], initial=0.0))
             worn = functions.at(functions.centre, ends.shape)
-            self.worn_depth_at_end = float(worn[-1, 0] + ends.even_wear[-1])
+            self.worn_depth_at_end = float(worn[-1, 0])
         if start is not None:
             self.contact_radius_at_start, self.peak_at_start = start.radius, _peak(start)
 
