@@ -136,9 +136,9 @@ class Deck:
                 return np.ones_like(radii)
             # both ends of each ring
             ends, wear_at_ends = np.repeat(edges, 2)[1:-1], np.column_stack([inner, outer])
-            at_jumps = np.abs(radii[:, None] - jumps) <= 1e-9 * edges[-1]
+            at_jumps = np.abs(radii[..., None] - jumps) <= 1e-9 * edges[-1]
             values = np.interp(radii, ends, wear_at_ends.ravel())
-            return np.where(at_jumps.any(axis=1), np.nan, values)
+            return np.where(at_jumps.any(axis=-1), np.nan, values)
 
         pressures = pressures_of(radii, forces, self.quadratic, wear)
         margin = NEAR_RIM * (edges[-1] - edges[0])

@@ -83,7 +83,8 @@ def order_of_changes(sizes: Array, changes: Array) -> Fitted:
     derivative = (of_powers(order + step) - of_powers(order - step)) / (2 * step)
     # of a linear model of the logarithms about this order
     further = slope(derivative, logarithms - of_powers(order))
-    return Fitted(order, order + further.low, order + further.high)
+    half = (further.high - further.low) / 2
+    return Fitted(order, order - half, order + half)
 
 
 def order_of_three(sizes: Array, changes: Array) -> float:

@@ -84,11 +84,10 @@ class OnPad(Punch):
         thickness, poisson_ratio = self.pad
         s, lengths = wave_numbers(thickness, 2.0)
         bessel = j0(np.outer(self.radius, s)) * self.length[:, None] / 2
-        transforms = np.zeros((self.first[-1], len(s)))
-        for number, lower in enumerate(self.orthogonal):
+        transforms = np.zeros((len(self.weights), len(s)))
+        for number, (columns, lower) in enumerate(zip(self.columns, self.orthogonal, strict=True)):
             on = self.owner == number
             moments = self._legendre(number, self.local[on]).T @ bessel[on]
-            columns = slice(self.first[number], self.first[number + 1])
             transforms[columns] = solve_triangular(lower, moments, lower=True)
         weights = 4 * np.pi * lengths * (kernel(s * thickness, poisson_ratio) - 1)
         return cholesky(half_space.T @ half_space + (transforms * weights) @ transforms.T)
