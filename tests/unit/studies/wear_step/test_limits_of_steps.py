@@ -7,8 +7,7 @@ from ringwear import Scene, SceneError
 from ringwear.meshes import as_half_space, ring_areas, structured
 from ringwear.studies.check.sawtooth import find
 from ringwear.studies.study.own import ELEMENTS
-from ringwear.studies.wear_step.contact_nodes import PER_NODE, TREATMENTS, contact_nodes
-from ringwear.studies.wear_step.contact_nodes import relief
+from ringwear.studies.wear_step.contact_nodes import PER_NODE, TREATMENTS, contact_nodes, relief
 from ringwear.studies.wear_step.limits import (
     contacts_of,
     describe,
