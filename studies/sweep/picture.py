@@ -1,12 +1,13 @@
 """The figure of a sweep: kept numbers over the two longest axes, by xarray."""
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import xarray
 from matplotlib.figure import Figure
 
-from ..crosscheck import NO_UNIT
+from ..crosscheck import DESCRIBED, NO_UNIT, Scene, kind_of
 from ..figures.style import in_style
 from .axes import Sweep
 
@@ -19,18 +20,22 @@ LOGARITHMIC = 20.0
 def draw(dataset: xarray.Dataset, sweep: Sweep, file: Path) -> None:
     """Draw up to `MOST_QUANTITIES` quantities over the two numerical axes with most values.
 
-    The figure shows the first method that has the quantity, at the last time; other axes are held
-    at their first values.
+    If only one axis is drawn, each of the keys that vary together along it, such as random ones,
+    has a column of panels. The figure shows the first method that has the quantity, at the last
+    time; other axes are held at their first values.
     """
-    numerical = [
-        column
-        for column in sweep.columns.values()
+    numerical = {
+        key: column
+        for key, column in sweep.columns.items()
         if dataset[column.name].dtype.kind in "fi" and sweep.sizes[column.dim] > 1
-    ]
-    # of the keys that vary together, the first is drawn
-    keys = {column.dim: column.name for column in reversed(numerical)}
-    dims = sorted(keys, key=lambda dim: -sweep.sizes[dim])[:2]
-    places = dict(zip("xy", (keys[dim] for dim in dims), strict=False))
+    }
+    names = dict[str, list[str]]()
+    for column in numerical.values():
+        names.setdefault(column.dim, []).append(column.name)
+    dims = sorted(names, key=lambda dim: -sweep.sizes[dim])[:2]
+    panels = [{"x": name} for name in names[dims[0]]] if dims else []
+    if len(dims) == 2:
+        panels = [dict(zip("xy", (names[dim][0] for dim in dims), strict=True))]
     style = {"marker": ".", "linestyle": "" if "draw" in dims else "-"} if len(dims) == 1 else {}
     shown = [
         name
@@ -39,20 +44,37 @@ def draw(dataset: xarray.Dataset, sweep: Sweep, file: Path) -> None:
         and dims
         and dataset[name].notnull().any()
     ][:MOST_QUANTITIES]
+    kinds = {"time": "time"}
+    kinds |= {column.name: kind_of(key, Scene) for key, column in numerical.items()}
     with in_style():
-        figure = Figure((5.0, 0.6 + 3.4 * max(len(shown), 1)))
-        for number, name in enumerate(shown, 1):
+        rows, columns = max(len(shown), 1), max(len(panels), 1)
+        figure = Figure((5.0 * columns, 0.6 + 3.4 * rows), layout="constrained")
+        for number, (name, places) in enumerate(product(shown, panels), 1):
             values = dataset[name].dropna("solver", how="all")
             values = values.isel({dim: -(dim == "time") for dim in values.dims if dim not in dims})
-            values = values.sortby([*places.values()]).copy()
-            for labelled in (values, *values.coords.values()):
-                if labelled.attrs.get("units") == NO_UNIT:
-                    del labelled.attrs["units"]
+            values = values.sortby([*places.values()])
+            coordinates = {
+                key: readable(array, kinds[key], sweep) if key in kinds else array.drop_attrs()
+                for key, array in values.coords.items()
+            }
+            values = readable(values, DESCRIBED[name].unit, sweep).assign_coords(coordinates)
             options: dict[str, Any] = places | style
             for which, key in places.items():
                 if 0 < LOGARITHMIC * values[key].min() < values[key].max():
                     options[f"{which}scale"] = "log"
-            values.plot(ax=figure.add_subplot(len(shown), 1, number), **options)
+            values.plot(ax=figure.add_subplot(rows, columns, number), **options)
         if not shown:
             figure.text(0.1, 0.5, "no kept quantity is a number over a numerical key")
         figure.savefig(file)
+
+
+def readable(values: xarray.DataArray, kind: str, sweep: Sweep) -> xarray.DataArray:
+    """Return values of a kind in a unit that suits them, such as µm for lengths in m."""
+    drawn, attributes = values.copy(), {**values.attrs}
+    if attributes.pop("units", NO_UNIT) != NO_UNIT:
+        size, attributes["units"] = sweep.first.unit_names.readable_together(
+            values.values.ravel(), kind
+        )
+        drawn = values / size
+    drawn.attrs = attributes
+    return drawn
