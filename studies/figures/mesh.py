@@ -124,8 +124,8 @@ def _note(fields: Interior, count: int, stretched: bool) -> str:
     """
     in_contact = sum(len(parts) > 0 for parts in fields.parts)
     note = (
-        f"errors: estimates, over pₘ = F/(πc²), c the radius of the contact, beyond {NEAR:g} c "
-        "of its edges and of ring edges\nred: parts of the punch in contact, and ring edges"
+        f"errors: estimates, over the mean pressure pₘ, beyond {NEAR:g} of the contact radius "
+        "from its edges and from ring edges\nred: parts of the punch in contact, and ring edges"
     )
     if without_contact := len(fields.labels) - in_contact:
         note += f"; states without contact, not drawn: {without_contact}"

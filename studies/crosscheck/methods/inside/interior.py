@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from .....mdr.flat_punch import P0, flat_punch_of
+from .....mdr.flat_punch import flat_punch_of
 from .....meshes.compliance import Compliance
 from .....meshes.radial import Array, Indices
 from ...problem.problem import Problem
@@ -300,7 +300,8 @@ def compare_half_spaces(
         displacement_difference, stress_difference = (
             fine[field][state, far] - coarse[field][state, far] for field in (2, 3)
         )
-        mean = 2 * P0 * force / reach**2
+        area = np.pi * np.diff(parts[-1] ** 2).sum() or np.pi
+        mean = force / area
         ground = problem.ground.in_units_of(reach)
         indentation = flat_punch_of(0.0, ground).indentation * force / reach
         # the von Mises stress is a norm: that of the difference is at least the difference of the
