@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
-from ringwear import Scene, SceneError, method, study
+from ringwear import Scene, SceneError, method
 from ringwear.meshes.by_gmsh.outline import truncation_with_interfaces
 from ringwear.meshes.half_space import areas
 from ringwear.studies.crosscheck.anchors.reading import Reading
 from ringwear.studies.crosscheck.problem.unit_names import kind_of
 from ringwear.studies.crosscheck.sizes.finite_elements import fem_sizes
 from ringwear.studies.crosscheck.sizes.shared import discretisation_key
+from ringwear.studies.documented import function_at
+from ringwear.studies.named_studies import STUDIES
 from ringwear.studies.sweep.axes import Sweep
 
 PAD = {
@@ -108,7 +110,7 @@ def test_finite_elements_refuse_layers_that_they_cannot_mesh():
 @pytest.mark.parametrize("name", ["paper", "convergence", "refinement", "march"])
 def test_studies_of_the_homogeneous_half_space_refuse_layers(name):
     with pytest.raises(SceneError, match=r"half_space\.layers"):
-        study(name, pad())
+        function_at(STUDIES[name].place)(pad())
 
 
 def test_no_interface_nearly_touches_the_outer_boundary():
