@@ -27,16 +27,6 @@ def test_unknowns_are_those_of_the_run(name):
         assert method(of).system_size(scene.problem).unknowns == solution.unknowns
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("load", [{"normal_force": 1.0}, {"indentation": 0.05}], ids=str)
-def test_a_plan_predicts_seconds_and_memory_of_any_punch(load):
-    scene = Scene.load("recessed_binder").changed(methods=["mdr"], load=load, accuracy__rtol=1e-2)
-    mdr, total, memory = plan(scene)
-    assert re.fullmatch(r"mdr: \d+ unknowns, \d+ pressures, about [\d.]+ s", mdr)
-    assert re.match(r"in all: about [\d.]+ s", total)
-    assert "GiB" in memory
-
-
 @pytest.mark.parametrize("line", ["plan scene.toml", "run scene.toml --no-figures --verbose"])
 def test_no_text_calls_an_elastic_punch_rigid(line, command):
     printed = command(line, scene=Scene.load("pin_on_disc").changed(methods=["direct"])).out
