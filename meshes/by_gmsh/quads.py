@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 from skfem import MeshQuad
 
 from ..errors import MeshError
@@ -93,9 +92,13 @@ class GradedQuads:
         points, patch_low_parts, quadrilaterals, reductions = self._patches()
         outside_points, between = _with_layers_at_axis(*self.between, self.axis_layers, self.factor)
         # corners on the outlines belong to the patches and to gmsh's part: keep each only once
-        distance, nearest = cKDTree(outside_points.T).query(points.T)
-        scale = np.repeat(self.widths.min(axis=1), 5 * (self.layers + 1) + 1)
-        duplicate = distance < 1e-6 * scale
+        ends = np.cumsum(5 * (self.layers + 1) + 1)
+        nearest, duplicate = np.zeros(points.shape[1], int), np.zeros(points.shape[1], bool)
+        for first, size in zip([0, *ends[:-1]], self.widths.min(axis=1), strict=True):
+            corners = slice(first, first + 5)
+            distances = np.linalg.norm(outside_points[:, None] - points[:, corners, None], axis=0)
+            nearest[corners] = distances.argmin(axis=1)
+            duplicate[corners] = distances.min(axis=1) < 1e-6 * size
         vertex_numbers = np.where(
             duplicate, nearest, outside_points.shape[1] + np.cumsum(~duplicate) - 1
         )

@@ -3,14 +3,20 @@
 import os
 from pathlib import Path
 
-import psutil
+import numpy as np
 
 GIB = 2.0**30
+# memory that every machine has, in GiB
+LEAST_MEMORY = 0.5
 
 
-def machine_memory() -> float:
-    """Return the memory of this machine, in GiB."""
-    return psutil.virtual_memory().total / GIB
+def machine_memory(needed: float = np.inf) -> float:
+    """Return the memory of this machine, in GiB; or only that it has at least what is needed."""
+    if needed <= LEAST_MEMORY:
+        return LEAST_MEMORY
+    import psutil  # most runs need little memory
+
+    return float(psutil.virtual_memory().total / GIB)
 
 
 def cores() -> int:
@@ -30,7 +36,7 @@ def refuse_large(path: Path, size: float) -> None:
         with the size of the dataset and the limit
     """
     # the data are copied a few times after reading
-    max_bytes = machine_memory() * GIB / 8
+    max_bytes = machine_memory(8 * size / GIB) * GIB / 8
     if size > max_bytes:
         raise ValueError(
             f"its contents are {size / 1e9:.3g} GB by its header (the file has "

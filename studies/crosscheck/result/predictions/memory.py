@@ -109,10 +109,10 @@ def why_beyond_memory(
     SceneError
         if the limit is not a positive number
     """
-    problem, limit = scene.problem, machine_memory() if limit is None else limit
+    problem, (fixed, over_time) = scene.problem, memory_need(scene, methods, others)
+    limit = machine_memory(fixed + over_time) if limit is None else limit
     if not (isinstance(limit, float | int) and limit > 0):
         raise SceneError(f"memory = {shown(limit)}: give GiB as a positive number, such as 8")
-    fixed, over_time = memory_need(scene, methods, others)
     if fixed + over_time <= limit:
         return ""
     times = len(problem.times)
