@@ -10,10 +10,11 @@ def shown_labels(axis):
     """Return the visible tick labels of an axis."""
     if not axis.get_visible():
         return []
-    low, high = sorted(axis.get_view_interval())
-    beyond = 1e-9 * (abs(low) + abs(high))
+    place = axis.get_transform().transform
+    low, high = sorted(place(axis.get_view_interval()))
+    beyond = 1e-9 * (high - low)
     ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
-    shown = [tick for tick in ticks if low - beyond <= tick.get_loc() <= high + beyond]
+    shown = [tick for tick in ticks if low - beyond <= place(tick.get_loc()) <= high + beyond]
     labels = [label for tick in shown for label in (tick.label1, tick.label2)]
     return [label for label in labels if label.get_visible() and label.get_text()]
 
@@ -61,7 +62,7 @@ def faults(figure):
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     renderer, messages = canvas.get_renderer(), []
-    for axes in figure.axes:
+    for axes in filter(lambda axes: axes.axison, figure.axes):
         for axis in (axes.xaxis, axes.yaxis):
             name, labels = axis.label.get_text(), shown_labels(axis)
             if offset := axis.get_offset_text().get_text():
