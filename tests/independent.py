@@ -451,9 +451,9 @@ def _answer(problem, punch: Punch, results: dict, load: Load) -> dict[str, Array
     steady = np.full((3, len(edges) - 1), np.nan)
     if problem.steady:
         ends = np.array([pieces.inner, pieces.outer])
-        ring = np.searchsorted(edges, (pieces.edges[1:] + pieces.edges[:-1]) / 2) - 1
-        for number in range(len(edges) - 1):
-            on = ends[:, ring == number]
+        for number, (inner, outer) in enumerate(pairwise(edges)):
+            # a piece may cover several rings
+            on = ends[:, (pieces.edges[:-1] < outer) & (pieces.edges[1:] > inner)]
             steady[:2, number] = punch.wear_rate / on.max(), punch.wear_rate / on.min()
         steady[:2] *= load.forces[-1]
         steady[2] = punch.by_ring((punch.steady * punch.weights)[None], edges)[0]

@@ -167,7 +167,6 @@ def test_a_bad_command_is_refused(call, words, command, tmp_path):
 FOLDERS = [
     "run flat_punch --out {}",
     "study truncation --quick --out {}",
-    "check flat_punch data.csv --out {}",
     "sweep running_in --out {}",
     "run {}.toml",
 ]
@@ -178,7 +177,6 @@ def test_a_folder_whose_name_is_not_utf_8_is_refused(call, command, tmp_path):
     """Python has such bytes in texts as halves of surrogate pairs."""
     name = os.fsdecode(b"out\xff")
     (tmp_path / f"{name}.toml").write_text(SCENE, "utf-8")
-    (tmp_path / "data.csv").write_text("time,indentation\n0.1,1.068\n1,1.639\n", "utf-8")
     before = set(tmp_path.iterdir())
     line = refused(command(call.format(name), 2))
     assert "the name is not UTF-8; give another directory" in line
