@@ -152,14 +152,21 @@ def _hidden(states: list[State], depths: Array, deepest: Array, scale: Scale) ->
     return lines
 
 
+def _draw_along_radius(
+    axes: Axes, name: str, radii: Array, values: dict[str, Array], scale: Scale
+) -> None:
+    """Draw a field of each method along the radius, in a panel of its own."""
+    scale.suit(name, np.array(list(values.values())))
+    scale.plot_radial(axes, name, radii, values)
+    set_linear(axes, "x")
+    set_linear(axes, "y")
+
+
 def draw_field(result: Result, name: str, index: int) -> Figure:
     """Draw a field along the radius at the time with an index, all methods in one panel."""
     scale, values = Scale.of(result), result.by_method(name, index)
     figure, ((axes,),) = new_panels(PAGE, 2.8)
-    scale.suit(name, np.array(list(values.values())))
-    scale.plot_radial(axes, name, result.coordinates["radius"], values)
-    set_linear(axes, "x")
-    set_linear(axes, "y")
+    _draw_along_radius(axes, name, result.coordinates["radius"], values, scale)
     if name != "pressure":
         # the axis of heights points down, as the punch does
         axes.invert_yaxis()
@@ -173,10 +180,7 @@ def draw_steady(result: Result) -> Figure:
     figure, panels = new_panels(PAGE, 2.8, columns=2)
     for axes, name in zip(panels[0], names, strict=True):
         values = result.by_method(name)
-        scale.suit(name, np.array(list(values.values())))
-        scale.plot_radial(axes, name, result.coordinates["radius"], values)
-        set_linear(axes, "x")
-        set_linear(axes, "y")
+        _draw_along_radius(axes, name, result.coordinates["radius"], values, scale)
     panels[0, 0].invert_yaxis()
     panels[0, 1].set_ylim(0, 1.08 * panels[0, 1].dataLim.y1)
     titles = result.scene.title, scale.steady_state

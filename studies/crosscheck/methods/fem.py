@@ -121,12 +121,12 @@ class Fem(ComplianceMethod):
         """Return the number of unknowns and of pressures of the finite elements."""
         from ....fem.contact_meshes import even_half_space
 
-        notes = tuple(filter(None, [unloadable()]))
         if problem.full_contact:
             sizes = fem_sizes(problem)
-            half_space, notes = half_space_on(problem, sizes), (*sizes.notes, *notes)
+            half_space, notes = half_space_on(problem, sizes), _notes(*sizes.notes)
         else:
             half_space = even_half_space(contact_cells(problem)[0], problem.ground)
+            notes = _notes()
         return SystemSize(half_space.unknowns, half_space.space.size, notes)
 
     def discretise(self, problem: Problem, stages: Stages) -> Discretised:
@@ -137,6 +137,11 @@ class Fem(ComplianceMethod):
         """
         discretise = _discretise_flat if problem.full_contact else _discretise_on_cells
         return discretise(problem, stages)
+
+
+def _notes(*of_sizes: str) -> tuple[str, ...]:
+    """Return the notes of the sizes, and that CHOLMOD had to be replaced, if it had to."""
+    return tuple(filter(None, (*of_sizes, unloadable())))
 
 
 def _refused_degree(problem: Problem) -> str:
@@ -186,7 +191,7 @@ def _discretise_flat(problem: Problem, stages: Stages) -> Discretised:
         settings,
         # so that displacements and stresses inside are those of the clamped half-space, too
         replace(half_space, poles=()) if fixed else half_space,
-        (*sizes.notes, *filter(None, [unloadable()])),
+        _notes(*sizes.notes),
         safety=error_factor(sizes.error_factor),
         smallest=_smallest_size(problem, sizes),
         slope_roundoff=error_factor("roundoff of slopes") / compressibility(problem),
@@ -247,7 +252,7 @@ def _discretise_on_cells(problem: Problem, stages: Stages) -> Discretised:
         ).compliance(),
         half_space.unknowns,
         half_space=half_space,
-        notes=tuple(filter(None, [unloadable()])),
+        notes=_notes(),
         # if the scene sets the degree, its elements also solve the start, instead of others of high
         # degree
         fitted=None

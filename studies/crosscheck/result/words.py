@@ -70,9 +70,9 @@ class Account:
         for key in values:
             name = key.replace("_", " ").replace("rms", "RMS")
             meaning = quantities[key].definition
-            if not full_disc:
+            if key == "indentation_start" and not full_disc:
                 # leave out F / (2 a E*)
-                meaning = meaning.partition("; F")[0]
+                meaning = meaning.partition(";")[0]
             lines.append((name, written[key], meaning))
         return lines
 
