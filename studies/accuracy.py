@@ -27,8 +27,8 @@ from .study.own import (
     Quantities,
     accept,
     degree_of,
+    element_name,
     length_of,
-    name_of,
     read_elements,
     read_meshes,
     read_methods,
@@ -423,8 +423,10 @@ def ways_of_meshes(
             )
         for element in elements:
             if is_on_quadrilaterals(element) != quads:
-                raise SceneError(f"--element {name_of(element)}: your meshes consist of {kind}")
-            name = f"your meshes, {name_of(element)}"
+                raise SceneError(
+                    f"--element {element_name(element)}: your meshes consist of {kind}"
+                )
+            name = f"your meshes, {element_name(element)}"
             ways.append(own_meshes(meshes, degree or degree_of(element), element, name))
         ways = ways or [own_meshes(meshes, degree)]
     return ways
@@ -434,7 +436,11 @@ def ways_of_elements(elements: "Sequence[Element]", quick: bool) -> list[Way]:
     """Return uniform and graded meshes with each of the user's elements."""
     ways, cut = list[Way](), slice(-1 if quick else None)
     for element in elements:
-        order, quads, name = degree_of(element), is_on_quadrilaterals(element), name_of(element)
+        order, quads, name = (
+            degree_of(element),
+            is_on_quadrilaterals(element),
+            element_name(element),
+        )
         for way, levels in ((uniform, HALVINGS[quads]), (graded_to_edges, PARTS[quads])):
             ways.append(way(order, levels[min(order, max(levels))][cut], quads, element, name))
     return ways

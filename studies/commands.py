@@ -377,7 +377,7 @@ def _sweep(
     from .crosscheck import make, refuse_foreign_folders
     from .sweep.axes import Sweep
     from .sweep.blocks import cluster
-    from .sweep.sweep import compute, conclude, estimate
+    from .sweep.sweep import compute, conclusions_of_sweep, estimate
 
     plan = Sweep.load(file, given.pop("methods", None))
     if dry_run:
@@ -393,7 +393,7 @@ def _sweep(
 
     with output_folder(store, "sweep", [PICTURE]) as hidden:
         failures = make(hidden.hidden / PICTURE, partial(draw, dataset, plan))
-    lines, complete, agree = conclude(dataset, store)
+    lines, complete, agree = conclusions_of_sweep(dataset, store)
     print_lines([*lines, *failures])
     if not complete or failures:
         return Status.FAILED
@@ -437,14 +437,16 @@ def _challenge(words: Sequence[str] = (), *, list: bool = False) -> Status:
         problem, no argument lists all problems
     list : list the problems, as without any argument
     """
-    from .challenge.problems import name_of, problem_named, problem_of_file, problems
+    from .challenge.problems import problem_name, problem_named, problem_of_file, problems
 
     match words:
         case [_, *_] if list:
             raise SceneError("challenge --list lists the problems: leave out the name and the file")
         case []:
             for path in problems():
-                print_lines([f"{name_of(path):<24}{Scene.load(path).title.partition(': ')[2]}"])
+                print_lines(
+                    [f"{problem_name(path):<24}{Scene.load(path).title.partition(': ')[2]}"]
+                )
         case [word] if not Path(word).is_file():
             print(problem_named(word).read_text("utf-8"), end="")
         case [*names, file] if len(names) < 2:

@@ -120,7 +120,7 @@ def extremes(
             except SceneError as failure:
                 if "no key" in str(failure):
                     raise
-                facts = {"case": name_of(key, value), "outcome": REFUSED, "message": str(failure)}
+                facts = {"case": case_name(key, value), "outcome": REFUSED, "message": str(failure)}
                 for way in ways(Case.of(scene)):
                     record.add([facts | {"way": way.name, "method": way.method, "level": ""}])
     declared = Declared(
@@ -147,13 +147,13 @@ def case_of(scene: Scene, key: str, value: Any, number: int) -> Case:
     place = float(number)
     if isinstance(first, int | float) and not isinstance(first, bool):
         place = max(1 - 2 * first, NEAREST) if key == RATIO else float(first)
-    case = Case.of(scene.changed({key: value}), name_of(key, value), None, place)
+    case = Case.of(scene.changed({key: value}), case_name(key, value), None, place)
     # the radii at which fields are compared follow from the scene, and may refuse it, too
     _ = case.problem.face
     return case
 
 
-def name_of(key: str, value: Any) -> str:
+def case_name(key: str, value: Any) -> str:
     """Return a value of a key in words."""
     number = f"{value:.9g}" if isinstance(value, int | float) else str(value)
     return f"{key} = {number}"

@@ -18,7 +18,7 @@ from ..crosscheck import Scene
 from ..study.formats import to_markdown
 from ..tables.frame import Frame
 from ..tables.headings import split_heading
-from .problems import answers_of, name_of, number_of
+from .problems import answers_of, number_of, problem_name
 
 PLACE = {"time", "radius"}
 """Columns of a case that `ringwear check` compares at any times and radii."""
@@ -84,7 +84,7 @@ def errors_in(problem: Path, file: Path) -> pd.DataFrame | None:
     if not rows:
         names = ", ".join(answers["quantity"].unique())
         raise SceneError(
-            f"{file} has no value of {name_of(problem)}: give columns {', '.join(case)} with "
+            f"{file} has no value of {problem_name(problem)}: give columns {', '.join(case)} with "
             f"numbers of its answers.csv, and {names}"
         )
     return pd.DataFrame(rows)

@@ -17,7 +17,7 @@ SCENE = "scene.toml"
 def problems() -> list[Path]:
     """Return the scene files of all problems, in order."""
     files = [*FOLDER.glob("[0-9][0-9]_*.toml"), *FOLDER.glob(f"[0-9][0-9]_*/{SCENE}")]
-    return sorted(files, key=name_of)
+    return sorted(files, key=problem_name)
 
 
 def layered_problems() -> list[Path]:
@@ -25,14 +25,14 @@ def layered_problems() -> list[Path]:
     return [path for path in problems() if path.name == SCENE]
 
 
-def name_of(problem: Path) -> str:
+def problem_name(problem: Path) -> str:
     """Return the name of a problem, such as ``03_five_rings``: that of its file or folder."""
     return problem.parent.name if problem.name == SCENE else problem.stem
 
 
 def number_of(problem: Path) -> int:
     """Return the number of a problem."""
-    return int(name_of(problem)[:2])
+    return int(problem_name(problem)[:2])
 
 
 def answers_of(problem: Path) -> Path:
@@ -50,9 +50,9 @@ def problem_named(name: str) -> Path:
     """
     for path in problems():
         numbered = name.isdigit() and int(name) == number_of(path)
-        if numbered or name in (name_of(path), name_of(path)[3:]):
+        if numbered or name in (problem_name(path), problem_name(path)[3:]):
             return path
-    names = ", ".join(map(name_of, problems()))
+    names = ", ".join(map(problem_name, problems()))
     raise SceneError(
         f"{name} is neither a file nor a problem of the challenge: give one of {names}"
     )

@@ -13,7 +13,7 @@ from ..crosscheck import AnswersGuesses, make, output_folder
 from ..report.template import write_study
 from ..tables.writing import write_csv
 from .outcome import Outcome
-from .words import conclude
+from .words import conclusions_of_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,7 +29,7 @@ class Fit(AnswersGuesses, Outcome):
     @cached_property
     def conclusions(self) -> tuple[str, ...]:
         """The conclusions in sentences."""
-        return conclude(self)
+        return conclusions_of_fit(self)
 
     @cached_property
     def figures(self) -> "dict[str, Figure]":

@@ -23,7 +23,7 @@ MIN_COSINE = 0.98
 MAX_DEVIATION_OF_MEAN = 0.25
 
 
-def conclude(fit: Outcome) -> tuple[str, ...]:
+def conclusions_of_fit(fit: Outcome) -> tuple[str, ...]:
     """Return sentences on the estimates, on what the data do not determine, and on the model."""
     names = fit.scene.unit_names
     groups = (

@@ -51,7 +51,7 @@ def tabulate_claims(
     )
 
 
-def conclude(claims: pd.DataFrame) -> list[str]:
+def conclusions_of_claims(claims: pd.DataFrame) -> list[str]:
     """Return sentences: numbers of claims by finding, claims that do not hold, and symbols."""
     counts = claims.finding.value_counts().reindex(FINDINGS, fill_value=0)
     refuted = claims[claims.finding == FINDINGS[2]]

@@ -69,7 +69,7 @@ def paper(
                 f"{difference:.0e}"
             )
         table = claims.tabulate_claims(states, history, curves[6], curves[7])
-        conclusions += claims.conclude(table)
+        conclusions += claims.conclusions_of_claims(table)
     tables["claims"] = table
     return Study(
         "paper",

@@ -12,7 +12,7 @@ word "error" in their names.
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,9 +31,6 @@ from .extrapolation import (
 )
 from .formats import to_latex, to_markdown
 from .way import KEYS_OF_STUDIES
-
-if TYPE_CHECKING:
-    pass
 
 ORDER_TOLERANCE = 0.15
 """Greatest difference of two orders that counts as agreement.

@@ -308,13 +308,13 @@ def degree_of(element: "Element") -> int:
 
     if not isinstance(element, ElementH1) or element.nodal_dofs != 1:
         raise SceneError(
-            f"--element {name_of(element)}: the displacement has to be continuous, with one "
+            f"--element {element_name(element)}: the displacement has to be continuous, with one "
             "function for each vertex: give an element such as ElementTriP2 or ElementQuad2"
         )
     return 1 + int(element.facet_dofs)
 
 
-def name_of(element: "Element") -> str:
+def element_name(element: "Element") -> str:
     """Return the name of an element's class, without the prefix "Element"."""
     return type(element).__name__.removeprefix("Element")
 

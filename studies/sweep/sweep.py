@@ -212,7 +212,7 @@ def _table_of(scene: Scene) -> TomlTable:
     return table
 
 
-def conclude(dataset: xarray.Dataset, out: Path) -> tuple[list[str], bool, bool]:
+def conclusions_of_sweep(dataset: xarray.Dataset, out: Path) -> tuple[list[str], bool, bool]:
     """Return lines on the scenes of a sweep, and whether all are done, and whether methods agree.
 
     Parameters

@@ -14,7 +14,7 @@ from ringwear.studies.challenge.answers import (
 from ringwear.studies.challenge.problems import (
     FOLDER,
     layered_problems,
-    name_of,
+    problem_name,
     problem_named,
     problems,
 )
@@ -35,7 +35,7 @@ def plain(value):
     return f"{Decimal(value):f}"
 
 
-@pytest.mark.parametrize("problem", LAYERED, ids=name_of)
+@pytest.mark.parametrize("problem", LAYERED, ids=problem_name)
 def test_the_page_of_a_problem_has_its_answers(problem):
     answers = read_answers(problem)
     case = columns_of_case(answers)
@@ -66,14 +66,14 @@ def test_the_page_of_a_problem_has_its_answers(problem):
 def test_the_page_of_the_challenge_has_all_problems_and_methods():
     rows = rows_of(FOLDER / "README.md")
     for problem in problems():
-        name = name_of(problem)
+        name = problem_name(problem)
         address = f"{name}/README.md" if problem in LAYERED else f"{name}.toml"
         first = problem.read_text("utf-8").partition("\n")[0]
         assert [f"[`{name}`]({address})", first.removeprefix("# ").rstrip(".")] in rows
     for problem in LAYERED:
         for methods, answers in read_answers(problem).groupby("methods"):
             numbers = f"{len(answers)} {answers['difference'].max():.1e} {answers['digits'].min()}"
-            assert [name_of(problem)[:2], methods, *numbers.split()] in rows
+            assert [problem_name(problem)[:2], methods, *numbers.split()] in rows
 
 
 def test_printed_values_are_compared_with_the_answers():
