@@ -83,7 +83,7 @@ def test_a_new_anchor_notices_a_fault_that_no_other_notices():
     }
     known = pd.read_csv(FILE)["anchor"].unique() if FILE.exists() else []
     rows = [(fault, anchor) for fault, anchors in noticed.items() for anchor in sorted(anchors)]
-    pd.DataFrame(rows, columns=["fault", "anchor"]).to_csv(FILE, index=False)
     alone = {anchor for anchors in noticed.values() if len(anchors) == 1 for anchor in anchors}
     new = {anchor for _, anchor in rows}.difference(known) if len(known) else set()
     assert new <= alone
+    pd.DataFrame(rows, columns=["fault", "anchor"]).to_csv(FILE, index=False)

@@ -151,13 +151,17 @@ def change_steady(name: str, size: float) -> Put:
     return change_property(RunningIn, "steady", change)
 
 
-def mix_modes(angle: float) -> Put:
-    """Rotate the second and the third mode into each other; they stay orthonormal."""
+def mix_modes(angle: float, keep_energies: bool = False) -> Put:
+    """Rotate the second and the third mode into each other.
+
+    They stay orthonormal with the weight k, or they keep their energies with the compliance.
+    """
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
     def change(modes):
+        scale = np.sqrt(modes.relaxation[1:3]) if keep_energies else 1.0
         shapes = modes.shapes.copy()
-        shapes[:, 1:3] = shapes[:, 1:3] @ turn
+        shapes[:, 1:3] = (shapes[:, 1:3] / scale) @ turn * scale
         return replace(modes, shapes=shapes)
 
     return change_result(full_contact, "every_mode", change)
@@ -226,6 +230,7 @@ MODES: dict[str, Put] = {
     "sixth mode lost": lose_mode(6),
     "pressures of the second mode": change_mode(2, 3e-3, "shapes"),
     "two modes mixed": mix_modes(3e-3),
+    "two modes mixed, with their energies": mix_modes(3e-3, keep_energies=True),
     "whole change of the running-in": change_property(
         RunningIn, "total_change", lambda right: 1.01 * right
     ),
