@@ -1,19 +1,27 @@
 """The compliance by the MDR energy, ``int u p dA = (2/E*) int_0^a q^2 dx``: a Gram matrix.
 
-On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>`` (`meshes.ground`). K is zero
-except on some Legendre polynomials. The square root of I + K therefore changes the factor on these
-polynomials only, and no matrix of the size of the pressure space is factorised.
+On layers the energy of a line density q is ``(2/E1*) <q, (I + K) q>``
+(`meshes.ground.line_energy`), with
+
+    <q, K q> = (2/pi) int (Phi(s) - 1) Q(s)^2 ds,   Q(s) = int_0^1 q(x) cos(s x) dx.
+
+I + K is well conditioned on orthonormal line densities, so that the factor keeps all digits of tiny
+elements.
 """
 
 import numpy as np
+from scipy.linalg import cholesky, qr
 
 from ..meshes.compliance import Compliance
-from ..meshes.ground.ground import HALF_SPACE, Ground
-from ..meshes.ground.line_energy import even_legendre, line_energy_modes
+from ..meshes.ground.ground import HALF_SPACE, Ground, spectrum
 from ..meshes.pressure_space import PressureSpace
 from ..meshes.radial import Array
-from .layers import WIDEST_PANEL
+from .layers import VALUES_PER_BLOCK
 from .transforms import EXTRA_POINTS, line_density, panel_quadrature, panels_from_axis
+
+# Points of the quadrature over the thickness of the first layer: the waves that layers reflect are
+# integrated to 1e-12 (tests/unit/mdr/test_energy.py).
+POINTS_PER_THICKNESS = 6
 
 
 def compliance(
@@ -27,20 +35,25 @@ def compliance(
     ground : layers
     extra_points : points of the quadrature on each panel (`panel_quadrature`)
     """
-    panels = panels_from_axis(space).no_wider(WIDEST_PANEL * ground.first_thickness)
+    panels = panels_from_axis(space)
+    points = 2 * panels.degrees + extra_points
+    panels = panels.no_wider(ground.first_thickness * points / POINTS_PER_THICKNESS)
     positions, weights, low_parts = panel_quadrature(panels, extra_points)
     # in place: for hundreds of rings, a copy takes as long as the integrals
     factor = line_density(space, positions, low_parts)
     factor *= np.sqrt(2 * weights)[:, None]
     if ground.layered:
-        factor += _added(factor, positions, weights, ground)
+        factor = _on_layers(factor, positions, weights, ground)
     return Compliance(space, factor, ground)
 
 
-def _added(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
-    """Return ``sqrt(I + K) - I`` times the factor of a homogeneous half-space."""
-    values, vectors = line_energy_modes(ground)
-    scale = np.sqrt(4 * np.arange(len(values)) + 1)
-    polynomials = even_legendre(positions, len(values)) @ (scale[:, None] * vectors)
-    basis = np.sqrt(weights)[:, None] * polynomials
-    return (basis * (np.sqrt(values) - 1)) @ (basis.T @ factor)
+def _on_layers(factor: Array, positions: Array, weights: Array, ground: Ground) -> Array:
+    """Return the factor (size, size) on layers from that of a homogeneous half-space."""
+    densities, triangle = qr(factor, mode="economic", check_finite=False)
+    densities *= np.sqrt(weights)[:, None]
+    s, added = spectrum(ground)
+    energy = np.eye(len(triangle))
+    for block in np.array_split(np.arange(len(s)), 1 + len(s) * len(positions) // VALUES_PER_BLOCK):
+        transforms = densities.T @ np.cos(np.outer(positions, s[block]))
+        energy += (transforms * (2 / np.pi * added[block])) @ transforms.T
+    return np.asarray(cholesky(energy, check_finite=False) @ triangle)

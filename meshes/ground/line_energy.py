@@ -7,9 +7,8 @@ With the line density q of the method of dimensionality reduction,
 
     <b_i, K b_j> = (2/pi) int (Phi(s) - 1) B_i(s) B_j(s) ds,   B_j(s) = int_0^1 b_j(x) cos(s x) dx.
 
-Phi - 1 is roundoff at high wave numbers, and therefore K is zero on polynomials of high degree:
-I + K is a small symmetric positive definite matrix. A flat punch has ``(I + K) q = d0 E1*``, one
-equation for each b_j.
+I + K is symmetric and positive definite. A flat punch has ``(I + K) q = d0 E1*``, one equation for
+each b_j.
 """
 
 from functools import lru_cache
@@ -22,6 +21,9 @@ from .ground import Array, Ground, spectrum
 # Size, relative to the largest coefficient, below which the last coefficients of the flat punch's
 # line density are left out. For moduli that differ much they are noise.
 NEGLIGIBLE_COEFFICIENT = 1e-9
+# Number of polynomials: the least one, and a part times 1/sqrt(h). With them, stiffnesses and
+# coefficients of flat punches are right to 1e-14 for h from 0.01 to 0.5, by twice the numbers.
+LEAST_COUNT, EDGE_COUNT = 12, 12.0
 
 
 def even_legendre(x: Array, count: int) -> Array:
@@ -38,8 +40,9 @@ def spherical_bessel(s: Array, count: int) -> Array:
     stable there. Higher orders, where the functions decay, are computed from their ratios by a
     continued fraction.
     """
-    # the continued fraction starts at an order so high that the ratios do not depend on its start
-    highest = int(max(count, s.max(initial=0.0))) + 60
+    # the continued fraction starts at an order so high that the ratios do not depend on its start;
+    # ratios at s > count are not used
+    highest = 2 * count + 60
     ratios = np.zeros((count + 1, len(s)))
     ratio = np.zeros_like(s)
     for order in range(highest, 0, -1):
@@ -58,25 +61,18 @@ def spherical_bessel(s: Array, count: int) -> Array:
 
 @lru_cache(maxsize=128)
 def line_energy(ground: Ground) -> Array:
-    """Return the matrix I + K (J, J) on ``sqrt(4j + 1) P_2j(x)``, j < J.
+    """Return the matrix I + K (J, J) on the first J functions ``sqrt(4j + 1) P_2j(x)``.
 
-    For higher j it is the identity.
+    They represent line densities that are smooth but for an edge layer at ``x = 1``, whose width is
+    the thickness h of the first layer. Legendre polynomials are as fine as 1/J^2 there, so that J
+    is proportional to 1/sqrt(h).
     """
     s, weights = spectrum(ground)
-    # spherical Bessel functions are negligible if their order is well above the argument
-    highest = float(s.max(initial=0.0))
-    count = int(highest / 2 + 4 * highest ** (1 / 3)) + 12
+    count = LEAST_COUNT + int(EDGE_COUNT / np.sqrt(ground.first_thickness))
     signs = np.resize([1.0, -1.0], count)[:, None]
     scale = np.sqrt(4 * np.arange(count) + 1)[:, None]
     transforms = signs * scale * spherical_bessel(s, 2 * count)[::2]
     return np.eye(count) + (transforms * (2 / np.pi * weights)) @ transforms.T
-
-
-@lru_cache(maxsize=128)
-def line_energy_modes(ground: Ground) -> tuple[Array, Array]:
-    """Return the eigenvalues (J,) of I + K and its eigenvectors (J, J), in the same basis."""
-    values, vectors = np.linalg.eigh(line_energy(ground))
-    return values, vectors
 
 
 @lru_cache(maxsize=128)
@@ -101,3 +97,13 @@ def relative_stiffness(ground: Ground) -> float:
     """Return ``F / (2 a E1* d0)`` of a flat punch, ``[(I + K)^-1]_00``."""
     energy = line_energy(ground)
     return float(np.linalg.solve(energy, np.eye(len(energy))[0])[0])
+
+
+def uniform_energy(ground: Ground) -> float:
+    """Return the energy of a uniform line density, over that on a homogeneous half-space.
+
+    It is at least ``2 a E1* d0 / F`` of a flat punch, whose density has the least energy of all
+    with its force.
+    """
+    s, added = spectrum(ground)
+    return 1 + float(2 / np.pi * added @ np.sinc(s / np.pi) ** 2)

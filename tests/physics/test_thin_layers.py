@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from ball_on_pad import Ball, pressed_to
 from groups import nightly
 from independent_layer import relaxation_times, start
-from layered_disc import Layer, fields_under_uniform_pressure
+from layered_disc import Layer, fields_under_uniform_pressure, surface_displacements
 from natural import natural
 
 from ringwear import SceneError, differences, run
@@ -162,3 +163,33 @@ def test_a_low_degree_on_a_thin_layer_is_undecided_and_not_wrong():
 def test_layers_that_are_too_thin_are_refused(thickness):
     with pytest.raises(SceneError, match=r"thinner than 0\.01 a cannot be meshed: leave fem out"):
         run(on_a_rigid_base(thickness, 0.3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("thickness", [0.006, *nightly(0.003)])
+def test_a_ball_on_a_thin_coat_against_an_independent_equation(thickness):
+    coat, base = Layer(thickness, 10.0, 0.3), Layer(np.inf, 1.0, 0.3)
+    modulus = 10.0 / (1 - 0.3**2)
+
+    def compliance(s):
+        return surface_displacements([coat, base], s) * s / 2 * modulus
+
+    ball = Ball(4.0, thickness, 0.3, compliance)
+    expected = pressed_to(ball, contact_radius=0.6, radius=0.3)
+    layer = {"thickness": thickness, "youngs_modulus": 10.0, "poisson_ratio": 0.3}
+    result = run(
+        natural(
+            {"wear_coefficient": 1.0, "profile": {"kind": "ball", "ball_radius": 4.0}},
+            methods="mdr bem",
+            half_space={"youngs_modulus": 1.0, "poisson_ratio": 0.3, "layers": [layer]},
+            load={"normal_force": expected.normal_force * modulus},
+            wear={"times": [0.0]},
+            accuracy={"rtol": 1e-4},
+            output={"radii": [0.3]},
+        )
+    )
+    for name in ("indentation", "contact_radius"):
+        start = result.dataset[name].sel(time=0.0)
+        np.testing.assert_allclose(start, getattr(expected, name), rtol=1e-7)
+    pressure = result.dataset.pressure.sel(time=0.0, radius=0.3)
+    np.testing.assert_allclose(pressure, expected.pressure * modulus, rtol=1e-8)

@@ -52,6 +52,8 @@ from .spaces import choose_spaces
 # Largest error estimate of a relaxation time that is reported. Above it, estimates are not reliable
 # (physics/test_late_times.py::test_reported_relaxation_times_are_as_accurate_as_stated).
 LARGEST_MODE_ERROR = 0.02
+# Increase of the width of elements on layers per distance from the edges of a fitted start.
+GROWTH_AT_START = 0.5
 
 
 class ComplianceMethod(Method):
@@ -171,7 +173,8 @@ class AnySpaceMethod(ComplianceMethod):
             degree: int,
         ) -> Compliance:
             space = fitted_space(edges, sizes, degree)
-            return self.compliance(narrowed_for_layers(space, scaled_ground), scaled_ground)
+            narrow = narrowed_for_layers(space, scaled_ground, GROWTH_AT_START)
+            return self.compliance(narrow, scaled_ground)
 
         def coarser() -> Compliance:
             if spaces.nested:

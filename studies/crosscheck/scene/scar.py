@@ -9,7 +9,8 @@ with the unworn height f and the displacement u of the half-space. The second in
 because wear flattens the pressure: it is greatest at the start, and then at most ``2/3 F a / E*``
 on a homogeneous half-space, the value of a cone (a ball: 3 pi / 16). On thin layers, which yield
 only where they are pressed, it is ``pi/2 F a / E*`` with the modulus that a flat punch of radius a
-would feel. At a fixed indentation d, contact ends at the latest where f(a) = d.
+would feel, or with a smaller one. At a fixed indentation d, contact ends at the latest where
+f(a) = d.
 """
 
 from collections.abc import Mapping
@@ -19,8 +20,8 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.optimize import brentq
 
-from ....mdr.flat_punch import D0, flat_disc
 from ....meshes.errors import SceneError
+from ....meshes.ground.line_energy import uniform_energy
 from ....meshes.radial import unit_gauss
 from ..problem.fields import TomlTable
 from ..problem.loading import Loading
@@ -104,11 +105,11 @@ def _scar_radius(
         compliance, part = 1 / ground.modulus, OF_HALF_SPACE
         if ground.layers:
             part = OF_LAYERS
-            compliance *= flat_disc(ground.ground(radius)).indentation / D0
+            compliance *= uniform_energy(ground.ground(radius))
         return inside - volume - part * force * radius * compliance
 
-    # bracket the radius by factors of 2
-    outer = min(1.0, widest)
+    # bracket the radius by factors of 2, from one at which layers are not thin
+    outer = min(ground.layers[0].thickness if ground.layers else 1.0, widest)
     while outer < widest and excess(outer) < 0:
         outer = min(2 * outer, widest)
     if excess(outer) < 0:

@@ -4,6 +4,8 @@ Pressure elements are narrow enough for the first layer, and the mesh has lines 
 between layers.
 """
 
+import numpy as np
+
 from ....meshes.ground.ground import Ground
 from ....meshes.pressure_space import PressureSpace
 from ..problem.problem import Problem
@@ -20,9 +22,16 @@ MIN_MESHED_THICKNESS = 0.01
 NEARLY_HALF, FINEST_RTOL_NEARLY_HALF = 0.4999, 1e-5
 
 
-def narrowed_for_layers(space: PressureSpace, ground: Ground) -> PressureSpace:
-    """Return the space, refined where elements are too wide for the first layer."""
-    return space.no_wider(MAX_WIDTH_PER_LAYER_THICKNESS * ground.first_thickness)
+def narrowed_for_layers(space: PressureSpace, ground: Ground, growth: float = 0.0) -> PressureSpace:
+    """Return the space, refined where elements are too wide for the first layer.
+
+    With a `growth` they may be wider by that part of their distance from ring edges: the pressure
+    of a fitted start decays from its edges over the thickness of the first layer.
+    """
+    to_edges = np.abs(space.breakpoints[:, None] - space.ring_edges).min(axis=1)
+    distances = np.minimum(to_edges[:-1], to_edges[1:])
+    thickness = MAX_WIDTH_PER_LAYER_THICKNESS * ground.first_thickness
+    return space.no_wider(thickness + growth * distances)
 
 
 def layers_beyond_meshes(problem: Problem) -> Refusal | None:
