@@ -85,7 +85,7 @@ def test_impossible_layers_are_refused_by_key(changes, words):
 
 def test_too_thin_a_layer_is_refused():
     with pytest.raises(SceneError, match=r"half_space\.layers\.0\.thickness"):
-        _ = pad(half_space__layers__0__thickness=1e-5).problem
+        _ = pad(half_space__layers__0__thickness=1e-6).problem
 
 
 def test_finite_elements_refuse_layers_that_they_cannot_mesh():
