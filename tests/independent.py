@@ -49,8 +49,8 @@ class Pieces:
 
     @classmethod
     def of(cls, problem) -> "Pieces":
-        """Return the pieces of a problem without a hole."""
-        rings = problem.merged
+        """Return the pieces of a problem without a hole; each is in one ring."""
+        rings = problem.graded or problem.rings
         return cls(rings.ring_edges, *rings.wear_coefficients)
 
     def at(self, piece: Array, radii: Array) -> Array:

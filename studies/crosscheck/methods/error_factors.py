@@ -33,9 +33,9 @@ TABLE = {
         ESTIMATES,
     ),
     "flat punch on triangles": ErrorFactor(
-        2.0,
+        1.0,
         "difference of a flat punch to a degree less on the same triangles, if their sizes and "
-        "their degree are the defaults",
+        "their degree are the defaults: most of it is the error of that degree",
         ESTIMATES,
     ),
     "flat punch on larger triangles": ErrorFactor(

@@ -287,14 +287,14 @@ class FullContact(Evaluation):
         """Return the error estimate of a quantity: factor times difference to a coarser evaluation.
 
         The difference of a relaxation time is at least that of any slower one, because differences
-        cross zero. That of a quantity that depends on thin layers at ring edges counts once more
-        for each layer that the mesh lacks: the coarser mesh lacks one more than this one, and each
-        makes about the same difference.
+        cross zero. That of a quantity that depends on thin layers at ring edges counts twice for
+        each layer that the mesh lacks, because both meshes lack it.
         """
         if name == "relaxation_time":
             difference = _growing_errors(difference)
         if DESCRIBED[name].in_thin_layers:
-            difference = difference * (1 + missing_layers(self.problem, self.smallest))
+            missing = missing_layers(self.problem, self.smallest)
+            difference = difference * np.maximum(1.0, 2 * missing)
         return super().estimate(name, difference)
 
     def least_error(self, name: str) -> float:
