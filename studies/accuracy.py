@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from ..fem import is_on_quadrilaterals
 from ..meshes import SceneError
 from ..meshes.by_gmsh import unavailable
-from .crosscheck import GROUPS, METHODS, Problem, Scene, Source, method
+from .crosscheck import GROUPS, METHODS, Problem, Scene, Source, method, shown
 from .study.declared import Declared, conduct
 from .study.errors import DEFAULT, EIGENVALUE, ENERGY, STRESS
 from .study.own import (
@@ -33,8 +33,6 @@ from .study.own import (
     read_meshes,
     read_methods,
     read_quantities,
-    refuse_abscissa,
-    refuse_degree_without_mesh,
     steps_of,
     with_times,
 )
@@ -113,6 +111,8 @@ TOLERANCES = {
     (False, True): (1e-1, 1e-2),
 }
 """Tolerances of methods, by whether the punch is in full contact, and whether it is quick."""
+ABSCISSAS = ("size", "unknowns", "seconds")
+"""Abscissas that a user can choose: the size that theory refers to, and costs."""
 BY_TOLERANCE = ("mdr", "bem", "fem")
 """Methods whose sizes follow the tolerance."""
 CASES = {
@@ -169,7 +169,12 @@ def accuracy(
     """
     selection, timed = SELECTIONS[study], study == "tradeoff"
     scene = accept(study, scene, study != "refinement", layered=timed)
-    refuse_abscissa(against or selection.axis)
+    axis = against or selection.axis
+    if axis not in ABSCISSAS:
+        raise SceneError(
+            f"against = {shown(axis)} is not an abscissa of the figures: give one of "
+            f"{', '.join(ABSCISSAS)}"
+        )
     names, functions = read_quantities(quantities, selection.known)
     offered = BY_TOLERANCE if timed and functions else selection.methods
     named, own_methods = read_methods(methods, offered, study)
@@ -177,7 +182,11 @@ def accuracy(
         if name in METHODS and (reason := method(name).refusal(scene.problem)):
             raise SceneError(reason)
     scene = with_times(scene) if timed else scene
-    refuse_degree_without_mesh(degree, bool(meshes))
+    if degree is not None and not meshes:
+        raise SceneError(
+            "degree is that of the finite elements on meshes of your own: give --mesh FILE, in "
+            "Python meshes=[...], or leave it out"
+        )
     refuse_moving_contact(scene, meshes, elements)
     whole, lengths = Case.of(scene), steps_of(scene, steps)
     problem, rtols = whole.problem, TOLERANCES[scene.problem.full_contact, quick]
@@ -222,7 +231,7 @@ def accuracy(
             quick=quick,
             confirmed=not quick,
         ),
-        axis=against or selection.axis,
+        axis=axis,
         shown=names,
         functions=functions,
         worst=timed and not quantities,

@@ -15,9 +15,9 @@ from time import process_time
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from scipy.linalg import eigh, solve_triangular
+from scipy.linalg import eigh
 
-from ..meshes import Array, Compliance, PressureSpace, SceneError
+from ..meshes import Array, PressureSpace, SceneError
 from .crosscheck import (
     AnySpaceMethod,
     Method,
@@ -30,7 +30,7 @@ from .crosscheck import (
 )
 from .figures.style import PAGE, complete, curve, new_panels, set_logarithmic
 from .figures.ticks import one_digit
-from .study.errors import STABLE
+from .study.errors import STABLE, energy_differences, energy_ratios
 from .study.own import Methods, read_methods
 from .study.record import SOLVED, Record
 from .study.study import Study, remarks
@@ -137,26 +137,29 @@ def difference(
     problem: Problem, methods: tuple[str, str], first: RunningIn, second: RunningIn
 ) -> OperatorDifference:
     """Compare two compliances on the same pressure space, each with the running-in on it."""
-    pair, times = (first.compliance, second.compliance), problem.times[problem.compared_rows]
+    ours, exact, space = first.compliance, second.compliance, first.compliance.space
+    times = problem.times[problem.compared_rows]
     times = times[problem.loading.at(times).force > 0]
-    ratios = eigh(pair[0].matrix, pair[1].matrix, eigvals_only=True)
+    ratios = energy_ratios(ours.factor, exact.factor)
+    constants = space.ring_indicator()
+    of_rings = energy_ratios(ours.factor @ constants, exact.factor @ constants)
     # use the pressures of the history instead of the span of the modes, which also contains short
     # waves that hardly occur in the history and that no method resolves
     history = np.zeros(len(times) + 1)
     for wear in (first, second):
         pressures = np.concatenate([wear.modal(times).pressure, wear.steady.pressure[None]])
-        history += _energy_differences(*pair, pressures)
+        history += np.abs(energy_differences(exact, ours, pressures))
     # u = p L / pi under a long wave of length L on a half-space, which defines L for any mode
-    values, modes = eigh(pair[1].matrix, pair[0].space.mass().toarray())
+    values, modes = eigh(exact.matrix, space.mass().toarray())
     return OperatorDifference(
         methods=methods,
-        rings=_over_rings(*pair),
+        rings=float(np.abs(of_rings - 1).max()),
         history=float(history.max()),
         space=float(np.abs(ratios - 1).max()),
         stability=float(ratios.min()),
         wavelengths=np.pi * np.abs(values[::-1]) * problem.units.length,
-        differences=_energy_differences(*pair, modes.T)[::-1],
-        shortest_resolved=_shortest_resolved_wave(pair[0].space) * problem.units.length,
+        differences=np.abs(energy_differences(exact, ours, modes.T))[::-1],
+        shortest_resolved=_shortest_resolved_wave(space) * problem.units.length,
     )
 
 
@@ -168,26 +171,6 @@ def _shortest_resolved_wave(space: PressureSpace) -> float:
     Methods, 1977, section 3).
     """
     return float(np.pi * (space.widths / space.degrees).max())
-
-
-def _energy_differences(first: Compliance, second: Compliance, pressures: Array) -> Array:
-    """Return (m,) relative differences of the energies of pressures (m, n)."""
-    energy, reference = (
-        np.sum((pressures @ compliance.factor.T) ** 2, axis=1) for compliance in (first, second)
-    )
-    # at a fixed indentation the pressure decays to zero: the difference is then 0
-    ratios = np.divide(energy, reference, out=np.ones(len(pressures)), where=reference > 0)
-    return np.abs(ratios - 1)
-
-
-def _over_rings(first: Compliance, second: Compliance) -> float:
-    """Return the greatest relative difference over all ring-wise constant pressures."""
-    pressures = first.space.ring_indicator()
-    # use a basis that is orthonormal in the second energy, because roundoff would spoil the ratios
-    # of nearly dependent pressures
-    triangle = np.linalg.qr(second.factor @ pressures, mode="r")
-    image = solve_triangular(triangle, (first.factor @ pressures).T, trans="T").T
-    return float(np.abs(np.linalg.svd(image, compute_uv=False) ** 2 - 1).max())
 
 
 def operators(
