@@ -99,6 +99,8 @@ def extremes(
     varied = {key: list(values)} if key else values_of_keys(scene, vary, quick)
     entries = [*(method(name) for name in named if name != "naive"), *own]
     wanted = names or (() if functions else DEFAULT)
+    # relaxation modes, which take half of the time, are not computed if nobody asks for them
+    computed = None if functions else frozenset(wanted)
 
     def ways(case: Case) -> list[Way]:
         listed = [watched(tolerances(entry, [case.problem.rtol])) for entry in entries]
@@ -116,7 +118,7 @@ def extremes(
     for key, listed in varied.items():
         for value in listed:
             try:
-                cases.append(case_of(scene, key, value, len(cases)))
+                cases.append(case_of(scene, key, value, len(cases), computed))
             except SceneError as failure:
                 if "no key" in str(failure):
                     raise
@@ -135,7 +137,9 @@ def extremes(
     return conduct(declared, record, quick)
 
 
-def case_of(scene: Scene, key: str, value: Any, number: int) -> Case:
+def case_of(
+    scene: Scene, key: str, value: Any, number: int, quantities: frozenset[str] | None
+) -> Case:
     """Return the scene with one value of a key, and the place of this value on its axis.
 
     Raises
@@ -147,7 +151,7 @@ def case_of(scene: Scene, key: str, value: Any, number: int) -> Case:
     place = float(number)
     if isinstance(first, int | float) and not isinstance(first, bool):
         place = max(1 - 2 * first, NEAREST) if key == RATIO else float(first)
-    case = Case.of(scene.changed({key: value}), case_name(key, value), None, place)
+    case = Case.of(scene.changed({key: value}), case_name(key, value), quantities, place)
     # the radii at which fields are compared follow from the scene, and may refuse it, too
     _ = case.problem.face
     return case

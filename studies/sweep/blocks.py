@@ -30,7 +30,7 @@ from ...meshes import Array, RingwearError, SceneError, SolverError
 from ..crosscheck import LOG, computed_with, signals_wait
 from .axes import Sweep
 from .compute import compute_block
-from .template import FAILED
+from .results import FAILED
 
 # seconds that processes must save before they are started; that takes about as long
 LEAST_SECONDS_SAVED = 4.0

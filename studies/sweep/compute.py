@@ -25,7 +25,7 @@ from ..crosscheck import (
     solved_to_accuracy,
 )
 from .axes import Sweep
-from .template import DONE, FAILED, PENDING
+from .results import DONE, FAILED, PENDING
 
 # Dask may run several blocks in threads of one process, in which gmsh has only one global state
 COMPUTING_LOCK = Lock()
@@ -39,7 +39,7 @@ def compute_block(sweep: Sweep, blank: xarray.Dataset) -> dict[str, Array]:
     Parameters
     ----------
     sweep : sweep that consists of the scenes of the block
-    blank : empty results of one scene (`template.one_scene`)
+    blank : empty results of one scene (`results.one_scene`)
 
     Returns
     -------

@@ -26,8 +26,7 @@ from ..crosscheck import (
 from .axes import Sweep
 from .blocks import compute_blocks
 from .compute import compute_block
-from .results import InMemory, Store
-from .template import DONE, FAILED, PENDING, one_scene, template
+from .results import DONE, FAILED, PENDING, InMemory, Store, one_scene, template
 
 # greatest number of different reasons that are printed
 MOST_REASONS = 10
