@@ -243,9 +243,9 @@ def keys_of_scene(scene: Scene, quick: bool) -> dict[str, list[Any]]:
 def watched(way: Way) -> Way:
     """Return a way whose levels also fail at warnings about numbers, such as overflows."""
 
-    def solve(problem: Problem, level: Level, previous: Solution | None) -> Solution:
+    def solve(problem: Problem, level: Level) -> Solution:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
-            return way.solve(problem, level, previous)
+            return way.solve(problem, level)
 
     return replace(way, solve=solve)

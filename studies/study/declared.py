@@ -198,7 +198,7 @@ def observed_orders(table: pd.DataFrame, ways: Mapping[str, Sequence[Way]]) -> p
         levels = levels[levels["size"] <= way.largest]
         if len(levels) < 2:
             continue
-        theory = way.theory(key["quantity"], key["when"])
+        theory = way.theory_of(Part(key["quantity"], key["when"]))
         fitted = fit(levels, floor=theory.floor)
         off = np.abs(np.array([fitted["order"], fitted.pop("last order")]) - theory.order)
         remarks = [theory.reason]

@@ -135,7 +135,8 @@ def _solve(
     }
     start = time.process_time()
     try:
-        solution, seconds = timed(partial(way.solve, case.problem, level, previous), runs)
+        before = [previous] if way.sequential else []
+        solution, seconds = timed(partial(way.solve, case.problem, level, *before), runs)
     except RingwearError as failure:
         facts |= {"outcome": REFUSED, "message": str(failure)}
         return facts | {"seconds": time.process_time() - start}, None

@@ -6,7 +6,7 @@ accurate only if the meshes of a sequence are similar. All lengths are in punch 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -176,7 +176,7 @@ def uniform(
 ) -> Way:
     """Return the way through uniform meshes, halved from level to level."""
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
         coarse = uniform_base(tuple(edges.tolist()), base)
         mesh = subdivided(coarse, 2**level, edges, quads, log_polar=False)
@@ -186,7 +186,7 @@ def uniform(
         return 0.5**level
 
     label = f"{name or kind(degree, quads)}, uniform"
-    return Way(label, "fem", halvings, solve, HALVED, size, theories.for_uniform_meshes)
+    return Way(label, "fem", halvings, solve, HALVED, size, theories.FOR_UNIFORM_MESHES)
 
 
 def graded_to_edges(
@@ -200,17 +200,17 @@ def graded_to_edges(
     """Return the way through subdivisions of a mesh that is graded to every edge."""
     base = base or (GRADED_FOR_QUADS if quads else GRADED)
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
         mesh = subdivided(graded_base(tuple(edges.tolist()), base, quads), level, edges, quads)
         return on_mesh(problem, mesh, degree, POLES, element)
 
     floor = FLOOR_OVER_RIM_SIZE * base.rim_size
-    theory = partial(theories.for_graded_elements, degree, floor, HISTORY_FLOOR)
+    theory = theories.for_graded_elements(degree, floor, HISTORY_FLOOR)
     label = f"{name or kind(degree, quads)}, graded"
     return Way(
         *(label, "fem", parts, solve, PARTED, inverse),
-        theory=partial(without_order, theories.OWN_ELEMENT) if element else theory,
+        theory=without_order(theories.OWN_ELEMENT) if element else theory,
     )
 
 
@@ -226,7 +226,7 @@ def layered(degrees: Sequence[int], rings: int) -> Way:
     rings : number of rings of the punch
     """
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
         smallest = max(0.1 ** (level + 1), SMALLEST_LAYER if rings > 1 else 0.0)
         mesh = graded(edges, smallest, smallest, QUAD_GRADING, GROWTH, outer=2.5).mesh
@@ -235,7 +235,7 @@ def layered(degrees: Sequence[int], rings: int) -> Way:
     def size(level: int) -> float:
         return 0.1**level
 
-    theory = partial(theories.for_layers, DIGITS_PER_DEGREE if rings == 1 else np.nan)
+    theory = theories.for_layers(DIGITS_PER_DEGREE if rings == 1 else np.nan)
     name = "quadrilaterals in layers"
     return Way(name, "fem", degrees, solve, RAISED, size, theory)
 
@@ -250,7 +250,7 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
     settings : keys of accuracy.fem, such as the mesher; a degree of None is that for triangles
     """
 
-    def solve(problem: Problem, level: float, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: float) -> Solution:
         chosen = dict(settings)
         if "degree" in chosen:
             chosen["degree"] = chosen["degree"] or triangle_degree(problem)
@@ -263,7 +263,7 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
 def raised_degree(degrees: Sequence[int], rtol: float) -> Way:
     """Return the way through rising degrees on the one mesh that ringwear makes for a tolerance."""
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         settings = FemAccuracy.model_validate({"mesher": "quads"})
         at_rtol = replace(problem, rtol=rtol, fem=settings)
         mesh = fem_sizes(at_rtol).mesh
@@ -287,7 +287,7 @@ def coarsest(problem: Problem) -> MeshTri:
 def halved(halvings: Sequence[int]) -> Way:
     """Return the way through triangles that are all divided into four."""
 
-    def solve(problem: Problem, level: int, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: int) -> Solution:
         mesh = coarsest(problem)
         for _halving in range(level):
             mesh = bisection.refined(mesh, np.arange(mesh.nelements), problem.merged.ring_edges)
@@ -312,7 +312,7 @@ def adaptive(levels: Sequence[int]) -> Way:
         poles, degree = poles_without_error(problem, mesh), triangle_degree(problem)
         return on_mesh(problem, mesh, degree, poles, with_indicators=True)
 
-    theory = theories.for_adaptive_meshes
+    theory = theories.FOR_ADAPTIVE_MESHES
     return Way("adaptive triangles", "fem", levels, solve, COUNTED, None, theory, sequential=True)
 
 
@@ -358,13 +358,12 @@ def own_meshes(
     """
     levels = [OwnMesh(name, mesh) for name, mesh in meshes.items()]
 
-    def solve(problem: Problem, level: OwnMesh, _: Solution | None) -> Solution:
+    def solve(problem: Problem, level: OwnMesh) -> Solution:
         poles = pole_orders(problem, truncation(level.mesh))
         chosen = degree or degree_on(problem, level.mesh)
         return on_mesh(problem, level.mesh, chosen, poles, element, with_indicators=element is None)
 
-    theory = partial(without_order, theories.OWN_MESH)
-    return Way(name, "fem", levels, solve, COUNTED, None, theory)
+    return Way(name, "fem", levels, solve, COUNTED, theory=without_order(theories.OWN_MESH))
 
 
 def degree_on(problem: Problem, mesh: Mesh) -> int:
