@@ -1,7 +1,7 @@
 """Write the decks of a scene: a folder of input files for a finite-element program, and a README.
 
-`write_decks` chooses the decks that suit the scene: for every scene, a contact deck for each time;
-in full contact also a linear deck of prescribed displacements, with a step for each time.
+`deck` chooses the decks that suit the scene: for every scene, a contact deck for each time; in full
+contact also a linear deck of prescribed displacements, with a step for each time.
 """
 
 from collections.abc import Sequence
@@ -91,30 +91,7 @@ def deck(
     SceneError
         if the scene has no deck, or if an option is out of range; it names the remedy
     """
-    with output_folder(out, "deck", ["README.md"]) as folder:
-        write_decks(Scene.of(scene), folder.hidden, program, element, size, reach, times)
-    return [Path(out) / name for name in folder.written]
-
-
-def write_decks(
-    scene: Scene,
-    folder: Path,
-    program: str,
-    element: str = ELEMENT,
-    size: float | None = None,
-    reach: float = REACH,
-    times: Sequence[float] | None = None,
-) -> list[str]:
-    """Write the decks of a scene, the scene, and a README; return the lines of the README.
-
-    The parameters are those of `deck`.
-
-    Raises
-    ------
-    SceneError
-        if the scene has no deck, or if an option is out of range; it names the remedy
-    """
-    (reach,) = numbers("reach", [reach])
+    scene, (reach,) = Scene.of(scene), numbers("reach", [reach])
     program, element, radius = str(program).lower(), str(element), scene.problem.units.length
     if program not in PROGRAMS:
         hint = did_you_mean(program, PROGRAMS, f"give one of {', '.join(PROGRAMS)}")
@@ -137,31 +114,32 @@ def write_decks(
     problem, writer, relative_size = scene.problem, PROGRAMS[program], given / radius
     quadratic = element.upper() == "Q2S"
     edges, ground = problem.merged.ring_edges, problem.ground
-    if ground.layered:
-        mesh = layered_mesh(edges, relative_size, reach, quadratic, ground)
-    else:
-        mesh = deck_mesh(edges, relative_size, reach, quadratic)
-    model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
-    if program == "calculix":
-        calculix.refuse_small_elements(model)
-    punch_states = states(scene, _times(scene, chosen_times), model.radii)
-    steps = describe([limits_on_mesh(scene, mesh.mesh, element.upper())])
-    heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))
-    model = replace(model, wear_steps=heads)
-    # contact decks have linear elements, whose nodes are the corners
-    linear_model = replace(model, mesh=replace(mesh, quadratic=False))
-    files = dict[str, list[str]]()
-    for number, state in enumerate(punch_states, 1):
-        scale = max(1.0, state.pressing_depth / (MAX_INDENTATION * model.radius))
-        at_corners = replace(state, heights=state.heights[:: 1 + quadratic])
-        files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
-    if problem.full_contact:
-        files["prescribed.inp"] = writer.prescribed(model, punch_states)
-    lines = read_me(model, program, reach, punch_states, problem.full_contact, steps)
-    for name, content in (files | {"README.md": lines}).items():
-        (folder / name).write_text("\n".join(content) + "\n", "utf-8")
-    (folder / "scene.toml").write_text(scene.to_toml(), "utf-8")
-    return lines
+    with output_folder(out, "deck", ["README.md"]) as folder:
+        if ground.layered:
+            mesh = layered_mesh(edges, relative_size, reach, quadratic, ground)
+        else:
+            mesh = deck_mesh(edges, relative_size, reach, quadratic)
+        model = Model(scene, mesh, hybrid=ground.greatest_poisson_ratio > LOCKING)
+        if program == "calculix":
+            calculix.refuse_small_elements(model)
+        punch_states = states(scene, _times(scene, chosen_times), model.radii)
+        steps = describe([limits_on_mesh(scene, mesh.mesh, element.upper())])
+        heads = tuple(line for line in steps if line.startswith(AT_THE_HEAD))
+        model = replace(model, wear_steps=heads)
+        # contact decks have linear elements, whose nodes are the corners
+        linear_model = replace(model, mesh=replace(mesh, quadratic=False))
+        files = dict[str, list[str]]()
+        for number, state in enumerate(punch_states, 1):
+            scale = max(1.0, state.pressing_depth / (MAX_INDENTATION * model.radius))
+            at_corners = replace(state, heights=state.heights[:: 1 + quadratic])
+            files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
+        if problem.full_contact:
+            files["prescribed.inp"] = writer.prescribed(model, punch_states)
+        lines = read_me(model, program, reach, punch_states, problem.full_contact, steps)
+        for name, content in (files | {"README.md": lines}).items():
+            (folder.hidden / name).write_text("\n".join(content) + "\n", "utf-8")
+        (folder.hidden / "scene.toml").write_text(scene.to_toml(), "utf-8")
+    return [Path(out) / name for name in folder.written]
 
 
 def refusal(scene: Scene, program: str) -> str:
