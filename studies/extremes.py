@@ -45,6 +45,8 @@ FINER, QUICK_FINER, FINEST = 0.01, 0.1, 1e-9
 """Tolerance of the reference over that of the scene, also of quick studies, and the finest one."""
 VALUES, QUICK_VALUES = 7, 2
 """Numbers of values of each key that is varied by itself."""
+GREATEST_RATIO, QUICK_GREATEST_RATIO = 1e6, 1e5
+"""Greatest wear ratio; the modes of the last factor of ten take a fifth of the quick study."""
 SMALL = 1e-4
 """Least width of a ring and earliest time that are tried by themselves, over those of the scene."""
 RATIO, NEAREST = "half_space.poisson_ratio", 1e-7
@@ -99,8 +101,6 @@ def extremes(
     varied = {key: list(values)} if key else values_of_keys(scene, vary, quick)
     entries = [*(method(name) for name in named if name != "naive"), *own]
     wanted = names or (() if functions else DEFAULT)
-    # relaxation modes, which take half of the time, are not computed if nobody asks for them
-    computed = None if functions else frozenset(wanted)
 
     def ways(case: Case) -> list[Way]:
         listed = [watched(tolerances(entry, [case.problem.rtol])) for entry in entries]
@@ -118,7 +118,7 @@ def extremes(
     for key, listed in varied.items():
         for value in listed:
             try:
-                cases.append(case_of(scene, key, value, len(cases), computed))
+                cases.append(case_of(scene, key, value, len(cases)))
             except SceneError as failure:
                 if "no key" in str(failure):
                     raise
@@ -137,9 +137,7 @@ def extremes(
     return conduct(declared, record, quick)
 
 
-def case_of(
-    scene: Scene, key: str, value: Any, number: int, quantities: frozenset[str] | None
-) -> Case:
+def case_of(scene: Scene, key: str, value: Any, number: int) -> Case:
     """Return the scene with one value of a key, and the place of this value on its axis.
 
     Raises
@@ -151,7 +149,7 @@ def case_of(
     place = float(number)
     if isinstance(first, int | float) and not isinstance(first, bool):
         place = max(1 - 2 * first, NEAREST) if key == RATIO else float(first)
-    case = Case.of(scene.changed({key: value}), case_name(key, value), quantities, place)
+    case = Case.of(scene.changed({key: value}), case_name(key, value), None, place)
     # the radii at which fields are compared follow from the scene, and may refuse it, too
     _ = case.problem.face
     return case
@@ -228,7 +226,8 @@ def keys_of_scene(scene: Scene, quick: bool) -> dict[str, list[Any]]:
         ratios = [*(0.5 - 0.5 * distances), 0.5]
         varied["half_space.poisson_ratio"] = [float(f"{ratio:.9g}") for ratio in ratios]
     if len(scene.problem.merged.widths) > 1 and not punch.table:
-        varied["punch.wear_ratio"] = geometric(1e-6, 1e6)
+        greatest = QUICK_GREATEST_RATIO if quick else GREATEST_RATIO
+        varied["punch.wear_ratio"] = geometric(1 / greatest, greatest)
         if "rings" in table["punch"]:
             varied["punch.width_ratio"] = geometric(SMALL, 1.0)[others]
     if later := [time for time in scene.wear.times if time > 0]:
