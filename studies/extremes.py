@@ -45,10 +45,11 @@ FINER, QUICK_FINER, FINEST = 0.01, 0.1, 1e-9
 """Tolerance of the reference over that of the scene, also of quick studies, and the finest one."""
 VALUES, QUICK_VALUES = 7, 2
 """Numbers of values of each key that is varied by itself."""
-GREATEST_RATIO, QUICK_GREATEST_RATIO = 1e6, 1e5
-"""Greatest wear ratio; the modes of the last factor of ten take a fifth of the quick study."""
 SMALL = 1e-4
 """Least width of a ring and earliest time that are tried by themselves, over those of the scene."""
+LEAST_WEAR_RATIO = 1e-6
+"""Least wear ratio that is tried, and the greatest one is its inverse; in the quick study it is
+`SMALL`, because the modes of this one take a third of the time."""
 RATIO, NEAREST = "half_space.poisson_ratio", 1e-7
 """Key of Poisson's ratio, which is drawn as 1 - 2 nu, and the place of 1/2 on this axis."""
 AXES = {RATIO: r"$1 - 2 \nu$, with 0 at $10^{-7}$", "wear.times": "earliest time"}
@@ -226,8 +227,8 @@ def keys_of_scene(scene: Scene, quick: bool) -> dict[str, list[Any]]:
         ratios = [*(0.5 - 0.5 * distances), 0.5]
         varied["half_space.poisson_ratio"] = [float(f"{ratio:.9g}") for ratio in ratios]
     if len(scene.problem.merged.widths) > 1 and not punch.table:
-        greatest = QUICK_GREATEST_RATIO if quick else GREATEST_RATIO
-        varied["punch.wear_ratio"] = geometric(1 / greatest, greatest)
+        least = SMALL if quick else LEAST_WEAR_RATIO
+        varied["punch.wear_ratio"] = geometric(least, 1 / least)
         if "rings" in table["punch"]:
             varied["punch.width_ratio"] = geometric(SMALL, 1.0)[others]
     if later := [time for time in scene.wear.times if time > 0]:

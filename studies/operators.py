@@ -30,6 +30,7 @@ from .crosscheck import (
 )
 from .figures.style import PAGE, complete, curve, new_panels, set_logarithmic
 from .figures.ticks import one_digit
+from .study.answer import answer
 from .study.errors import STABLE, energy_differences, energy_ratios
 from .study.own import Methods, read_methods
 from .study.record import SOLVED, Record
@@ -228,6 +229,7 @@ def operators(
         figures={"operator_difference": draw_operators(scene, pairs)},
         tables={"modes": pd.concat(modes)},
         measured=record.table,
+        answer=answer(record.table),
     )
 
 

@@ -32,6 +32,8 @@ MOST_WORDS, MOST_WORDS_OF_PART, MOST_SENTENCES = 30, 18, 8
 """Greatest numbers of words of a sentence and of a thing that it lists, and of sentences."""
 MOST_LETTERS = 60
 """Greatest length of a reason in the table."""
+EMPTY = pd.DataFrame()
+"""The table of orders or costs of a study that has none."""
 
 
 def worst(table: pd.DataFrame) -> pd.DataFrame:
@@ -102,29 +104,29 @@ def costs_of(table: pd.DataFrame, axis: str = "size") -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def answer(measured: pd.DataFrame, fits: pd.DataFrame, costs: pd.DataFrame) -> pd.DataFrame:
+def answer(
+    measured: pd.DataFrame, fits: pd.DataFrame = EMPTY, costs: pd.DataFrame = EMPTY
+) -> pd.DataFrame:
     """Return the answer as texts: a row for each way, a column for each quantity and each cost."""
     rows, names = [], [name for name in ("unknowns", "seconds", "step", "reach") if name in costs]
-    orders = {tuple(row[key] for key in KEYS_OF_STUDIES): row for row in fits.to_dict("records")}
     parts = dict.fromkeys(map(Part, measured["quantity"], measured["when"]))
-    columns = ["case", "way", *(str(part) for part in parts if pd.notna(part.quantity))]
-    for (case, way), levels in measured.groupby(["case", "way"], sort=False):
-        row = {"case": case, "way": way}
-        for (quantity, when), each in levels.groupby(["quantity", "when"], sort=False):
-            fit = orders.get((case, way, quantity, when), {})
-            order, theory = (
-                short(fit.get(name, np.nan), form)
-                for name, form in (("order", ".2f"), ("theory", ".2g"))
-            )
+    columns = {str(part): "" for part in parts if pd.notna(part.quantity)}
+    orders = fits.reindex(columns=[*KEYS_OF_STUDIES, "order", "theory"])
+    fitted = measured.merge(orders.astype({"order": float, "theory": float}), "left")
+    for (case, way), levels in fitted.groupby(["case", "way"], sort=False):
+        row = {"case": case, "way": way} | columns
+        for part, each in levels.groupby(["quantity", "when"], sort=False):
+            last = each.iloc[-1]
+            order, theory = short(last["order"], ".2f"), short(last["theory"], ".2g")
             # of values of a key, the greatest error counts
-            error = each["error"].abs().max() if "key" in each else abs(each["error"].iloc[-1])
+            error = each["error"].abs().max() if "key" in each else abs(last["error"])
             words = f"{order} ({theory})" if theory else order
-            row[str(Part(quantity, when))] = ", ".join(filter(None, (words, short(error))))
-        of_way = costs[(costs["case"] == case) & (costs["way"] == way)] if len(costs) else costs
-        for cost in of_way.to_dict("records"):
-            told = [short(cost[name], ".0f" if name == "unknowns" else "g") for name in names]
-            head = f"{Part(cost['quantity'], cost['when'])}, {' and '.join(names)}"
-            row[f"{head}: {short(cost['goal'], '.0e')}"] = ", ".join(filter(None, told))
+            row[str(Part(*part))] = ", ".join(filter(None, (words, short(error))))
+        for cost in costs.to_dict("records"):
+            if (cost["case"], cost["way"]) == (case, way):
+                told = [short(cost[name], ".0f" if name == "unknowns" else "g") for name in names]
+                head = f"{Part(cost['quantity'], cost['when'])}, {' and '.join(names)}"
+                row[f"{head}: {short(cost['goal'], '.0e')}"] = ", ".join(filter(None, told))
         if "verdict" in levels and not len(costs):
             judged = levels[levels["quantity"] == WORST]
             row["within tolerance"] = f"{(judged['verdict'] == 'within').sum()} of {len(judged)}"
@@ -132,10 +134,7 @@ def answer(measured: pd.DataFrame, fits: pd.DataFrame, costs: pd.DataFrame) -> p
             row["not solved: because"] = textwrap.shorten(reason, MOST_LETTERS, placeholder=" ...")
         rows.append(row)
     table = pd.DataFrame(rows).fillna("")
-    columns = columns[table["case"].nunique() == 1 :]
-    known = [name for name in columns if name in table]
-    others = table.columns.difference(["case", *columns], sort=False)
-    return table[[*known, *others]]
+    return table.drop(columns="case") if measured["case"].nunique() == 1 else table
 
 
 def sentence(head: str, parts: Sequence[str] = ()) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ..crosscheck import Scene
-from .answer import MOST_SENTENCES, WORST, conclude, costs_of, worst
+from .answer import MOST_SENTENCES, WORST, answer, conclude, costs_of, worst
 from .draw import figures_of, titled
 from .measure import measure
 from .orders import DIFFERS, ORDER_TOLERANCE, fit, sequences
@@ -143,7 +143,7 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
     tables = {"costs": costs} if len(costs) else {}
     return Study(
         *(declared.name, declared.scene, table, fits, sentences, figures, tables),
-        *(declared.question, measured),
+        *(declared.question, measured, answer(measured, fits, costs)),
     )
 
 

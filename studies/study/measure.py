@@ -74,26 +74,22 @@ def measure(
     names = (*quantities, *functions)
     with threadpool_limits(1), keeping_rows(record.remarks):
         listed = [(case, list(ways(case) if callable(ways) else ways)) for case in cases]
-        total, passed = sum(len(way.levels) for _, each in listed for way in each), 0
-
-        def announce(number: int, name: str) -> None:
-            """Log which level begins, from 0."""
-            LOG.info("   level %d of %d: %s ...", number + 1, total, name)
-
+        total, first = sum(len(way.levels) for _, each in listed for way in each), 1
         for case, ways_of_case in listed:
             case_reference = exact(case)
             parts = parts_of(case, case_reference.values, names)
             for way in ways_of_case:
                 judge = _Judge(case, way, parts, case_reference, functions, only_promised)
-                _measure_way(judge, record, announce, passed, runs)
-                passed += len(way.levels)
+                _measure_way(judge, record, first, total, runs)
+                first += len(way.levels)
     return record.table
 
 
-def _measure_way(
-    judge: "_Judge", record: Record, announce: Callable[[int, str], None], passed: int, runs: int
-) -> None:
-    """Solve the levels of a way that an earlier run has not solved, and add their rows."""
+def _measure_way(judge: "_Judge", record: Record, first: int, total: int, runs: int) -> None:
+    """Solve the levels of a way that an earlier run has not solved, and add their rows.
+
+    The number of its first level, and that of all levels, are logged.
+    """
     case, way = judge.case, judge.way
     earlier = record.earlier(case.name, way.name)
     done = _is_complete(way, earlier)
@@ -107,7 +103,8 @@ def _measure_way(
             if rows[0]["outcome"] != SOLVED:
                 return
             continue
-        announce(passed + number, f"{case.name}, {way.name}, {level}")
+        names = case.name, way.name, level
+        LOG.info("   level %d of %d: %s, %s, %s ...", first + number, total, *names)
         facts, solution = _solve(case, way, level, previous, runs)
         if solution is None:
             record.add([facts])
@@ -137,11 +134,10 @@ def _solve(
     try:
         before = [previous] if way.sequential else []
         solution, seconds = timed(partial(way.solve, case.problem, level, *before), runs)
-    except RingwearError as failure:
-        facts |= {"outcome": REFUSED, "message": str(failure)}
-        return facts | {"seconds": time.process_time() - start}, None
     except Exception as failure:  # a study of extreme parameters looks for these
         facts |= {"outcome": CRASHED, "message": f"{type(failure).__name__}: {failure}"}
+        if isinstance(failure, RingwearError):
+            facts |= {"outcome": REFUSED, "message": str(failure)}
         return facts | {"seconds": time.process_time() - start}, None
     size = way.size(level) if way.size else max(solution.unknowns, 1) ** -0.5
     facts |= {"size": size, "unknowns": solution.unknowns, "outcome": SOLVED}
