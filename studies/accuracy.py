@@ -44,16 +44,16 @@ from .study.ways import runs
 from .study.ways.finite_elements import (
     EVEN,
     EVEN_UNDER_ONE_RING,
+    GRADED,
     GRADED_TO_RIM,
     adaptive,
     by_tolerance,
     degree_on,
-    graded_to_edges,
     halved,
     layered,
     own_meshes,
     raised_degree,
-    uniform,
+    subdivisions,
 )
 from .study.ways.radial import cells, graded_radii, uniform_radii
 
@@ -94,9 +94,9 @@ GRADINGS_OF_ONE_RING: dict[int, tuple[float, ...]] = {
     4: (0.4, 0.5, 0.6, 0.65),
 }
 """Ratios of neighbouring cell sizes on cells graded to the rim, by pressure degree."""
-OF_RINGS = HALVINGS, PARTS, GRADINGS
-OF_ONE_RING = HALVINGS_OF_ONE_RING, PARTS_OF_ONE_RING, GRADINGS_OF_ONE_RING
-"""All of them."""
+OF_RINGS = (EVEN, HALVINGS), (GRADED, PARTS)
+OF_ONE_RING = (EVEN_UNDER_ONE_RING, HALVINGS_OF_ONE_RING), (GRADED_TO_RIM, PARTS_OF_ONE_RING)
+"""Base meshes with their levels: of one size, and graded."""
 CELL_FACTORS, QUICK_CELL_FACTORS = (0.25, 0.5, 1.0, 2.0), (0.125, 0.25, 0.5)
 """Numbers of cells of a moving contact, over the number for rtol 1e-4."""
 DEGREES = {False: range(2, 5), True: range(2, 17)}
@@ -282,19 +282,17 @@ def ways_of_sizes(case: Case, named: Sequence[str], quick: bool) -> list[Way]:
     one, cut = case.name == ONE_RING, slice(-1 if quick else None)
     # elements below one ring have their order from the coarsest meshes on
     element_cut = slice(-2) if quick and one else cut
-    halvings, parts, gradings = OF_ONE_RING if one else OF_RINGS
-    # the quick study leaves out some degrees
-    kinds = [
-        (quads, k) for quads in parts for k in parts[quads] if quads or one or not quick or k != 3
-    ]
+    meshes, gradings = (OF_ONE_RING, GRADINGS_OF_ONE_RING) if one else (OF_RINGS, GRADINGS)
     graded_radial = [("mdr", degree) for degree in gradings if not quick or degree < 3]
     graded_radial += RADIAL[3 if one else 2 :]
-    even, graded = (EVEN_UNDER_ONE_RING, GRADED_TO_RIM) if one else (EVEN, None)
     ways = [
-        *(uniform(k, halvings[quads][k][element_cut], quads, base=even) for quads, k in kinds),
         *(
-            graded_to_edges(k, parts[quads][k][element_cut], quads, base=graded)
-            for quads, k in kinds
+            subdivisions(bases[quads], k, levels[quads][k][element_cut], quads)
+            for bases, levels in meshes
+            for quads in bases
+            for k in levels[quads]
+            # the quick study leaves out some degrees
+            if quads or one or not quick or k != 3
         ),
         layered(range(4, 8 if quick and not one else 12), len(case.problem.merged.widths)),
         *(uniform_radii(*radial, COUNTS[cut]) for radial in RADIAL[: 0 if one else 3]),
@@ -445,11 +443,9 @@ def ways_of_elements(elements: "Sequence[Element]", quick: bool) -> list[Way]:
     """Return uniform and graded meshes with each of the user's elements."""
     ways, cut = list[Way](), slice(-1 if quick else None)
     for element in elements:
-        order, quads, name = (
-            degree_of(element),
-            is_on_quadrilaterals(element),
-            element_name(element),
-        )
-        for way, levels in ((uniform, HALVINGS[quads]), (graded_to_edges, PARTS[quads])):
-            ways.append(way(order, levels[min(order, max(levels))][cut], quads, element, name))
+        order, quads = degree_of(element), is_on_quadrilaterals(element)
+        for bases, levels in OF_RINGS:
+            chosen = levels[quads][min(order, max(levels[quads]))][cut]
+            name = element_name(element)
+            ways.append(subdivisions(bases[quads], order, chosen, quads, element, name))
     return ways

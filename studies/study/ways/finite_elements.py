@@ -55,10 +55,11 @@ class Base(NamedTuple):
     truncation: float
 
 
-GRADED, GRADED_FOR_QUADS = Base(1e-8, 1e-4, 0.7, 20.0), Base(1e-8, 1e-4, 1.0, 20.0)
-EVEN = Base(1.2, 1.2, 0.0, 5.0)
-"""Base meshes of any punch."""
-GRADED_TO_RIM, EVEN_UNDER_ONE_RING = Base(4e-9, 4e-9, 0.7, 1e4), Base(0.35, 0.35, 0.0, 4.0)
+EVEN = dict.fromkeys((False, True), Base(1.2, 1.2, 0.0, 5.0))
+GRADED = {False: Base(1e-8, 1e-4, 0.7, 20.0), True: Base(1e-8, 1e-4, 1.0, 20.0)}
+"""Base meshes of any punch, by whether they become quadrilaterals."""
+EVEN_UNDER_ONE_RING = {False: Base(0.35, 0.35, 0.0, 4.0)}
+GRADED_TO_RIM = {False: Base(4e-9, 4e-9, 0.7, 1e4)}
 """Base meshes of one ring, on which orders are the most regular."""
 SMALLEST_LAYER = 1e-7
 """Size of the smallest layer of quadrilaterals; in smaller ones gradients are roundoff."""
@@ -147,71 +148,55 @@ def kind(degree: int, quads: bool) -> str:
     return f"{'Q' if quads else 'P'}{degree}"
 
 
-@lru_cache(maxsize=8)
-def uniform_base(edges: tuple[float, ...], base: Base) -> Mesh:
-    """Return triangles of one size, which are smaller only where a ring edge has to be a vertex."""
-    size = base.rim_size
-    return bisection.mesh(SizeField(edges, size, size, 0.0, base.truncation, size))
+@lru_cache(maxsize=16)
+def base_mesh(edges: tuple[float, ...], base: Base, quads: bool) -> Mesh:
+    """Return triangles of one size, or triangles graded to the rim and to every ring edge.
 
-
-@lru_cache(maxsize=8)
-def graded_base(edges: tuple[float, ...], base: Base, quads: bool) -> Mesh:
-    """Return triangles graded to the rim and to every ring edge.
-
-    Triangles that are to be divided into quadrilaterals are made by bisection: they are
-    right-angled, so that the quadrilaterals are convex.
+    Those of one size are smaller only where a ring edge has to be a vertex. Graded triangles that
+    are to be divided into quadrilaterals are made by bisection: they are right-angled, so that the
+    quadrilaterals are convex.
     """
     rim, ring, growth, radius = base
-    field = SizeField(edges, rim, ring, growth, truncation=radius, centre_size=radius)
-    return bisection.mesh(field) if quads else triangulated(field)
+    field = SizeField(edges, rim, ring, growth, radius, radius if growth else rim)
+    return triangulated(field) if growth and not quads else bisection.mesh(field)
 
 
-def uniform(
+def subdivisions(
+    base: Base,
     degree: int,
-    halvings: Sequence[int],
+    levels: Sequence[int],
     quads: bool = False,
     element: Element | None = None,
     name: str = "",
-    base: Base = EVEN,
 ) -> Way:
-    """Return the way through uniform meshes, halved from level to level."""
+    """Return the way through subdivisions of a base mesh.
+
+    Parameters
+    ----------
+    base : meshes of one size are halved, a level is the number of halvings; if the base is graded,
+        it is the number of parts of each side
+    degree : polynomial degree of the displacement
+    levels : levels from coarse to fine
+    quads : whether the elements are quadrilaterals
+    element, name : element of scikit-fem or of the user, in place of the Lagrange element
+    """
+    graded = base.growth > 0
 
     def solve(problem: Problem, level: int) -> Solution:
         edges = problem.merged.ring_edges
-        coarse = uniform_base(tuple(edges.tolist()), base)
-        mesh = subdivided(coarse, 2**level, edges, quads, log_polar=False)
+        coarse = base_mesh(tuple(edges.tolist()), base, quads)
+        mesh = subdivided(coarse, level if graded else 2**level, edges, quads, log_polar=graded)
         return on_mesh(problem, mesh, degree, POLES, element)
 
-    def size(level: int) -> float:
-        return 0.5**level
-
-    label = f"{name or kind(degree, quads)}, uniform"
-    return Way(label, "fem", halvings, solve, HALVED, size, theories.FOR_UNIFORM_MESHES)
-
-
-def graded_to_edges(
-    degree: int,
-    parts: Sequence[int],
-    quads: bool = False,
-    element: Element | None = None,
-    name: str = "",
-    base: Base | None = None,
-) -> Way:
-    """Return the way through subdivisions of a mesh that is graded to every edge."""
-    base = base or (GRADED_FOR_QUADS if quads else GRADED)
-
-    def solve(problem: Problem, level: int) -> Solution:
-        edges = problem.merged.ring_edges
-        mesh = subdivided(graded_base(tuple(edges.tolist()), base, quads), level, edges, quads)
-        return on_mesh(problem, mesh, degree, POLES, element)
-
+    label = f"{name or kind(degree, quads)}, {'graded' if graded else 'uniform'}"
+    if not graded:
+        sizes = HALVED, lambda level: 0.5**level
+        return Way(label, "fem", levels, solve, *sizes, theories.FOR_UNIFORM_MESHES)
     floor = FLOOR_OVER_RIM_SIZE * base.rim_size
     theory = theories.for_graded_elements(degree, floor, HISTORY_FLOOR)
-    label = f"{name or kind(degree, quads)}, graded"
-    return Way(
-        *(label, "fem", parts, solve, PARTED, inverse),
-        theory=without_order(theories.OWN_ELEMENT) if element else theory,
-    )
+    if element:
+        theory = without_order(theories.OWN_ELEMENT)
+    return Way(label, "fem", levels, solve, PARTED, inverse, theory)
 
 
 def layered(degrees: Sequence[int], rings: int) -> Way:
