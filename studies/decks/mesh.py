@@ -5,7 +5,7 @@ Non-dimensional: the punch has radius 1, and depth is positive into the half-spa
 
 import itertools
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from skfem import MeshQuad
@@ -141,7 +141,8 @@ def deck_mesh(ring_edges: Array, size: float, reach: float, quadratic: bool) -> 
     """
     refuse_reach(reach)
     edges = from_axis(ring_edges)
-    radii, depths = _radii(edges, size), _depths(edges, size)
+    radii, least = _radii(edges, size), _edge_sizes(edges, size)[1:].min()
+    depths = structured.growing_distances(structured.SQUARE, least, size, GROWTH * size)
     shells = structured.shells_around(reach, GROWTH * size)
     around = len(radii) + len(depths) - 2
     count = (len(radii) - 1) * (len(depths) - 1) + around * (len(shells) - 1)
@@ -219,34 +220,18 @@ def _edge_sizes(edges: Array, size: float) -> Array:
 
 def _radii(edges: Array, size: float) -> Array:
     """Return the radii of the vertices of the square, from 0 to its side."""
-    widths, lines = np.diff(edges), [np.zeros(1)]
-    scales, edge_sizes = np.minimum(widths / WIDE, 1.0), _edge_sizes(edges, size)
+    grow = partial(structured.growing_distances, growth=GROWTH * size)
+    edge_sizes, lines = _edge_sizes(edges, size), [np.zeros(1)]
+    largest = size * np.minimum(np.diff(edges) / WIDE, 1.0)
     for number, (start, end) in enumerate(itertools.pairwise(edges)):
-        largest, half = size * scales[number], widths[number] / 2
-        if start == 0:
-            from_edge = structured.growing_distances(
-                widths[number], edge_sizes[1], largest, GROWTH * size
-            )
-            lines.append((end - from_edge[::-1])[1:])
-            continue
-        inner, outer = (
-            structured.growing_distances(half, edge_size, largest, GROWTH * size)
-            for edge_size in edge_sizes[number : number + 2]
-        )
-        lines += [start + inner[1:], (end - outer[::-1])[1:]]
-    beyond_rim = structured.growing_distances(
-        structured.SQUARE - 1, edge_sizes[-1], size, GROWTH * size
-    )
-    radii = np.concatenate([*lines, 1 + beyond_rim[1:]])
+        # sizes grow to the middle of a ring, or to the axis
+        middle = (start + end) / 2 if start else 0.0
+        if start:
+            lines.append(start + grow(middle - start, edge_sizes[number], largest[number])[1:])
+        lines.append((end - grow(end - middle, edge_sizes[number + 1], largest[number])[::-1])[1:])
+    lines.append(1 + grow(structured.SQUARE - 1, edge_sizes[-1], size)[1:])
+    radii = np.concatenate(lines)
     # remove the roundoff of ring edges and of the end
     for exact in (*edges, structured.SQUARE):
         radii[np.abs(radii - exact).argmin()] = exact
     return radii
-
-
-def _depths(edges: Array, size: float) -> Array:
-    """Return the depths of the vertices of the square, from the surface to its side."""
-    scale = min(float(np.diff(edges).min()) / WIDE, 1.0)
-    return structured.growing_distances(
-        structured.SQUARE, RIM_SIZE * size**2 * scale, size, GROWTH * size
-    )
