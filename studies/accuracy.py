@@ -193,7 +193,7 @@ def accuracy(
     own_elements = read_elements(elements) if elements else ()
     by_name = read_meshes(problem, meshes, length_of(scene, units)) if meshes else {}
     own = [
-        *ways_of_meshes(problem, by_name, own_elements, degree),
+        *(ways_of_meshes(problem, by_name, own_elements, degree) if by_name else []),
         *(ways_of_elements(own_elements, quick) if not meshes else []),
         *([runs.steps("implicit", lengths, problem, 1e-6)] if lengths else []),
         *(runs.tolerances(each, rtols) for each in own_methods),
@@ -414,29 +414,26 @@ def ways_of_meshes(
     SceneError
         if meshes are of two kinds, or if an element or a degree does not fit them
     """
-    kinds = {len(mesh.t) == 4: mesh for mesh in meshes.values()}
-    if len(kinds) > 1:
+    (quads, mesh), *others = {len(mesh.t) == 4: mesh for mesh in meshes.values()}.items()
+    if others:
         raise SceneError(
             "--mesh: the meshes of a sequence are all triangles or all quadrilaterals, not both"
         )
+    kind, degrees = "quadrilaterals" if quads else "triangles", DEGREES[quads]
+    chosen = degree or degree_on(problem, mesh)
+    if not elements and chosen not in degrees:
+        raise SceneError(
+            f"--degree {chosen}: does not fit your meshes of {kind}: give {degrees[0]} to "
+            f"{degrees[-1]}"
+        )
     ways = list[Way]()
-    for quads, mesh in kinds.items():
-        kind, degrees = "quadrilaterals" if quads else "triangles", DEGREES[quads]
-        chosen = degree or degree_on(problem, mesh)
-        if not elements and chosen not in degrees:
-            raise SceneError(
-                f"--degree {chosen}: does not fit your meshes of {kind}: give {degrees[0]} to "
-                f"{degrees[-1]}"
-            )
-        for element in elements:
-            if is_on_quadrilaterals(element) != quads:
-                raise SceneError(
-                    f"--element {element_name(element)}: your meshes consist of {kind}"
-                )
-            name = f"your meshes, {element_name(element)}"
-            ways.append(own_meshes(meshes, degree or degree_of(element), element, name))
-        ways = ways or [own_meshes(meshes, degree)]
-    return ways
+    for element in elements:
+        name = element_name(element)
+        if is_on_quadrilaterals(element) != quads:
+            raise SceneError(f"--element {name}: your meshes consist of {kind}")
+        label = f"your meshes, {name}"
+        ways.append(own_meshes(meshes, degree or degree_of(element), element, label))
+    return ways or [own_meshes(meshes, degree)]
 
 
 def ways_of_elements(elements: "Sequence[Element]", quick: bool) -> list[Way]:

@@ -14,7 +14,6 @@ from time import process_time
 
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 from scipy.linalg import eigh
 
 from ..meshes import Array, PressureSpace, SceneError
@@ -28,9 +27,8 @@ from .crosscheck import (
     naming_arguments,
     run,
 )
-from .figures.style import PAGE, complete, curve, new_panels, set_logarithmic
-from .figures.ticks import one_digit
 from .study.answer import answer
+from .study.draw import draw, titled
 from .study.errors import STABLE, energy_differences, energy_ratios
 from .study.own import Methods, read_methods
 from .study.record import SOLVED, Record
@@ -43,6 +41,8 @@ QUICK_RTOL = 1e-2
 """Least tolerance of the quick study."""
 LEAST_RATIO = "least ratio of energies"
 """Name of the quantity whose entry in the column `error` is the value itself."""
+TITLE = "the methods compared for every pressure, one mark per mode"
+WAVELENGTH = "wavelength of the pressure over the punch radius a"
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +208,7 @@ def operators(
         "when": ALL,
         "outcome": SOLVED,
     }
-    modes = list[pd.DataFrame]()
+    modes, drawn, radius = list[pd.DataFrame](), list[pd.DataFrame](), scene.punch.radius
     for pair in pairs:
         way = {"way": " over ".join(pair.methods), "method": pair.methods[0]}
         row = level | way | {"unknowns": len(pair.differences)}
@@ -221,12 +221,22 @@ def operators(
         record.add([row | {"quantity": name, "error": value} for name, value in numbers.items()])
         columns = {"wavelength": pair.wavelengths, "difference": pair.differences}
         modes.append(pd.DataFrame({"way": way["way"]} | columns))
+        panel = row | {"quantity": "difference of energies", "refined": WAVELENGTH}
+        panel |= {
+            "unresolved": pair.shortest_resolved / radius,
+            "reference": 0.0,
+            "tolerance": np.nan,
+        }
+        sizes = pair.wavelengths / radius
+        drawn.append(pd.DataFrame(panel | {"size": sizes, "error": pair.differences}))
+        steady = {"way": f"{way['way']}, all steady states", "error": pair.rings}
+        drawn.append(pd.DataFrame(panel | steady | {"size": [sizes.min(), sizes.max()]}))
     return Study(
         "operators",
         scene,
         record.table,
         conclusions=(*map(_conclude, pairs), *remarks(record, quick)),
-        figures={"operator_difference": draw_operators(scene, pairs)},
+        figures={"operator_difference": draw(pd.concat(drawn), title=titled(scene.title, TITLE))},
         tables={"modes": pd.concat(modes)},
         measured=record.table,
         answer=answer(record.table),
@@ -240,42 +250,4 @@ def _conclude(pair: OperatorDifference) -> str:
         f"As operators, {' and '.join(pair.methods)} differ by {pair.rings:.1e} over all steady "
         f"states and {pair.history:.1e} along this history; the least ratio of their energies is "
         f"{pair.stability:.2g}: the multipliers are {stable}."
-    )
-
-
-def draw_operators(scene: Scene, pairs: Sequence[OperatorDifference]) -> Figure:
-    """Draw the relative difference of two methods against the wavelength of the pressure.
-
-    Wavelengths that the elements do not resolve are shaded.
-    """
-    figure, panels = new_panels(PAGE, 3.4)
-    axes = panels[0, 0]
-    radius = scene.punch.radius
-    for number, pair in enumerate(pairs):
-        look = curve(number) | {"linestyle": "", "markersize": 2.5, "markeredgewidth": 0.6}
-        names = f"{pair.methods[0].upper()} minus {pair.methods[1].upper()}"
-        label = f"{names}, one mark per mode"
-        axes.plot(pair.wavelengths / radius, pair.differences, **look, label=label)
-        label = f"{names}, all steady states: {one_digit(pair.rings)}"
-        axes.axhline(pair.rings, linewidth=0.8, color=look["color"], linestyle="--", label=label)
-    shortest = 2 * float(scene.problem.rings.widths.min())
-    axes.axvline(
-        shortest, color="0.4", linestyle=":", label="twice the width of the narrowest ring"
-    )
-    for direction in "xy":
-        set_logarithmic(axes, direction, most=8)
-    finest = min(pair.shortest_resolved for pair in pairs) / radius
-    left, unresolved = axes.get_xlim()[0], "waves finer than the elements"
-    axes.axvspan(left, finest, color="0.88", linewidth=0, zorder=0, label=unresolved)
-    axes.set_xlim(left=left)
-    axes.set_xlabel("wavelength of the pressure over the punch radius a")
-    axes.set_ylabel("relative difference of energies")
-    return complete(
-        figure,
-        (scene.title, "the methods compared for every pressure"),
-        [axes],
-        "Each method computes the elastic energy of the same pressures. The largest elements do "
-        "not resolve the waves in the shaded part:\n"
-        "differences there, up to 100 %, are irrelevant for the answer, which consists of the long "
-        "waves at the right.",
     )

@@ -94,7 +94,7 @@ def draw(
 
     Parameters
     ----------
-    table : table of `measure`, or rows of it
+    table : table of `measure`, or rows of it; sizes below a column `unresolved` are shaded
     axes : columns of the abscissas; each has rows of panels of its own
     y : column of the ordinate
     orders : table of observed orders, whose theoretical orders are drawn as dotted lines
@@ -194,7 +194,7 @@ def _mark_failures(axes: "Axes", failed: pd.DataFrame, x: str, looks: Mapping[st
 
 
 def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
-    """Shade errors above what is promised, and those below the error of the reference."""
+    """Shade what is beyond a tolerance, the error of the reference, or the size of the elements."""
     low, high = axes.get_ylim()
     promised = rows.dropna(subset=["tolerance"]).sort_values("place").drop_duplicates("place")
     if len(promised) > 1 and x == "parameter":
@@ -208,4 +208,9 @@ def _shade(axes: "Axes", rows: pd.DataFrame, x: str) -> None:
         axes.fill_between(floor.index, low / 10, floor, where=floor > low, **shade)
     elif floor.max() > low:
         axes.axhspan(low / 10, floor.max(), **shade)
+    if "unresolved" in rows:
+        left, _ = axes.get_xlim()
+        unresolved = "waves finer than the elements"
+        axes.axvspan(left, rows["unresolved"].min(), label=unresolved, **shade)
+        axes.set_xlim(left=left)
     axes.set_ylim(low, high)

@@ -3,7 +3,6 @@
 What does not fit the study is refused with the remedy.
 """
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from runpy import run_path
@@ -349,12 +348,11 @@ def read_meshes(
         Path(source).name if isinstance(source, str | Path) else f"mesh {number}"
         for number, source in enumerate(sources, 1)
     ]
-    count = Counter(names)
-    unique = [
-        name if count[name] == 1 else f"{source} ({number})"
-        for number, (name, source) in enumerate(zip(names, sources, strict=True), 1)
-    ]
-    return dict(zip(unique, meshes, strict=True))
+    listed = enumerate(zip(names, sources, meshes, strict=True), 1)
+    return {
+        name if names.count(name) == 1 else f"{source} ({number})": mesh
+        for number, (name, source, mesh) in listed
+    }
 
 
 def _load(option: str, text: str, kind: type, what: str) -> Any:

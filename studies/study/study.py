@@ -155,8 +155,9 @@ class Study(AnswersGuesses):
         from ..report.template import write_study
 
         title = f"Study: {self.name}"
+        captions = {"answer": f"answer: {CELLS}"}
         parts = [
-            (f"answer: {CELLS}" * (not number) if name == "answer" else name * (not number), part)
+            (captions.get(name, name) * (not number), part)
             for name in [name for name in ON_PAGE if name in tables] or [self.name]
             for number, part in enumerate(blocks(self._for_papers(name)))
         ]

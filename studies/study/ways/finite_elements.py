@@ -105,7 +105,6 @@ def on_mesh(
     degree: int,
     poles: tuple[int, ...],
     element: Element | None = None,
-    with_indicators: bool = False,
 ) -> Solution:
     """Return the solution by finite elements of one degree on a mesh.
 
@@ -116,17 +115,18 @@ def on_mesh(
     degree : polynomial degree of the displacement along a side
     poles : orders of the poles of the far field
     element : element of scikit-fem or of the user; by default the Lagrange element of the degree
-    with_indicators : whether to compute the error indicators, on triangles
     """
     solid = AxisymmetricElasticity(mesh, degree, problem.ground, element)
     space = pressure_space(solid, problem.merged.ring_edges)
-    return solved(problem, HalfSpace(solid, space, poles), with_indicators)
+    half_space = HalfSpace(solid, space, poles)
+    return wear_on(problem, half_space.compliance(), half_space)
 
 
-def solved(problem: Problem, half_space: HalfSpace, with_indicators: bool = False) -> Solution:
-    """Return the solution on a half-space, with the error indicators of its triangles if wanted."""
-    solution = wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
-    if not with_indicators or not isinstance(half_space.solid.mesh, MeshTri):
+def indicated(problem: Problem, solution: Solution) -> Solution:
+    """Return a solution with the error indicators of its triangles, if it has triangles."""
+    half_space = solution.half_space
+    assert half_space is not None
+    if not isinstance(half_space.solid.mesh, MeshTri):
         return solution
     pressures = states(problem, solution)
     assert solution.wear is not None
@@ -240,7 +240,8 @@ def by_tolerance(name: str, tolerances: Sequence[float], settings: Mapping[str, 
         if "degree" in chosen:
             chosen["degree"] = chosen["degree"] or triangle_degree(problem)
         at_level = replace(problem, rtol=level, fem=FemAccuracy.model_validate(chosen))
-        return solved(problem, half_space_on(at_level, fem_sizes(at_level)))
+        half_space = half_space_on(at_level, fem_sizes(at_level))
+        return wear_on(problem, half_space.compliance(), half_space)
 
     return Way(name, "fem", tolerances, solve, COUNTED, largest=0.0)
 
@@ -295,7 +296,7 @@ def adaptive(levels: Sequence[int]) -> Way:
             before = previous.half_space.solid.mesh
             mesh = bisection.refined(before, marked, problem.merged.ring_edges)
         poles, degree = poles_without_error(problem, mesh), triangle_degree(problem)
-        return on_mesh(problem, mesh, degree, poles, with_indicators=True)
+        return indicated(problem, on_mesh(problem, mesh, degree, poles))
 
     theory = theories.FOR_ADAPTIVE_MESHES
     return Way("adaptive triangles", "fem", levels, solve, COUNTED, None, theory, sequential=True)
@@ -346,7 +347,8 @@ def own_meshes(
     def solve(problem: Problem, level: OwnMesh) -> Solution:
         poles = pole_orders(problem, truncation(level.mesh))
         chosen = degree or degree_on(problem, level.mesh)
-        return on_mesh(problem, level.mesh, chosen, poles, element, with_indicators=element is None)
+        solution = on_mesh(problem, level.mesh, chosen, poles, element)
+        return solution if element else indicated(problem, solution)
 
     return Way(name, "fem", levels, solve, COUNTED, theory=without_order(theories.OWN_MESH))
 

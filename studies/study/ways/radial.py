@@ -109,7 +109,7 @@ def cells(method: str, factors: Sequence[float], degree: int = 0, quads: bool = 
         if method != "fem":
             return wear_on(problem, compliance_on(method, at_level.space(), problem))
         half_space = elements_on(problem, at_level, level, degree, quads)
-        return wear_on(problem, half_space.compliance(), half_space.unknowns, half_space)
+        return wear_on(problem, half_space.compliance(), half_space)
 
     theory = without_order(theories.MOVING_EDGES)
     name = f"{'Q' if quads else 'P'}{degree} below cells" if method == "fem" else method.upper()
