@@ -18,6 +18,14 @@ from .keywords import (
     surface,
 )
 
+NAME, RESULTS, COMMAND = "Abaqus", ".rpt", "abaqus job={job} interactive"
+ABOUT = (
+    "The keywords of these decks were compared with documented examples, one by one. **The decks "
+    "were not run.** In Abaqus/Viewer choose Report > Field Output, position Unique Nodal, RF.RF2 "
+    "of prescribed.odb (or CPRESS, and U.U2, of a contact deck), the node set CONTACT, and every "
+    "step, appended to one file with the name of the deck and the ending .rpt."
+)
+"""Name of the program, ending of its results, how a deck is run, and remarks in the README."""
 PUNCH_HEIGHT = 0.5
 """Height to which the side of the punch is modelled, in punch radii."""
 NOT_RUN = ["** not run: the keywords were only compared with documented examples"]

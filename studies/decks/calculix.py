@@ -25,6 +25,14 @@ from .keywords import (
     surface,
 )
 
+NAME, RESULTS = "CalculiX", ".dat"
+COMMAND = "OMP_NUM_THREADS=1 ccx {job}          # give the name without .inp"
+ABOUT = (
+    "Forces in the .dat file are those on a wedge of 2 degrees. `ringwear check` multiplies them "
+    "by 180, and computes the pressures by the consistent mass matrix of the contact line (2 pi r "
+    "dr). Loads in the deck are those on the whole circumference. Tested with CalculiX 2.20."
+)
+"""Name of the program, ending of its results, how a deck is run, and remarks in the README."""
 PAD_HEIGHT = 0.3
 """Height of the pad, in punch radii."""
 SPRING_STIFFNESS = 1e5

@@ -41,10 +41,6 @@ LOCKING = 0.49
 """Poisson's ratio above which pure displacement elements lock."""
 AT_THE_HEAD = ("mesh: ", "stable: ", "recommended: ")
 """Lines about wear steps that each deck has at its head."""
-COMMANDS = {
-    "calculix": "OMP_NUM_THREADS=1 ccx {job}          # give the name without .inp",
-    "abaqus": "abaqus job={job} interactive",
-}
 CLAMPED = 1.1
 """Relative error of the indentation of a half-space that is clamped at R, times R / a, for a
 Poisson's ratio of 0.3 (`ringwear study truncation`)."""
@@ -256,9 +252,7 @@ def read_me(
     scene, mesh = model.scene, model.mesh
     names = scene.unit_names
     units = scene.units or "none: numbers are in any consistent units"
-    results = f"prescribed{'.dat' if program == 'calculix' else '.rpt'}"
-    results = results if prescribed else results.replace("prescribed", "contact_1")
-    job = results.partition(".")[0]
+    job, writer = "prescribed" if prescribed else "contact_1", PROGRAMS[program]
 
     def written(value: float, kind: str) -> str:
         return names.write(value, kind, 6)
@@ -276,8 +270,7 @@ def read_me(
         for number, state in enumerate(states, 1)
     ]
     lines = [
-        f"# {scene.title or 'Untitled scene'}: input files for "
-        f"{'CalculiX' if program == 'calculix' else 'Abaqus'}",
+        f"# {scene.title or 'Untitled scene'}: input files for {writer.NAME}",
         "",
         f"Units: {units}. x is the radius, y the height; the half-space is y < 0.",
         "",
@@ -338,14 +331,14 @@ def read_me(
         "",
         "## Run the deck and check the results",
         "",
-        f"    {COMMANDS[program].format(job=job)}",
-        f"    ringwear check scene.toml {results}",
+        f"    {writer.COMMAND.format(job=job)}",
+        f"    ringwear check scene.toml {job}{writer.RESULTS}",
         "",
         "`ringwear check` also reads the deck, which contains the positions of the nodes: leave "
         "the deck and the results in the same folder.",
         "",
     ]
-    return lines + (_about_calculix() if program == "calculix" else _about_abaqus())
+    return [*lines, writer.ABOUT]
 
 
 def _about_clamping(model: Model, reach: float) -> list[str]:
@@ -363,23 +356,4 @@ def _about_clamping(model: Model, reach: float) -> list[str]:
         "large by this relative error; under a given force the indentation is too small. The "
         "relative error is larger in the late pressures of rings that wear fast, because these "
         "pressures are small. Twice the reach halves this error and needs few more elements."
-    ]
-
-
-def _about_calculix() -> list[str]:
-    return [
-        "Forces in the .dat file are those on a wedge of 2 degrees. `ringwear check` multiplies "
-        "them by 180, and computes the pressures by the consistent mass matrix of the contact line "
-        "(2 pi r dr). Loads in the deck are those on the whole circumference. Tested with CalculiX "
-        "2.20.",
-    ]
-
-
-def _about_abaqus() -> list[str]:
-    return [
-        "The keywords of these decks were compared with documented examples, one by one. **The "
-        "decks were not run.** In Abaqus/Viewer choose Report > Field Output, position Unique "
-        "Nodal, RF.RF2 of prescribed.odb (or CPRESS, and U.U2, of a contact deck), the node set "
-        "CONTACT, and every step, appended to one file with the name of the deck and the ending "
-        ".rpt.",
     ]
