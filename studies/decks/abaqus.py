@@ -26,6 +26,8 @@ ABOUT = (
     "step, appended to one file with the name of the deck and the ending .rpt."
 )
 """Name of the program, ending of its results, how a deck is run, and remarks in the README."""
+PRESSED_BY_FORCE = ", and then by the force in it"
+"""How a contact deck presses the punch if the scene gives the force."""
 PUNCH_HEIGHT = 0.5
 """Height to which the side of the punch is modelled, in punch radii."""
 NOT_RUN = ["** not run: the keywords were only compared with documented examples"]

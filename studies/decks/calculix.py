@@ -33,6 +33,8 @@ ABOUT = (
     "dr). Loads in the deck are those on the whole circumference. Tested with CalculiX 2.20."
 )
 """Name of the program, ending of its results, how a deck is run, and remarks in the README."""
+PRESSED_BY_FORCE = " (a flat face: by the force; under a force, a worn face does not converge)"
+"""How a contact deck presses the punch if the scene gives the force."""
 PAD_HEIGHT = 0.3
 """Height of the pad, in punch radii."""
 SPRING_STIFFNESS = 1e5

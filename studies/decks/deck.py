@@ -6,7 +6,9 @@ contact also a linear deck of prescribed displacements, with a step for each tim
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -131,8 +133,9 @@ def deck(
             files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
         if problem.full_contact:
             files["prescribed.inp"] = writer.prescribed(model, punch_states)
-        lines = read_me(model, program, reach, punch_states, problem.full_contact, steps)
-        for name, content in (files | {"README.md": lines}).items():
+        about = {"writer": writer, "states": punch_states, "prescribed": problem.full_contact}
+        files["README.md"] = [read_me(model, reach, steps, **about)]
+        for name, content in files.items():
             (folder.hidden / name).write_text("\n".join(content) + "\n", "utf-8")
         (folder.hidden / "scene.toml").write_text(scene.to_toml(), "utf-8")
     return [Path(out) / name for name in folder.written]
@@ -231,129 +234,27 @@ def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
     ]
 
 
-def read_me(
-    model: Model,
-    program: str,
-    reach: float,
-    states: Sequence[State],
-    prescribed: bool,
-    wear_step: Sequence[str],
-) -> list[str]:
-    """Return the lines of the README.
+def read_me(model: Model, reach: float, wear_steps: Sequence[str], **context: Any) -> str:
+    """Return the README, which is made from a template.
 
     Parameters
     ----------
-    program : `calculix` or `abaqus`
+    model : the scene and the mesh
     reach : radius of the modelled half-space, in punch radii
-    states : the punch at each time
-    prescribed : whether there is a deck with prescribed displacements
-    wear_step : lines about the longest stable update of wear on the mesh
+    wear_steps : lines about the longest stable update of wear on the mesh
+    context : the module of the program (`writer`), the punch at each time (`states`), and whether
+        there is a deck with prescribed displacements (`prescribed`)
     """
-    scene, mesh = model.scene, model.mesh
-    names = scene.unit_names
-    units = scene.units or "none: numbers are in any consistent units"
-    job, writer = "prescribed" if prescribed else "contact_1", PROGRAMS[program]
+    from jinja2 import StrictUndefined, Template
 
-    def written(value: float, kind: str) -> str:
-        return names.write(value, kind, 6)
-
-    by_force = scene.load_.indentation is None
-    pressed = "pressed to the indentation in the table"
-    if by_force and program == "abaqus":
-        pressed = "pressed to the indentation in the table, and then by the force in it"
-    elif by_force:
-        pressed += " (a flat face: by the force; under a force, a worn face does not converge)"
-    rows = [
-        f"| `contact_{number}.inp` | {f'{number} of prescribed.inp' if prescribed else '-'} | "
-        f"{written(state.time, 'time')} | {written(state.indentation, 'displacement')} | "
-        f"{written(state.force, 'force')} |"
-        for number, state in enumerate(states, 1)
-    ]
-    lines = [
-        f"# {scene.title or 'Untitled scene'}: input files for {writer.NAME}",
-        "",
-        f"Units: {units}. x is the radius, y the height; the half-space is y < 0.",
-        "",
-        "## What is modelled",
-        "",
-        f"- The half-space is a quarter disc of radius R = {reach:g} a. It is clamped on its arc"
-        f"{' and on its rigid base' if len(mesh.base) else ''}, has no radial displacement on the "
-        f"axis, and no traction beside the punch. a = {written(model.radius, 'length')}; "
-        + "; ".join(
-            f"{'' if len(model.materials) == 1 else material.name + ': '}E = "
-            f"{written(material.youngs_modulus, 'pressure')}, Poisson's ratio "
-            f"{material.poisson_ratio:g}"
-            for material in model.materials
-        )
-        + ". If both bodies are elastic, this is one half-space with their common modulus.",
-        f"- The mesh has {len(mesh.cells)} axisymmetric elements {model.element} and "
-        f"{len(mesh.points)} nodes. All ring edges are nodes; elements are smallest there and "
-        "at the rim.",
-        "- The punch is rigid and without friction. Its worn face was computed by MDR to the "
-        f"scene's rtol, {scene.accuracy.rtol:g}; the program does not compute wear.",
-    ]
-    if prescribed:
-        lines += [
-            "- `prescribed.inp` (recommended) is a linear problem with a step for each time. Each "
-            "contact node is displaced downwards by u = d - f, the indentation minus the height of "
-            "the face; radial displacements are free. The results are the reaction forces.",
-        ]
-    else:
-        lines += [
-            "- There is no deck with prescribed displacements, because only a part of the face "
-            "touches, and it is not known in advance which nodes do."
-        ]
-    lines += [
-        "- `contact_1.inp`, ..., one file for each time, model contact of linear elements with a "
-        f"rigid punch, {pressed}. The modulus of the half-space is multiplied, and the heights of "
-        "the face divided, by the number in the comment `displacements times`, so that the "
-        "indentation is at most a/1000. Forces and pressures are those of the scene; displacements "
-        "are divided by this number.",
-        "",
-        "| file | step | time | indentation | force |",
-        "| --- | --- | --- | --- | --- |",
-        *rows,
-        "",
-        "## Errors of the model",
-        "",
-        *_about_clamping(model, reach),
-        "- Near ring edges, where pressures jump, the pressures of the nearest elements err by "
-        "about 10 to 20 %, whatever the element size. With smaller elements, this error affects a "
-        "smaller part of the face.",
-        "- At the start the pressure is infinite at the rim. `ringwear check` compares it inside "
-        "0.95 a.",
-        "",
-        "## Wear in steps",
-        "",
-        "A loop around this mesh that updates the face by `f += k v p dt` is stable up to a step:",
-        "",
-        *(f"- {line}" for line in wear_step),
-        "",
-        "## Run the deck and check the results",
-        "",
-        f"    {writer.COMMAND.format(job=job)}",
-        f"    ringwear check scene.toml {job}{writer.RESULTS}",
-        "",
-        "`ringwear check` also reads the deck, which contains the positions of the nodes: leave "
-        "the deck and the results in the same folder.",
-        "",
-    ]
-    return [*lines, writer.ABOUT]
-
-
-def _about_clamping(model: Model, reach: float) -> list[str]:
-    """Return the line about the error of the clamped arc."""
-    if len(model.mesh.base):
-        return []
-    if model.scene.problem.ground.layered:
-        return [
-            f"- Because it is clamped at R = {reach:g} a, the half-space is too stiff. Twice the "
-            "reach halves this error and needs few more elements."
-        ]
-    return [
-        f"- Because it is clamped at R, the half-space is too stiff by about {CLAMPED:g} a/R = "
-        f"{CLAMPED / reach:.2g} (for Poisson's ratio 0.3). At a given indentation the force is too "
-        "large by this relative error; under a given force the indentation is too small. The "
-        "relative error is larger in the late pressures of rings that wear fast, because these "
-        "pressures are small. Twice the reach halves this error and needs few more elements."
-    ]
+    scene, template = model.scene, Path(__file__).with_name("readme.md.j2").read_text("utf-8")
+    layout = {"trim_blocks": True, "lstrip_blocks": True, "undefined": StrictUndefined}
+    return Template(template, **layout).render(
+        **{"model": model, "scene": scene, "reach": reach, "wear_steps": wear_steps},
+        write=partial(scene.unit_names.write, digits=6),
+        on_base=len(model.mesh.base) > 0,
+        by_force=scene.load_.indentation is None,
+        job="prescribed" if context["prescribed"] else "contact_1",
+        clamped=CLAMPED,
+        **context,
+    )
