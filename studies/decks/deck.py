@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from ..crosscheck import (
 )
 from ..wear_step.limits import describe, limits_on_mesh
 from . import abaqus, calculix
-from .keywords import Model, State
+from .keywords import Model, State, head, pressed_nodes, render
 from .mesh import deck_mesh, layered_mesh
 
 PROGRAMS = {"calculix": calculix, "abaqus": abaqus}
@@ -126,17 +125,33 @@ def deck(
         model = replace(model, wear_steps=heads)
         # contact decks have linear elements, whose nodes are the corners
         linear_model = replace(model, mesh=replace(mesh, quadratic=False))
-        files = dict[str, list[str]]()
+        files = dict[str, str]()
         for number, state in enumerate(punch_states, 1):
             scale = max(1.0, state.pressing_depth / (MAX_INDENTATION * model.radius))
             at_corners = replace(state, heights=state.heights[:: 1 + quadratic])
-            files[f"contact_{number}.inp"] = writer.contact(linear_model, at_corners, scale)
+            about = f"a rigid {writer.PRESSED} is pressed on"
+            files[f"contact_{number}.inp"] = render(
+                f"{program}_contact.inp",
+                head=head(linear_model, about, writer.COMMENTS, [at_corners], scale),
+                **{"model": linear_model, "state": at_corners, "scale": scale},
+                **writer.contact(linear_model, at_corners, scale),
+            )
         if problem.full_contact:
-            files["prescribed.inp"] = writer.prescribed(model, punch_states)
-        about = {"writer": writer, "states": punch_states, "prescribed": problem.full_contact}
-        files["README.md"] = [read_me(model, reach, steps, **about)]
+            about = "displacements of the contact nodes are prescribed"
+            files["prescribed.inp"] = render(
+                f"{program}_prescribed.inp",
+                head=head(model, about, writer.COMMENTS, punch_states),
+                pressed_nodes=[pressed_nodes(model, state) for state in punch_states],
+            )
+        files["README.md"] = render(
+            "readme.md",
+            **{"model": model, "scene": scene, "writer": writer, "states": punch_states},
+            **{"reach": reach, "wear_steps": steps, "clamped": CLAMPED},
+            prescribed=problem.full_contact,
+            write=partial(scene.unit_names.write, digits=6),
+        )
         for name, content in files.items():
-            (folder.hidden / name).write_text("\n".join(content) + "\n", "utf-8")
+            (folder.hidden / name).write_text(f"{content}\n", "utf-8")
         (folder.hidden / "scene.toml").write_text(scene.to_toml(), "utf-8")
     return [Path(out) / name for name in folder.written]
 
@@ -232,29 +247,3 @@ def states(scene: Scene, times: Sequence[float], radii: Array) -> list[State]:
     return [
         State(time, float(depth), float(force), heights) for time, depth, force, heights in rows
     ]
-
-
-def read_me(model: Model, reach: float, wear_steps: Sequence[str], **context: Any) -> str:
-    """Return the README, which is made from a template.
-
-    Parameters
-    ----------
-    model : the scene and the mesh
-    reach : radius of the modelled half-space, in punch radii
-    wear_steps : lines about the longest stable update of wear on the mesh
-    context : the module of the program (`writer`), the punch at each time (`states`), and whether
-        there is a deck with prescribed displacements (`prescribed`)
-    """
-    from jinja2 import StrictUndefined, Template
-
-    scene, template = model.scene, Path(__file__).with_name("readme.md.j2").read_text("utf-8")
-    layout = {"trim_blocks": True, "lstrip_blocks": True, "undefined": StrictUndefined}
-    return Template(template, **layout).render(
-        **{"model": model, "scene": scene, "reach": reach, "wear_steps": wear_steps},
-        write=partial(scene.unit_names.write, digits=6),
-        on_base=len(model.mesh.base) > 0,
-        by_force=scene.load_.indentation is None,
-        job="prescribed" if context["prescribed"] else "contact_1",
-        clamped=CLAMPED,
-        **context,
-    )
