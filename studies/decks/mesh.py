@@ -68,19 +68,22 @@ class DeckMesh:
         return np.hstack([self.mesh.p, middles] if self.quadratic else [self.mesh.p]).T
 
     @cached_property
-    def cells(self) -> Indices:
-        """(m, 4 or 8) nodes of the elements, anticlockwise with the height upwards.
-
-        The corners are followed by the middles of the sides, as in CAX4 and CAX8.
-        """
-        corners, sides = self.mesh.t, self.mesh.t2f + self.mesh.nvertices
+    def _around(self) -> tuple[Indices, Indices]:
+        """Corners and sides (4, m) of the elements, anticlockwise with the height upwards."""
+        corners, sides = self.mesh.t, self.mesh.t2f
         r, z = self.mesh.p[:, corners]
         twice_area = (r * np.roll(z, -1, axis=0) - np.roll(r, -1, axis=0) * z).sum(axis=0)
         # depth points down: clockwise in radius and depth is anticlockwise in radius and height
         clockwise = twice_area < 0
         corners = np.where(clockwise, corners, corners[[0, 3, 2, 1]])
-        sides = np.where(clockwise, sides, sides[::-1])
-        return np.vstack([corners, sides] if self.quadratic else [corners]).T
+        return corners, np.where(clockwise, sides, sides[::-1])
+
+    @cached_property
+    def cells(self) -> Indices:
+        """(m, 4 or 8) nodes of the elements: corners and middles of sides, as in CAX4 and CAX8."""
+        corners, sides = self._around
+        middles = sides + self.mesh.nvertices
+        return np.vstack([corners, middles] if self.quadratic else [corners]).T
 
     @cached_property
     def contact(self) -> Indices:
@@ -90,11 +93,9 @@ class DeckMesh:
     @cached_property
     def faces(self) -> list[tuple[int, int]]:
         """Elements at the contact, from inside to outside, each with its side there, from 1."""
+        _, sides = self._around
         cells = self.mesh.f2t[0, self._facets]
-        ends = np.sort(self.mesh.facets[:, self._facets], axis=0)
-        corners = self.cells[cells, :4].T
-        sides = np.sort([corners, np.roll(corners, -1, axis=0)], axis=0)
-        numbers = (sides == ends[:, None]).all(axis=0).argmax(axis=0) + 1
+        numbers = (sides[:, cells] == self._facets).argmax(axis=0) + 1
         return list(zip(cells.tolist(), numbers.tolist(), strict=True))
 
     @property
