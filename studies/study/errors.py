@@ -113,7 +113,7 @@ def error(
     values: Results,
     exact: Results,
     problem: Problem,
-    among: NDArray[np.bool_] | None = None,
+    among: NDArray[np.bool_] | bool = True,
 ) -> float:
     """Return the relative error of a quantity; NaN if the values lack it.
 
@@ -122,7 +122,7 @@ def error(
     part : quantity, at the start or later
     values, exact : values of a solution and of the reference, by quantity; fields are on the face
     problem : problem of the case
-    among : (T,) mask of the times to take into account; None for all
+    among : (T,) mask of the times to take into account; True for all
 
     Returns
     -------
@@ -146,7 +146,7 @@ def error(
         sizes = differences({name: value}, exact, problem.face)[name]
     selected: Any = ...
     if part.when != ALL:
-        selected = at(problem, part.when) & (True if among is None else among)
+        selected = at(problem, part.when) & among
     elif "mode" in DESCRIBED[name].dims:
         selected = slice(COMPARED_MODES)
     chosen = np.atleast_1d(sizes[selected])
@@ -163,7 +163,7 @@ def estimate(
     part: Part,
     solution: Solution,
     problem: Problem,
-    among: NDArray[np.bool_] | None = None,
+    among: NDArray[np.bool_] | bool = True,
 ) -> float:
     """Return the method's own error estimate of a quantity, at the same times; NaN without one."""
     name = part.quantity
@@ -173,8 +173,7 @@ def estimate(
         return float(np.max(solution.errors[name]))
     errors = np.atleast_1d(solution.compared_error(problem, name))
     if part.when != ALL:
-        mask = at(problem, part.when) & (True if among is None else among)
-        errors = errors[mask[: len(errors)]]
+        errors = errors[(at(problem, part.when) & among)[: len(errors)]]
     elif "mode" in DESCRIBED[name].dims:
         errors = errors[:COMPARED_MODES]
     errors = errors[~np.isnan(errors)]
@@ -183,13 +182,13 @@ def estimate(
 
 def promised_times(
     problem: Problem, quantity: str, method: str, solution: Solution
-) -> NDArray[np.bool_] | None:
+) -> NDArray[np.bool_] | bool:
     """Return a mask (T,) of the times at which a solution promises the accuracy of a quantity.
 
-    It is None if the quantity does not depend on time.
+    It is True if the quantity does not depend on time.
     """
     if quantity not in QUANTITIES or not QUANTITIES[quantity].over_time:
-        return None
+        return True
     times = range(len(problem.compared_rows))
     return np.array([not unresolved(problem, quantity, {method: solution}, row) for row in times])
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from ...meshes import Array, RingwearError
@@ -92,7 +93,9 @@ def _measure_way(judge: "_Judge", record: Record, first: int, total: int, runs: 
     """
     case, way = judge.case, judge.way
     earlier = record.earlier(case.name, way.name)
-    done = _is_complete(way, earlier)
+    outcomes = [rows[0]["outcome"] for rows in earlier.values()]
+    # an earlier run has solved all levels, or has failed
+    done = len(earlier) == len(way.levels) or outcomes[-1:] not in ([], [SOLVED])
     previous, seconds_before = None, 0.0
     for number, level in enumerate(way.levels):
         rows = earlier.get(str(level), [])
@@ -114,12 +117,6 @@ def _measure_way(judge: "_Judge", record: Record, first: int, total: int, runs: 
         judged = judge.rows(facts, solution)
         record.add(rows or judged)
         previous = solution
-
-
-def _is_complete(way: Way, earlier: dict[str, list[Row]]) -> bool:
-    """Return whether an earlier run has solved all levels of a way, or has failed."""
-    outcomes = [rows[0]["outcome"] for rows in earlier.values()]
-    return outcomes[-1:] not in ([], [SOLVED]) or len(earlier) == len(way.levels)
 
 
 def _solve(
@@ -183,11 +180,11 @@ class _Judge:
         for part in self.parts:
             if part.quantity not in values:
                 continue
-            among = None
+            among: NDArray[np.bool_] | bool = True
             if self.only_promised:
                 among = promised_times(problem, part.quantity, method, solution)
-                if among is not None and not among.any():
-                    continue
+            if not np.any(among):
+                continue
             limit, index = self._richardson(part)
             judged = {
                 "quantity": part.quantity,
