@@ -133,8 +133,8 @@ def render(template: str, **context: Any) -> str:
     from jinja2 import StrictUndefined, Template
 
     source = Path(__file__).with_name(f"{template}.j2").read_text("utf-8")
-    layout = {"trim_blocks": True, "lstrip_blocks": True, "undefined": StrictUndefined}
-    return Template(source, **layout).render(**context).rstrip("\n")
+    read = Template(source, trim_blocks=True, lstrip_blocks=True, undefined=StrictUndefined)
+    return read.render(**context).rstrip("\n")
 
 
 def head(

@@ -222,7 +222,7 @@ def _edge_sizes(edges: Array, size: float) -> Array:
 def _radii(edges: Array, size: float) -> Array:
     """Return the radii of the vertices of the square, from 0 to its side."""
     grow = partial(structured.growing_distances, growth=GROWTH * size)
-    edge_sizes, lines = _edge_sizes(edges, size), [np.zeros(1)]
+    edge_sizes, lines = _edge_sizes(edges, size), list[Array]([np.zeros(1)])
     largest = size * np.minimum(np.diff(edges) / WIDE, 1.0)
     for number, (start, end) in enumerate(itertools.pairwise(edges)):
         # sizes grow to the middle of a ring, or to the axis

@@ -149,11 +149,13 @@ def _of_numbers(
     errors, changes = np.abs(values - right), values[:-1] - values[1:]
     last = order_of_three(sizes[-3:], changes[-2:])
     if np.isfinite(right):
-        fitted, between = order_of_errors(sizes, errors), orders_between(sizes, errors)[-2:]
+        fitted, between = order_of_errors(sizes, errors), orders_between(sizes, errors)
     else:
         monotonic = (np.sign(changes) == np.sign(changes[-1])).all()
         fitted = order_of_changes(sizes, np.abs(changes) if monotonic else changes * np.nan)
-        between = [order_of_three(sizes[-4:-1], changes[-3:-1]), last] if len(sizes) > 3 else []
+        # the order of the three levels before the last needs a fourth one
+        pairs = [(sizes[-4:-1], changes[-3:-1])] if len(sizes) > 3 else []
+        between = np.array([*(order_of_three(*pair) for pair in pairs), last])
     distance = weight_of_limit(sizes, last) * changes[-1]
     limit = values[-1] - distance
     relative = abs(distance / values[-1]) if right != 0 and values[-1] else np.nan
@@ -174,7 +176,7 @@ def _of_numbers(
     return row | sheet | {"within": within}
 
 
-def _asymptotic(orders: Sequence[float]) -> float:
+def _asymptotic(orders: Array) -> float:
     """Return 1 if two orders agree, and 0 if they do not; NaN if there are not two of them."""
     return float(abs(orders[-1] - orders[-2]) <= ORDER_TOLERANCE) if len(orders) > 1 else np.nan
 

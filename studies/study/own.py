@@ -355,7 +355,7 @@ def read_meshes(
     }
 
 
-def _load(option: str, text: str, kind: type, what: str) -> Any:
+def _load(option: str, text: str, kind: Any, what: str) -> Any:
     """Run a Python file and return the object with a given name from it, or an instance of a class.
 
     Parameters
