@@ -40,15 +40,6 @@ SHARED_KEYS = (
 )
 
 
-def identity(sweep: Sweep) -> dict[str, str]:
-    """Return the attributes that tell the results of sweeps apart: sweep, versions and code."""
-    return {
-        "sweep": json_text(sweep.table),
-        "versions": json_text(package_versions()),
-        "code": code(),
-    }
-
-
 def template(sweep: Sweep) -> xarray.Dataset:
     """Return an empty dataset for the results of all scenes; its arrays are views without memory.
 
@@ -81,8 +72,11 @@ def template(sweep: Sweep) -> xarray.Dataset:
         array = np.array(values if numbers else [*map(str, values)], None if numbers else object)
         label = {"long_name": key, "units": names.name(kind_of(key, Scene))}
         dataset = dataset.assign_coords({name: (dim, array, label)})
+    # these tell the results of sweeps apart
+    versions = {"versions": json_text(package_versions()), "code": code()}
+    identity = {"sweep": json_text(sweep.table)} | versions
     # drop coordinates that no variable has
-    return dataset[[*dataset.data_vars]].drop_attrs(deep=False)
+    return dataset[[*dataset.data_vars]].drop_attrs(deep=False).assign_attrs(identity)
 
 
 def described(definition: str) -> dict[str, str]:
@@ -114,19 +108,12 @@ def block_sizes(sweep: Sweep, blank: xarray.Dataset) -> dict[str, int]:
     return {dim: block[dim] for dim in sweep.sizes}
 
 
-def regions(sweep: Sweep, block: dict[str, int]) -> list[dict[str, slice]]:
-    """Return the slice of each dimension that each block covers.
-
-    Parameters
-    ----------
-    sweep : the sweep
-    block : size of a block along each dimension, as `block_sizes` returns it
-    """
-    parts = [
-        [slice(start, start + block[dim]) for start in range(0, size, block[dim])]
-        for dim, size in sweep.sizes.items()
-    ]
-    return [dict(zip(block, box, strict=True)) for box in product(*parts)]
+def unsolved(blank: xarray.Dataset, *sizes: int) -> dict[str, Array]:
+    """Return the values of a block of these sizes before it is computed, from those of a scene."""
+    return {
+        str(name): np.broadcast_to(variable.values, (*sizes, *variable.shape)).copy()
+        for name, variable in blank.data_vars.items()
+    }
 
 
 def one_scene(sweep: Sweep, blank: xarray.Dataset) -> xarray.Dataset:
@@ -147,10 +134,15 @@ class InMemory:
     """
 
     def __init__(self, sweep: Sweep) -> None:
-        empty = template(sweep).assign_attrs(identity(sweep))
+        empty = template(sweep)
         self.blank = one_scene(sweep, empty)
         self._sweep, self._block = sweep, block_sizes(sweep, empty)
-        self._regions = regions(sweep, self._block)
+        parts = [
+            [slice(start, start + self._block[dim]) for start in range(0, size, self._block[dim])]
+            for dim, size in sweep.sizes.items()
+        ]
+        # the slice of each dimension that each block covers
+        self._regions = [dict(zip(sweep.sizes, box, strict=True)) for box in product(*parts)]
         self._open(empty)
 
     def _open(self, empty: xarray.Dataset) -> None:
