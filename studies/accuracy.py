@@ -200,10 +200,6 @@ def accuracy(
     ]
     # meshes of a user are compared with ours; other things replace them unless these are named
     bundled = named if methods or not own or study == "refinement" else ()
-
-    def ways(case: Case) -> list[Way]:
-        return [*selection.ways(case, bundled, quick), *own]
-
     wanted = names if names or (timed and functions) else selection.quantities
     if quick and not names and problem.full_contact:
         # they need a second factorisation
@@ -222,7 +218,9 @@ def accuracy(
     ):
         cases = [whole.with_one_ring(), whole]
     declared = Declared(
-        *(study, selection.question, scene, cases, ways, wanted),
+        *(study, selection.question, scene, cases),
+        ways=lambda case: [*selection.ways(case, bundled, quick), *own],
+        quantities=wanted,
         exact=partial(
             reference,
             names=wanted,

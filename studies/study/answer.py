@@ -16,7 +16,7 @@ import pandas as pd
 
 from ...meshes import Array
 from .errors import EIGENVALUE, STABLE
-from .orders import DIFFERS
+from .orders import DIFFERS, sequences
 from .record import SOLVED
 from .way import KEYS_OF_STUDIES, Part
 
@@ -93,14 +93,13 @@ def costs_of(table: pd.DataFrame, axis: str = "size") -> pd.DataFrame:
     parts = each[["quantity", "when"]].drop_duplicates()
     if len(parts) > 1 and WORST not in set(parts["quantity"]):
         each = pd.concat([worst(each), each])
-    for key, levels in each.groupby(list(KEYS_OF_STUDIES), sort=False):
+    for key, levels in sequences(each):
         sizes = levels["error"].abs().to_numpy()
         ends = {"finest error": sizes[-1], "reference": levels["reference"].max()}
         ends |= {"of": levels["of"].iloc[-1]} if "of" in levels else {}
         for goal in GOALS:
             told = {name: reached(levels[name].to_numpy(float), sizes, goal) for name in names}
-            key_of = dict(zip(KEYS_OF_STUDIES, key, strict=True))
-            rows.append(key_of | {"goal": goal} | told | ends)
+            rows.append(key | {"goal": goal} | told | ends)
     return pd.DataFrame(rows)
 
 

@@ -149,9 +149,9 @@ def conduct(declared: Declared, record: Record | None = None, quick: bool = Fals
 
 def shown(table: pd.DataFrame, names: Collection[str], functions: Collection[str]) -> pd.DataFrame:
     """Return the rows of the answer: of functions, and of named quantities or else of `SHOWN`."""
-    parts = [Part(*pair) for pair in zip(table["quantity"], table["when"], strict=True)]
     chosen = [
-        part.quantity in (*names, *functions) or (not names and part in SHOWN) for part in parts
+        part.quantity in (*names, *functions) or (not names and part in SHOWN)
+        for part in map(Part, table["quantity"], table["when"])
     ]
     rows = table[np.array(chosen, dtype=bool)] if any(chosen) else table.dropna(subset="quantity")
     own = rows["quantity"].isin([*functions])
