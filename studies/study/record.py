@@ -50,7 +50,7 @@ class Record:
     file: Path | None = None
     rows: list[Row] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
-    before: list[Row] = field(default_factory=list)
+    before: Sequence[Row] = ()
 
     @classmethod
     def resumed(cls, text: str, file: Path | None) -> "Record":
